@@ -1,0 +1,166 @@
+"""The contract that every engine fulfils."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any, ClassVar
+
+import numpy as np
+
+from reference_lcp.lanewise import LaneModel as LaneModel
+from reference_lcp.lanewise import LanewiseSimulation as LanewiseSimulation
+from reference_lcp.simulation import Lane, Simulation, common_cells
+from reference_lcp.validation import FloatArray, checked_choice
+
+
+class FrictionLaw(StrEnum):
+    """How an engine represents Coulomb friction."""
+
+    COULOMB = "Coulomb"
+    REGULARISED = "regularised"
+    BRISTLE = "bristle"
+
+
+class Formulation(StrEnum):
+    """Where the friction acts: in a joint's own dry friction, or between two pressed bodies."""
+
+    JOINT = "joint"
+    CONTACT = "contact"
+
+
+@dataclass(frozen=True)
+class Option:
+    """One setting of an engine.
+
+    Parameters
+    ----------
+    value
+        What the preset sets, as the engine takes it.
+    default
+        What the engine does without it.
+    reason
+        Why it is set, in one sentence.
+    """
+
+    value: Any
+    default: Any
+    reason: str
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A named, documented set of options of one formulation."""
+
+    description: str
+    options: Mapping[str, Option] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> Any:
+        return self.options[name].value
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """What an engine can do, as data.
+
+    Parameters
+    ----------
+    title
+        The name that reports print.
+    package
+        The distribution that holds the engine, as pip knows it.
+    licence
+        Licence of the engine.
+    friction_law
+        How it represents Coulomb friction.
+    presets
+        Presets by formulation, then by name; a formulation that is not listed is not supported.
+    shares_scheme
+        The engine advances velocities, then positions, by the same semi-implicit Euler step as
+        equation (5), so that at equal time step its trajectories equal the reference's.
+    split_tolerance
+        Largest difference between one run and the same run split in two, over the displacement scale.
+    precision
+        Arithmetic of the engine.
+    deterministic
+        Repeated runs are bitwise equal.
+    notes
+        What a reader must know of its friction, in a sentence.
+    """
+
+    title: str
+    package: str
+    licence: str
+    friction_law: FrictionLaw
+    presets: Mapping[Formulation, Mapping[str, Preset]]
+    shares_scheme: bool
+    split_tolerance: float
+    precision: str = "double"
+    deterministic: bool = True
+    notes: str = ""
+
+
+class Engine(ABC):
+    """One simulation engine. Importing its module must not import the engine's own package."""
+
+    name: ClassVar[str]
+    capabilities: ClassVar[Capabilities]
+
+    @abstractmethod
+    def version(self) -> str:
+        """Version of the engine that is installed."""
+
+    @abstractmethod
+    def why_not_installed(self) -> str | None:
+        """Say why the engine cannot be used here, in a sentence; ``None`` if it can."""
+
+    @abstractmethod
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        """Build the lanes; the arguments are checked already."""
+
+    def preset(self, formulation: str, preset: str) -> Preset:
+        """Give a preset by name.
+
+        Raises
+        ------
+        ParameterError
+            If the engine has no such formulation or preset.
+        """
+        by_formulation = self.capabilities.presets
+        checked_choice(f"formulation of {self.name}", formulation, [str(name) for name in by_formulation])
+        presets = by_formulation[Formulation(formulation)]
+        checked_choice(f"preset of {self.name}", preset, list(presets))
+        return presets[preset]
+
+    def build(self, lanes: Sequence[Lane], formulation: str = "joint", preset: str = "tuned") -> Simulation:
+        """Build every lane in the engine.
+
+        Parameters
+        ----------
+        lanes
+            At least one; all chains have the same number of cells.
+        formulation, preset
+            Names that the engine's capabilities list.
+
+        Raises
+        ------
+        ParameterError
+            If lanes, formulation or preset are not what the engine takes.
+        EngineNotInstalled
+            If the engine cannot be used on this machine.
+        """
+        chosen = self.preset(formulation, preset)
+        common_cells(lanes)
+        reason = self.why_not_installed()
+        if reason is not None:
+            raise EngineNotInstalled(f"{self.name}: {reason}")
+        return self._build(tuple(lanes), Formulation(formulation), chosen)
+
+
+class EngineNotInstalled(RuntimeError):
+    """The engine's own package is missing; the message says which and why."""
+
+
+def constant_normal_force(lane: Lane, steps: int) -> FloatArray:
+    """λ_N of a formulation in which it is a given number [N], shape (steps, n)."""
+    return np.broadcast_to(lane.chain.normal_force, (steps, lane.chain.cells))

@@ -1,0 +1,90 @@
+"""The reference: LCP time stepping of the frictional mass-in-mass chain after Sethi, Banerjee and Manna."""
+
+from reference_lcp.chain import Chain
+from reference_lcp.compiled import CompiledSimulation
+from reference_lcp.drive import Drive, HarmonicBase, HarmonicForce, PeriodicDrive, StillBase
+from reference_lcp.euler_lemke import LemkeSimulation, chain_step
+from reference_lcp.frictional_lcp import (
+    ContactImpulses,
+    FrictionalStep,
+    StepFailed,
+    advanced,
+    assemble,
+    assemble_given_normal_force,
+    solve_step,
+    solve_step_given_normal_force,
+)
+from reference_lcp.lemke import LemkeResult, LemkeStatus, lemke, natural_residual
+from reference_lcp.linear_limits import (
+    frictionless_response,
+    frictionless_transmittance,
+    stuck_response,
+    stuck_transmittance,
+)
+from reference_lcp.periodic import OrbitStatus, PeriodicOrbit, periodic_orbits
+from reference_lcp.simulation import Lane, Simulation, steps_per_period_for
+from reference_lcp.steady_state import SOLVERS, SteadyState, simulate, steady_state
+from reference_lcp.stick_slip import (
+    Mode,
+    Transition,
+    contact_modes,
+    creep_velocity,
+    dissipated_energy,
+    stuck_fraction,
+    transitions,
+)
+from reference_lcp.trajectory import State, Trajectory
+from reference_lcp.transmittance import decibel, fundamental, rms_transmittance, transmittance
+from reference_lcp.validation import ParameterError
+
+__all__ = [
+    "SOLVERS",
+    "Chain",
+    "CompiledSimulation",
+    "ContactImpulses",
+    "Drive",
+    "FrictionalStep",
+    "HarmonicBase",
+    "HarmonicForce",
+    "Lane",
+    "LemkeResult",
+    "LemkeSimulation",
+    "LemkeStatus",
+    "Mode",
+    "OrbitStatus",
+    "ParameterError",
+    "PeriodicDrive",
+    "PeriodicOrbit",
+    "Simulation",
+    "State",
+    "SteadyState",
+    "StepFailed",
+    "StillBase",
+    "Trajectory",
+    "Transition",
+    "advanced",
+    "assemble",
+    "assemble_given_normal_force",
+    "chain_step",
+    "contact_modes",
+    "creep_velocity",
+    "decibel",
+    "dissipated_energy",
+    "frictionless_response",
+    "frictionless_transmittance",
+    "fundamental",
+    "lemke",
+    "natural_residual",
+    "periodic_orbits",
+    "rms_transmittance",
+    "simulate",
+    "solve_step",
+    "solve_step_given_normal_force",
+    "steady_state",
+    "steps_per_period_for",
+    "stuck_fraction",
+    "stuck_response",
+    "stuck_transmittance",
+    "transitions",
+    "transmittance",
+]

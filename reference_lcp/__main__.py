@@ -1,0 +1,104 @@
+"""``python -m reference_lcp``: the steady state of one chain, from the command line."""
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from reference_lcp.bench import bench
+from reference_lcp.chain import Chain
+from reference_lcp.console import checked_output_file, run_command
+from reference_lcp.drive import HarmonicBase
+from reference_lcp.periodic import DEFAULT_PERIODS, DEFAULT_RESIDUAL
+from reference_lcp.plot import checked_picture_format, plot_period
+from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.steady_state import SOLVERS, SteadyState, steady_state
+from reference_lcp.stick_slip import Transition
+
+app = typer.Typer(name="python -m reference_lcp", add_completion=False, pretty_exceptions_enable=False)
+
+
+@app.callback(invoke_without_command=True)
+def run(
+    context: typer.Context,
+    friction_ratio: Annotated[float, typer.Option(help="Friction bound over k_c U0.")] = 0.3,
+    frequency_ratio: Annotated[float, typer.Option(help="Drive frequency over the resonator's, ω / ω_r.")] = 0.9,
+    mass_ratio: Annotated[float, typer.Option(help="Inner over outer mass.")] = 1.0,
+    stiffness_ratio: Annotated[float, typer.Option(help="Inner over chain stiffness.")] = 1.0,
+    damping_ratio: Annotated[float, typer.Option(help="c_c / (2 √(k_c m_o)) of the chain dashpots.")] = 0.01,
+    inner_damping_ratio: Annotated[float, typer.Option(help="c_i / (2 √(k_i m_i)) inside the cells.")] = 0.0,
+    cells: Annotated[int, typer.Option(help="Number of cells.")] = 7,
+    base_amplitude: Annotated[float, typer.Option(help="U0 of the base [m].")] = 0.01,
+    steps_per_period: Annotated[
+        int, typer.Option(help="Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.")
+    ] = MINIMUM_STEPS_PER_PERIOD,
+    solver: Annotated[str, typer.Option(help=f"One of {', '.join(SOLVERS)}.")] = "compiled",
+    tolerance: Annotated[float, typer.Option(help="Periodicity residual asked for.")] = DEFAULT_RESIDUAL,
+    max_periods: Annotated[int, typer.Option(help="Periods after which the search gives up.")] = DEFAULT_PERIODS,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    plot: Annotated[Path | None, typer.Option(help="Draw one period into this file.")] = None,
+) -> None:
+    """Find the steady state of a frictional mass-in-mass chain on a base that moves as U0 sin ωt.
+
+    The scheme is Euler's discretisation with a linear complementarity problem in every step.
+    Without options: 7 cells, mass and stiffness ratio 1, damping ratio 0.01, friction ratio 0.3,
+    frequency ratio 0.9. Exit code 0: converged; 1: no steady state within the periods; 2: wrong input.
+
+    Example: python -m reference_lcp --friction-ratio 0.6 --frequency-ratio 1.3 --plot period.png
+    """
+    if context.invoked_subcommand is not None:
+        return
+    chain = Chain.from_ratios(
+        cells=cells,
+        mass_ratio=mass_ratio,
+        stiffness_ratio=stiffness_ratio,
+        damping_ratio=damping_ratio,
+        inner_damping_ratio=inner_damping_ratio,
+        friction_ratio=friction_ratio,
+        base_amplitude=base_amplitude,
+    )
+    drive = HarmonicBase.from_ratio(chain, frequency_ratio, base_amplitude)
+    if plot is not None:
+        checked_picture_format(checked_output_file("plot file", plot))
+    found = steady_state(
+        chain, drive, steps_per_period=steps_per_period, solver=solver, tolerance=tolerance, max_periods=max_periods
+    )
+    print(json.dumps(found.as_dict(), indent=2)) if as_json else _print(found)
+    if plot is not None:
+        plot_period(found.orbit, plot)
+    if not found.orbit.converged:
+        raise typer.Exit(1)
+
+
+@app.command("bench")
+def print_bench(
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Measure the speed of the compiled scheme on this machine."""
+    numbers = bench()
+    print(json.dumps(numbers, indent=2) if as_json else "\n".join(f"{name}: {n:.4g}" for name, n in numbers.items()))
+
+
+def _print(found: SteadyState) -> None:
+    """Print a steady state for people."""
+    console = Console()
+    orbit = found.orbit
+    console.print(f"transmittance         {found.transmittance_db:.4f} dB")
+    console.print(f"periodicity residual  {orbit.residual:.2e} ({orbit.status} after {orbit.periods} periods)")
+    console.print(f"steps per period      {orbit.trajectory.steps} (dt = {orbit.lane.time_step:.6g} s)")
+    table = Table("cell", "stuck fraction", "transitions: time (s) and new mode")
+    for cell, fraction in enumerate(found.stuck_fraction, start=1):
+        table.add_row(str(cell), f"{fraction:.4f}", _listed([t for t in found.transitions if t.cell == cell]))
+    console.print(table)
+
+
+def _listed(changes: list[Transition]) -> Any:
+    return ", ".join(f"{change.time:.5f} {change.kind}" for change in changes) or "none"
+
+
+if __name__ == "__main__":
+    sys.exit(run_command(app))

@@ -1,0 +1,77 @@
+"""How every command of the suite ends: wrong input gives one clear line and exit code 2."""
+
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from reference_lcp.validation import ParameterError
+
+WRONG_INPUT = 2
+"""Exit code of a command that was asked for something impossible."""
+
+UsageError: Any = typer.BadParameter.__base__
+"""What an unknown option, a missing one or a value of the wrong type raises; typer exports only its child."""
+
+
+def run_command(app: typer.Typer, arguments: list[str] | None = None) -> int:
+    """Run a command line and give its exit code.
+
+    Wrong options and `ParameterError` become one line on standard error and `WRONG_INPUT`.
+    """
+    command = typer.main.get_command(app)
+    try:
+        result = command.main(arguments, prog_name=app.info.name, standalone_mode=False)
+    except (typer.Abort, KeyboardInterrupt):
+        print("error: interrupted", file=sys.stderr)
+        return 130
+    except UsageError as problem:
+        print(f"error: {' '.join(problem.format_message().split())}", file=sys.stderr)
+        return WRONG_INPUT
+    except ParameterError as problem:
+        print(f"error: {problem}", file=sys.stderr)
+        return WRONG_INPUT
+    return result if isinstance(result, int) else 0
+
+
+def checked_output_file(name: str, file: Path) -> Path:
+    """Give `file` if it can be written; its folder must exist.
+
+    Raises
+    ------
+    ParameterError
+        If the folder is missing or not writable, or `file` is a folder.
+    """
+    if file.is_dir():
+        raise ParameterError(f"{name} = {file} is a folder; allowed: a file")
+    if not file.parent.is_dir():
+        raise ParameterError(f"{name} = {file}: the folder {file.parent} does not exist")
+    _probe(name, file.parent)
+    return file
+
+
+def checked_output_folder(name: str, folder: Path) -> Path:
+    """Give `folder`, made if it is missing, if files can be written into it.
+
+    Raises
+    ------
+    ParameterError
+        If it cannot be made or written, or is a file.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise ParameterError(f"{name} = {folder} cannot be made: {problem.strerror}") from None
+    _probe(name, folder)
+    return folder
+
+
+def _probe(name: str, folder: Path) -> None:
+    """Write and remove a file: permissions alone do not tell on every file system."""
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as problem:
+        raise ParameterError(f"{name}: the folder {folder} cannot be written: {problem.strerror}") from None

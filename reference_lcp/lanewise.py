@@ -1,0 +1,56 @@
+"""Batches of lanes that are advanced one lane after the other."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_lcp.simulation import Lane
+from reference_lcp.trajectory import State, Trajectory
+from reference_lcp.validation import checked_count
+
+
+class LaneModel(ABC):
+    """One lane, built and ready to be advanced."""
+
+    lane: Lane
+
+    @abstractmethod
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state`, a batch of this one lane, at step index `start`."""
+
+    def close(self) -> None:
+        """Free what is held for this lane."""
+        return
+
+
+class LanewiseSimulation:
+    """A `Simulation` made of one `LaneModel` a lane."""
+
+    def __init__(self, models: Sequence[LaneModel]):
+        self._models = tuple(models)
+        self.lanes = tuple(model.lane for model in self._models)
+
+    @classmethod
+    def build(cls, lanes: Sequence[Lane], make: Callable[[Lane], LaneModel]) -> "LanewiseSimulation":
+        """Make the model of each lane."""
+        return cls([make(lane) for lane in lanes])
+
+    def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
+        """Advance every lane; see `Simulation.run`."""
+        checked_count("steps", steps)
+        return [model.run(state.subset([lane]), start, steps) for lane, model in enumerate(self._models)]
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance every lane, keep the final state; see `Simulation.advance`."""
+        return State.stack([trajectory.end for trajectory in self.run(state, start, steps)])
+
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "LanewiseSimulation":
+        """Give the lanes of these indices; they share the models."""
+        return LanewiseSimulation([self._models[lane] for lane in lanes])
+
+    def close(self) -> None:
+        """Free every lane."""
+        for model in self._models:
+            model.close()

@@ -1,0 +1,236 @@
+"""Lemke's complementary pivoting method, with lexicographic ratio test.
+
+The linear complementarity problem LCP(q, M): find w, z >= 0 with w = M z + q and wᵀ z = 0.
+Lemke (1965); Cottle, Pang, Stone, "The Linear Complementarity Problem" (1992), algorithm 4.4.5 and
+section 4.9 (lexicographic degeneracy resolution).
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_count
+
+PIVOT_TOLERANCE = 1e-11
+"""Smallest entry that may serve as a pivot, of a tableau whose rows and columns are scaled to one.
+
+Some 10^4 times the round-off of a well-conditioned tableau of a hundred rows; smaller entries are
+taken for zeros that round-off has blurred.
+"""
+
+TIE_TOLERANCE = 1e-13
+"""Ratios closer than this, relative to their size, count as equal and go to the next lexicographic column."""
+
+RESIDUAL_TOLERANCE = 1e-10
+"""Largest natural residual ‖min(z, w)‖∞ of an answer that counts as solved, in scaled variables."""
+
+SCALING_SWEEPS = 4
+"""Sweeps of row and column scaling; from the fourth on, entries of mechanical LCPs change by less than two."""
+
+
+class LemkeStatus(StrEnum):
+    """How Lemke's method ended."""
+
+    SOLVED = "solved"
+    RAY_TERMINATION = "ray termination: no solution on this path"
+    PIVOT_LIMIT = "pivot limit reached"
+    NUMERICAL_BREAKDOWN = "numerical breakdown: the final basis fails the independent check"
+
+
+@dataclass(frozen=True)
+class LemkeResult:
+    """Answer of `lemke`.
+
+    Parameters
+    ----------
+    z, w
+        The solution, shape (n,); NaN unless solved.
+    pivots
+        Number of pivots made.
+    status
+        How the method ended.
+    residual
+        Natural residual ‖min(z, w)‖∞ in scaled variables; NaN unless a basis was reached.
+    """
+
+    z: FloatArray
+    w: FloatArray
+    pivots: int
+    status: LemkeStatus
+    residual: float
+
+    @property
+    def solved(self) -> bool:
+        """Whether z and w are a checked solution."""
+        return self.status is LemkeStatus.SOLVED
+
+
+def natural_residual(M: ArrayLike, q: ArrayLike, z: ArrayLike) -> float:
+    """‖min(z, M z + q)‖∞: zero if and only if z solves LCP(q, M)."""
+    z = np.asarray(z, dtype=np.float64)
+    w = np.asarray(M, dtype=np.float64) @ z + np.asarray(q, dtype=np.float64)
+    return float(np.max(np.abs(np.minimum(z, w)), initial=0.0))
+
+
+def lemke(M: ArrayLike, q: ArrayLike, *, max_pivots: int | None = None) -> LemkeResult:
+    """Solve w = M z + q, w >= 0, z >= 0, wᵀ z = 0.
+
+    Rows and columns are scaled by powers of two first. The covering vector is one in every row. The
+    lexicographic ratio test excludes cycling; ties that involve the artificial variable end the
+    path. The answer is computed anew from the final basis with the unscaled data, and checked apart
+    from the pivoting: what fails that check is never returned as solved.
+
+    Parameters
+    ----------
+    M
+        Shape (n, n).
+    q
+        Shape (n,).
+    max_pivots
+        Pivots after which the method gives up; 50 n + 100 without it.
+
+    Returns
+    -------
+    LemkeResult
+        For copositive-plus M, among them the friction matrices of equation (7) with a given normal
+        force, ray termination proves that there is no solution; for others that this path has none.
+
+    Raises
+    ------
+    ParameterError
+        If shapes do not fit, a value is not finite, or `max_pivots` is below 1.
+    """
+    matrix, vector = _checked_problem(M, q)
+    size = vector.size
+    limit = 50 * size + 100 if max_pivots is None else checked_count("max_pivots", max_pivots)
+    if np.all(vector >= 0):
+        return LemkeResult(np.zeros(size), vector.copy(), 0, LemkeStatus.SOLVED, 0.0)
+    rows, columns = _scaling(matrix, vector)
+    scaled_matrix = rows[:, None] * matrix * columns
+    scaled_vector = rows * vector
+    scaled_vector = scaled_vector / np.max(np.abs(scaled_vector))
+    tableau = _Tableau(scaled_matrix, scaled_vector)
+    status = tableau.pivot_to_solution(limit)
+    if status is not LemkeStatus.SOLVED:
+        nothing = np.full(size, np.nan)
+        return LemkeResult(nothing, nothing, tableau.pivots, status, float("nan"))
+    return _answer(matrix, vector, rows, columns, tableau)
+
+
+class _Tableau:
+    """The dictionary of the extended problem w = M z + q + d z0, with columns w | z | z0 | right-hand side.
+
+    The columns of w start as the identity and stay the inverse of the basis: they serve the
+    lexicographic ratio test.
+    """
+
+    def __init__(self, M: FloatArray, q: FloatArray):
+        size = q.size
+        self.size = size
+        self.z0 = 2 * size
+        self.table = np.hstack([np.eye(size), -M, -np.ones((size, 1)), q[:, None]])
+        self.basis = np.arange(size)
+        self.pivots = 0
+
+    def pivot_to_solution(self, limit: int) -> LemkeStatus:
+        """Follow Lemke's path until the artificial variable z0 leaves the basis."""
+        leaving = self._exchange(self._first_row(), self.z0)
+        while leaving != self.z0:
+            if self.pivots >= limit:
+                return LemkeStatus.PIVOT_LIMIT
+            entering = leaving + self.size if leaving < self.size else leaving - self.size
+            row = self._leaving_row(entering)
+            if row is None:
+                return LemkeStatus.RAY_TERMINATION
+            leaving = self._exchange(row, entering)
+        return LemkeStatus.SOLVED
+
+    def positive(self) -> NDArray[np.intp]:
+        """Indices of the variables z that the basis holds."""
+        return np.sort(self.basis[self.basis >= self.size]) - self.size
+
+    def _first_row(self) -> int:
+        """Row of the lexicographically smallest (q_i, e_i): there z0 enters, and all rows become >= 0."""
+        right = self.table[:, -1]
+        tied = np.flatnonzero(right == right.min())
+        return int(tied[-1])
+
+    def _leaving_row(self, entering: int) -> int | None:
+        """Lexicographic ratio test: the row that bounds the entering variable, or None on a ray."""
+        column = self.table[:, entering]
+        candidates = np.flatnonzero(column > PIVOT_TOLERANCE)
+        if candidates.size == 0:
+            return None
+        candidates = self._smallest(candidates, self.table[candidates, -1] / column[candidates])
+        artificial = candidates[self.basis[candidates] == self.z0]
+        if artificial.size:
+            return int(artificial[0])
+        for j in range(self.size):
+            if candidates.size == 1:
+                break
+            candidates = self._smallest(candidates, self.table[candidates, j] / column[candidates])
+        return int(candidates[0])
+
+    @staticmethod
+    def _smallest(candidates: NDArray[np.intp], ratios: FloatArray) -> NDArray[np.intp]:
+        smallest = ratios.min()
+        return candidates[ratios <= smallest + TIE_TOLERANCE * max(1.0, abs(smallest))]
+
+    def _exchange(self, row: int, entering: int) -> int:
+        """Pivot; gives the variable that leaves."""
+        leaving = int(self.basis[row])
+        self.table[row] /= self.table[row, entering]
+        column = self.table[:, entering].copy()
+        column[row] = 0.0
+        self.table -= np.outer(column, self.table[row])
+        self.basis[row] = entering
+        self.pivots += 1
+        return leaving
+
+
+def _checked_problem(M: ArrayLike, q: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Give M and q as arrays whose shapes fit."""
+    matrix, vector = checked_array("M", M), checked_array("q", q)
+    if vector.ndim != 1 or vector.size == 0 or matrix.shape != (vector.size, vector.size):
+        raise ParameterError(f"M and q have shapes {matrix.shape} and {vector.shape}; allowed: (n, n) and (n,), n >= 1")
+    return matrix, vector
+
+
+def _scaling(M: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Positive row and column factors, powers of two, that bring the entries of M near one.
+
+    Scaling by positive diagonals leaves complementarity as it is; powers of two leave no round-off.
+    """
+    rows, columns = np.ones(q.size), np.ones(q.size)
+    for _ in range(SCALING_SWEEPS):
+        scaled = np.abs(rows[:, None] * M * columns)
+        rows = rows / _root_of_largest(scaled, axis=1)
+        columns = columns / _root_of_largest(scaled, axis=0)
+    return np.exp2(np.round(np.log2(rows))), np.exp2(np.round(np.log2(columns)))
+
+
+def _root_of_largest(entries: FloatArray, axis: int) -> FloatArray:
+    largest = np.max(entries, axis=axis)
+    return np.sqrt(np.where(largest > 0, largest, 1.0))
+
+
+def _answer(M: FloatArray, q: FloatArray, rows: FloatArray, columns: FloatArray, tableau: _Tableau) -> LemkeResult:
+    """Solve the final basis with the unscaled data, and check the answer in scaled variables."""
+    z, w = np.zeros(q.size), np.zeros(q.size)
+    positive = tableau.positive()
+    others = np.setdiff1d(np.arange(q.size), positive)
+    residual = float("nan")
+    try:
+        z[positive] = np.linalg.solve(M[np.ix_(positive, positive)], -q[positive])
+        w[others] = M[np.ix_(others, positive)] @ z[positive] + q[others]
+        unit = np.max(np.abs(rows * q))
+        scaled_z, scaled_w = z / columns / unit, rows * (M @ z + q) / unit
+        residual = float(np.max(np.abs(np.minimum(scaled_z, scaled_w))))
+    except np.linalg.LinAlgError:
+        pass
+    if not residual <= RESIDUAL_TOLERANCE:
+        nothing = np.full(q.size, np.nan)
+        return LemkeResult(nothing, nothing, tableau.pivots, LemkeStatus.NUMERICAL_BREAKDOWN, residual)
+    return LemkeResult(np.maximum(z, 0.0), np.maximum(w, 0.0), tableau.pivots, LemkeStatus.SOLVED, residual)

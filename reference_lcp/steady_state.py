@@ -1,0 +1,145 @@
+"""Steady states of a chain under a periodic drive: the questions most users ask, in one call each."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from reference_lcp.chain import Chain
+from reference_lcp.compiled import CompiledSimulation
+from reference_lcp.drive import Drive, PeriodicDrive
+from reference_lcp.euler_lemke import LemkeSimulation
+from reference_lcp.periodic import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
+from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, Simulation, steps_per_period_for
+from reference_lcp.stick_slip import Transition, stuck_fraction, transitions
+from reference_lcp.trajectory import State, Trajectory
+from reference_lcp.transmittance import decibel, transmittance
+from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_choice, checked_count
+
+SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
+    {"compiled": CompiledSimulation, "lemke": LemkeSimulation}
+)
+"""Implementations of the scheme by name: the compiled closed form, and Lemke's method in NumPy."""
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """A steady state and what is read from it.
+
+    Parameters
+    ----------
+    orbit
+        One period and its residual.
+    transmittance_db
+        20 log10 of the last outer mass's fundamental amplitude over the displacement scale.
+    stuck_fraction
+        Part of the period that each contact sticks, shape (n,).
+    transitions
+        Changes between stick and slip over the period.
+    """
+
+    orbit: PeriodicOrbit
+    transmittance_db: float
+    stuck_fraction: FloatArray
+    transitions: list[Transition]
+
+    @classmethod
+    def of(cls, orbit: PeriodicOrbit) -> "SteadyState":
+        """Read the observables of an orbit."""
+        return cls(orbit, decibel(transmittance(orbit)), stuck_fraction(orbit), transitions(orbit))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Give the numbers, ready for JSON."""
+        return {
+            "transmittance_db": self.transmittance_db,
+            "residual": self.orbit.residual,
+            "status": str(self.orbit.status),
+            "periods": self.orbit.periods,
+            "stuck_fraction": self.stuck_fraction.tolist(),
+            "transitions": [
+                {"cell": change.cell, "time_s": change.time, "kind": str(change.kind)} for change in self.transitions
+            ],
+        }
+
+
+def steady_state(
+    chain: Chain,
+    drive: PeriodicDrive,
+    *,
+    steps_per_period: int = MINIMUM_STEPS_PER_PERIOD,
+    solver: str = "compiled",
+    tolerance: float = DEFAULT_RESIDUAL,
+    max_periods: int = DEFAULT_PERIODS,
+) -> SteadyState:
+    """Find the steady state of `chain` under `drive` by the Euler scheme.
+
+    Parameters
+    ----------
+    chain, drive
+        What moves, and what moves it.
+    steps_per_period
+        Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.
+    solver
+        ``"compiled"`` or ``"lemke"``.
+    tolerance
+        Periodicity residual that is asked for.
+    max_periods
+        Periods after which the search gives up.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is outside its range.
+    """
+    build = SOLVERS[checked_choice("solver", solver, list(SOLVERS))]
+    steps = steps_per_period_for(chain, drive, steps_per_period)
+    simulation = build([Lane.periodic(chain, drive, steps)])
+    return SteadyState.of(periodic_orbits(simulation, steps, tolerance=tolerance, max_periods=max_periods)[0])
+
+
+def simulate(
+    chain: Chain,
+    drive: Drive,
+    *,
+    time_step: float,
+    steps: int,
+    positions: FloatArray | None = None,
+    velocities: FloatArray | None = None,
+    solver: str = "compiled",
+) -> Trajectory:
+    """Advance one chain from an initial state by the Euler scheme of equation (5).
+
+    Parameters
+    ----------
+    chain, drive
+        What moves, and what moves it.
+    time_step
+        Δt [s].
+    steps
+        Number of steps.
+    positions, velocities
+        Initial state [m], [m/s], shape (2n,), outer masses first; at rest without them.
+    solver
+        ``"compiled"`` or ``"lemke"``.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is outside its range.
+    """
+    build = SOLVERS[checked_choice("solver", solver, list(SOLVERS))]
+    start = State(
+        _initial("positions", positions, chain.cells)[None, :], _initial("velocities", velocities, chain.cells)[None, :]
+    )
+    simulation = build([Lane(chain, drive, time_step)])
+    return simulation.run(start, 0, checked_count("steps", steps))[0]
+
+
+def _initial(name: str, values: FloatArray | None, cells: int) -> FloatArray:
+    """Give initial positions or velocities, zero without any, if there is one for each mass."""
+    array = checked_array(f"initial {name}", np.zeros(2 * cells) if values is None else values)
+    if array.shape != (2 * cells,):
+        raise ParameterError(f"initial {name} have shape {array.shape}; allowed: ({2 * cells},)")
+    return array

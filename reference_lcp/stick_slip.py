@@ -1,0 +1,118 @@
+"""Stick and slip: modes, transitions and stuck fraction of every contact over one period."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_lcp.periodic import PeriodicOrbit
+from reference_lcp.validation import FloatArray
+
+STICK_MARGIN = 1e-6
+"""A contact sticks while |λ_T| < (1 − STICK_MARGIN) μ λ_N.
+
+Equation (1) has a strict inequality; the margin is far above the round-off with which engines hold
+the force at its bound, and far below any stick that matters.
+"""
+
+SHORTEST_STICK = 2
+"""Steps that a stick lasts at least; one of a single step is a reversal of the slip.
+
+Where the relative velocity changes its sign, the scheme ends the step in between at rest whether or
+not the contact would have stuck: a stick shorter than two steps is not resolved.
+"""
+
+
+class Mode(StrEnum):
+    """The three cases of Coulomb's law, equation (1)."""
+
+    STICK = "stick"
+    FORWARD = "forward slip"
+    BACKWARD = "backward slip"
+
+
+_MODE_OF_SIGN = {0: Mode.STICK, 1: Mode.FORWARD, -1: Mode.BACKWARD}
+
+
+@dataclass(frozen=True)
+class Transition:
+    """A change of the mode of one contact.
+
+    Parameters
+    ----------
+    cell
+        Number of the cell, from 1.
+    time
+        When the new mode begins [s], from the start of the period.
+    kind
+        The new mode.
+    """
+
+    cell: int
+    time: float
+    kind: Mode
+
+
+def contact_modes(orbit: PeriodicOrbit) -> NDArray[np.int8]:
+    """Mode of every contact in every step: −1 backward slip, 0 stick, +1 forward slip; shape (steps, n).
+
+    The force decides (equation 1), so that exact and regularised friction laws are read alike. A
+    contact without friction never sticks; the sign of its relative velocity gives its direction.
+    """
+    trajectory = orbit.trajectory
+    bound = orbit.lane.chain.friction_coefficient * trajectory.normal_force
+    sticks = np.abs(trajectory.friction) < (1 - STICK_MARGIN) * bound
+    slip = np.where(bound > 0, -np.sign(trajectory.friction), np.sign(trajectory.relative_velocity))
+    modes = np.where(sticks, 0, slip).astype(np.int8)
+    for cell in range(modes.shape[1]):
+        _drop_short_sticks(modes[:, cell])
+    return modes
+
+
+def transitions(orbit: PeriodicOrbit) -> list[Transition]:
+    """Changes of mode over one period, by cell and then by time.
+
+    The period is cyclic: a mode that begins with the first step is a transition at time zero if the
+    last step had another one. Contacts without friction have none.
+    """
+    modes = contact_modes(orbit)
+    step = orbit.lane.time_step
+    found = []
+    for cell in range(modes.shape[1]):
+        if orbit.lane.chain.friction_bound[cell] == 0:
+            continue
+        column = modes[:, cell]
+        for k in np.flatnonzero(column != np.roll(column, 1)):
+            found.append(Transition(cell + 1, float(k * step), _MODE_OF_SIGN[int(column[k])]))
+    return found
+
+
+def stuck_fraction(orbit: PeriodicOrbit) -> FloatArray:
+    """Part of the period that each contact sticks, shape (n,)."""
+    return np.mean(contact_modes(orbit) == 0, axis=0)
+
+
+def creep_velocity(orbit: PeriodicOrbit) -> FloatArray:
+    """Largest |ġ_T| of each contact while it sticks [m/s], shape (n,); zero if it never does.
+
+    Steps next to a slip are left out: in them even an exact contact still comes to rest.
+    """
+    stuck = contact_modes(orbit) == 0
+    inside = stuck & np.roll(stuck, 1, axis=0) & np.roll(stuck, -1, axis=0)
+    return np.max(np.abs(orbit.trajectory.relative_velocity), axis=0, where=inside, initial=0.0)
+
+
+def dissipated_energy(orbit: PeriodicOrbit) -> FloatArray:
+    """Energy that each contact turns into heat over one period [J], shape (n,): −Σ λ_T ġ_T Δt."""
+    power = orbit.trajectory.friction * orbit.trajectory.relative_velocity
+    return -np.sum(power, axis=0) * orbit.lane.time_step
+
+
+def _drop_short_sticks(column: NDArray[np.int8]) -> None:
+    """Turn sticks of fewer than `SHORTEST_STICK` steps into the slip that follows, in place."""
+    starts = np.flatnonzero(column != np.roll(column, 1))
+    for first, following in zip(starts, np.roll(starts, -1), strict=True):
+        length = (following - first) % column.size
+        if column[first] == 0 and length < SHORTEST_STICK:
+            column[np.arange(first, first + length) % column.size] = column[following]

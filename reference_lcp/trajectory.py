@@ -1,0 +1,128 @@
+"""States of chains and the trajectories that lead from one state to the next."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_lcp.validation import FloatArray, ParameterError, checked_array
+
+
+@dataclass(frozen=True)
+class State:
+    """Positions and velocities of a batch of lanes at one instant.
+
+    Parameters
+    ----------
+    positions
+        Absolute displacements [m], shape (lanes, 2n), outer masses first.
+    velocities
+        Absolute velocities [m/s], same shape.
+    memory
+        What a history-dependent friction law carries beside positions and velocities (the anchor of
+        a bristle, say), shape (lanes, k); ``None`` for laws without memory, and for a fresh start.
+    """
+
+    positions: FloatArray
+    velocities: FloatArray
+    memory: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        checked_array("initial positions", self.positions)
+        checked_array("initial velocities", self.velocities)
+        if np.ndim(self.positions) != 2 or np.shape(self.positions) != np.shape(self.velocities):
+            shapes = f"{np.shape(self.positions)} and {np.shape(self.velocities)}"
+            raise ParameterError(f"positions and velocities have shapes {shapes}; allowed: both (lanes, 2n)")
+
+    @classmethod
+    def at_rest(cls, lanes: int, cells: int) -> Self:
+        """Undeformed and still."""
+        return cls(np.zeros((lanes, 2 * cells)), np.zeros((lanes, 2 * cells)))
+
+    @classmethod
+    def stack(cls, states: Sequence[Self]) -> Self:
+        """Join batches along their lanes."""
+        memories = [state.memory for state in states if state.memory is not None]
+        return cls(
+            np.concatenate([state.positions for state in states]),
+            np.concatenate([state.velocities for state in states]),
+            np.concatenate(memories) if len(memories) == len(states) else None,
+        )
+
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "State":
+        """Give the lanes of these indices."""
+        memory = None if self.memory is None else self.memory[lanes]
+        return State(self.positions[lanes], self.velocities[lanes], memory)
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """The motion of one lane over consecutive steps.
+
+    Row k belongs to the end of step k: the initial state is not repeated, so that the rows of
+    consecutive runs join without overlap and one period of N steps has exactly N samples.
+
+    Parameters
+    ----------
+    time
+        Ends of the steps [s], shape (steps,).
+    positions, velocities
+        Absolute [m], [m/s], shape (steps, 2n), outer masses first.
+    friction
+        λ_T during the step that ends at each row, as it acts on the inner mass [N], shape (steps, n).
+    normal_force
+        λ_N during the step [N], shape (steps, n).
+    memory
+        Internal state of the friction law at the end, shape (k,), or ``None``.
+    """
+
+    time: FloatArray
+    positions: FloatArray
+    velocities: FloatArray
+    friction: FloatArray
+    normal_force: FloatArray
+    memory: FloatArray | None = None
+
+    @property
+    def cells(self) -> int:
+        """Number of cells n."""
+        return self.friction.shape[1]
+
+    @property
+    def steps(self) -> int:
+        """Number of steps."""
+        return self.time.shape[0]
+
+    @property
+    def end(self) -> State:
+        """State at the last row, as a batch of one lane; the next run starts from it."""
+        memory = None if self.memory is None else self.memory[None, :]
+        return State(self.positions[-1:], self.velocities[-1:], memory)
+
+    @property
+    def outer_positions(self) -> FloatArray:
+        """u_i [m], shape (steps, n)."""
+        return self.positions[:, : self.cells]
+
+    @property
+    def inner_positions(self) -> FloatArray:
+        """v_i [m], shape (steps, n)."""
+        return self.positions[:, self.cells :]
+
+    @property
+    def relative_velocity(self) -> FloatArray:
+        """ġ_T = v̇_i − u̇_i [m/s], shape (steps, n)."""
+        return self.velocities[:, self.cells :] - self.velocities[:, : self.cells]
+
+    def joined(self, other: Self) -> "Trajectory":
+        """Append a run that started at this one's end."""
+        return Trajectory(
+            np.concatenate([self.time, other.time]),
+            np.concatenate([self.positions, other.positions]),
+            np.concatenate([self.velocities, other.velocities]),
+            np.concatenate([self.friction, other.friction]),
+            np.concatenate([self.normal_force, other.normal_force]),
+            other.memory,
+        )
