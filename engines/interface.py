@@ -80,6 +80,8 @@ class Capabilities:
         equation (5), so that at equal time step its trajectories equal the reference's.
     split_tolerance
         Largest difference between one run and the same run split in two, over the displacement scale.
+    batch_lanes
+        Lanes that one simulation takes at best: few where lanes cost the same alone, many where they share work.
     precision
         Arithmetic of the engine.
     deterministic
@@ -95,6 +97,7 @@ class Capabilities:
     presets: Mapping[Formulation, Mapping[str, Preset]]
     shares_scheme: bool
     split_tolerance: float
+    batch_lanes: int = 4
     precision: str = "double"
     deterministic: bool = True
     notes: str = ""

@@ -1,10 +1,23 @@
 """The reference as an engine: the Euler scheme of equation (5), compiled."""
 
 import importlib.metadata
+from collections.abc import Sequence
 
-from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, Preset
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, Option, Preset
 from reference_lcp.compiled import CompiledSimulation
 from reference_lcp.simulation import Lane, Simulation
+from reference_lcp.trajectory import State, Trajectory
+from reference_lcp.validation import checked_count
+
+CONVERGED_SUBSTEPS = 32
+"""Euler steps to one step of the lane in the preset ``converged``.
+
+The scheme is of first order: at 400 steps a period its error reaches 0.2 dB on the steepest flanks
+of figure 3, at 32 times as many 0.006 dB, far below every tolerance that is compared with it.
+"""
 
 
 class Reference(Engine):
@@ -16,9 +29,22 @@ class Reference(Engine):
         package="multibody-xval",
         licence="MIT",
         friction_law=FrictionLaw.COULOMB,
-        presets={Formulation.JOINT: {"tuned": Preset("The scheme of equation (5); it has no options.")}},
+        presets={
+            Formulation.JOINT: {
+                "tuned": Preset("The scheme of equation (5), one Euler step a time step.", {}),
+                "converged": Preset(
+                    "The same scheme with a finer Euler step: the ruler for every engine.",
+                    {
+                        "substeps": Option(
+                            CONVERGED_SUBSTEPS, 1, "brings the scheme's own first-order error below 0.01 dB"
+                        )
+                    },
+                ),
+            }
+        },
         shares_scheme=True,
         split_tolerance=0.0,
+        batch_lanes=64,
         notes="Exact Coulomb friction by a linear complementarity problem in each step; first order in the time step.",
     )
 
@@ -31,4 +57,60 @@ class Reference(Engine):
         return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        return CompiledSimulation(lanes)
+        if "substeps" not in preset.options:
+            return CompiledSimulation(lanes)
+        return RefinedSimulation(lanes, preset["substeps"])
+
+
+class RefinedSimulation:
+    """The compiled scheme with a whole number of Euler steps to each time step of the lanes.
+
+    Parameters
+    ----------
+    lanes
+        As for every simulation; rows of trajectories are at their time steps.
+    substeps
+        Euler steps to one time step.
+    """
+
+    def __init__(self, lanes: Sequence[Lane], substeps: int):
+        self.lanes = tuple(lanes)
+        self._substeps = checked_count("substeps", substeps)
+        self._fine = CompiledSimulation(
+            [Lane(lane.chain, lane.drive, lane.time_step / substeps) for lane in self.lanes]
+        )
+
+    def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
+        """Advance every lane, one at a time: fine trajectories of many lanes would fill the memory."""
+        found = []
+        for lane in range(len(self.lanes)):
+            fine = self._fine.subset([lane])
+            every = fine.run(state.subset([lane]), start * self._substeps, steps * self._substeps)[0]
+            found.append(self._thinned(every, self.lanes[lane], start, steps))
+        return found
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance every lane, keep the final state; see `Simulation.advance`."""
+        return self._fine.advance(state, start * self._substeps, steps * self._substeps)
+
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "RefinedSimulation":
+        """Give the lanes of these indices."""
+        part = RefinedSimulation.__new__(RefinedSimulation)
+        part.lanes = tuple(self.lanes[lane] for lane in lanes)
+        part._substeps = self._substeps
+        part._fine = self._fine.subset(lanes)
+        return part
+
+    def close(self) -> None:
+        """Nothing is held outside Python."""
+
+    def _thinned(self, fine: Trajectory, lane: Lane, start: int, steps: int) -> Trajectory:
+        """Keep the last Euler step of each time step."""
+        kept = slice(self._substeps - 1, None, self._substeps)
+        return Trajectory(
+            lane.times(start, steps),
+            fine.positions[kept].copy(),
+            fine.velocities[kept].copy(),
+            fine.friction[kept].copy(),
+            fine.normal_force[kept].copy(),
+        )

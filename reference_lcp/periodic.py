@@ -30,8 +30,15 @@ WARM_UP_PERIODS = 6
 DEFAULT_PERIODS = 400
 """Periods after which the search gives up."""
 
-DEPENDENT = 1e-9
+DEPENDENT = 1e-6
 """A difference whose part outside the span of newer ones is smaller than this is left out."""
+
+PATIENCE = 20
+"""Periods without a better residual after which a lane starts again from its best iterate.
+
+Mixing can be caught where contacts change between stick and slip from one iterate to the next. The
+history is then dropped, and twice as many plain periods as at the last start lead out of the place.
+"""
 
 DIVERGED = 1e6
 """Residual, in displacement scales, beyond which a motion counts as diverged."""
@@ -114,11 +121,11 @@ def _mixed(x: Any, f: Any, newest: int, kept: int) -> Any:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _mixed_lanes(x: Any, f: Any, lanes: Any, newest: int, kept: int) -> Any:
-    """`_mixed` for the listed lanes of the histories (lanes, rows, d)."""
+def _mixed_lanes(x: Any, f: Any, lanes: Any, newest: int, kept: Any) -> Any:
+    """`_mixed` for the listed lanes of the histories (lanes, rows, d), each with its own `kept`."""
     following = np.empty((lanes.shape[0], x.shape[2]))
     for k in range(lanes.shape[0]):
-        following[k] = _mixed(x[lanes[k]], f[lanes[k]], newest, kept)
+        following[k] = _mixed(x[lanes[k]], f[lanes[k]], newest, kept[lanes[k]])
     return following
 
 
@@ -156,7 +163,11 @@ class _Search:
         count, width = len(simulation.lanes), 4 * simulation.lanes[0].chain.cells
         self._x = np.zeros((count, memory + 1, width))
         self._f = np.zeros((count, memory + 1, width))
+        self._age = np.zeros(count, dtype=int)
+        self._plain = np.full(count, WARM_UP_PERIODS)
+        self._stalled = np.zeros(count, dtype=int)
         self.best = np.zeros((count, width))
+        self._best_change = np.zeros((count, width))
         self.best_residual = np.full(count, np.inf)
         self.periods = np.zeros(count, dtype=int)
         self.friction_memory: list[FloatArray | None] = [None] * count
@@ -177,17 +188,29 @@ class _Search:
             self._keep(stays)
             if self._active.size == 0:
                 return
-            kept = 0 if period < WARM_UP_PERIODS else min(period - WARM_UP_PERIODS + 1, self._memory)
-            following = _mixed_lanes(self._x, self._f, self._active, row, kept)
+            following = self._following(row)
+
+    def _following(self, row: int) -> FloatArray:
+        """Next iterate of every active lane: mixed, plain, or from the best one again."""
+        caught = self._active[self._stalled[self._active] >= PATIENCE]
+        self._x[caught, row] = self.best[caught]
+        self._f[caught, row] = self._best_change[caught]
+        self._age[caught], self._stalled[caught] = 0, 0
+        self._plain[caught] *= 2
+        kept = np.clip(self._age - self._plain + 1, 0, self._memory)
+        self._age[self._active] += 1
+        mixed: FloatArray = _mixed_lanes(self._x, self._f, self._active, row, kept)
+        return mixed
 
     def _note(self, x: FloatArray, f: FloatArray, internal: FloatArray | None) -> Any:
         """Remember the best iterate of each active lane; say which lanes go on."""
-        with np.errstate(invalid="ignore"):
-            residual = np.max(np.abs(f), axis=1)
+        residual = np.max(np.abs(f), axis=1)
         self.periods[self._active] += 1
+        self._stalled[self._active] += 1
         better = residual < self.best_residual[self._active]
         lanes = self._active[better]
         self.best[lanes], self.best_residual[lanes] = x[better], residual[better]
+        self._best_change[lanes], self._stalled[lanes] = f[better], 0
         if internal is not None:
             for lane, row in zip(lanes, internal[better], strict=True):
                 self.friction_memory[lane] = row
@@ -278,9 +301,7 @@ def _certified(simulation: Simulation, search: _Search, steps_per_period: int) -
     for lane, trajectory in enumerate(trajectories):
         residual = search.residual(lane, starts[lane], trajectory)
         periods = int(search.periods[lane]) + 1
-        orbits.append(
-            PeriodicOrbit(simulation.lanes[lane], trajectory, residual, periods, search.status(residual))
-        )
+        orbits.append(PeriodicOrbit(simulation.lanes[lane], trajectory, residual, periods, search.status(residual)))
     return orbits
 
 

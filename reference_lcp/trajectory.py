@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.validation import FloatArray, ParameterError, checked_array
+from reference_lcp.validation import FloatArray, ParameterError
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,6 @@ class State:
     memory: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        checked_array("initial positions", self.positions)
-        checked_array("initial velocities", self.velocities)
         if np.ndim(self.positions) != 2 or np.shape(self.positions) != np.shape(self.velocities):
             shapes = f"{np.shape(self.positions)} and {np.shape(self.velocities)}"
             raise ParameterError(f"positions and velocities have shapes {shapes}; allowed: both (lanes, 2n)")

@@ -1,0 +1,109 @@
+"""When two simulations agree."""
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+from scenarios.questions import Answer
+
+SCHEME_TOLERANCE_DB = 0.02
+"""Largest difference of transmittance between engines that share the Euler scheme, at equal time step [dB].
+
+They solve the same equations: what is left is how hard the engine's friction constraint is. The
+softest of them creeps at 1e-4 of the free acceleration times the step, which shifts figure 3 by
+less than half of this.
+"""
+
+CONVERGED_TOLERANCE_DB = 0.25
+"""Largest difference from the converged reference for an engine with its own integrator [dB].
+
+At 400 steps a period the reference's own first-order error reaches 0.2 dB on the steepest flanks;
+an engine that is no further off resolves friction as well as the scheme does.
+"""
+
+FLOOR_DB = -60.0
+"""Below this transmittance the tolerance is absolute: what it is, as an amplitude, at the floor.
+
+A thousandth of the base's motion is where creep of regularised friction and bristle oscillations,
+both proportional to the friction bound and not to the response, become as large as the response.
+"""
+
+EDGE_TOLERANCE = 0.005
+"""Largest difference of a band edge from the converged reference in η_r, five times the resolution of the edges."""
+
+
+class Verdict(StrEnum):
+    """The outcome of a comparison."""
+
+    AGREE = "agree"
+    DISAGREE = "disagree"
+    INCONCLUSIVE = "inconclusive"
+    BLOCKED = "blocked"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A verdict with its reason and its numbers.
+
+    Parameters
+    ----------
+    verdict
+        The outcome.
+    reason
+        What was compared with what, or why it could not be.
+    difference
+        Engine less reference, in dB or in η_r; NaN where there is none.
+    tolerance
+        Largest difference allowed.
+    """
+
+    verdict: Verdict
+    reason: str
+    difference: float = math.nan
+    tolerance: float = math.nan
+
+
+def compare_transmittance(answer: Answer, reference: Answer, tolerance_db: float) -> Comparison:
+    """Compare two steady states at the same point.
+
+    Parameters
+    ----------
+    answer, reference
+        Of the engine and of the reference.
+    tolerance_db
+        Allowed difference [dB] above `FLOOR_DB`.
+    """
+    if answer.status == "blocked":
+        return Comparison(Verdict.BLOCKED, answer.reason)
+    for name, one in (("engine", answer), ("reference", reference)):
+        if not one.converged:
+            return Comparison(
+                Verdict.INCONCLUSIVE,
+                f"{name}: {one.status} after {one.periods} periods, residual {one.residual:.1e}",
+            )
+    difference = answer.transmittance_db - reference.transmittance_db
+    allowed = allowed_difference_db(reference.transmittance_db, tolerance_db)
+    verdict = Verdict.AGREE if abs(difference) <= allowed else Verdict.DISAGREE
+    return Comparison(verdict, f"difference {difference:+.4f} dB, allowed {allowed:.3g} dB", difference, allowed)
+
+
+def allowed_difference_db(reference_db: float, tolerance_db: float) -> float:
+    """Tolerance at a point [dB]: constant above `FLOOR_DB`, the same amplitude below it."""
+    below = max(0.0, FLOOR_DB - reference_db)
+    return 20 * math.log10(1 + (10 ** (tolerance_db / 20) - 1) * 10 ** (below / 20))
+
+
+def compare_edge(edge: float | None, converged: float | None) -> Comparison:
+    """Compare a band edge with the converged reference's; ``None`` is an edge outside the grid."""
+    if edge is None and converged is None:
+        return Comparison(Verdict.AGREE, "no such edge on the grid, for the reference neither")
+    if edge is None or converged is None:
+        which = "reference" if edge is None else "engine"
+        return Comparison(Verdict.DISAGREE, f"only the {which} has this edge on the grid")
+    if math.isnan(edge) or math.isnan(converged):
+        return Comparison(Verdict.INCONCLUSIVE, "the refinement met a point without a steady state")
+    difference = edge - converged
+    verdict = Verdict.AGREE if abs(difference) <= EDGE_TOLERANCE else Verdict.DISAGREE
+    return Comparison(
+        verdict, f"difference {difference:+.4f} in η_r, allowed {EDGE_TOLERANCE:g}", difference, EDGE_TOLERANCE
+    )

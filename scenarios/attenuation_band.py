@@ -1,0 +1,159 @@
+"""The low-frequency attenuation band and its edges.
+
+The band is the interval of η_r that holds the first deep attenuation (transmittance below `depth`),
+extended both ways to where the transmittance crosses `threshold`. Ripple between resonances of the
+pass band dips below the threshold too, but not as deep; it does not count.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import elementwise
+
+from reference_lcp.validation import FloatArray, ParameterError, checked_scalar
+
+EDGE_RESOLUTION = 1e-3
+"""Width in η_r to which an edge is bracketed: a fifth of the largest difference between engines that
+counts as agreement."""
+
+
+RESOLVED_SPACING = 0.0125
+"""Spacing of the grid in η_r to which a curve is resolved where it runs close below the threshold."""
+
+CLOSE_DB = 3.0
+"""How close below the threshold [dB] a curve may hide a crossing: ripple of lightly damped chains reaches
+half a decibel there, and bends by at most a few decibels between points of a grid of a twentieth."""
+
+
+class Edge(StrEnum):
+    """The two ends of the band."""
+
+    LOWER = "lower"
+    UPPER = "upper"
+
+
+@dataclass(frozen=True)
+class BandDefinition:
+    """What counts as the band.
+
+    Parameters
+    ----------
+    threshold_db
+        Transmittance at the edges [dB].
+    depth_db
+        Transmittance below which an attenuation is deep [dB], below the threshold.
+    """
+
+    threshold_db: float = 0.0
+    depth_db: float = -10.0
+
+    def __post_init__(self) -> None:
+        checked_scalar("threshold_db", self.threshold_db)
+        if not checked_scalar("depth_db", self.depth_db) < self.threshold_db:
+            raise ParameterError(f"depth_db = {self.depth_db:g}; allowed: below threshold_db = {self.threshold_db:g}")
+
+    def __str__(self) -> str:
+        return f"first fall below {self.depth_db:g} dB, extended to where it crosses {self.threshold_db:g} dB"
+
+
+def edge_brackets(
+    frequency_ratios: FloatArray, transmittance_db: FloatArray, definition: BandDefinition
+) -> dict[Edge, tuple[float, float]]:
+    """Give the neighbouring grid points between which each edge lies.
+
+    An edge that the grid does not hold is left out: there is no deep attenuation, or the curve does
+    not cross the threshold on that side of it.
+
+    Parameters
+    ----------
+    frequency_ratios
+        η_r, ascending, shape (points,).
+    transmittance_db
+        Transmittance [dB] there; points that are NaN are passed over.
+    definition
+        Threshold and depth.
+    """
+    known = np.isfinite(transmittance_db)
+    eta, curve = frequency_ratios[known], transmittance_db[known]
+    deep = np.flatnonzero(curve < definition.depth_db)
+    if deep.size == 0:
+        return {}
+    first = deep[0]
+    above = np.flatnonzero(curve >= definition.threshold_db)
+    before, after = above[above < first], above[above > first]
+    brackets = {}
+    if before.size:
+        brackets[Edge.LOWER] = (float(eta[before[-1]]), float(eta[before[-1] + 1]))
+    if after.size:
+        brackets[Edge.UPPER] = (float(eta[after[0] - 1]), float(eta[after[0]]))
+    return brackets
+
+
+def unresolved(frequency_ratios: FloatArray, transmittance_db: FloatArray, definition: BandDefinition) -> FloatArray:
+    """Give the η_r that a grid still needs, so that no crossing between the lower edge and the depth is missed.
+
+    They are the midpoints of intervals wider than `RESOLVED_SPACING` that lie between the bracket of
+    the lower edge and the first deep attenuation and have an end less than `CLOSE_DB` below the
+    threshold. Shapes as in `edge_brackets`.
+    """
+    lower = edge_brackets(frequency_ratios, transmittance_db, definition).get(Edge.LOWER)
+    if lower is None:
+        return np.empty(0)
+    left, right = frequency_ratios[:-1], frequency_ratios[1:]
+    highest = np.maximum(transmittance_db[:-1], transmittance_db[1:])
+    deep = frequency_ratios[np.argmax(transmittance_db < definition.depth_db)]
+    inside = (left >= lower[0]) & (right <= deep)
+    close = highest > definition.threshold_db - CLOSE_DB
+    wide = right - left > RESOLVED_SPACING * (1 + 1e-9)
+    return np.round((left + right)[inside & close & wide] / 2, 6)
+
+
+def refined_crossings(
+    brackets: Sequence[tuple[float, float]],
+    transmittance_db: Callable[[NDArray[np.intp], FloatArray], FloatArray],
+    definition: BandDefinition,
+    resolution: float = EDGE_RESOLUTION,
+) -> FloatArray:
+    """Narrow all brackets at once, by Chandrupatla's method, to crossings of the threshold.
+
+    Parameters
+    ----------
+    brackets
+        Pairs of η_r between which the curve crosses the threshold.
+    transmittance_db
+        Takes indices of brackets and as many η_r, and gives the transmittance [dB] of each curve there.
+    definition
+        Its threshold is crossed.
+    resolution
+        Width of the final brackets in η_r, > 0.
+
+    Returns
+    -------
+    ndarray
+        η_r of each crossing; NaN where an evaluation gave no number.
+
+    Raises
+    ------
+    ParameterError
+        If `resolution` is not > 0.
+    """
+    checked_scalar("resolution", resolution, "> 0")
+    if not brackets:
+        return np.empty(0)
+
+    def above_threshold(eta: FloatArray, bracket: Any) -> FloatArray:
+        flat, index = np.ravel(eta), np.ravel(bracket).astype(np.intp)
+        return np.reshape(transmittance_db(index, flat) - definition.threshold_db, np.shape(eta))
+
+    low, high = np.array(brackets).T
+    found = elementwise.find_root(
+        above_threshold,
+        (low, high),
+        args=(np.arange(len(brackets), dtype=np.float64),),
+        tolerances={"xatol": resolution, "xrtol": 0.0, "fatol": 0.0, "frtol": 0.0},
+    )
+    return np.where(found.success, found.x, np.nan)

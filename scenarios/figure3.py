@@ -1,0 +1,273 @@
+"""Figure 3 of the paper: transmittance of the 7-cell chain for several friction ratios, by every engine.
+
+Every variant answers the same grid of friction and frequency ratios; the attenuation band is then
+found in its own curve, and the edges are refined by its own simulations.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from engines.registry import engine, engine_names
+from reference_lcp.chain import Chain
+from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_count
+from scenarios.agreement import (
+    CONVERGED_TOLERANCE_DB,
+    SCHEME_TOLERANCE_DB,
+    Comparison,
+    compare_edge,
+    compare_transmittance,
+)
+from scenarios.attenuation_band import (
+    BandDefinition,
+    Edge,
+    edge_brackets,
+    refined_crossings,
+    unresolved,
+)
+from scenarios.evaluation import Evaluator
+from scenarios.questions import Answer, ChainRatios, Question, Variant
+
+FRICTION_RATIOS = (0.0, 0.1, 0.3, 0.6, 1.0, 5.0)
+QUICK_FRICTION_RATIOS = (0.0, 0.3, 1.0)
+
+DENSE_FREQUENCY_RATIOS = tuple(float(eta) for eta in np.round(np.arange(0.1, 3.005, 0.01), 2))
+"""Where the reference's curves are drawn as lines."""
+
+REFERENCE = Variant("reference")
+CONVERGED = Variant("reference", preset="converged")
+
+
+def resonances(ratios: ChainRatios) -> FloatArray:
+    """Natural frequencies over ω_r of the chain with free and with stuck contacts, ascending.
+
+    Between them, the transmittance of every friction ratio is smooth; narrow peaks are at them.
+    """
+    chain = ratios.chain(0.0)
+    identity = np.eye(chain.cells)
+    bases = (np.eye(2 * chain.cells), np.vstack([identity, identity]))
+    found = [_natural_frequencies(chain, basis) for basis in bases]
+    return np.sort(np.concatenate(found)) / chain.resonator_frequency
+
+
+def _natural_frequencies(chain: Chain, basis: FloatArray) -> FloatArray:
+    stiffness, mass = (basis.T @ matrix @ basis for matrix in (chain.stiffness_matrix, chain.mass_matrix))
+    return np.sqrt(scipy.linalg.eigh(stiffness, mass, eigvals_only=True))
+
+
+def default_frequency_ratios(ratios: ChainRatios) -> tuple[float, ...]:
+    """0.1 to 3: every twentieth where bands begin and end, every tenth elsewhere, and all resonances."""
+    uniform = np.concatenate([np.arange(0.1, 0.5, 0.1), np.arange(0.5, 1.6, 0.05), np.arange(1.6, 3.05, 0.1)])
+    return _grid(uniform, resonances(ratios))
+
+
+def quick_frequency_ratios(ratios: ChainRatios) -> tuple[float, ...]:
+    """A dozen points around the band, with the resonances that bound it."""
+    peaks = resonances(ratios)
+    uniform = np.array([0.3, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.3, 1.6])
+    return _grid(uniform, peaks[(peaks > 0.8) & (peaks < 1.45)])
+
+
+def _grid(uniform: FloatArray, peaks: FloatArray) -> tuple[float, ...]:
+    inside = peaks[(peaks > uniform.min()) & (peaks < uniform.max())]
+    return tuple(float(eta) for eta in np.unique(np.round(np.concatenate([uniform, inside]), 4)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figure3:
+    """What is asked.
+
+    Parameters
+    ----------
+    variants
+        Whom to compare with the reference; the reference and its converged preset always take part.
+    friction_ratios, frequency_ratios
+        The grid, ascending.
+    ratios
+        The chain but for its friction.
+    steps_per_period
+        Fewest steps a period.
+    band
+        Definition of the attenuation band.
+
+    Raises
+    ------
+    ParameterError
+        If a grid is empty, not ascending or outside its range, or an engine is unknown.
+    """
+
+    variants: tuple[Variant, ...]
+    friction_ratios: tuple[float, ...] = FRICTION_RATIOS
+    frequency_ratios: tuple[float, ...] = field(default_factory=lambda: default_frequency_ratios(ChainRatios()))
+    ratios: ChainRatios = field(default_factory=ChainRatios)
+    steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
+    band: BandDefinition = field(default_factory=BandDefinition)
+
+    def __post_init__(self) -> None:
+        _check_grid("friction_ratios", self.friction_ratios, ">= 0")
+        _check_grid("frequency_ratios", self.frequency_ratios, "> 0")
+        checked_count("steps_per_period", self.steps_per_period, 3)
+        for variant in self.variants:
+            engine(variant.engine).preset(variant.formulation, variant.preset)
+
+    @property
+    def all_variants(self) -> tuple[Variant, ...]:
+        """The converged reference, the reference, then the others, each once."""
+        return tuple(dict.fromkeys((CONVERGED, REFERENCE, *self.variants)))
+
+    def question(self, variant: Variant, friction_ratio: float, frequency_ratio: float) -> Question:
+        """Ask one variant about one point."""
+        return Question(
+            variant=variant,
+            friction_ratio=friction_ratio,
+            frequency_ratio=frequency_ratio,
+            ratios=self.ratios,
+            steps_per_period=self.steps_per_period,
+        )
+
+
+def all_joint_variants() -> tuple[Variant, ...]:
+    """Every registered engine but the reference, in its joint formulation, tuned."""
+    return tuple(Variant(name) for name in engine_names() if name != REFERENCE.engine)
+
+
+@dataclass(frozen=True)
+class Point:
+    """One point of the grid, by one variant, with what it was compared with."""
+
+    variant: Variant
+    friction_ratio: float
+    frequency_ratio: float
+    answer: Answer
+    comparison: Comparison
+
+
+@dataclass(frozen=True)
+class BandEdge:
+    """One edge of the band of one variant; `frequency_ratio` is ``None`` where the grid does not hold it."""
+
+    variant: Variant
+    friction_ratio: float
+    edge: Edge
+    frequency_ratio: float | None
+    comparison: Comparison
+
+
+@dataclass(frozen=True)
+class Figure3Result:
+    """What came of it.
+
+    Parameters
+    ----------
+    asked
+        The question.
+    points
+        Every point of every variant, by variant, friction and frequency. The grid of each friction
+        ratio is the one asked for, resolved where the converged reference runs close to the threshold.
+    edges
+        Both edges of every curve.
+    dense_reference
+        For each friction ratio, η_r (`DENSE_FREQUENCY_RATIOS`) and transmittance [dB] of the reference
+        at the common time step, to be drawn as a line.
+    """
+
+    asked: Figure3
+    points: tuple[Point, ...]
+    edges: tuple[BandEdge, ...]
+    dense_reference: Mapping[float, tuple[FloatArray, FloatArray]]
+
+    def curve(self, variant: Variant, friction_ratio: float) -> list[Point]:
+        """Points of one curve."""
+        return [p for p in self.points if p.variant == variant and p.friction_ratio == friction_ratio]
+
+    def edge(self, variant: Variant, friction_ratio: float, edge: Edge) -> BandEdge:
+        """One edge."""
+        return next(e for e in self.edges if (e.variant, e.friction_ratio, e.edge) == (variant, friction_ratio, edge))
+
+
+def run(asked: Figure3, evaluator: Evaluator) -> Figure3Result:
+    """Answer every point of the grid, then refine the edges of every curve."""
+    grids = {friction: _resolved_grid(asked, friction, evaluator) for friction in asked.friction_ratios}
+    places = [
+        (variant, friction, eta) for variant in asked.all_variants for friction in grids for eta in grids[friction]
+    ]
+    answers = dict(zip(places, evaluator.evaluate([asked.question(*place) for place in places]), strict=True))
+    points = tuple(Point(*place, answer, _compare(place, answers)) for place, answer in answers.items())
+    edges = tuple(_edges(asked, grids, answers, evaluator))
+    return Figure3Result(asked, points, edges, _dense_reference(asked, evaluator))
+
+
+def _resolved_grid(asked: Figure3, friction: float, evaluator: Evaluator) -> tuple[float, ...]:
+    """Add points until the converged reference shows no place where a crossing could hide."""
+    grid = np.array(asked.frequency_ratios)
+    while True:
+        answers = evaluator.evaluate([asked.question(CONVERGED, friction, eta) for eta in grid.tolist()])
+        missing = unresolved(grid, np.array([_decided(answer) for answer in answers]), asked.band)
+        if missing.size == 0:
+            return tuple(grid.tolist())
+        grid = np.union1d(grid, missing)
+
+
+def _dense_reference(asked: Figure3, evaluator: Evaluator) -> dict[float, tuple[FloatArray, FloatArray]]:
+    """Curves of the reference over the whole range, fine enough to be drawn as lines."""
+    low, high = asked.frequency_ratios[0], asked.frequency_ratios[-1]
+    eta = np.array([ratio for ratio in DENSE_FREQUENCY_RATIOS if low <= ratio <= high])
+    places = [(friction, ratio) for friction in asked.friction_ratios for ratio in eta.tolist()]
+    answers = evaluator.evaluate([asked.question(REFERENCE, *place) for place in places])
+    curves = np.reshape([_decided(answer) for answer in answers], (len(asked.friction_ratios), eta.size))
+    return {friction: (eta, curve) for friction, curve in zip(asked.friction_ratios, curves, strict=True)}
+
+
+_Place = tuple[Variant, float, float]
+
+
+def _compare(place: _Place, answers: dict[_Place, Answer]) -> Comparison:
+    """Compare a point with the reference at equal step where the scheme is shared, else with the converged one."""
+    variant, *point = place
+    shares = engine(variant.engine).capabilities.shares_scheme
+    other, tolerance = (REFERENCE, SCHEME_TOLERANCE_DB) if shares else (CONVERGED, CONVERGED_TOLERANCE_DB)
+    if variant.engine == REFERENCE.engine:
+        other, tolerance = CONVERGED, CONVERGED_TOLERANCE_DB
+    return compare_transmittance(answers[place], answers[other, point[0], point[1]], tolerance)
+
+
+def _edges(
+    asked: Figure3, grids: Mapping[float, tuple[float, ...]], answers: dict[_Place, Answer], evaluator: Evaluator
+) -> Iterator[BandEdge]:
+    """Refine all edges of all curves together, and compare them with the converged reference's."""
+    curves = [(variant, friction) for variant in asked.all_variants for friction in asked.friction_ratios]
+    brackets: dict[tuple[Variant, float, Edge], tuple[float, float]] = {}
+    for variant, friction in curves:
+        curve = np.array([_decided(answers[variant, friction, eta]) for eta in grids[friction]])
+        for edge, bracket in edge_brackets(np.array(grids[friction]), curve, asked.band).items():
+            brackets[variant, friction, edge] = bracket
+    owners = list(brackets)
+
+    def transmittance_db(index: NDArray[np.intp], eta: FloatArray) -> FloatArray:
+        asks = [asked.question(owners[k][0], owners[k][1], float(ratio)) for k, ratio in zip(index, eta, strict=True)]
+        return np.array([_decided(answer) for answer in evaluator.evaluate(asks)])
+
+    crossings = refined_crossings(list(brackets.values()), transmittance_db, asked.band)
+    refined = {owner: float(crossing) for owner, crossing in zip(owners, crossings, strict=True)}
+    for variant, friction in curves:
+        for edge in Edge:
+            found = refined.get((variant, friction, edge))
+            comparison = compare_edge(found, refined.get((CONVERGED, friction, edge)))
+            yield BandEdge(variant, friction, edge, found, comparison)
+
+
+def _decided(answer: Answer) -> float:
+    """Transmittance of a steady state; NaN where there is none."""
+    return answer.transmittance_db if answer.converged else math.nan
+
+
+def _check_grid(name: str, values: Sequence[float], requirement: str) -> None:
+    """Refuse a grid that is empty, not ascending or outside its range."""
+    array = checked_array(name, values, requirement)
+    if array.size == 0 or np.any(np.diff(array) <= 0):
+        raise ParameterError(f"{name} = {list(values)}; allowed: at least one value, ascending, {requirement}")

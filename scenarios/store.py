@@ -1,0 +1,84 @@
+"""Answers kept in one SQLite file: what has been computed once is never computed again."""
+
+import json
+import sqlite3
+from collections.abc import Iterable
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from reference_lcp.validation import ParameterError
+from scenarios.questions import Answer, Question
+
+APPLICATION_ID = 0x4D425856
+"""Marks the file as a store of this suite ("MBXV") in SQLite's header."""
+
+SCHEMA_VERSION = 1
+"""Layout of the tables."""
+
+
+class ResultStore:
+    """Answers by the hash of their questions; every answer is on disk when `keep` returns.
+
+    Parameters
+    ----------
+    file
+        The store; made if it is missing.
+
+    Raises
+    ------
+    ParameterError
+        If `file` is not a store of this suite, is damaged or cannot be written; it is left as it is.
+    """
+
+    def __init__(self, file: Path):
+        self._file = file
+        try:
+            self._connection = sqlite3.connect(file)
+            self._open()
+        except sqlite3.Error as problem:
+            raise ParameterError(f"store {file} cannot be used: {problem}") from None
+
+    def _open(self) -> None:
+        """Check whose file it is, then make the table in a new one."""
+        owner = self._connection.execute("PRAGMA application_id").fetchone()[0]
+        tables = self._connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
+        if tables and owner != APPLICATION_ID:
+            raise ParameterError(f"store {self._file} belongs to another program; allowed: a new file or a store")
+        version = self._connection.execute("PRAGMA user_version").fetchone()[0]
+        if tables and version != SCHEMA_VERSION:
+            raise ParameterError(f"store {self._file} has layout {version}; allowed: {SCHEMA_VERSION}")
+        if not tables:
+            self._connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+            self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+            with self._connection:
+                self._connection.execute(
+                    "CREATE TABLE answers (key TEXT PRIMARY KEY, content TEXT NOT NULL, answer TEXT NOT NULL)"
+                )
+
+    def find(self, question: Question) -> Answer | None:
+        """Give the answer to an equal question, or ``None``."""
+        row = self._connection.execute("SELECT answer FROM answers WHERE key = ?", (question.key(),)).fetchone()
+        return None if row is None else Answer.from_json(row[0])
+
+    def keep(self, answered: Iterable[tuple[Question, Answer]]) -> None:
+        """Write answers in one transaction; blocked ones are not kept, so that they are tried again."""
+        rows = [
+            (question.key(), json.dumps(question.content(), sort_keys=True), answer.to_json())
+            for question, answer in answered
+            if answer.status != "blocked"
+        ]
+        with self._connection:
+            self._connection.executemany("INSERT OR REPLACE INTO answers VALUES (?, ?, ?)", rows)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._connection.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
