@@ -8,10 +8,22 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from reference_lcp.lanewise import LaneModel as LaneModel
-from reference_lcp.lanewise import LanewiseSimulation as LanewiseSimulation
+from reference_lcp.lanewise import LaneModel, LanewiseSimulation
 from reference_lcp.simulation import Lane, Simulation, common_cells
 from reference_lcp.validation import FloatArray, checked_choice
+
+__all__ = [
+    "Capabilities",
+    "Engine",
+    "EngineNotInstalled",
+    "Formulation",
+    "FrictionLaw",
+    "LaneModel",
+    "LanewiseSimulation",
+    "Option",
+    "Preset",
+    "constant_normal_force",
+]
 
 
 class FrictionLaw(StrEnum):

@@ -26,8 +26,8 @@ TIE_TOLERANCE = 1e-13
 RESIDUAL_TOLERANCE = 1e-10
 """Largest natural residual ‖min(z, w)‖∞ of an answer that counts as solved, in scaled variables."""
 
-SCALING_SWEEPS = 4
-"""Sweeps of row and column scaling; from the fourth on, entries of mechanical LCPs change by less than two."""
+SCALING_SWEEPS = 50
+"""Most sweeps of row and column scaling; problems in sensible units take two or three."""
 
 
 class LemkeStatus(StrEnum):
@@ -52,7 +52,8 @@ class LemkeResult:
     status
         How the method ended.
     residual
-        Natural residual ‖min(z, w)‖∞ in scaled variables; NaN unless a basis was reached.
+        Natural residual ‖min(z, w)‖∞, with z scaled as in the pivoting and each w_i over the size of the
+        terms it is the sum of; NaN unless a basis was reached.
     """
 
     z: FloatArray
@@ -74,11 +75,12 @@ def natural_residual(M: ArrayLike, q: ArrayLike, z: ArrayLike) -> float:
     return float(np.max(np.abs(np.minimum(z, w)), initial=0.0))
 
 
-def lemke(M: ArrayLike, q: ArrayLike, *, max_pivots: int | None = None) -> LemkeResult:
+def lemke(
+    M: ArrayLike, q: ArrayLike, *, covering: ArrayLike | None = None, max_pivots: int | None = None
+) -> LemkeResult:
     """Solve w = M z + q, w >= 0, z >= 0, wᵀ z = 0.
 
-    Rows and columns are scaled by powers of two first. The covering vector is one in every row. The
-    lexicographic ratio test excludes cycling; ties that involve the artificial variable end the
+    Rows and columns are scaled by powers of two first. The lexicographic ratio test excludes cycling; ties that involve the artificial variable end the
     path. The answer is computed anew from the final basis with the unscaled data, and checked apart
     from the pivoting: what fails that check is never returned as solved.
 
@@ -88,6 +90,9 @@ def lemke(M: ArrayLike, q: ArrayLike, *, max_pivots: int | None = None) -> Lemke
         Shape (n, n).
     q
         Shape (n,).
+    covering
+        Column d > 0 of the artificial variable, shape (n,): which path is followed depends on it. One
+        in every row of the scaled problem without it.
     max_pivots
         Pivots after which the method gives up; 50 n + 100 without it.
 
@@ -100,18 +105,17 @@ def lemke(M: ArrayLike, q: ArrayLike, *, max_pivots: int | None = None) -> Lemke
     Raises
     ------
     ParameterError
-        If shapes do not fit, a value is not finite, or `max_pivots` is below 1.
+        If shapes do not fit, a value is not finite, `covering` is not > 0 or `max_pivots` is below 1.
     """
     matrix, vector = _checked_problem(M, q)
     size = vector.size
     limit = 50 * size + 100 if max_pivots is None else checked_count("max_pivots", max_pivots)
     if np.all(vector >= 0):
         return LemkeResult(np.zeros(size), vector.copy(), 0, LemkeStatus.SOLVED, 0.0)
-    rows, columns = _scaling(matrix, vector)
-    scaled_matrix = rows[:, None] * matrix * columns
+    rows, columns = _scaling(matrix)
     scaled_vector = rows * vector
-    scaled_vector = scaled_vector / np.max(np.abs(scaled_vector))
-    tableau = _Tableau(scaled_matrix, scaled_vector)
+    cover = np.ones(size) if covering is None else rows * _checked_covering(covering, size)
+    tableau = _Tableau(rows[:, None] * matrix * columns, scaled_vector / np.max(np.abs(scaled_vector)), cover)
     status = tableau.pivot_to_solution(limit)
     if status is not LemkeStatus.SOLVED:
         nothing = np.full(size, np.nan)
@@ -126,11 +130,11 @@ class _Tableau:
     lexicographic ratio test.
     """
 
-    def __init__(self, M: FloatArray, q: FloatArray):
+    def __init__(self, M: FloatArray, q: FloatArray, covering: FloatArray):
         size = q.size
         self.size = size
         self.z0 = 2 * size
-        self.table = np.hstack([np.eye(size), -M, -np.ones((size, 1)), q[:, None]])
+        self.table = np.hstack([np.eye(size), -M, -covering[:, None], q[:, None]])
         self.basis = np.arange(size)
         self.pivots = 0
 
@@ -152,9 +156,9 @@ class _Tableau:
         return np.sort(self.basis[self.basis >= self.size]) - self.size
 
     def _first_row(self) -> int:
-        """Row of the lexicographically smallest (q_i, e_i): there z0 enters, and all rows become >= 0."""
-        right = self.table[:, -1]
-        tied = np.flatnonzero(right == right.min())
+        """Row of the lexicographically smallest (q_i, e_i) / d_i: there z0 enters, and all rows become >= 0."""
+        ratios = self.table[:, -1] / -self.table[:, self.z0]
+        tied = np.flatnonzero(ratios == ratios.min())
         return int(tied[-1])
 
     def _leaving_row(self, entering: int) -> int | None:
@@ -198,22 +202,39 @@ def _checked_problem(M: ArrayLike, q: ArrayLike) -> tuple[FloatArray, FloatArray
     return matrix, vector
 
 
-def _scaling(M: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Positive row and column factors, powers of two, that bring the entries of M near one.
+def _checked_covering(covering: ArrayLike, size: int) -> FloatArray:
+    """Give the covering vector as an array."""
+    cover = checked_array("covering", covering, "> 0")
+    if cover.shape != (size,):
+        raise ParameterError(f"covering has shape {cover.shape}; allowed: ({size},)")
+    return cover
 
-    Scaling by positive diagonals leaves complementarity as it is; powers of two leave no round-off.
+
+def _scaling(M: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Positive row and column factors, powers of two, that bring all nonzero entries of M near one.
+
+    Geometric means of rows and columns in turn (Curtis and Reid 1972): largest entries alone would
+    leave a small pivot beside a large one. Scaling by positive diagonals leaves complementarity as
+    it is; powers of two leave no round-off.
     """
-    rows, columns = np.ones(q.size), np.ones(q.size)
+    present = M != 0
+    exponents = np.log2(np.abs(M), where=present, out=np.zeros_like(M))
+    in_row, in_column = np.maximum(present.sum(axis=1), 1), np.maximum(present.sum(axis=0), 1)
+    rows, columns = np.zeros(in_row.size), np.zeros(in_column.size)
     for _ in range(SCALING_SWEEPS):
-        scaled = np.abs(rows[:, None] * M * columns)
-        rows = rows / _root_of_largest(scaled, axis=1)
-        columns = columns / _root_of_largest(scaled, axis=0)
-    return np.exp2(np.round(np.log2(rows))), np.exp2(np.round(np.log2(columns)))
+        rows = -(exponents + present * columns).sum(axis=1) / in_row
+        following = -(exponents + present * rows[:, None]).sum(axis=0) / in_column
+        change, columns = np.max(np.abs(following - columns)), following
+        if change < 1 / 4:
+            break
+    return np.exp2(np.round(rows)), np.exp2(np.round(columns))
 
 
-def _root_of_largest(entries: FloatArray, axis: int) -> FloatArray:
-    largest = np.max(entries, axis=axis)
-    return np.sqrt(np.where(largest > 0, largest, 1.0))
+def _scaled_residual(M: FloatArray, q: FloatArray, z: FloatArray, scaled_z: FloatArray) -> float:
+    """Natural residual with each row of M z + q over the size of its terms: no row can hide behind a larger one."""
+    terms = np.abs(M) @ np.abs(z) + np.abs(q)
+    scaled_w = (M @ z + q) / np.where(terms > 0, terms, 1.0)
+    return float(np.max(np.abs(np.minimum(scaled_z, scaled_w))))
 
 
 def _answer(M: FloatArray, q: FloatArray, rows: FloatArray, columns: FloatArray, tableau: _Tableau) -> LemkeResult:
@@ -225,9 +246,7 @@ def _answer(M: FloatArray, q: FloatArray, rows: FloatArray, columns: FloatArray,
     try:
         z[positive] = np.linalg.solve(M[np.ix_(positive, positive)], -q[positive])
         w[others] = M[np.ix_(others, positive)] @ z[positive] + q[others]
-        unit = np.max(np.abs(rows * q))
-        scaled_z, scaled_w = z / columns / unit, rows * (M @ z + q) / unit
-        residual = float(np.max(np.abs(np.minimum(scaled_z, scaled_w))))
+        residual = _scaled_residual(M, q, z, z / columns / np.max(np.abs(rows * q)))
     except np.linalg.LinAlgError:
         pass
     if not residual <= RESIDUAL_TOLERANCE:
