@@ -77,7 +77,7 @@ class MuJoCo(Engine):
             return f"mujoco {self.version()} has no batch of models; version 4.0 or newer is needed"
         return None
 
-    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:  # noqa: ARG002
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         return MuJoCoSimulation.build(lanes, preset)
 
 

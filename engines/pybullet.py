@@ -76,7 +76,7 @@ class PyBullet(Engine):
             f"(wheels exist for CPython 3.11 and older only, this is Python {python}: later ones compile from source)"
         )
 
-    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:  # noqa: ARG002
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         cells = lanes[0].chain.cells
         if cells > MOST_CELLS:
             raise ParameterError(f"cells = {cells} is outside what PyBullet takes; allowed: at most {MOST_CELLS}")

@@ -76,7 +76,9 @@ def _figure3() -> tuple[float, float, int]:
     orbits = periodic_orbits(CompiledSimulation(with_friction), MINIMUM_STEPS_PER_PERIOD)
     curve = [decibel(transmittance(orbit)) for orbit in orbits]
     chain = Chain.from_ratios()
-    for frequency in FIGURE3_FREQUENCY_RATIOS:
-        curve.append(decibel(frictionless_transmittance(chain, HarmonicBase.from_ratio(chain, frequency))))
+    curve += [
+        decibel(frictionless_transmittance(chain, HarmonicBase.from_ratio(chain, frequency)))
+        for frequency in FIGURE3_FREQUENCY_RATIOS
+    ]
     seconds = time.perf_counter() - begin
     return seconds, max(orbit.residual for orbit in orbits), len(curve)

@@ -47,11 +47,11 @@ class Lane:
 
     def loads(self, start: int, steps: int) -> FloatArray:
         """Force on cell 1 at the *start* of each step [N], shape (steps,), as equation (5) takes h."""
-        return self.drive.load(self.chain, self.time_step * np.arange(start, start + steps))
+        return self.drive.load(self.chain, self.time_step * np.arange(start, start + steps, dtype=np.float64))
 
     def times(self, start: int, steps: int) -> FloatArray:
         """Ends of the steps [s], shape (steps,)."""
-        return self.time_step * np.arange(start + 1, start + steps + 1)
+        return self.time_step * np.arange(start + 1, start + steps + 1, dtype=np.float64)
 
 
 def steps_per_period_for(chain: Chain, drive: PeriodicDrive, minimum: int = MINIMUM_STEPS_PER_PERIOD) -> int:

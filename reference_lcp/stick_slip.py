@@ -77,15 +77,12 @@ def transitions(orbit: PeriodicOrbit) -> list[Transition]:
     last step had another one. Contacts without friction have none.
     """
     modes = contact_modes(orbit)
-    step = orbit.lane.time_step
-    found = []
-    for cell in range(modes.shape[1]):
-        if orbit.lane.chain.friction_bound[cell] == 0:
-            continue
-        column = modes[:, cell]
-        for k in np.flatnonzero(column != np.roll(column, 1)):
-            found.append(Transition(cell + 1, float(k * step), _MODE_OF_SIGN[int(column[k])]))
-    return found
+    rubbing = orbit.lane.chain.friction_bound > 0
+    cells, steps = np.nonzero(((modes != np.roll(modes, 1, axis=0)) & rubbing).T)
+    return [
+        Transition(int(cell) + 1, float(k * orbit.lane.time_step), _MODE_OF_SIGN[int(modes[k, cell])])
+        for cell, k in zip(cells, steps, strict=True)
+    ]
 
 
 def stuck_fraction(orbit: PeriodicOrbit) -> FloatArray:

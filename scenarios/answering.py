@@ -34,7 +34,7 @@ def answer_batch(questions: Sequence[Question]) -> list[Answer]:
 
 
 def _answer_lanes(asked: Question, lanes: list[Lane], steps: int) -> list[Answer]:
-    """Answer lanes that share their number of steps a period."""
+    """Answer lanes that share their number of steps a period; those of a failed batch again one by one."""
     variant = asked.variant
     begin = time.perf_counter()
     try:

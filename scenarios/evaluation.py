@@ -117,8 +117,7 @@ def _batches(questions: list[Question]) -> Iterator[list[Question]]:
     groups: dict[tuple[Variant, int], list[Question]] = defaultdict(list)
     for question in questions:
         groups[question.variant, question.ratios.cells].append(question)
-    pieces = []
     for (variant, _), group in groups.items():
         size = engine(variant.engine).capabilities.batch_lanes
-        pieces.extend(group[first : first + size] for first in range(0, len(group), size))
-    yield from pieces
+        for first in range(0, len(group), size):
+            yield group[first : first + size]

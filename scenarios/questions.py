@@ -140,7 +140,9 @@ class Answer:
     @classmethod
     def from_json(cls, text: str) -> Self:
         """Read what `to_json` wrote."""
-        numbers = {name: math.nan if value is None else value for name, value in json.loads(text).items()}
+        numbers: dict[str, Any] = {
+            name: math.nan if value is None else value for name, value in json.loads(text).items()
+        }
         numbers["stuck_fraction"] = tuple(numbers["stuck_fraction"])
         numbers["transitions"] = tuple((cell, time, kind) for cell, time, kind in numbers["transitions"])
         return cls(**numbers)

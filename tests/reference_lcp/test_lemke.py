@@ -51,7 +51,7 @@ SOLVABLE = {
 
 RAYS = {
     "Murty 1988, example 2.9": ([[-1, 0, -3], [1, -2, -5], [-2, -1, -2]], [-3, -2, -1], None),
-    "Kostreva 1979, example 2: cycles without tie-breaking": ([[1, -1, 3], [2, -1, 3], [-1, -2, 0]], [-1, -1, -1], None),
+    "Kostreva 1979, example 2: cycles untied": ([[1, -1, 3], [2, -1, 3], [-1, -2, 0]], [-1, -1, -1], None),
     "Murty 1988, example 2.11, its covering vector": ([[-1.5, 2], [-4, 4]], [-5, 17], [5, 16]),
     "no solution at all: w = -1": ([[0]], [-1], None),
 }
