@@ -23,7 +23,9 @@ def test_a_late_transition_has_a_positive_error_over_the_period() -> None:
     assert match.time_errors == pytest.approx([0.01])
 
 
-@pytest.mark.parametrize("found", [(2, 0.5, STICK), (1, 0.5, FORWARD), (1, 0.5 + 1.01 * MATCHING_WINDOW * PERIOD, STICK)])
+@pytest.mark.parametrize(
+    "found", [(2, 0.5, STICK), (1, 0.5, FORWARD), (1, 0.5 + 1.01 * MATCHING_WINDOW * PERIOD, STICK)]
+)
 def test_another_cell_another_mode_or_too_far_is_missed_and_spurious(found: tuple[int, float, str]) -> None:
     expected = (1, 0.5, STICK)
     match = match_transitions([found], [expected], PERIOD)
@@ -51,7 +53,7 @@ def test_a_wider_window_pairs_what_is_further_apart() -> None:
 
 @pytest.mark.parametrize(("period", "window"), [(0.0, 0.02), (float("nan"), 0.02), (1.0, 0.0), (1.0, -1.0)])
 def test_a_period_or_window_that_is_not_positive_is_refused(period: float, window: float) -> None:
-    with pytest.raises(ParameterError, match="period|window"):
+    with pytest.raises(ParameterError, match=r"period|window"):
         match_transitions([], [], period, window)
 
 

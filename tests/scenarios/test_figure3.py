@@ -1,0 +1,141 @@
+"""Figure 3: the paper's three claims, on the reference and on every engine; edges against the converged scheme."""
+
+import numpy as np
+import pytest
+
+from engines import engine, engine_names
+from reference_lcp import ParameterError
+from scenarios.agreement import EDGE_TOLERANCE, Verdict
+from scenarios.attenuation_band import Edge
+from scenarios.evaluation import Evaluator
+from scenarios.figure3 import (
+    CONVERGED,
+    REFERENCE,
+    Figure3,
+    default_frequency_ratios,
+    quick_frequency_ratios,
+    resonances,
+    run,
+)
+from scenarios.questions import ChainRatios, Variant
+from scenarios.store import ResultStore
+
+INSTALLED = [name for name in engine_names() if engine(name).why_not_installed() is None]
+
+CONVERGED_LOWER_EDGES = {0.1: 0.753, 0.3: 0.637, 0.6: 0.756, 1.0: 0.999, 5.0: 1.17}
+"""Of the scheme for Δt → 0, to the digits given; the frictionless edge has a closed form instead."""
+
+SUPPORT = {
+    0.0: (0.8, 0.8505, 0.9, 1.1, 1.4, 1.422),
+    0.1: (0.7, 0.74, 0.8, 0.9),
+    0.3: (0.55, 0.62, 0.66, 0.9, 1.1),
+    0.6: (0.7, 0.8, 0.9, 1.1, 1.2),
+    1.0: (0.9, 0.975, 0.9875, 1.025, 1.1, 1.3),
+    5.0: (1.1, 1.1441, 1.2, 1.2919, 1.36),
+}
+"""Points of the grid that bracket the edges of each friction ratio, so that engines need not answer all."""
+
+
+pytestmark = pytest.mark.xdist_group("figure3")
+
+
+@pytest.fixture(scope="module")
+def edges(tmp_path_factory):
+    """Edges of every installed engine, each friction ratio on its own few points."""
+    found = {}
+    with ResultStore(tmp_path_factory.mktemp("store") / "results.sqlite") as store, Evaluator(store, 2) as evaluator:
+        for friction, support in SUPPORT.items():
+            asked = Figure3(
+                variants=tuple(Variant(name) for name in INSTALLED), friction_ratios=(friction,),
+                frequency_ratios=support,
+            )  # fmt: skip
+            for edge in run(asked, evaluator).edges:
+                found[edge.variant, friction, edge.edge] = edge
+    return found
+
+
+every_engine = pytest.mark.parametrize("name", INSTALLED)
+
+
+@every_engine
+def test_claim_1_band_is_wider_for_friction_ratios_up_to_0_6_than_for_none(edges, name) -> None:
+    def lower(friction):
+        return edges[Variant(name), friction, Edge.LOWER].frequency_ratio
+
+    def upper(friction):
+        return edges[Variant(name), friction, Edge.UPPER].frequency_ratio
+
+    for friction in (0.1, 0.3, 0.6):
+        assert lower(friction) < lower(0.0)
+        assert upper(friction) is None or upper(friction) > upper(0.0)
+
+
+@every_engine
+def test_claim_2_band_is_widest_at_0_3(edges, name) -> None:
+    lower = {friction: edges[Variant(name), friction, Edge.LOWER].frequency_ratio for friction in SUPPORT}
+    assert min(lower, key=lower.get) == 0.3
+
+
+@every_engine
+def test_claim_3_first_cut_off_moves_up_when_cells_lock(edges, name) -> None:
+    lower = [edges[Variant(name), friction, Edge.LOWER].frequency_ratio for friction in (0.3, 0.6, 1.0, 5.0)]
+    assert lower == sorted(lower)
+    assert lower[-1] > edges[Variant(name), 0.0, Edge.LOWER].frequency_ratio
+
+
+@every_engine
+def test_every_edge_is_within_the_tolerance_of_the_converged_one(edges, name) -> None:
+    own = [edge for (variant, _, _), edge in edges.items() if variant == Variant(name)]
+    assert len(own) == 2 * len(SUPPORT)
+    assert {edge.comparison.verdict for edge in own} == {Verdict.AGREE}
+
+
+@pytest.mark.parametrize("friction", CONVERGED_LOWER_EDGES)
+def test_lower_edges_of_the_reference_converge_to_the_published_ones(edges, friction) -> None:
+    for variant in (REFERENCE, CONVERGED):
+        found = edges[variant, friction, Edge.LOWER].frequency_ratio
+        assert found == pytest.approx(CONVERGED_LOWER_EDGES[friction], abs=0.003)
+
+
+def test_frictionless_edges_of_the_reference_are_those_of_the_linear_response(edges) -> None:
+    assert edges[CONVERGED, 0.0, Edge.LOWER].frequency_ratio == pytest.approx(0.8526, abs=2e-4)
+    assert edges[CONVERGED, 0.0, Edge.UPPER].frequency_ratio == pytest.approx(np.sqrt(2), abs=1e-3)
+    assert EDGE_TOLERANCE > 1e-3
+
+
+def test_grid_holds_every_resonance_and_the_ends() -> None:
+    ratios = ChainRatios()
+    grid, peaks = default_frequency_ratios(ratios), resonances(ratios)
+    assert peaks.size == 21
+    assert (grid[0], grid[-1]) == (0.1, 3.0)
+    assert np.max(np.min(np.abs(np.subtract.outer(peaks, grid)), axis=1)) < 1e-4
+    assert set(quick_frequency_ratios(ratios)) <= {round(eta, 4) for eta in (*grid, *np.arange(0.1, 2, 0.1))}
+
+
+def test_every_point_is_compared_and_reports_its_residual(tmp_path) -> None:
+    asked = Figure3(variants=(Variant("mujoco"),), friction_ratios=(0.3,), frequency_ratios=(0.6, 0.9, 1.6))
+    with ResultStore(tmp_path / "results.sqlite") as store, Evaluator(store, 1) as evaluator:
+        result = run(asked, evaluator)
+    for variant in (CONVERGED, REFERENCE, Variant("mujoco")):
+        curve = result.curve(variant, 0.3)
+        assert [point.comparison.verdict for point in curve] == [Verdict.AGREE] * len(curve)
+        assert all(point.answer.residual <= 1e-8 for point in curve)
+    eta, line = result.dense_reference[0.3]
+    assert eta.shape == line.shape == (101,)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"friction_ratios": (0.3, 0.1)}, "friction_ratios = .*ascending"),
+        ({"friction_ratios": (-0.1,)}, "friction_ratios = -0.1"),
+        ({"frequency_ratios": ()}, "at least one value"),
+        ({"frequency_ratios": (0.0, 1.0)}, "frequency_ratios = 0"),
+        ({"steps_per_period": 0}, "steps_per_period = 0"),
+        ({"variants": (Variant("bullet"),)}, "engine = 'bullet' is unknown"),
+        ({"variants": (Variant("mujoco", preset="best"),)}, "preset of mujoco = 'best' is unknown"),
+    ],
+)
+def test_impossible_question_is_refused(wrong, message) -> None:
+    with pytest.raises(ParameterError, match=message):
+        Figure3(**{"variants": (), **wrong})

@@ -1,0 +1,160 @@
+"""Answers are kept, found again, and survive engines that fail."""
+
+import os
+import signal
+import sqlite3
+
+import pytest
+
+from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, Preset
+from reference_lcp import ParameterError
+from scenarios import answering, evaluation
+from scenarios.evaluation import Evaluator
+from scenarios.questions import Answer, ChainRatios, Question, Variant
+from scenarios.store import ResultStore
+
+SMALL = ChainRatios(cells=2)
+
+
+def question(friction=0.3, eta=0.9, variant="reference", **more) -> Question:
+    return Question(variant=Variant(variant), friction_ratio=friction, frequency_ratio=eta, ratios=SMALL, **more)
+
+
+@pytest.fixture
+def store(tmp_path):
+    with ResultStore(tmp_path / "results.sqlite") as opened:
+        yield opened
+
+
+def test_answer_survives_json() -> None:
+    answer = Answer(
+        status="converged", transmittance_db=-3.25, residual=1e-9, stuck_fraction=(0.5, 1.0),
+        transitions=((1, 0.25, "stick"),),
+    )  # fmt: skip
+    assert Answer.from_json(answer.to_json()) == Answer.from_json(Answer.from_json(answer.to_json()).to_json())
+    again = Answer.from_json(answer.to_json())
+    assert (again.transmittance_db, again.transitions) == (-3.25, ((1, 0.25, "stick"),))
+    assert "NaN" not in answer.to_json()
+
+
+def test_kept_answer_is_found_by_an_equal_question_only(store) -> None:
+    store.keep([(question(), Answer(status="converged", transmittance_db=1.0))])
+    assert store.find(question()).transmittance_db == 1.0
+    for other in (
+        question(friction=0.4),
+        question(eta=0.91),
+        question(steps_per_period=800),
+        question(variant="mujoco"),
+    ):
+        assert store.find(other) is None
+
+
+def test_blocked_answer_is_not_kept_so_that_it_is_tried_again(store) -> None:
+    store.keep([(question(), Answer.blocked("crashed"))])
+    assert store.find(question()) is None
+
+
+def test_store_is_there_again_after_it_was_closed(tmp_path) -> None:
+    file = tmp_path / "results.sqlite"
+    with ResultStore(file) as store:
+        store.keep([(question(), Answer(status="converged", transmittance_db=2.0))])
+    with ResultStore(file) as store:
+        assert store.find(question()).transmittance_db == 2.0
+
+
+def test_foreign_and_damaged_files_are_refused_and_left_alone(tmp_path) -> None:
+    foreign = tmp_path / "foreign.sqlite"
+    with sqlite3.connect(foreign) as connection:
+        connection.execute("CREATE TABLE theirs (x)")
+    connection.close()
+    text = tmp_path / "notes.txt"
+    text.write_text("not a database, but long enough to look like one" * 10)
+    for file, message in ((foreign, "belongs to another program"), (text, "not a database")):
+        before = file.read_bytes()
+        with pytest.raises(ParameterError, match=message):
+            ResultStore(file)
+        assert file.read_bytes() == before
+    with pytest.raises(ParameterError, match="cannot be used"):
+        ResultStore(tmp_path / "missing" / "results.sqlite")
+
+
+def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
+    asked = [question(eta=eta) for eta in (0.5, 0.9, 0.5)]
+    with Evaluator(store, workers=1) as evaluator:
+        first = evaluator.evaluate(asked)
+    monkeypatch.setattr(evaluation, "ProcessPoolExecutor", None)
+    counted = []
+    with Evaluator(store, workers=1) as evaluator:
+        evaluator.progress = lambda variant, count: counted.append(count)
+        assert evaluator.evaluate(asked) == first
+    assert sum(counted) == 2
+    assert first[0] == first[2]
+    assert all(answer.converged for answer in first)
+
+
+def test_number_of_workers_does_not_change_the_answers(tmp_path) -> None:
+    asked = [question(eta=eta, variant=name) for eta in (0.5, 0.9) for name in ("reference", "mujoco")]
+    tables = []
+    for workers in (1, 2):
+        with ResultStore(tmp_path / f"{workers}.sqlite") as store, Evaluator(store, workers) as evaluator:
+            tables.append([(a.transmittance_db, a.residual, a.transitions) for a in evaluator.evaluate(asked)])
+    assert tables[0] == tables[1]
+
+
+def test_workers_below_one_are_refused(store) -> None:
+    with pytest.raises(ParameterError, match="workers = 0"):
+        Evaluator(store, workers=0)
+
+
+class _Failing(Engine):
+    name = "failing"
+    capabilities = Capabilities(
+        title="Failing", package="none", licence="MIT", friction_law=FrictionLaw.COULOMB,
+        presets={Formulation.JOINT: {"tuned": Preset("fails", {})}}, shares_scheme=True, split_tolerance=0.0,
+    )  # fmt: skip
+    missing: str | None = None
+    failure: Exception | None = None
+
+    def version(self) -> str:
+        return "1"
+
+    def why_not_installed(self) -> str | None:
+        return self.missing
+
+    def _build(self, lanes, formulation, preset):
+        raise self.failure
+
+
+@pytest.mark.parametrize(
+    ("failure", "missing", "reason"),
+    [
+        (RuntimeError("solver gave up\nat step 3"), None, "RuntimeError: solver gave up at step 3"),
+        (ParameterError("friction_bound = 9"), None, "cannot be represented: friction_bound = 9"),
+        (None, "no wheel for this Python", "failing: no wheel for this Python"),
+    ],
+)
+def test_engine_that_fails_gives_blocked_answers_with_the_reason(monkeypatch, failure, missing, reason) -> None:
+    failing = _Failing()
+    failing.failure, failing.missing = failure, missing
+    monkeypatch.setattr(answering, "engine", lambda name: failing)
+    answers = answering.answer_batch([question(), question(eta=0.5)])
+    assert [answer.status for answer in answers] == ["blocked", "blocked"]
+    assert answers[0].reason == reason
+
+
+def _kill_worker(batch):
+    """A worker whose engine crashes the process at one question."""
+    if any(asked.frequency_ratio == 0.5 for asked in batch):
+        os.kill(os.getpid(), signal.SIGKILL)
+    return [Answer(status="converged", transmittance_db=asked.frequency_ratio) for asked in batch]
+
+
+def test_crash_of_a_worker_blocks_its_own_batch_and_nothing_else(store, monkeypatch) -> None:
+    monkeypatch.setattr(evaluation, "answer_batch", _kill_worker)
+    asked = [question(eta=eta, variant="mujoco") for eta in (0.3, 0.5, 0.7)]
+    monkeypatch.setattr(evaluation, "_batches", lambda questions: ([one] for one in questions))
+    with Evaluator(store, workers=2) as evaluator:
+        answers = evaluator.evaluate(asked)
+    assert [answer.status for answer in answers] == ["converged", "blocked", "converged"]
+    assert answers[1].reason == "the worker process crashed"
+    assert store.find(asked[0]).transmittance_db == 0.3
