@@ -38,7 +38,7 @@ def plot_period(orbit: PeriodicOrbit, file: Path) -> None:
     axes = figure.subplots(trajectory.cells, 3, sharex=True, sharey="col", squeeze=False)
     for cell, row in enumerate(axes):
         outer, inner = trajectory.outer_positions[:, cell] / scale, trajectory.inner_positions[:, cell] / scale
-        _draw(row[0], phase, stuck[:, cell], {"outer": outer, "inner": inner})
+        _draw(row[0], phase, stuck[:, cell], {"outer mass": outer, "inner mass": inner})
         _draw(row[1], phase, stuck[:, cell], {"": trajectory.relative_velocity[:, cell] / (scale * omega)})
         _draw(row[2], phase, stuck[:, cell], {"": trajectory.friction[:, cell] / bound[cell]})
         row[0].set_ylabel(f"cell {cell + 1}")
@@ -48,13 +48,23 @@ def plot_period(orbit: PeriodicOrbit, file: Path) -> None:
         axis.set_title(title, fontsize=10)
     for axis in axes[-1]:
         axis.set_xlabel("time / period [-]")
-    axes[0, 0].legend(fontsize=8, loc="upper right", ncols=2)
+    handles = axes[0, 0].get_legend_handles_labels()[0]
+    figure.legend(handles=handles, loc="outside upper center", ncols=3, fontsize=9, frameon=False)
     figure.savefig(file, dpi=150)
 
 
 def _draw(axis: Any, phase: FloatArray, stuck: Any, curves: dict[str, FloatArray]) -> None:
     """Draw curves over one period, with the stuck steps shaded."""
-    axis.fill_between(phase, 0, 1, where=stuck, transform=axis.get_xaxis_transform(), color="0.85", linewidth=0)
+    axis.fill_between(
+        phase,
+        0,
+        1,
+        where=stuck,
+        transform=axis.get_xaxis_transform(),
+        color="0.85",
+        linewidth=0,
+        label="contact sticks",
+    )
     for (label, curve), style in zip(curves.items(), ("-", "--"), strict=False):
         axis.plot(phase, curve, style, label=label, linewidth=1.2)
     axis.set_xlim(0, 1)

@@ -1,0 +1,119 @@
+"""``python -m reference_lcp`` as its users run it."""
+
+import json
+import re
+
+import pytest
+
+from reference_lcp.__main__ import app
+from reference_lcp.console import WRONG_INPUT, run_command
+
+
+def run(capsys, *arguments):
+    code = run_command(app, list(arguments))
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_json_has_the_promised_keys_and_the_steady_state(capsys) -> None:
+    code, out, _ = run(capsys, "--friction-ratio", "0.3", "--frequency-ratio", "0.9", "--json")
+    answer = json.loads(out)
+    assert code == 0
+    assert answer["transmittance_db"] == pytest.approx(-9.561, abs=0.02)
+    assert answer["residual"] <= 1e-8
+    assert len(answer["stuck_fraction"]) == 7
+    assert {"cell", "time_s", "kind"} == set(answer["transitions"][0])
+    assert {change["kind"] for change in answer["transitions"]} == {"stick", "forward slip", "backward slip"}
+
+
+def test_every_parameter_of_the_chain_is_understood(capsys) -> None:
+    code, out, _ = run(
+        capsys, "--mass-ratio", "0.3", "--stiffness-ratio", "0.075", "--damping-ratio", "0.02",
+        "--inner-damping-ratio", "0.01", "--cells", "2", "--steps-per-period", "800", "--solver", "compiled",
+        "--base-amplitude", "0.02", "--tolerance", "1e-7", "--max-periods", "300", "--json",
+    )  # fmt: skip
+    answer = json.loads(out)
+    assert code == 0
+    assert len(answer["stuck_fraction"]) == 2
+    assert answer["status"] == "converged"
+
+
+def test_units_of_the_base_motion_do_not_change_the_transmittance(capsys) -> None:
+    answers = [
+        json.loads(run(capsys, "--base-amplitude", amplitude, "--json")[1])["transmittance_db"]
+        for amplitude in ("1e-6", "0.01", "100")
+    ]
+    assert answers == pytest.approx([answers[0]] * 3, abs=1e-6)
+
+
+def test_text_shows_every_cell(capsys) -> None:
+    code, out, _ = run(capsys)
+    assert code == 0
+    assert re.search(r"transmittance\s+-9\.5602 dB", out)
+    assert all(re.search(rf"│ {cell}\s+│", out) for cell in range(1, 8))
+
+
+def test_lemke_prints_the_same_transmittance_to_1e_9_db(capsys) -> None:
+    arguments = ("--cells", "1", "--friction-ratio", "0.3", "--frequency-ratio", "0.8", "--json")
+    lemke, compiled = (
+        json.loads(run(capsys, *arguments, "--solver", solver)[1])["transmittance_db"]
+        for solver in ("lemke", "compiled")
+    )
+    assert lemke == pytest.approx(compiled, abs=1e-9)
+
+
+def test_plot_is_drawn(capsys, tmp_path) -> None:
+    file = tmp_path / "period.png"
+    code, _, _ = run(capsys, "--cells", "3", "--plot", str(file))
+    assert code == 0
+    assert file.read_bytes().startswith(b"\x89PNG")
+    assert file.stat().st_size > 20_000
+
+
+def test_no_steady_state_within_the_periods_is_exit_code_1(capsys) -> None:
+    code, out, _ = run(capsys, "--max-periods", "5", "--json")
+    assert code == 1
+    assert json.loads(out)["status"] == "period limit"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--friction-ratio", "-1"], ["friction_ratio = -1", ">= 0"]),
+        (["--friction-ratio", "nan"], ["friction_ratio = nan"]),
+        (["--frequency-ratio", "0"], ["frequency_ratio = 0", "> 0"]),
+        (["--frequency-ratio", "-0.5"], ["frequency_ratio = -0.5"]),
+        (["--mass-ratio", "-2"], ["mass_ratio = -2", "> 0"]),
+        (["--stiffness-ratio", "0"], ["stiffness_ratio = 0", "> 0"]),
+        (["--damping-ratio", "-0.01"], ["damping_ratio = -0.01", ">= 0"]),
+        (["--cells", "0"], ["cells = 0", ">= 1"]),
+        (["--cells", "seven"], ["--cells"]),
+        (["--steps-per-period", "2"], ["steps_per_period = 2"]),
+        (["--solver", "magic"], ["solver = 'magic'", "compiled, lemke"]),
+        (["--tolerance", "0"], ["tolerance = 0"]),
+        (["--max-periods", "0"], ["max_periods = 0"]),
+        (["--base-amplitude", "0"], ["base_amplitude = 0"]),
+        (["--plot", "/nowhere/at/all.png"], ["/nowhere/at does not exist"]),
+        (["--plot", "period.xyz"], ["period.xyz", "png"]),
+        (["--frequency"], ["--frequency"]),
+        (["benchmark"], ["benchmark"]),
+    ],
+)
+def test_wrong_input_is_one_clear_line_and_exit_code_2(capsys, arguments, words) -> None:
+    code, out, err = run(capsys, *arguments)
+    assert code == WRONG_INPUT
+    assert out == ""
+    assert err.startswith("error: ")
+    assert err.count("\n") == 1
+    for word in words:
+        assert word in err
+
+
+def test_bench_prints_its_numbers(capsys) -> None:
+    code, out, _ = run(capsys, "bench", "--json")
+    numbers = json.loads(out)
+    assert code == 0
+    assert numbers["figure3_points"] == 1314
+    assert numbers["figure3_worst_residual"] <= 1e-8
+    assert numbers["cell_steps_per_second"] > 0
+    assert numbers["figure3_seconds"] > 0

@@ -1,0 +1,67 @@
+"""A result of figure 3 made by hand: two friction ratios, one engine that runs and one that is not installed."""
+
+import math
+
+import numpy as np
+import pytest
+
+from scenarios.agreement import Comparison, Verdict, compare_edge, compare_transmittance
+from scenarios.attenuation_band import Edge
+from scenarios.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
+from scenarios.questions import Answer, Variant
+
+RUNS = Variant("mujoco")
+MISSING = Variant("pybullet")
+REASON = "not installed: the package <pybullet> is missing & has no wheel"
+GRID = (0.3, 0.6, 0.9, 1.3)
+FRICTION_RATIOS = (0.0, 0.3)
+EDGES = {(0.0, Edge.LOWER): 0.84, (0.0, Edge.UPPER): 1.25, (0.3, Edge.LOWER): 0.64}
+
+
+def answer(variant: Variant, friction_ratio: float, frequency_ratio: float) -> Answer:
+    if variant == MISSING:
+        return Answer.blocked(REASON)
+    if (variant, friction_ratio, frequency_ratio) == (RUNS, 0.3, 1.3):
+        return Answer(status="period limit", residual=2e-3, periods=400, steps_per_period=400, period=1.0)
+    error = {CONVERGED: 0.0, REFERENCE: 0.01, RUNS: 0.0125}[variant]
+    return Answer(
+        status="converged",
+        transmittance_db={0.3: 5.0, 0.6: 2.0, 0.9: -15.0, 1.3: -40.0}[frequency_ratio] + error + friction_ratio,
+        residual=3e-9,
+        periods=30,
+        steps_per_period=400,
+        period=1.0,
+        stuck_fraction=(0.25, 0.5),
+        transitions=((1, 0.1 + error / 10, "stick"), (2, 0.5, "forward slip")) if friction_ratio else (),
+        seconds=0.5,
+    )
+
+
+def edge_of(variant: Variant, friction_ratio: float, edge: Edge) -> BandEdge:
+    shift = {CONVERGED: 0.0, REFERENCE: 0.0001, RUNS: 0.01}.get(variant, 0.0)
+    place = EDGES.get((friction_ratio, edge))
+    found = None if place is None or variant == MISSING else place + shift
+    return BandEdge(variant, friction_ratio, edge, found, compare_edge(found, place))
+
+
+def compared(variant: Variant, friction_ratio: float, frequency_ratio: float) -> Comparison:
+    other, tolerance = (CONVERGED, 0.25) if variant.engine == "reference" else (REFERENCE, 0.02)
+    if variant == RUNS and (friction_ratio, frequency_ratio) == (0.0, 0.9):
+        return Comparison(Verdict.DISAGREE, "difference +0.0300 dB, allowed 0.02 dB", 0.03, 0.02)
+    return compare_transmittance(
+        answer(variant, friction_ratio, frequency_ratio), answer(other, friction_ratio, frequency_ratio), tolerance
+    )
+
+
+@pytest.fixture(scope="session")
+def result() -> Figure3Result:
+    asked = Figure3(variants=(RUNS, MISSING), friction_ratios=FRICTION_RATIOS, frequency_ratios=GRID)
+    places = [(v, f, eta) for v in asked.all_variants for f in FRICTION_RATIOS for eta in GRID]
+    eta = np.linspace(0.3, 1.3, 21)
+    curve = np.where(eta < 1.0, 5 - 20 * eta, math.nan)
+    return Figure3Result(
+        asked,
+        tuple(Point(*place, answer(*place), compared(*place)) for place in places),
+        tuple(edge_of(v, f, edge) for v in asked.all_variants for f in FRICTION_RATIOS for edge in Edge),
+        dict.fromkeys(FRICTION_RATIOS, (eta, curve)),
+    )

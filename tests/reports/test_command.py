@@ -1,0 +1,124 @@
+"""``python -m reports``: what it refuses, what it writes, what it keeps."""
+
+import json
+import os
+import sqlite3
+from pathlib import Path
+
+import pytest
+
+import reports.__main__ as command
+from reference_lcp.console import run_command
+from scenarios.evaluation import Evaluator
+from scenarios.figure3 import Figure3
+
+SMALL = {"friction_ratios": (0.3,), "frequency_ratios": (0.3, 0.6, 0.63, 0.65, 0.7, 0.8, 0.9, 1.1)}
+
+
+@pytest.fixture
+def no_computation(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_arguments: object) -> None:
+        raise AssertionError("something was computed")
+
+    monkeypatch.setattr(Evaluator, "evaluate", refuse)
+
+
+@pytest.fixture
+def small_grid(monkeypatch: pytest.MonkeyPatch) -> None:
+    def asked(names: list[str], quick: bool) -> Figure3:
+        return Figure3(variants=tuple(command.Variant(name) for name in names), **SMALL)
+
+    monkeypatch.setattr(command, "_asked", asked)
+
+
+def one_line(capsys: pytest.CaptureFixture[str]) -> str:
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert captured.err.startswith("error: ")
+    return captured.err
+
+
+@pytest.mark.usefixtures("no_computation")
+def test_an_unknown_engine_is_refused_and_leaves_no_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(command.app, ["--engine", "mujocco", "--out", str(tmp_path / "report")]) == 2
+    assert "mujocco" in one_line(capsys)
+    assert not (tmp_path / "report").exists()
+
+
+@pytest.mark.usefixtures("no_computation")
+def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("")
+    assert run_command(command.app, ["--quick", "--out", str(tmp_path / "file" / "report")]) == 2
+    assert "--out" in one_line(capsys)
+
+
+@pytest.mark.usefixtures("no_computation")
+@pytest.mark.skipif(os.geteuid() == 0, reason="root writes everywhere")
+def test_a_folder_that_cannot_be_written_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    tmp_path.chmod(0o500)
+    assert run_command(command.app, ["--quick", "--out", str(tmp_path)]) == 2
+    assert "--out" in one_line(capsys)
+
+
+@pytest.mark.usefixtures("no_computation")
+def test_a_page_that_is_a_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "index.html").mkdir()
+    assert run_command(command.app, ["--quick", "--out", str(tmp_path)]) == 2
+    assert "index.html" in one_line(capsys)
+
+
+@pytest.mark.usefixtures("no_computation")
+def test_a_store_of_another_program_is_refused_and_left_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    foreign = tmp_path / "foreign.sqlite"
+    with sqlite3.connect(foreign) as connection:
+        connection.execute("CREATE TABLE notes (text TEXT)")
+    connection.close()
+    before = foreign.read_bytes()
+    assert run_command(command.app, ["--quick", "--out", str(tmp_path), "--store", str(foreign)]) == 2
+    assert "another program" in one_line(capsys)
+    assert foreign.read_bytes() == before
+
+
+@pytest.mark.usefixtures("no_computation")
+@pytest.mark.parametrize("workers", ["0", "two"])
+def test_a_wrong_number_of_workers_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str], workers: str) -> None:
+    assert run_command(command.app, ["--workers", workers, "--out", str(tmp_path / "report")]) == 2
+    assert "workers" in one_line(capsys)
+    assert not (tmp_path / "report").exists()
+
+
+@pytest.mark.usefixtures("small_grid")
+def test_a_second_run_answers_from_the_store(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arguments = ["--engine", "reference", "--workers", "1", "--out", str(tmp_path)]
+    assert run_command(command.app, arguments) == 0
+    assert capsys.readouterr().out == f"{tmp_path / 'index.html'}\n"
+    first = {file.name: file.read_text() for file in tmp_path.glob("*.csv")}
+    assert {file.name for file in tmp_path.iterdir()} == {*command.FILES, "results.sqlite"}
+
+    def refuse(*_arguments: object) -> None:
+        raise AssertionError("something was computed again")
+
+    monkeypatch.setattr(Evaluator, "_submit", refuse)
+    assert run_command(command.app, arguments) == 0
+    assert {file.name: file.read_text() for file in tmp_path.glob("*.csv")} == first
+    assert json.loads((tmp_path / "report.json").read_text())["provenance"]["command"] == (
+        "python -m reports --engine reference"
+    )
+
+
+@pytest.mark.usefixtures("small_grid")
+def test_an_interrupted_run_says_that_answers_are_kept_and_writes_no_page(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(*_arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Evaluator, "_submit", interrupt)
+    assert run_command(command.app, ["--engine", "reference", "--out", str(tmp_path)]) == 130
+    assert "what was answered is kept" in capsys.readouterr().err
+    assert [file.name for file in tmp_path.iterdir()] == ["results.sqlite"]

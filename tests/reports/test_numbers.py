@@ -1,0 +1,36 @@
+"""Numbers as people read them."""
+
+import math
+
+import pytest
+
+from reports import numbers
+
+
+@pytest.mark.parametrize(
+    ("shown", "expected"),
+    [
+        (numbers.fixed(-9.5611, 2), "−9.56"),
+        (numbers.fixed(-0.001, 2), "0.00"),
+        (numbers.fixed(math.nan, 2), "–"),
+        (numbers.signed(0.01234, 3), "+0.012"),
+        (numbers.signed(-0.5, 3), "−0.500"),
+        (numbers.signed(-2.1e-12, 4), "−2e−12"),
+        (numbers.signed(0.0, 4), "0"),
+        (numbers.signed(math.nan, 4), "–"),
+        (numbers.scientific(3.14e-9), "3.1e−09"),
+        (numbers.scientific(0.0), "0"),
+        (numbers.ratio(0.30000000000000004), "0.3"),
+        (numbers.span([400, 400]), "400"),
+        (numbers.span([400, 1200, 800]), "400–1200"),
+        (numbers.span([]), "–"),
+    ],
+)
+def test_numbers_are_rounded_with_true_signs(shown: str, expected: str) -> None:
+    assert shown == expected
+
+
+def test_indices_are_set_low_and_the_rest_is_escaped() -> None:
+    assert numbers.typeset("η_r < 1, ω_max & batch_lanes") == (
+        "η<sub>r</sub> &lt; 1, ω<sub>max</sub> &amp; batch_lanes"
+    )

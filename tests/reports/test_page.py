@@ -1,0 +1,144 @@
+"""The page: complete, self-contained, escaped, honest about what is missing."""
+
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+from reports.__main__ import files_of
+from reports.findings import absent_edge, band_definition, compared_with, findings
+from reports.sections import OpenPoints
+from reports.sections.stick_slip import stick_slip_rows
+from scenarios.attenuation_band import Edge
+from scenarios.figure3 import CONVERGED, REFERENCE, Figure3Result
+from scenarios.questions import Variant
+
+RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
+
+
+@pytest.fixture(scope="module")
+def page(result: Figure3Result) -> str:
+    return files_of(result, "python -m reports --engine '<b>'")["index.html"]
+
+
+class Elements(HTMLParser):
+    """What a page is made of: identifiers, headings, open elements at the end."""
+
+    VOID = ("meta", "link", "br", "hr", "img", "input")
+
+    def __init__(self, text: str):
+        super().__init__()
+        self.identifiers: list[str] = []
+        self.references: list[str] = []
+        self.headings: list[str] = []
+        self.open: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in self.VOID:
+            self.open.append(tag)
+        for name, value in attrs:
+            if name == "id" and value:
+                self.identifiers.append(value)
+            if name.endswith("href") and value:
+                self.references.append(value)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        self.handle_endtag(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag not in self.VOID:
+            assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] == "h2":
+            self.headings.append(data)
+
+
+def test_page_has_every_section_in_order(page: str) -> None:
+    assert Elements(page).headings == [
+        "Summary",
+        "Transmittance",
+        "Band edges",
+        "Stick and slip",
+        "Points that do not agree",
+        "How these numbers were made",
+    ]
+
+
+def test_page_needs_nothing_from_elsewhere(page: str) -> None:
+    assert not re.search(r"https?:|//[a-z]|<script|<link|@import|\bsrc=", page)
+    assert all(reference.startswith("#") for reference in Elements(page).references)
+
+
+def test_elements_close_and_identifiers_are_unique_and_found(page: str) -> None:
+    elements = Elements(page)
+    assert elements.open == []
+    assert len(set(elements.identifiers)) == len(elements.identifiers)
+    targets = [reference[1:] for reference in elements.references] + re.findall(r"url\(#([^)]+)\)", page)
+    assert set(targets) <= set(elements.identifiers)
+
+
+def test_text_from_outside_is_escaped(page: str) -> None:
+    assert "&lt;pybullet&gt; is missing &amp; has no wheel" in page
+    assert "<pybullet>" not in page
+    assert "&lt;b&gt;" in page
+
+
+def test_a_missing_engine_is_blocked_with_its_reason_once_and_not_by_every_point(result: Figure3Result) -> None:
+    shown = {part["title"]: part["rows"] for part in OpenPoints(result).context()["variants"]}
+    assert [row["verdict"] for row in shown["PyBullet"]] == ["blocked"]
+    assert "has no wheel" in shown["PyBullet"][0]["reason"]
+
+
+def test_points_and_edges_that_do_not_agree_are_named(result: Figure3Result) -> None:
+    shown = {part["title"]: part["rows"] for part in OpenPoints(result).context()["variants"]}
+    places = {row["places"]: row["verdict"] for row in shown["MuJoCo"]}
+    assert places == {
+        "friction 0, η_r = 0.9": "disagree",
+        "friction 0.3, η_r = 1.3": "inconclusive",
+        "friction 0, lower edge": "disagree",
+        "friction 0, upper edge": "disagree",
+        "friction 0.3, lower edge": "disagree",
+    }
+
+
+def test_every_axis_and_every_table_of_edges_names_the_definition_of_the_band(page: str, result: Figure3Result) -> None:
+    definition = "first deep attenuation (transmittance below −10 dB)"
+    assert definition in band_definition(result)
+    assert page.count(definition) == 4
+
+
+def test_findings_count_verdicts_and_name_the_worst_place(result: Figure3Result) -> None:
+    found = findings(result, RUNS)
+    assert found.verdicts == {"agree": 6, "disagree": 1, "inconclusive": 1, "blocked": 0}
+    assert found.worst_difference.difference == 0.03
+    assert (found.worst_difference.friction_ratio, found.worst_difference.frequency_ratio) == (0.0, 0.9)
+    assert found.worst_edge.difference == pytest.approx(0.01)
+    assert found.median_periods == 30
+    assert found.seconds == pytest.approx(3.5)
+
+
+def test_what_shares_the_scheme_is_compared_at_equal_step() -> None:
+    assert "equal time step, tolerance 0.02 dB" in compared_with(RUNS)
+    assert "converged reference, tolerance 0.25 dB" in compared_with(Variant("exudyn-bristle"))
+    assert "step error" in compared_with(REFERENCE)
+    assert "ruler" in compared_with(CONVERGED)
+
+
+def test_an_edge_that_the_grid_does_not_hold_is_said_to_be_beyond_its_end(result: Figure3Result) -> None:
+    assert absent_edge(result, result.edge(CONVERGED, 0.3, Edge.UPPER)) == "above 1.3"
+    assert absent_edge(result, result.edge(CONVERGED, 0.3, Edge.LOWER)) == "below 0.3"
+    assert absent_edge(result, result.edge(MISSING, 0.3, Edge.LOWER)) == "unknown"
+
+
+def test_stick_slip_rows_compare_transitions_with_the_reference_at_equal_step(result: Figure3Result) -> None:
+    rows = {(row["engine"], row["preset"], row["frequency_ratio"]): row for row in stick_slip_rows(result)}
+    assert {eta for _, _, eta in rows} == {0.6, 0.9}
+    row = rows["mujoco", "tuned", 0.6]
+    assert (row["transitions"], row["missed"], row["spurious"]) == (2, 0, 0)
+    assert row["largest_time_error"] == pytest.approx(0.00025)
+    assert row["stuck_fraction"] == 0.375
+    assert rows["pybullet", "tuned", 0.6]["status"] == "blocked"
+    assert rows["reference", "tuned", 0.6]["largest_time_error"] == 0.0

@@ -1,0 +1,92 @@
+"""CSV and JSON: columns, full numbers, the same in both."""
+
+import csv
+import io
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from reports.__main__ import files_of
+from reports.tables import write_all
+from scenarios.figure3 import Figure3Result
+
+COLUMNS = {
+    "band_edges.csv": "engine,formulation,preset,friction_ratio,edge,frequency_ratio,difference",
+    "transmittance.csv": ("engine,formulation,preset,friction_ratio,frequency_ratio,transmittance_db,residual,verdict"),
+    "transitions.csv": "engine,formulation,preset,friction_ratio,frequency_ratio,cell,time_s,kind",
+}
+
+
+@pytest.fixture(scope="module")
+def files(result: Figure3Result) -> dict[str, str]:
+    return files_of(result, "python -m reports --quick")
+
+
+def rows(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_csv_has_exactly_the_columns_promised(files: dict[str, str], name: str) -> None:
+    assert files[name].splitlines()[0] == COLUMNS[name]
+
+
+def test_every_point_of_every_variant_has_a_row_with_its_verdict(files: dict[str, str], result: Figure3Result) -> None:
+    table = rows(files["transmittance.csv"])
+    assert len(table) == len(result.points)
+    found = {(row["engine"], row["preset"], row["friction_ratio"], row["frequency_ratio"]): row for row in table}
+    assert found["mujoco", "tuned", "0.0", "0.9"]["verdict"] == "disagree"
+    assert found["mujoco", "tuned", "0.3", "1.3"]["verdict"] == "inconclusive"
+    assert found["pybullet", "tuned", "0.3", "0.6"]["verdict"] == "blocked"
+
+
+def test_csv_numbers_are_in_full(files: dict[str, str], result: Figure3Result) -> None:
+    for row, point in zip(rows(files["transmittance.csv"]), result.points, strict=True):
+        assert row["transmittance_db"] == repr(point.answer.transmittance_db)
+        assert row["residual"] == repr(point.answer.residual)
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_json_holds_the_numbers_of_the_csv(files: dict[str, str], name: str) -> None:
+    listed = json.loads(files["report.json"])[name.removesuffix(".csv")]
+    for written, read in zip(listed, rows(files[name]), strict=True):
+        assert list(written) == list(read)
+        for column, value in written.items():
+            assert read[column] == ("nan" if value is None else str(value))
+
+
+def test_json_writes_null_where_there_is_no_number(files: dict[str, str]) -> None:
+    def refuse(constant: str) -> float:
+        raise AssertionError(constant)
+
+    report = json.loads(files["report.json"], parse_constant=refuse)
+    blocked = [row for row in report["transmittance"] if row["verdict"] == "blocked"]
+    assert blocked
+    assert all(row["transmittance_db"] is None for row in blocked)
+
+
+def test_json_says_where_the_numbers_come_from(files: dict[str, str]) -> None:
+    origin = json.loads(files["report.json"])["provenance"]
+    assert origin["command"] == "python -m reports --quick"
+    assert origin["tolerances"]["residual"] == 1e-8
+    assert origin["band"]["depth_db"] == -10.0
+    mujoco = next(variant for variant in origin["variants"] if variant["engine"] == "mujoco")
+    assert {option["name"] for option in mujoco["options"]} >= {"solver", "noslip_iterations"}
+    assert mujoco["worst_residual"] == 3e-9
+
+
+def test_an_edge_outside_the_grid_is_nan_and_a_blocked_engine_has_no_difference(files: dict[str, str]) -> None:
+    table = rows(files["band_edges.csv"])
+    absent = [row for row in table if (row["friction_ratio"], row["edge"]) == ("0.3", "upper")]
+    assert len(absent) == 4
+    for row in [*absent, *(row for row in table if row["engine"] == "pybullet")]:
+        assert math.isnan(float(row["frequency_ratio"]))
+        assert math.isnan(float(row["difference"]))
+
+
+def test_files_are_replaced_whole(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("old")
+    write_all(tmp_path, {"a.csv": "new", "b.csv": "more"})
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"a.csv": "new", "b.csv": "more"}
