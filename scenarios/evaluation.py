@@ -43,22 +43,28 @@ class Evaluator:
         self._store = store
         self._workers = checked_count("workers", workers if workers is not None else (os.cpu_count() or 1))
         self._pool: ProcessPoolExecutor | None = None
+        self._answered: dict[Question, Answer] = {}
         self.progress: Progress = _no_progress
 
     def evaluate(self, questions: Sequence[Question]) -> list[Answer]:
-        """Answer all questions, in order."""
-        answers: dict[Question, Answer] = {}
-        for question in dict.fromkeys(questions):
+        """Answer all questions, in order; one that comes again is answered from memory, blocked or not."""
+        missing = []
+        for question in self.unanswered(questions):
             known = self._known(question)
-            if known is not None:
-                answers[question] = known
+            if known is None:
+                missing.append(question)
+            else:
+                self._answered[question] = known
                 self.progress(question.variant, 1)
-        missing = [question for question in dict.fromkeys(questions) if question not in answers]
         for batch, found in self._answers(list(_batches(missing))):
             self._store.keep(zip(batch, found, strict=True))
-            answers.update(zip(batch, found, strict=True))
+            self._answered.update(zip(batch, found, strict=True))
             self.progress(batch[0].variant, len(batch))
-        return [answers[question] for question in questions]
+        return [self._answered[question] for question in questions]
+
+    def unanswered(self, questions: Sequence[Question]) -> list[Question]:
+        """Give the questions that this evaluator has not answered so far, each once."""
+        return [question for question in dict.fromkeys(questions) if question not in self._answered]
 
     def close(self) -> None:
         """End the worker processes; what they have not begun is left undone."""

@@ -48,6 +48,9 @@ class ResultStore:
         version = self._connection.execute("PRAGMA user_version").fetchone()[0]
         if tables and version != SCHEMA_VERSION:
             raise ParameterError(f"store {self._file} has layout {version}; allowed: {SCHEMA_VERSION}")
+        # takes and gives back the write lock: a file that cannot be written is found out before any work
+        self._connection.execute("BEGIN IMMEDIATE")
+        self._connection.rollback()
         if not tables:
             self._connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
             self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")

@@ -1,17 +1,20 @@
 """The page: complete, self-contained, escaped, honest about what is missing."""
 
+import math
 import re
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
 from reports.__main__ import files_of
 from reports.findings import absent_edge, band_definition, compared_with, findings
 from reports.sections import OpenPoints
 from reports.sections.stick_slip import stick_slip_rows
+from scenarios.agreement import compare_edge, compare_transmittance
 from scenarios.attenuation_band import Edge
-from scenarios.figure3 import CONVERGED, REFERENCE, Figure3Result
-from scenarios.questions import Variant
+from scenarios.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
+from scenarios.questions import Answer, Variant
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
 
@@ -142,3 +145,19 @@ def test_stick_slip_rows_compare_transitions_with_the_reference_at_equal_step(re
     assert row["stuck_fraction"] == 0.375
     assert rows["pybullet", "tuned", 0.6]["status"] == "blocked"
     assert rows["reference", "tuned", 0.6]["largest_time_error"] == 0.0
+
+
+def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
+    place = (0.3, 0.6)
+    asked = Figure3(variants=(MISSING,), friction_ratios=place[:1], frequency_ratios=place[1:])
+    lost = Answer(status="period limit", residual=1e-3, periods=400)
+    answers = {variant: Answer.blocked("why") if variant == MISSING else lost for variant in asked.all_variants}
+    result = Figure3Result(
+        asked,
+        tuple(Point(v, *place, answer, compare_transmittance(answer, lost, 0.25)) for v, answer in answers.items()),
+        tuple(BandEdge(v, 0.3, edge, None, compare_edge(None, None)) for v in answers for edge in Edge),
+        {0.3: (np.array([0.6]), np.array([math.nan]))},
+    )
+    page = files_of(result, "")["index.html"]
+    assert "period limit after 400 periods" in page
+    assert "unknown" in page

@@ -1,11 +1,13 @@
 """Progress: each question counted once, totals that grow with what is asked."""
 
+from collections.abc import Sequence
+from concurrent.futures import Future
 from pathlib import Path
 
 import pytest
 
 from reports.progress import Bars, CountingEvaluator
-from scenarios.evaluation import Evaluator
+from scenarios import evaluation
 from scenarios.figure3 import CONVERGED, REFERENCE, Figure3
 from scenarios.questions import Answer, Question, Variant
 from scenarios.store import ResultStore
@@ -25,16 +27,27 @@ class CountedBars(Bars):
         self.done[variant] = self.done.get(variant, 0) + count
 
 
-def answer_everything(evaluator: Evaluator, questions: list[Question]) -> list[Answer]:
-    for question in questions:
-        evaluator.progress(question.variant, 1)
-    return [Answer(status="converged", transmittance_db=question.frequency_ratio) for question in questions]
+def answer_everything(batch: Sequence[Question]) -> list[Answer]:
+    return [Answer(status="converged", transmittance_db=question.frequency_ratio) for question in batch]
+
+
+class HereAndNow:
+    """A pool of processes that answers in this one."""
+
+    def __init__(self, *_arguments: object, **_options: object) -> None: ...
+
+    def submit(self, function: object, batch: Sequence[Question]) -> Future[list[Answer]]:
+        done: Future[list[Answer]] = Future()
+        done.set_result(answer_everything(batch))
+        return done
+
+    def shutdown(self, **_options: object) -> None: ...
 
 
 def test_the_grid_is_expected_from_the_start_and_a_question_counts_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Evaluator, "evaluate", answer_everything)
+    monkeypatch.setattr(evaluation, "ProcessPoolExecutor", HereAndNow)
     asked = Figure3(variants=(), friction_ratios=(0.0, 0.3), frequency_ratios=(0.5, 0.7))
     bars = CountedBars()
     with ResultStore(tmp_path / "s.sqlite") as store, CountingEvaluator(store, 1, asked, bars) as evaluator:

@@ -85,7 +85,7 @@ def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
     monkeypatch.setattr(evaluation, "ProcessPoolExecutor", None)
     counted = []
     with Evaluator(store, workers=1) as evaluator:
-        evaluator.progress = lambda variant, count: counted.append(count)
+        evaluator.progress = lambda _variant, count: counted.append(count)
         assert evaluator.evaluate(asked) == first
     assert sum(counted) == 2
     assert first[0] == first[2]
@@ -136,7 +136,7 @@ class _Failing(Engine):
 def test_engine_that_fails_gives_blocked_answers_with_the_reason(monkeypatch, failure, missing, reason) -> None:
     failing = _Failing()
     failing.failure, failing.missing = failure, missing
-    monkeypatch.setattr(answering, "engine", lambda name: failing)
+    monkeypatch.setattr(answering, "engine", lambda _name: failing)
     answers = answering.answer_batch([question(), question(eta=0.5)])
     assert [answer.status for answer in answers] == ["blocked", "blocked"]
     assert answers[0].reason == reason

@@ -1,0 +1,57 @@
+"""Numbers as people read them; files hold them in full."""
+
+import math
+import re
+
+from markupsafe import Markup, escape
+
+MISSING = "–"
+"""Stands where there is no number."""
+
+
+def fixed(value: float, digits: int) -> str:
+    """Give `value` with this many decimals and a true minus sign."""
+    if not math.isfinite(value):
+        return MISSING
+    text = f"{value:.{digits}f}"
+    return _minus(text.removeprefix("-") if float(text) == 0 else text)
+
+
+def signed(value: float, digits: int) -> str:
+    """Give a difference with its sign; one that rounds to zero but is not, as a power of ten."""
+    if not math.isfinite(value):
+        return MISSING
+    text = f"{value:+.{digits}f}"
+    if float(text) == 0:
+        return _minus(f"{value:+.0e}") if value else "0"
+    return _minus(text)
+
+
+def scientific(value: float) -> str:
+    """Give a residual: two digits and a power of ten."""
+    if not math.isfinite(value):
+        return MISSING
+    return _minus(f"{value:.1e}") if value else "0"
+
+
+def ratio(value: float) -> str:
+    """Give a friction or frequency ratio as short as it is on the grid."""
+    return _minus(f"{value:.6g}")
+
+
+def span(values: list[int]) -> str:
+    """Give the range of whole numbers: one number where they are equal."""
+    if not values:
+        return MISSING
+    low, high = min(values), max(values)
+    return str(low) if low == high else f"{low}–{high}"
+
+
+def typeset(text: str) -> Markup:
+    """Escape `text` and set the indices of its symbols low: η_r, ω_max, λ_T, U0."""
+    lowered = re.sub(r"\b([A-Za-zΑ-ω])_(max|red|\w)\b", r"\1<sub>\2</sub>", str(escape(text)))
+    return Markup(re.sub(r"\bU0\b", "U<sub>0</sub>", lowered))
+
+
+def _minus(text: str) -> str:
+    return text.replace("-", "−")

@@ -1,0 +1,95 @@
+"""Stick and slip: transitions and stuck fractions at a few points, against the reference at equal time step."""
+
+import math
+from dataclasses import dataclass
+from statistics import mean, median
+from typing import Any, ClassVar
+
+from scenarios.figure3 import CONVERGED, REFERENCE, Figure3Result, Point
+from scenarios.questions import Answer
+from scenarios.transition_matching import MATCHING_WINDOW, match_transitions
+
+SHOWN = ((0.1, 0.6), (0.3, 0.6), (0.3, 0.9), (0.6, 0.9), (0.6, 1.3), (1.0, 0.9))
+"""Friction and frequency ratios at which the event-driven solution is known too."""
+
+
+@dataclass(frozen=True)
+class StickSlip:
+    """The rows of `stick_slip_rows`, by point."""
+
+    rows: list[dict[str, Any]]
+    title: ClassVar[str] = "Stick and slip"
+    template: ClassVar[str] = "stick_slip"
+
+    def context(self) -> dict[str, Any]:
+        """Rows grouped by point."""
+        points: dict[tuple[float, float], list[dict[str, Any]]] = {}
+        for row in self.rows:
+            points.setdefault((row["friction_ratio"], row["frequency_ratio"]), []).append(row)
+        return {"points": points, "window": MATCHING_WINDOW}
+
+
+def stick_slip_rows(result: Figure3Result) -> list[dict[str, Any]]:
+    """Compare modes of every variant with the reference's at the points of `SHOWN` that the grid holds.
+
+    Fractions are parts of a period: `stuck_fraction` is the mean over the cells, `stuck_fraction_error`
+    the largest of a cell, time errors are absolute values.
+    """
+    rows = []
+    for friction, eta in SHOWN:
+        expected = _at(result, REFERENCE, friction, eta)
+        if expected is None or not expected.answer.converged:
+            continue
+        for variant in (REFERENCE, CONVERGED, *result.asked.all_variants[2:]):
+            point = _at(result, variant, friction, eta)
+            if point is not None:
+                rows.append(_row(point, expected.answer))
+    return rows
+
+
+def _at(result: Figure3Result, variant: Any, friction_ratio: float, frequency_ratio: float) -> Point | None:
+    """Give the point of the grid that is there to round-off."""
+    curve = result.curve(variant, friction_ratio)
+    return next((p for p in curve if math.isclose(p.frequency_ratio, frequency_ratio, rel_tol=1e-9)), None)
+
+
+def _row(point: Point, expected: Answer) -> dict[str, Any]:
+    """Compare one point; without a steady state there is only its status."""
+    answer = point.answer
+    row: dict[str, Any] = {
+        "engine": point.variant.engine,
+        "formulation": point.variant.formulation,
+        "preset": point.variant.preset,
+        "title": point.variant.title,
+        "friction_ratio": point.friction_ratio,
+        "frequency_ratio": point.frequency_ratio,
+        "status": answer.status,
+    }
+    return {**row, **(_compared(answer, expected) if answer.converged else _nothing())}
+
+
+def _compared(answer: Answer, expected: Answer) -> dict[str, Any]:
+    match = match_transitions(answer.transitions, expected.transitions, expected.period)
+    errors = [abs(error) for error in match.time_errors]
+    pairs = zip(answer.stuck_fraction, expected.stuck_fraction, strict=True)
+    return {
+        "stuck_fraction": mean(answer.stuck_fraction),
+        "stuck_fraction_error": max(abs(ours - theirs) for ours, theirs in pairs),
+        "transitions": len(answer.transitions),
+        "missed": len(match.missed),
+        "spurious": len(match.spurious),
+        "median_time_error": median(errors) if errors else math.nan,
+        "largest_time_error": max(errors, default=math.nan),
+    }
+
+
+def _nothing() -> dict[str, Any]:
+    return {
+        "stuck_fraction": math.nan,
+        "stuck_fraction_error": math.nan,
+        "transitions": None,
+        "missed": None,
+        "spurious": None,
+        "median_time_error": math.nan,
+        "largest_time_error": math.nan,
+    }

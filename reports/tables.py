@@ -1,0 +1,124 @@
+"""Tables and the JSON file beside the page: the numbers in full."""
+
+import csv
+import dataclasses
+import io
+import json
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from reports.findings import findings
+from scenarios.figure3 import Figure3Result
+from scenarios.questions import Variant
+
+Row = dict[str, Any]
+
+BAND_EDGE_COLUMNS = ("engine", "formulation", "preset", "friction_ratio", "edge", "frequency_ratio", "difference")
+TRANSMITTANCE_COLUMNS = (
+    "engine", "formulation", "preset", "friction_ratio", "frequency_ratio", "transmittance_db", "residual", "verdict",
+)  # fmt: skip
+TRANSITION_COLUMNS = (
+    "engine", "formulation", "preset", "friction_ratio", "frequency_ratio", "cell", "time_s", "kind",
+)  # fmt: skip
+
+
+def band_edge_rows(result: Figure3Result) -> list[Row]:
+    """Both edges of every curve; ``nan`` where the grid does not hold the edge or nothing could be compared."""
+    return [
+        {
+            **_names(edge.variant),
+            "friction_ratio": edge.friction_ratio,
+            "edge": str(edge.edge),
+            "frequency_ratio": math.nan if edge.frequency_ratio is None else edge.frequency_ratio,
+            "difference": edge.comparison.difference,
+        }
+        for edge in result.edges
+    ]
+
+
+def transmittance_rows(result: Figure3Result) -> list[Row]:
+    """Every point of every curve."""
+    return [
+        {
+            **_names(point.variant),
+            "friction_ratio": point.friction_ratio,
+            "frequency_ratio": point.frequency_ratio,
+            "transmittance_db": point.answer.transmittance_db,
+            "residual": point.answer.residual,
+            "verdict": str(point.comparison.verdict),
+        }
+        for point in result.points
+    ]
+
+
+def transition_rows(result: Figure3Result) -> list[Row]:
+    """Every change of mode at every point of every curve that has a steady state."""
+    return [
+        {
+            **_names(point.variant),
+            "friction_ratio": point.friction_ratio,
+            "frequency_ratio": point.frequency_ratio,
+            "cell": cell,
+            "time_s": time,
+            "kind": kind,
+        }
+        for point in result.points
+        if point.answer.converged
+        for cell, time, kind in point.answer.transitions
+    ]
+
+
+def csv_text(columns: tuple[str, ...], rows: Iterable[Row]) -> str:
+    """Give rows as CSV, with numbers in full."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({name: repr(value) if isinstance(value, float) else value for name, value in row.items()}
+                     for row in rows)  # fmt: skip
+    return text.getvalue()
+
+
+def json_text(result: Figure3Result, stick_slip: list[Row], provenance: Mapping[str, Any]) -> str:
+    """Give the numbers of all tables as JSON, with where they come from."""
+    report = {
+        "provenance": provenance,
+        "summary": [_summary(result, variant) for variant in result.asked.all_variants],
+        "band_edges": band_edge_rows(result),
+        "stick_slip": stick_slip,
+        "transmittance": transmittance_rows(result),
+        "transitions": transition_rows(result),
+    }
+    return json.dumps(_plain(report), ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def write_all(folder: Path, texts: Mapping[str, str]) -> None:
+    """Write files into `folder`; each appears complete or not at all."""
+    for name, text in texts.items():
+        part = folder / f".{name}.part"
+        try:
+            part.write_text(text, encoding="utf-8")
+            part.replace(folder / name)
+        finally:
+            part.unlink(missing_ok=True)
+
+
+def _names(variant: Variant) -> Row:
+    return {"engine": variant.engine, "formulation": variant.formulation, "preset": variant.preset}
+
+
+def _summary(result: Figure3Result, variant: Variant) -> Row:
+    found = dataclasses.asdict(findings(result, variant))
+    return {**found.pop("variant"), **found}
+
+
+def _plain(value: Any) -> Any:
+    """Turn everything into what JSON holds: NaN and infinities into null, strange options into their text."""
+    if isinstance(value, Mapping):
+        return {str(name): _plain(one) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, bool | int | str) else repr(value)
