@@ -59,14 +59,18 @@ def resonances(ratios: ChainRatios) -> FloatArray:
     """
     chain = ratios.chain(0.0)
     identity = np.eye(chain.cells)
-    bases = (np.eye(2 * chain.cells), np.vstack([identity, identity]))
-    found = [_natural_frequencies(chain, basis) for basis in bases]
-    return np.sort(np.concatenate(found)) / chain.resonator_frequency
+    stuck = _natural_frequencies(chain, np.vstack([identity, identity]))
+    return np.sort(np.concatenate([_free_natural_frequencies(chain), stuck]))
+
+
+def _free_natural_frequencies(chain: Chain) -> FloatArray:
+    return _natural_frequencies(chain, np.eye(2 * chain.cells))
 
 
 def _natural_frequencies(chain: Chain, basis: FloatArray) -> FloatArray:
+    """Natural frequencies over ω_r in the subspace of `basis`, ascending."""
     stiffness, mass = (basis.T @ matrix @ basis for matrix in (chain.stiffness_matrix, chain.mass_matrix))
-    return np.sqrt(scipy.linalg.eigh(stiffness, mass, eigvals_only=True))
+    return np.sqrt(scipy.linalg.eigh(stiffness, mass, eigvals_only=True)) / chain.resonator_frequency
 
 
 def default_frequency_ratios(ratios: ChainRatios) -> tuple[float, ...]:
@@ -76,10 +80,15 @@ def default_frequency_ratios(ratios: ChainRatios) -> tuple[float, ...]:
 
 
 def quick_frequency_ratios(ratios: ChainRatios) -> tuple[float, ...]:
-    """A dozen points around the band, with the resonances that bound it."""
-    peaks = resonances(ratios)
-    uniform = np.array([0.3, 0.6, 0.62, 0.7, 0.8, 0.9, 1.0, 1.1, 1.3, 1.6])
-    return _grid(uniform, peaks[(peaks > 0.8) & (peaks < 1.45)])
+    """A few points around the band, and the two resonances that bound the frictionless one.
+
+    They are the highest of the lower branch, in which both masses of a cell move alike, and the
+    lowest of the upper one.
+    """
+    chain = ratios.chain(0.0)
+    branches = _free_natural_frequencies(chain)
+    uniform = np.array([0.3, 0.62, 0.7, 0.8, 0.9, 1.0, 1.1, 1.3, 1.6])
+    return _grid(uniform, branches[[chain.cells - 1, chain.cells]])
 
 
 def _grid(uniform: FloatArray, peaks: FloatArray) -> tuple[float, ...]:
