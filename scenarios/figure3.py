@@ -80,15 +80,15 @@ def default_frequency_ratios(ratios: ChainRatios) -> tuple[float, ...]:
 
 
 def quick_frequency_ratios(ratios: ChainRatios) -> tuple[float, ...]:
-    """A few points around the band, and the two resonances that bound the frictionless one.
+    """A few points around the band, and the resonances next to the frictionless one.
 
-    They are the highest of the lower branch, in which both masses of a cell move alike, and the
-    lowest of the upper one.
+    They are the two highest of the lower branch, in which both masses of a cell move alike (the
+    last one may be too weak to reach the threshold), and the lowest of the upper branch.
     """
     chain = ratios.chain(0.0)
     branches = _free_natural_frequencies(chain)
     uniform = np.array([0.3, 0.62, 0.7, 0.8, 0.9, 1.0, 1.1, 1.3, 1.6])
-    return _grid(uniform, branches[[chain.cells - 1, chain.cells]])
+    return _grid(uniform, branches[max(chain.cells - 2, 0) : chain.cells + 1])
 
 
 def _grid(uniform: FloatArray, peaks: FloatArray) -> tuple[float, ...]:
