@@ -82,6 +82,13 @@ class EventDrivenChain:
     lane
         The chain and the drive; the time step sets the rows of trajectories only.
 
+    Attributes
+    ----------
+    system
+        The linear systems between events.
+    outer_share
+        m_o / (m_o + m_i), shape (n,): the part of the outer mass in a cell's common velocity.
+
     Raises
     ------
     ParameterError
@@ -94,9 +101,8 @@ class EventDrivenChain:
         chain = lane.chain
         self._bound = chain.friction_bound
         self._rubbing = self._bound > 0
-        self._outer_share = chain.outer_mass / (chain.outer_mass + chain.inner_mass)
-        driven = self.system.angular_frequency * lane.drive.displacement_scale(chain)
-        self._drive_velocity = driven
+        self.outer_share = chain.outer_mass / (chain.outer_mass + chain.inner_mass)
+        self._drive_velocity = self.system.angular_frequency * lane.drive.displacement_scale(chain)
 
     def segments(self, state: State, start: float, end: float) -> Iterator[Segment]:
         """Segments of the motion from `state`, a batch of one lane, between two times [s]."""
@@ -157,7 +163,7 @@ class EventDrivenChain:
         """Give both masses of sticking cells their common velocity, in place; momentum is kept."""
         n = self.lane.chain.cells
         outer, inner = z[2 * n : 3 * n], z[3 * n : 4 * n]
-        common = inner + self._outer_share * (outer - inner)
+        common = inner + self.outer_share * (outer - inner)
         outer[stuck] = common[stuck]
         inner[stuck] = common[stuck]
 

@@ -1,7 +1,9 @@
 """Steady states of a chain under a periodic drive: the questions most users ask, in one call each."""
 
+import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -13,6 +15,7 @@ from reference_lcp.drive import Drive, PeriodicDrive
 from reference_lcp.euler_lemke import LemkeSimulation
 from reference_lcp.event_driven import EventDrivenSimulation
 from reference_lcp.exact_period import ExactPeriod
+from reference_lcp.monodromy import polished
 from reference_lcp.periodic import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, Simulation, steps_per_period_for
 from reference_lcp.stick_slip import Transition, stuck_fraction, transitions
@@ -126,6 +129,8 @@ def exact_steady_state(
 ) -> SteadyState:
     """Find the steady state of `chain` under `drive` by event-driven integration.
 
+    Anderson acceleration leads to a residual of `DEFAULT_RESIDUAL`, Newton's method from there to round-off.
+
     Transmittance, stuck fractions and times of transitions carry no error of a time step or of
     sampling: what is left is round-off and the periodicity residual.
 
@@ -146,7 +151,11 @@ def exact_steady_state(
         If an argument is outside its range, or the drive is not harmonic.
     """
     simulation = EventDrivenSimulation([Lane.periodic(chain, drive, steps_per_period)])
-    orbit = periodic_orbits(simulation, steps_per_period, tolerance=tolerance, max_periods=max_periods)[0]
+    search = partial(periodic_orbits, simulation, steps_per_period)
+    orbit = polished(search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0], steps_per_period, tolerance)
+    if not orbit.converged and orbit.periods < max_periods:
+        again = search(start=orbit.trajectory.end, tolerance=tolerance, max_periods=max_periods - orbit.periods)[0]
+        orbit = dataclasses.replace(again, periods=orbit.periods + again.periods)
     return SteadyState.of_exact(orbit, ExactPeriod.following(orbit, drive.period))
 
 

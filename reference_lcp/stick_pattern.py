@@ -19,6 +19,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import expm
 
 from reference_lcp.chain import Chain
 from reference_lcp.drive import Drive, HarmonicBase, HarmonicForce, StillBase
@@ -98,6 +99,17 @@ class PiecewiseLinearChain:
         """λ_T [N] of vectors z, or of coefficients of them, shape (..., d); the result has (..., n)."""
         force: FloatArray = vectors @ self._matrices(stuck).friction.T
         return force
+
+    def rates(self, z: FloatArray, stuck: BoolArray) -> FloatArray:
+        """ż of the vector z, shape (d,)."""
+        rates: FloatArray = self._matrices(stuck).scaled_rates @ z * self.rate
+        return rates
+
+    def propagator(self, stuck: BoolArray, duration: float) -> FloatArray:
+        """Jacobian of the state after `duration` [s] of one pattern to the state before, shape (4n, 4n)."""
+        motion = 4 * self.chain.cells
+        matrix: FloatArray = expm(self._matrices(stuck).scaled_rates[:motion, :motion] * (duration * self.rate))
+        return matrix
 
     def _matrices(self, stuck: BoolArray) -> _Matrices:
         """Matrices of one pattern; the motion visits few of the 2ⁿ, and those are kept."""
