@@ -40,7 +40,7 @@ A thousand times the round-off with which a state is scaled, mixed and read back
 """
 
 FORCE_TOLERANCE = 1e-12
-"""Distance of a sticking force from its bound, over the largest force, that counts as none.
+"""Distance of a sticking force from its bound, over the forces it is made up of, that counts as none.
 
 The force is a difference of larger ones and has some hundred roundings; events leave it within these.
 """
@@ -137,13 +137,13 @@ class EventDrivenChain:
         stuck = self._rubbing & ((modes == 0) | (np.abs(self._slip(z)) <= REST_TOLERANCE * fastest))
         self._bring_to_rest(z, stuck)
         modes[stuck] = 0
-        tolerance = FORCE_TOLERANCE * (self._bound + self.lane.chain.inner_mass * fastest * self.system.rate)
         slip_order = np.zeros(modes.size, dtype=np.intp)
         n = modes.size
         while True:
             z[4 * n + 2 :] = -modes * self._bound
             coefficients = self.system.series(z, stuck)
             friction = self.system.friction(coefficients, stuck)
+            tolerance = FORCE_TOLERANCE * (self._bound + self.system.force_magnitude(coefficients))
             orders, leaves = self._stick_orders(friction, stuck, tolerance)
             if not np.any(leaves):
                 return _Start(z, modes, coefficients, friction, slip_order, orders)

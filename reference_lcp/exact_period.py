@@ -19,6 +19,14 @@ QUADRATURE_POINTS = 16
 SHORTEST_SEGMENT = 1e-12
 """Segments shorter than this part of the period are none: events that coincide but for round-off."""
 
+SHAKEDOWN_SLIP = 1e-6
+"""Slip to one side only, over the displacement scale, that counts as none.
+
+What slips forward in a steady state must slip back. A contact that creeps to one side is on its way to
+where it sticks throughout (shakedown), which it reaches in the limit only; the slip left over is of the
+size of the periodicity residual.
+"""
+
 
 @dataclass(frozen=True)
 class ExactPeriod:
@@ -52,12 +60,13 @@ class ExactPeriod:
     @property
     def transitions(self) -> list[Transition]:
         """Changes of mode by cell and then by time, at their exact times; as `stick_slip.transitions`."""
-        lasting = [s for s in self.segments if s.duration > SHORTEST_SEGMENT * self.period]
-        modes = np.array([segment.modes for segment in lasting])
+        durations = np.array([segment.duration for segment in self.segments])
+        lasting = np.flatnonzero(durations > SHORTEST_SEGMENT * self.period)
+        modes = self._modes[lasting]
         rubbing = self.lane.chain.friction_bound > 0
         cells, rows = np.nonzero(((modes != np.roll(modes, 1, axis=0)) & rubbing).T)
         return [
-            Transition(int(cell) + 1, lasting[row].start, MODE_OF_SIGN[int(modes[row, cell])])
+            Transition(int(cell) + 1, self.segments[lasting[row]].start, MODE_OF_SIGN[int(modes[row, cell])])
             for cell, row in zip(cells, rows, strict=True)
         ]
 
@@ -66,7 +75,7 @@ class ExactPeriod:
         """Part of the period that each contact sticks, shape (n,)."""
         # Both sums run over the same rows in the same order: a contact that always sticks has exactly one.
         durations = np.array([[segment.duration] for segment in self.segments])
-        sticks = np.array([segment.modes == 0 for segment in self.segments])
+        sticks = self._modes == 0
         sums: FloatArray = np.sum(durations * sticks, axis=0) / np.sum(durations * np.ones_like(sticks), axis=0)
         return sums
 
@@ -89,13 +98,7 @@ class ExactPeriod:
     @property
     def friction_heat(self) -> FloatArray:
         """Energy that each contact turns into heat [J], shape (n,): the bound times the distance slipped."""
-        n = self.lane.chain.cells
-        distance = np.zeros(n)
-        for segment in self.segments:
-            ends = segment.states(np.array([0.0, segment.duration]))
-            slid = np.diff(ends[:, n : 2 * n] - ends[:, :n], axis=0)[0]
-            distance += np.abs(np.where(segment.modes == 0, 0.0, slid))
-        return self.lane.chain.friction_bound * distance
+        return self.lane.chain.friction_bound * np.sum(np.abs(self._slips), axis=0)
 
     @property
     def dashpot_heat(self) -> float:
@@ -108,6 +111,24 @@ class ExactPeriod:
         """Work that the drive's load does on the outer mass of cell 1 [J]."""
         velocity = self._states[:, 2 * self.lane.chain.cells]
         return float(self._weights @ (self.lane.drive.load(self.lane.chain, self._times) * velocity))
+
+    @cached_property
+    def _slips(self) -> FloatArray:
+        """Change of the relative displacement of every contact in every segment [m], shape (segments, n)."""
+        n = self.lane.chain.cells
+        ends = np.array([s.states(np.array([0.0, s.duration]))[:, : 2 * n] for s in self.segments])
+        changes = ends[:, 1] - ends[:, 0]
+        slipping = np.array([segment.modes for segment in self.segments]) != 0
+        return np.where(slipping, changes[:, n:] - changes[:, :n], 0.0)
+
+    @cached_property
+    def _modes(self) -> NDArray[np.int8]:
+        """Modes in every segment, shape (segments, n), with what is left of a shakedown as sticking."""
+        modes = np.array([segment.modes for segment in self.segments])
+        distance = np.sum(np.abs(self._slips), axis=0) / self.lane.drive.displacement_scale(self.lane.chain)
+        one_sided = np.all(modes >= 0, axis=0) | np.all(modes <= 0, axis=0)
+        modes[:, one_sided & (distance < SHAKEDOWN_SLIP) & (self.lane.chain.friction_bound > 0)] = 0
+        return modes
 
     @cached_property
     def _nodes(self) -> tuple[FloatArray, FloatArray]:

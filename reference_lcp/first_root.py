@@ -17,8 +17,9 @@ from reference_lcp.validation import FloatArray
 SMALLEST_INTERVAL = 2.0**-48
 """Width at which an interval that still cannot be proven free of roots counts as one.
 
-A polynomial that touches zero, or passes it by less than round-off, ends here: a touch is reported
-rather than missed, and whoever asked decides what it means.
+A polynomial that passes zero closely ends here, and whoever asked decides what the touch means. One that
+passes it by less than round-off (1e-16 of its largest coefficient) may be reported or not: it is equal to
+a neighbour that touches, and to one that does not.
 """
 
 ROOT_TOLERANCE = 1e-15
@@ -70,7 +71,9 @@ def _first_root(coefficients: FloatArray, bernstein: FloatArray) -> float:
         if values[0] <= 0 or width <= SMALLEST_INTERVAL:
             return start
         if values[-1] < 0 and _sign_changes(values) == 1:
-            return _single_root(coefficients, start, start + width)
+            root = _single_root(coefficients, start, start + width)
+            if root is not None:
+                return root
         stack.append((start + width / 2, width / 2, (half @ values[::-1])[::-1]))
         stack.append((start, width / 2, half @ values))
     return np.inf
@@ -82,8 +85,8 @@ def _sign_changes(values: FloatArray) -> int:
     return int(np.count_nonzero(negative[1:] != negative[:-1]))
 
 
-def _single_root(coefficients: FloatArray, start: float, end: float) -> float:
-    """Root in an interval that holds exactly one."""
+def _single_root(coefficients: FloatArray, start: float, end: float) -> float | None:
+    """Root in an interval that holds exactly one, or nothing where round-off at its end makes that doubtful."""
     highest_first = coefficients[::-1].tolist()
 
     def value(s: float) -> float:
@@ -92,9 +95,10 @@ def _single_root(coefficients: FloatArray, start: float, end: float) -> float:
             result = result * s + coefficient
         return result
 
-    # Horner's rule and the Bernstein form round differently: a root at an end may show no change of sign.
+    # Horner's rule and the Bernstein form round differently. A zero at the start is the first root; one at
+    # the end may be the second of a pair, and only smaller intervals tell.
     if value(start) <= 0:
         return start
     if value(end) >= 0:
-        return end
+        return None
     return float(brentq(value, start, end, xtol=ROOT_TOLERANCE, rtol=4 * np.finfo(float).eps))

@@ -100,6 +100,15 @@ class PiecewiseLinearChain:
         force: FloatArray = vectors @ self._matrices(stuck).friction.T
         return force
 
+    def force_magnitude(self, coefficients: FloatArray) -> FloatArray:
+        """Sum of the sizes of all forces on the two masses of each cell [N], shape (n,): what round-off scales with.
+
+        The first two terms of the series count, since forces may all pass zero at one instant.
+        """
+        sizes = np.abs(self._forces_without_friction) @ (np.abs(coefficients[0]) + np.abs(coefficients[1]))
+        outer, inner = np.split(sizes, 2)
+        return outer + inner
+
     def rates(self, z: FloatArray, stuck: BoolArray) -> FloatArray:
         """ż of the vector z, shape (d,)."""
         rates: FloatArray = self._matrices(stuck).scaled_rates @ z * self.rate
