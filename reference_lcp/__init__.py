@@ -4,6 +4,8 @@ from reference_lcp.chain import Chain
 from reference_lcp.compiled import CompiledSimulation
 from reference_lcp.drive import Drive, HarmonicBase, HarmonicForce, PeriodicDrive, StillBase
 from reference_lcp.euler_lemke import LemkeSimulation, chain_step
+from reference_lcp.event_driven import EventDrivenChain, EventDrivenSimulation, EventsAccumulate
+from reference_lcp.exact_period import ExactPeriod
 from reference_lcp.frictional_lcp import (
     ContactImpulses,
     FrictionalStep,
@@ -23,7 +25,7 @@ from reference_lcp.linear_limits import (
 )
 from reference_lcp.periodic import OrbitStatus, PeriodicOrbit, periodic_orbits
 from reference_lcp.simulation import Lane, Simulation, steps_per_period_for
-from reference_lcp.steady_state import SOLVERS, SteadyState, simulate, steady_state
+from reference_lcp.steady_state import SOLVERS, SteadyState, exact_steady_state, simulate, steady_state
 from reference_lcp.stick_slip import (
     Mode,
     Transition,
@@ -43,6 +45,10 @@ __all__ = [
     "CompiledSimulation",
     "ContactImpulses",
     "Drive",
+    "EventDrivenChain",
+    "EventDrivenSimulation",
+    "EventsAccumulate",
+    "ExactPeriod",
     "FrictionalStep",
     "HarmonicBase",
     "HarmonicForce",
@@ -70,6 +76,7 @@ __all__ = [
     "creep_velocity",
     "decibel",
     "dissipated_energy",
+    "exact_steady_state",
     "frictionless_response",
     "frictionless_transmittance",
     "fundamental",

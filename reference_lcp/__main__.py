@@ -16,7 +16,7 @@ from reference_lcp.drive import HarmonicBase
 from reference_lcp.periodic import DEFAULT_PERIODS, DEFAULT_RESIDUAL
 from reference_lcp.plot import checked_picture_format, plot_period
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.steady_state import SOLVERS, SteadyState, steady_state
+from reference_lcp.steady_state import EXACT_RESIDUAL, SOLVERS, SteadyState, steady_state
 from reference_lcp.stick_slip import Transition
 
 app = typer.Typer(name="python -m reference_lcp", add_completion=False, pretty_exceptions_enable=False)
@@ -37,14 +37,18 @@ def run(
         int, typer.Option(help="Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.")
     ] = MINIMUM_STEPS_PER_PERIOD,
     solver: Annotated[str, typer.Option(help=f"One of {', '.join(SOLVERS)}.")] = "compiled",
-    tolerance: Annotated[float, typer.Option(help="Periodicity residual asked for.")] = DEFAULT_RESIDUAL,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(help=f"Periodicity residual asked for; {DEFAULT_RESIDUAL:g}, or {EXACT_RESIDUAL:g} if exact."),
+    ] = None,
     max_periods: Annotated[int, typer.Option(help="Periods after which the search gives up.")] = DEFAULT_PERIODS,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     plot: Annotated[Path | None, typer.Option(help="Draw one period into this file.")] = None,
 ) -> None:
     """Find the steady state of a frictional mass-in-mass chain on a base that moves as U0 sin ωt.
 
-    The scheme is Euler's discretisation with a linear complementarity problem in every step.
+    The scheme is Euler's discretisation with a linear complementarity problem in every step; the
+    solver "exact" goes from event to event instead, and has no error of a time step.
     Without options: 7 cells, mass and stiffness ratio 1, damping ratio 0.01, friction ratio 0.3,
     frequency ratio 0.9. Exit code 0: converged; 1: no steady state within the periods; 2: wrong input.
 

@@ -1,7 +1,9 @@
 """Steady states of a chain under a periodic drive: the questions most users ask, in one call each."""
 
+import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -11,6 +13,9 @@ from reference_lcp.chain import Chain
 from reference_lcp.compiled import CompiledSimulation
 from reference_lcp.drive import Drive, PeriodicDrive
 from reference_lcp.euler_lemke import LemkeSimulation
+from reference_lcp.event_driven import EventDrivenSimulation
+from reference_lcp.exact_period import ExactPeriod
+from reference_lcp.monodromy import polished
 from reference_lcp.periodic import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, Simulation, steps_per_period_for
 from reference_lcp.stick_slip import Transition, stuck_fraction, transitions
@@ -19,9 +24,12 @@ from reference_lcp.transmittance import decibel, transmittance
 from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_choice, checked_count
 
 SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
-    {"compiled": CompiledSimulation, "lemke": LemkeSimulation}
+    {"compiled": CompiledSimulation, "lemke": LemkeSimulation, "exact": EventDrivenSimulation}
 )
-"""Implementations of the scheme by name: the compiled closed form, and Lemke's method in NumPy."""
+"""Solvers by name: the Euler scheme as compiled closed form and by Lemke's method, and the exact motion."""
+
+EXACT_RESIDUAL = 1e-11
+"""Periodicity residual of an exact steady state, some hundred times what the event-driven period map can resolve."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +58,11 @@ class SteadyState:
         """Read the observables of an orbit."""
         return cls(orbit, decibel(transmittance(orbit)), stuck_fraction(orbit), transitions(orbit))
 
+    @classmethod
+    def of_exact(cls, orbit: PeriodicOrbit, period: ExactPeriod) -> "SteadyState":
+        """Read the observables of an orbit from its segments, free of sampling error."""
+        return cls(orbit, decibel(period.transmittance), period.stuck_fraction, period.transitions)
+
     def as_dict(self) -> dict[str, Any]:
         """Give the numbers, ready for JSON."""
         return {
@@ -70,10 +83,10 @@ def steady_state(
     *,
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD,
     solver: str = "compiled",
-    tolerance: float = DEFAULT_RESIDUAL,
+    tolerance: float | None = None,
     max_periods: int = DEFAULT_PERIODS,
 ) -> SteadyState:
-    """Find the steady state of `chain` under `drive` by the Euler scheme.
+    """Find the steady state of `chain` under `drive`, by the Euler scheme unless the exact solver is chosen.
 
     Parameters
     ----------
@@ -82,9 +95,10 @@ def steady_state(
     steps_per_period
         Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.
     solver
-        ``"compiled"`` or ``"lemke"``.
+        ``"compiled"``, ``"lemke"`` or ``"exact"``; for the last see `exact_steady_state`.
     tolerance
-        Periodicity residual that is asked for.
+        Periodicity residual that is asked for; `DEFAULT_RESIDUAL`, or `EXACT_RESIDUAL` for the exact
+        solver, unless given.
     max_periods
         Periods after which the search gives up.
 
@@ -94,9 +108,55 @@ def steady_state(
         If an argument is outside its range.
     """
     build = SOLVERS[checked_choice("solver", solver, list(SOLVERS))]
+    if solver == "exact":
+        residual = EXACT_RESIDUAL if tolerance is None else tolerance
+        return exact_steady_state(
+            chain, drive, steps_per_period=steps_per_period, tolerance=residual, max_periods=max_periods
+        )
+    tolerance = DEFAULT_RESIDUAL if tolerance is None else tolerance
     steps = steps_per_period_for(chain, drive, steps_per_period)
     simulation = build([Lane.periodic(chain, drive, steps)])
     return SteadyState.of(periodic_orbits(simulation, steps, tolerance=tolerance, max_periods=max_periods)[0])
+
+
+def exact_steady_state(
+    chain: Chain,
+    drive: PeriodicDrive,
+    *,
+    steps_per_period: int = MINIMUM_STEPS_PER_PERIOD,
+    tolerance: float = EXACT_RESIDUAL,
+    max_periods: int = DEFAULT_PERIODS,
+) -> SteadyState:
+    """Find the steady state of `chain` under `drive` by event-driven integration.
+
+    Anderson acceleration leads to a residual of `DEFAULT_RESIDUAL`, Newton's method from there to round-off.
+
+    Transmittance, stuck fractions and times of transitions carry no error of a time step or of
+    sampling: what is left is round-off and the periodicity residual.
+
+    Parameters
+    ----------
+    chain, drive
+        What moves, and what moves it.
+    steps_per_period
+        Rows of the orbit's trajectory; nothing else depends on it.
+    tolerance
+        Periodicity residual that is asked for.
+    max_periods
+        Periods after which the search gives up.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is outside its range, or the drive is not harmonic.
+    """
+    simulation = EventDrivenSimulation([Lane.periodic(chain, drive, steps_per_period)])
+    search = partial(periodic_orbits, simulation, steps_per_period)
+    orbit = polished(search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0], steps_per_period, tolerance)
+    if not orbit.converged and orbit.periods < max_periods:
+        again = search(start=orbit.trajectory.end, tolerance=tolerance, max_periods=max_periods - orbit.periods)[0]
+        orbit = dataclasses.replace(again, periods=orbit.periods + again.periods)
+    return SteadyState.of_exact(orbit, ExactPeriod.following(orbit, drive.period))
 
 
 def simulate(
@@ -109,7 +169,7 @@ def simulate(
     velocities: FloatArray | None = None,
     solver: str = "compiled",
 ) -> Trajectory:
-    """Advance one chain from an initial state by the Euler scheme of equation (5).
+    """Advance one chain from an initial state, by the Euler scheme of equation (5) unless the solver is exact.
 
     Parameters
     ----------
@@ -122,7 +182,7 @@ def simulate(
     positions, velocities
         Initial state [m], [m/s], shape (2n,), outer masses first; at rest without them.
     solver
-        ``"compiled"`` or ``"lemke"``.
+        ``"compiled"``, ``"lemke"`` or ``"exact"``.
 
     Raises
     ------

@@ -32,7 +32,7 @@ class Mode(StrEnum):
     BACKWARD = "backward slip"
 
 
-_MODE_OF_SIGN = {0: Mode.STICK, 1: Mode.FORWARD, -1: Mode.BACKWARD}
+MODE_OF_SIGN = {0: Mode.STICK, 1: Mode.FORWARD, -1: Mode.BACKWARD}
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def transitions(orbit: PeriodicOrbit) -> list[Transition]:
     rubbing = orbit.lane.chain.friction_bound > 0
     cells, steps = np.nonzero(((modes != np.roll(modes, 1, axis=0)) & rubbing).T)
     return [
-        Transition(int(cell) + 1, float(k * orbit.lane.time_step), _MODE_OF_SIGN[int(modes[k, cell])])
+        Transition(int(cell) + 1, float(k * orbit.lane.time_step), MODE_OF_SIGN[int(modes[k, cell])])
         for cell, k in zip(cells, steps, strict=True)
     ]
 
