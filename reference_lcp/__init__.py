@@ -3,6 +3,7 @@
 from reference_lcp.chain import Chain
 from reference_lcp.compiled import CompiledSimulation
 from reference_lcp.drive import Drive, HarmonicBase, HarmonicForce, PeriodicDrive, StillBase
+from reference_lcp.error_bar import ErrorBar, measured_error_bar
 from reference_lcp.euler_lemke import LemkeSimulation, chain_step
 from reference_lcp.event_driven import EventDrivenChain, EventDrivenSimulation, EventsAccumulate
 from reference_lcp.exact_period import ExactPeriod
@@ -45,6 +46,7 @@ __all__ = [
     "CompiledSimulation",
     "ContactImpulses",
     "Drive",
+    "ErrorBar",
     "EventDrivenChain",
     "EventDrivenSimulation",
     "EventsAccumulate",
@@ -81,6 +83,7 @@ __all__ = [
     "frictionless_transmittance",
     "fundamental",
     "lemke",
+    "measured_error_bar",
     "natural_residual",
     "periodic_orbits",
     "rms_transmittance",

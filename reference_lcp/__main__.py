@@ -12,12 +12,15 @@ from rich.table import Table
 from reference_lcp.bench import bench
 from reference_lcp.chain import Chain
 from reference_lcp.console import checked_output_file, run_command
+from reference_lcp.convergence import Convergence, convergence, plot_convergence
 from reference_lcp.drive import HarmonicBase
 from reference_lcp.periodic import DEFAULT_PERIODS, DEFAULT_RESIDUAL
 from reference_lcp.plot import checked_picture_format, plot_period
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.steady_state import EXACT_RESIDUAL, SOLVERS, SteadyState, steady_state
 from reference_lcp.stick_slip import Transition
+
+STICK_SLIP_POINTS = ((0.1, 0.6), (0.3, 0.6), (0.3, 0.9), (0.6, 0.9), (0.6, 1.3), (1.0, 0.9))
 
 app = typer.Typer(name="python -m reference_lcp", add_completion=False, pretty_exceptions_enable=False)
 
@@ -42,6 +45,8 @@ def run(
         typer.Option(help=f"Periodicity residual asked for; {DEFAULT_RESIDUAL:g}, or {EXACT_RESIDUAL:g} if exact."),
     ] = None,
     max_periods: Annotated[int, typer.Option(help="Periods after which the search gives up.")] = DEFAULT_PERIODS,
+    error_bar: Annotated[bool, typer.Option("--error-bar", help="Measure the error of the time step too.")] = False,
+    exact_value: Annotated[bool, typer.Option("--exact-value", help="Find the exact transmittance too.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     plot: Annotated[Path | None, typer.Option(help="Draw one period into this file.")] = None,
 ) -> None:
@@ -69,7 +74,14 @@ def run(
     if plot is not None:
         checked_picture_format(checked_output_file("plot file", plot))
     found = steady_state(
-        chain, drive, steps_per_period=steps_per_period, solver=solver, tolerance=tolerance, max_periods=max_periods
+        chain,
+        drive,
+        steps_per_period=steps_per_period,
+        solver=solver,
+        tolerance=tolerance,
+        max_periods=max_periods,
+        with_error_bar=error_bar,
+        with_exact_value=exact_value,
     )
     print(json.dumps(found.as_dict(), indent=2)) if as_json else _print(found)
     if plot is not None:
@@ -87,11 +99,53 @@ def print_bench(
     print(json.dumps(numbers, indent=2) if as_json else "\n".join(f"{name}: {n:.4g}" for name, n in numbers.items()))
 
 
+@app.command("convergence")
+def print_convergence(
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    plot: Annotated[Path | None, typer.Option(help="Draw the errors over the time step into this file.")] = None,
+) -> None:
+    """Halve the time step six times from 400 steps a period, and compare with the exact solver.
+
+    Canonical chain, at the stick-slip points (friction ratio, frequency ratio) of the test suite.
+    """
+    if plot is not None:
+        checked_picture_format(checked_output_file("plot file", plot))
+    studies = {
+        f"({friction:g}, {frequency:g})": _study(friction, frequency) for friction, frequency in STICK_SLIP_POINTS
+    }
+    if as_json:
+        print(json.dumps({name: study.as_dict() for name, study in studies.items()}, indent=2))
+    else:
+        _print_studies(studies)
+    if plot is not None:
+        plot_convergence(studies, plot)
+
+
+def _study(friction_ratio: float, frequency_ratio: float) -> Convergence:
+    chain = Chain.from_ratios(friction_ratio=friction_ratio)
+    return convergence(chain, HarmonicBase.from_ratio(chain, frequency_ratio))
+
+
+def _print_studies(studies: dict[str, Convergence]) -> None:
+    """Print the orders and the errors at the coarsest step."""
+    table = Table("friction, frequency", "order: transmittance", "transition times", "error at 400 steps (dB)")
+    for name, study in studies.items():
+        orders = f"{study.transmittance_order:.2f}", f"{study.transition_order:.2f}"
+        table.add_row(name, *orders, f"{study.transmittance_error_db[0]:.4f}")
+    Console().print(table)
+
+
 def _print(found: SteadyState) -> None:
     """Print a steady state for people."""
     console = Console()
     orbit = found.orbit
     console.print(f"transmittance         {found.transmittance_db:.4f} dB")
+    if found.error_bar is not None:
+        bar = found.error_bar
+        console.print(f"error bar             ±{bar.transmittance_db:.2g} dB (measured order {bar.order:.2f})")
+        console.print(f"extrapolated          {bar.extrapolated_db:.4f} dB")
+    if found.exact_db is not None:
+        console.print(f"exact                 {found.exact_db:.4f} dB")
     console.print(f"periodicity residual  {orbit.residual:.2e} ({orbit.status} after {orbit.periods} periods)")
     console.print(f"steps per period      {orbit.trajectory.steps} (dt = {orbit.lane.time_step:.6g} s)")
     table = Table("cell", "stuck fraction", "transitions: time (s) and new mode")

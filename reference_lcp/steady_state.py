@@ -12,6 +12,7 @@ import numpy as np
 from reference_lcp.chain import Chain
 from reference_lcp.compiled import CompiledSimulation
 from reference_lcp.drive import Drive, PeriodicDrive
+from reference_lcp.error_bar import ErrorBar, measured_error_bar
 from reference_lcp.euler_lemke import LemkeSimulation
 from reference_lcp.event_driven import EventDrivenSimulation
 from reference_lcp.exact_period import ExactPeriod
@@ -46,12 +47,18 @@ class SteadyState:
         Part of the period that each contact sticks, shape (n,).
     transitions
         Changes between stick and slip over the period.
+    error_bar
+        Discretisation error of the scheme; ``None`` if it has not been asked for, or there is none.
+    exact_db
+        Transmittance by the event-driven solver [dB]; ``None`` if it has not been asked for.
     """
 
     orbit: PeriodicOrbit
     transmittance_db: float
     stuck_fraction: FloatArray
     transitions: list[Transition]
+    error_bar: ErrorBar | None = None
+    exact_db: float | None = None
 
     @classmethod
     def of(cls, orbit: PeriodicOrbit) -> "SteadyState":
@@ -64,7 +71,9 @@ class SteadyState:
         return cls(orbit, decibel(period.transmittance), period.stuck_fraction, period.transitions)
 
     def as_dict(self) -> dict[str, Any]:
-        """Give the numbers, ready for JSON."""
+        """Give the numbers, ready for JSON; those of the error bar if there is one."""
+        bar = {} if self.error_bar is None else self.error_bar.as_dict()
+        exact = {} if self.exact_db is None else {"exact_db": self.exact_db}
         return {
             "transmittance_db": self.transmittance_db,
             "residual": self.orbit.residual,
@@ -74,6 +83,8 @@ class SteadyState:
             "transitions": [
                 {"cell": change.cell, "time_s": change.time, "kind": str(change.kind)} for change in self.transitions
             ],
+            **bar,
+            **exact,
         }
 
 
@@ -85,6 +96,8 @@ def steady_state(
     solver: str = "compiled",
     tolerance: float | None = None,
     max_periods: int = DEFAULT_PERIODS,
+    with_error_bar: bool = True,
+    with_exact_value: bool = False,
 ) -> SteadyState:
     """Find the steady state of `chain` under `drive`, by the Euler scheme unless the exact solver is chosen.
 
@@ -101,6 +114,11 @@ def steady_state(
         solver, unless given.
     max_periods
         Periods after which the search gives up.
+    with_error_bar
+        Measure the discretisation error too, by two finer steps (six times the work); the exact solver
+        has none.
+    with_exact_value
+        Find the exact transmittance too.
 
     Raises
     ------
@@ -108,15 +126,18 @@ def steady_state(
         If an argument is outside its range.
     """
     build = SOLVERS[checked_choice("solver", solver, list(SOLVERS))]
-    if solver == "exact":
-        residual = EXACT_RESIDUAL if tolerance is None else tolerance
-        return exact_steady_state(
-            chain, drive, steps_per_period=steps_per_period, tolerance=residual, max_periods=max_periods
-        )
-    tolerance = DEFAULT_RESIDUAL if tolerance is None else tolerance
     steps = steps_per_period_for(chain, drive, steps_per_period)
+    exact = partial(exact_steady_state, chain, drive, steps_per_period=steps_per_period, max_periods=max_periods)
+    if solver == "exact":
+        found = exact(tolerance=EXACT_RESIDUAL if tolerance is None else tolerance)
+        return dataclasses.replace(found, exact_db=found.transmittance_db if with_exact_value else None)
+    residual = DEFAULT_RESIDUAL if tolerance is None else tolerance
     simulation = build([Lane.periodic(chain, drive, steps)])
-    return SteadyState.of(periodic_orbits(simulation, steps, tolerance=tolerance, max_periods=max_periods)[0])
+    found = SteadyState.of(periodic_orbits(simulation, steps, tolerance=residual, max_periods=max_periods)[0])
+    if with_error_bar:
+        bar = measured_error_bar(chain, drive, steps, tolerance=residual, max_periods=max_periods)
+        found = dataclasses.replace(found, error_bar=bar)
+    return dataclasses.replace(found, exact_db=exact().transmittance_db) if with_exact_value else found
 
 
 def exact_steady_state(

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from statistics import mean, median
 from typing import Any, ClassVar
 
+from reference_lcp.transition_matching import MATCHING_WINDOW, match_transitions
 from scenarios.figure3 import CONVERGED, REFERENCE, Figure3Result, Point
 from scenarios.questions import Answer
-from scenarios.transition_matching import MATCHING_WINDOW, match_transitions
 
 SHOWN = ((0.1, 0.6), (0.3, 0.6), (0.3, 0.9), (0.6, 0.9), (0.6, 1.3), (1.0, 0.9))
 """Friction and frequency ratios at which the event-driven solution is known too."""

@@ -89,7 +89,7 @@ def test_no_steady_state_within_the_periods_is_exit_code_1(capsys) -> None:
         (["--cells", "0"], ["cells = 0", ">= 1"]),
         (["--cells", "seven"], ["--cells"]),
         (["--steps-per-period", "2"], ["steps_per_period = 2"]),
-        (["--solver", "magic"], ["solver = 'magic'", "compiled, lemke"]),
+        (["--solver", "magic"], ["solver = 'magic'", "compiled, lemke, exact"]),
         (["--tolerance", "0"], ["tolerance = 0"]),
         (["--max-periods", "0"], ["max_periods = 0"]),
         (["--base-amplitude", "0"], ["base_amplitude = 0"]),
@@ -117,3 +117,43 @@ def test_bench_prints_its_numbers(capsys) -> None:
     assert numbers["figure3_worst_residual"] <= 1e-8
     assert numbers["cell_steps_per_second"] > 0
     assert numbers["figure3_seconds"] > 0
+
+
+def test_error_bar_and_exact_value_are_printed(capsys) -> None:
+    _, out, _ = run(capsys, "--error-bar", "--exact-value", "--json")
+    answer = json.loads(out)
+    error = abs(answer["transmittance_db"] - answer["exact_db"])
+    assert error <= answer["error_bar_db"] <= 10 * error
+    assert answer["order"] == pytest.approx(1.0, abs=0.3)
+    _, text, _ = run(capsys, "--error-bar", "--exact-value")
+    assert re.search(r"error bar\s+±0\.00", text)
+    assert re.search(r"exact\s+-9\.5612 dB", text)
+
+
+@pytest.mark.parametrize(
+    ("friction", "frequency", "exact_db"),
+    [
+        (0.1, 0.6, 7.865),
+        (0.3, 0.6, -0.147),
+        (0.3, 0.9, -9.561),
+        (0.6, 0.9, -3.553),
+        (0.6, 1.3, -15.244),
+        (1.0, 0.9, 0.6),
+    ],
+)
+def test_exact_solver_answers_with_the_same_keys(capsys, friction, frequency, exact_db) -> None:
+    place = ("--friction-ratio", str(friction), "--frequency-ratio", str(frequency), "--json")
+    _, exact, _ = run(capsys, *place, "--solver", "exact")
+    _, scheme, _ = run(capsys, *place)
+    assert json.loads(exact).keys() == json.loads(scheme).keys()
+    assert json.loads(exact)["transmittance_db"] == pytest.approx(exact_db, abs=1e-3)
+
+
+def test_convergence_prints_orders_and_draws_them(capsys, tmp_path) -> None:
+    file = tmp_path / "convergence.png"
+    code, out, _ = run(capsys, "convergence", "--json", "--plot", str(file))
+    studies = json.loads(out)
+    assert code == 0
+    assert len(studies) == 6
+    assert all(abs(study["transmittance_order"] - 1) < 0.15 for study in studies.values())
+    assert file.stat().st_size > 20_000

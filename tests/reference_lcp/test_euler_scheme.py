@@ -164,7 +164,10 @@ def test_scheme_is_of_first_order_in_the_time_step() -> None:
     [
         ({"time_step": 0.0, "steps": 1}, "time_step = 0"),
         ({"time_step": 1e-3, "steps": 0}, "steps = 0"),
-        ({"time_step": 1e-3, "steps": 1, "solver": "magic"}, "solver = 'magic' is unknown; allowed: compiled, lemke"),
+        (
+            {"time_step": 1e-3, "steps": 1, "solver": "magic"},
+            "solver = 'magic' is unknown; allowed: compiled, lemke, exact",
+        ),
         ({"time_step": 1e-3, "steps": 1, "positions": np.zeros(3)}, r"initial positions have shape \(3,\)"),
         ({"time_step": 1e-3, "steps": 1, "velocities": np.full(14, np.nan)}, "initial velocities = nan"),
     ],

@@ -130,6 +130,54 @@ def test_sliding_friction_oscillator_moves_as_den_hartog_found(frequency_ratio, 
         assert segment.coefficients[0, 0] == pytest.approx(expected, abs=1e-10)
 
 
+def largest_force_ratio_without_stops(frequency_ratio) -> float:
+    """Den Hartog's limit of sliding: F/P0 = √(V² / (U² + (S/r²)²)).
+
+    S is the maximum of [r sin τ + U r² (cos rτ − cos τ)] / sin rτ over 0 < τ < π/r, from turn to turn.
+    """
+    r = frequency_ratio
+    v, u = 1 / (1 - r**2), np.sin(np.pi / r) / (r * (1 + np.cos(np.pi / r)))
+    tau = np.linspace(1e-6, np.pi / r - 1e-6, 200_001)
+    s = np.max((r * np.sin(tau) + u * r**2 * (np.cos(r * tau) - np.cos(tau))) / np.sin(r * tau))
+    return float(np.sqrt(v**2 / (u**2 + (s / r**2) ** 2)))
+
+
+def modes_over_a_period(frequency_ratio, force_ratio, **how) -> list[Mode]:
+    """Modes that a friction oscillator driven by P0 sin ωt runs through in its steady state."""
+    chain = Chain(
+        cells=1, outer_mass=np.asarray(1.0), inner_mass=STANDING, chain_stiffness=np.asarray(60.0),
+        inner_stiffness=np.asarray(40.0), normal_force=np.asarray(force_ratio * 10.0),
+        friction_coefficient=np.asarray(1.0),
+    )  # fmt: skip
+    found = steady_state(chain, HarmonicForce(10.0, frequency_ratio * 10.0), with_error_bar=False, **how)
+    return [change.kind for change in found.transitions]
+
+
+@pytest.mark.parametrize("frequency_ratio", [0.45, 0.6, 0.8, 1.3])
+def test_oscillator_begins_to_stop_twice_a_cycle_at_den_hartogs_limit(frequency_ratio) -> None:
+    limit = largest_force_ratio_without_stops(frequency_ratio)
+    assert modes_over_a_period(frequency_ratio, 0.99 * limit, solver="exact").count(Mode.STICK) == 0
+    assert modes_over_a_period(frequency_ratio, 1.01 * limit, solver="exact").count(Mode.STICK) == 2
+
+
+@pytest.mark.parametrize(
+    ("frequency_ratio", "force_ratio", "stops", "turns"),
+    [(0.8, 0.5, 0, 2), (0.8, 0.95, 2, 0), (0.35, 0.03, 0, 2), (0.35, 0.1, 2, 2), (0.3, 0.1, 4, 0), (0.2, 0.4, 4, 0)],
+)
+def test_stops_of_the_oscillator_come_in_pairs_and_more_of_them_at_low_frequency(
+    frequency_ratio, force_ratio, stops, turns
+) -> None:
+    """Hong and Liu 2001: 0, 2, 4, … stops a cycle; the scheme at a fine step counts the same.
+
+    At (0.35, 0.1) the mass stops and goes on in the same direction, and turns without stopping.
+    """
+    for how in ({"solver": "exact"}, {"steps_per_period": 25_600}):
+        modes = modes_over_a_period(frequency_ratio, force_ratio, **how)
+        cyclic = [*modes, modes[0]]
+        assert modes.count(Mode.STICK) == stops
+        assert sum(Mode.STICK not in pair for pair in pairwise(cyclic)) == turns
+
+
 @pytest.mark.parametrize("ratio", [0.3, 0.62, 0.9, 1.1, 1.6])
 @pytest.mark.parametrize(("friction", "limit"), [(0.0, frictionless_response), (100.0, stuck_response)])
 def test_linear_limits_are_those_of_the_direct_solution(ratio, friction, limit) -> None:

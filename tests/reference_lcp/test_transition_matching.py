@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from reference_lcp.transition_matching import MATCHING_WINDOW, match_transitions
 from reference_lcp.validation import ParameterError
-from scenarios.transition_matching import MATCHING_WINDOW, match_transitions
 
 STICK, FORWARD, BACKWARD = "stick", "forward slip", "backward slip"
 PERIOD = 2.0
