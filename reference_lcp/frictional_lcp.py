@@ -10,13 +10,21 @@ follows the derivation:
   G_T h Δt, and W_Tᵀ q Δt without the tilde.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reference_lcp.lemke import LemkeResult, lemke
-from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_scalar
+from reference_lcp.lemke_compiled import lemke_compiled
+from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_choice, checked_scalar
+
+_LCP_SOLVERS: dict[str, Callable[..., LemkeResult]] = {"lemke": lemke, "compiled": lemke_compiled}
+
+LCP_SOLVERS = tuple(_LCP_SOLVERS)
+"""Names of the implementations of Lemke's method: NumPy to read, numba to run; both follow the same path."""
 
 
 class StepFailed(RuntimeError):
@@ -153,12 +161,16 @@ class ContactImpulses:
         g_N at the end of the step [m]; ``None`` where the normal force was given.
     relative_velocity
         ġ_T at the end of the step [m/s].
+    basic
+        Which unknowns of the LCP are basic, shape (3c,), or (2c,) where the normal force was given; it
+        warm-starts the next step.
     """
 
     normal: FloatArray
     tangential: FloatArray
     normal_gap: FloatArray | None
     relative_velocity: FloatArray
+    basic: NDArray[np.bool_]
 
 
 def assemble(step: FrictionalStep) -> tuple[FloatArray, FloatArray]:
@@ -193,20 +205,34 @@ def assemble_given_normal_force(step: FrictionalStep, normal: FloatArray) -> tup
     return matrix, np.concatenate([step.c_t + step.g_tn @ normal - step.g_tt @ bound, 2 * bound])
 
 
-def solve_step(step: FrictionalStep) -> ContactImpulses:
+def solve_step(
+    step: FrictionalStep, *, solver: str = "lemke", warm_start: NDArray[np.bool_] | None = None
+) -> ContactImpulses:
     """Solve equation (7) by Lemke's method.
+
+    Parameters
+    ----------
+    step
+        The data of the step.
+    solver
+        One of `LCP_SOLVERS`.
+    warm_start
+        `ContactImpulses.basic` of the step before: contacts that keep their modes need no pivot then.
 
     Raises
     ------
     StepFailed
         If Lemke's method does not end with a solution.
+    ParameterError
+        If `solver` is unknown.
     """
+    method = _LCP_SOLVERS[checked_choice("solver", solver, LCP_SOLVERS)]
     dt, c = step.time_step, step.contacts
-    result = _solved(lemke(*assemble(step)))
+    result = _solved(method(*assemble(step), warm_start=warm_start))
     normal = result.z[:c] / dt
     tangential = result.z[c : 2 * c] / dt - step.friction_coefficient * normal
     slip = (result.w[c : 2 * c] - result.z[2 * c :]) / dt
-    return ContactImpulses(normal, tangential, result.w[:c], slip)
+    return ContactImpulses(normal, tangential, result.w[:c], slip, result.basic)
 
 
 def solve_step_given_normal_force(step: FrictionalStep, normal: FloatArray) -> ContactImpulses:
@@ -220,7 +246,7 @@ def solve_step_given_normal_force(step: FrictionalStep, normal: FloatArray) -> C
     c = step.contacts
     result = _solved(lemke(*assemble_given_normal_force(step, normal)))
     tangential = result.z[:c] - step.friction_coefficient * normal
-    return ContactImpulses(normal, tangential, None, result.w[:c] - result.z[c:])
+    return ContactImpulses(normal, tangential, None, result.w[:c] - result.z[c:], result.basic)
 
 
 def advanced(step: FrictionalStep, impulses: ContactImpulses, position: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -26,6 +26,13 @@ TIE_TOLERANCE = 1e-13
 RESIDUAL_TOLERANCE = 1e-10
 """Largest natural residual ‖min(z, w)‖∞ of an answer that counts as solved, in scaled variables."""
 
+ROUND_OFF = 1e-15
+"""Relative round-off of the largest scaled variable that each of them may carry: some five units in the last place.
+
+An open contact has Λ_TR = 2 μ Λ_N = 0, of which the solution of its basis leaves some 1e-21; a row made of
+such terms alone is compared with their round-off, not with itself.
+"""
+
 SCALING_SWEEPS = 50
 """Most sweeps of row and column scaling; problems in sensible units take two or three."""
 
@@ -128,7 +135,7 @@ def lemke(
         return LemkeResult(np.zeros(size), vector.copy(), 0, LemkeStatus.SOLVED, 0.0, none)
     rows, columns = _scaling(matrix)
     if warm_start is not None:
-        result = _answer(matrix, vector, rows, columns, _checked_basis(warm_start, size), 0)
+        result = _answer(matrix, vector, rows, columns, checked_basis(warm_start, size), 0)
         if result.solved:
             return result
     scaled_vector = rows * vector
@@ -233,7 +240,7 @@ def _checked_covering(covering: ArrayLike, size: int) -> FloatArray:
     return cover
 
 
-def _checked_basis(basic: NDArray[np.bool_], size: int) -> NDArray[np.bool_]:
+def checked_basis(basic: NDArray[np.bool_], size: int) -> NDArray[np.bool_]:
     """Give a warm start's basis as an array of truth values."""
     basis = np.asarray(basic, dtype=np.bool_)
     if basis.shape != (size,):
@@ -261,10 +268,15 @@ def _scaling(M: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.exp2(np.round(rows)), np.exp2(np.round(columns))
 
 
-def _scaled_residual(M: FloatArray, q: FloatArray, z: FloatArray, scaled_z: FloatArray) -> float:
-    """Natural residual with each row of M z + q over the size of its terms: no row can hide behind a larger one."""
-    terms = np.abs(M) @ np.abs(z) + np.abs(q)
+def _scaled_residual(M: FloatArray, q: FloatArray, z: FloatArray, rows: FloatArray, columns: FloatArray) -> float:
+    """Natural residual with each row of M z + q over the size of its terms: no row can hide behind a larger one.
+
+    `RESIDUAL_TOLERANCE` of what each term counts for at least is its round-off.
+    """
+    least = columns * np.max(np.abs(z / columns)) * (ROUND_OFF / RESIDUAL_TOLERANCE)
+    terms = np.abs(M) @ np.maximum(np.abs(z), least) + np.abs(q)
     scaled_w = (M @ z + q) / np.where(terms > 0, terms, 1.0)
+    scaled_z = z / columns / np.max(np.abs(rows * q))
     return float(np.max(np.abs(np.minimum(scaled_z, scaled_w))))
 
 
@@ -277,7 +289,7 @@ def _answer(
     try:
         z[basic] = np.linalg.solve(M[np.ix_(basic, basic)], -q[basic])
         w[~basic] = M[np.ix_(~basic, basic)] @ z[basic] + q[~basic]
-        residual = _scaled_residual(M, q, z, z / columns / np.max(np.abs(rows * q)))
+        residual = _scaled_residual(M, q, z, rows, columns)
     except np.linalg.LinAlgError:
         pass
     if not residual <= RESIDUAL_TOLERANCE:

@@ -8,15 +8,17 @@ from typing import Any
 
 import numba
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from reference_lcp.lemke import (
     PIVOT_TOLERANCE,
     RESIDUAL_TOLERANCE,
+    ROUND_OFF,
     SCALING_SWEEPS,
     TIE_TOLERANCE,
     LemkeResult,
     LemkeStatus,
+    checked_basis,
     checked_problem,
     default_pivot_limit,
 )
@@ -31,7 +33,9 @@ _STATUS = (
 _SOLVED, _RAY, _LIMIT, _BREAKDOWN = range(4)
 
 
-def lemke_compiled(M: ArrayLike, q: ArrayLike, *, max_pivots: int | None = None) -> LemkeResult:
+def lemke_compiled(
+    M: ArrayLike, q: ArrayLike, *, max_pivots: int | None = None, warm_start: NDArray[np.bool_] | None = None
+) -> LemkeResult:
     """Solve LCP(q, M) as `reference_lcp.lemke.lemke` does, compiled.
 
     Parameters and results are those of `lemke`, with the covering vector of ones.
@@ -43,22 +47,28 @@ def lemke_compiled(M: ArrayLike, q: ArrayLike, *, max_pivots: int | None = None)
     """
     matrix, vector = checked_problem(M, q)
     limit = default_pivot_limit(vector.size) if max_pivots is None else checked_count("max_pivots", max_pivots)
-    z, w, pivots, code, residual, basic = solve_lcp(np.ascontiguousarray(matrix), vector, limit)
+    start = np.zeros(0, dtype=np.bool_) if warm_start is None else checked_basis(warm_start, vector.size)
+    z, w, pivots, code, residual, basic = solve_lcp(np.ascontiguousarray(matrix), vector, limit, start)
     return LemkeResult(z, w, pivots, _STATUS[code], residual, basic)
 
 
 @numba.njit(cache=True, error_model="numpy")
-def solve_lcp(M: Any, q: Any, limit: int) -> Any:
+def solve_lcp(M: Any, q: Any, limit: int, warm_start: Any) -> Any:
     """Solve one problem; for compiled callers.
 
     Gives z, w, pivots, status code (0 solved, 1 ray, 2 pivot limit, 3 breakdown), residual, and which
-    z are basic. `M` is C-contiguous float64, shape (n, n); `q` float64, shape (n,).
+    z are basic. `M` is C-contiguous float64, shape (n, n); `q` float64, shape (n,); `warm_start` has
+    truth values, shape (n,), or is empty.
     """
     n = q.size
     nothing = np.full(n, np.nan)
     if np.all(q >= 0):
         return np.zeros(n), q.copy(), 0, _SOLVED, 0.0, np.zeros(n, dtype=np.bool_)
     rows, columns = _scaling(M)
+    if warm_start.size > 0:
+        z, w, residual = _answer(M, q, warm_start, rows, columns)
+        if residual <= RESIDUAL_TOLERANCE:
+            return z, w, 0, _SOLVED, residual, warm_start.copy()
     table = _tableau(M, q, rows, columns)
     basis = np.arange(n)
     code, pivots = _follow_path(table, basis, limit)
@@ -214,10 +224,11 @@ def _answer(M: Any, q: Any, basic: Any, rows: Any, columns: Any) -> Any:
     z[inside] = right
     w = M @ z + q
     size, residual = np.max(np.abs(rows * q)), 0.0
+    least = np.max(np.abs(z / columns)) * (ROUND_OFF / RESIDUAL_TOLERANCE)
     for i in range(n):
         terms = abs(q[i])
         for j in range(n):
-            terms += abs(M[i, j] * z[j])
+            terms += abs(M[i, j]) * max(abs(z[j]), columns[j] * least)
         scaled_w = w[i] / terms if terms > 0 else 0.0
         residual = max(residual, abs(min(z[i] / columns[i] / size, scaled_w)))
         w[i] = 0.0 if basic[i] else max(w[i], 0.0)
