@@ -106,36 +106,51 @@ class FrictionalStep:
         """Number of contacts c."""
         return self.normal_gap.shape[0]
 
+    @property
+    def response_to_normal(self) -> FloatArray:
+        """M⁻¹ W_N, shape (f, c)."""
+        return self._responses[:, : self.contacts]
+
+    @property
+    def response_to_tangential(self) -> FloatArray:
+        """M⁻¹ W_T, shape (f, c)."""
+        return self._responses[:, self.contacts : -1]
+
+    @property
+    def free_acceleration(self) -> FloatArray:
+        """M⁻¹ h, the acceleration if no contact acted, shape (f,)."""
+        return self._responses[:, -1]
+
     @cached_property
     def g_nn(self) -> FloatArray:
         """G_NN = W_Nᵀ M⁻¹ W_N, shape (c, c)."""
-        return self.normal_directions.T @ self._inverse_times(self.normal_directions)
+        return self.normal_directions.T @ self.response_to_normal
 
     @cached_property
     def g_nt(self) -> FloatArray:
         """G_NT = W_Nᵀ M⁻¹ W_T, shape (c, c)."""
-        return self.normal_directions.T @ self._inverse_times(self.tangential_directions)
+        return self.normal_directions.T @ self.response_to_tangential
 
     @cached_property
     def g_tn(self) -> FloatArray:
         """G_TN = (W_Tᵀ + W̃_Tᵀ Δt) M⁻¹ W_N, shape (c, c)."""
-        return self._tangential_map.T @ self._inverse_times(self.normal_directions)
+        return self._tangential_map.T @ self.response_to_normal
 
     @cached_property
     def g_tt(self) -> FloatArray:
         """G_TT = (W_Tᵀ + W̃_Tᵀ Δt) M⁻¹ W_T, shape (c, c)."""
-        return self._tangential_map.T @ self._inverse_times(self.tangential_directions)
+        return self._tangential_map.T @ self.response_to_tangential
 
     @cached_property
     def c_n(self) -> FloatArray:
         """C_N [m]: the normal gap at the end of the step if no contact acted, shape (c,)."""
-        free = self.velocity + self._inverse_times(self.force) * self.time_step
+        free = self.velocity + self.free_acceleration * self.time_step
         return self.normal_directions.T @ free * self.time_step + self.normal_motion * self.time_step + self.normal_gap
 
     @cached_property
     def c_t(self) -> FloatArray:
         """C_T [m/s]: the relative velocity at the end of the step if no contact acted, shape (c,)."""
-        forced = self._tangential_map.T @ self._inverse_times(self.force) * self.time_step
+        forced = self._tangential_map.T @ self.free_acceleration * self.time_step
         carried = self.tangential_directions_of_position.T @ self.velocity * self.time_step
         return forced + carried + self.tangential_motion * self.time_step + self.relative_velocity
 
@@ -143,7 +158,10 @@ class FrictionalStep:
     def _tangential_map(self) -> FloatArray:
         return self.tangential_directions + self.tangential_directions_of_position * self.time_step
 
-    def _inverse_times(self, columns: FloatArray) -> FloatArray:
+    @cached_property
+    def _responses(self) -> FloatArray:
+        """M⁻¹ (W_N, W_T, h), shape (f, 2c + 1): the one solution of linear equations with M in a step."""
+        columns = np.hstack([self.normal_directions, self.tangential_directions, self.force[:, None]])
         return np.asarray(np.linalg.solve(self.mass_matrix, columns))
 
 
@@ -251,8 +269,8 @@ def solve_step_given_normal_force(step: FrictionalStep, normal: FloatArray) -> C
 
 def advanced(step: FrictionalStep, impulses: ContactImpulses, position: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Positions and velocities at the end of the step, equation (5): Δu = (q + Δq) Δt."""
-    contact = step.normal_directions @ impulses.normal + step.tangential_directions @ impulses.tangential
-    velocity = step.velocity + np.linalg.solve(step.mass_matrix, step.force * step.time_step + contact)
+    contact = step.response_to_normal @ impulses.normal + step.response_to_tangential @ impulses.tangential
+    velocity = step.velocity + step.free_acceleration * step.time_step + contact
     return position + velocity * step.time_step, velocity
 
 

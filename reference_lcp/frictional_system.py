@@ -103,7 +103,8 @@ def simulate_system(
     checked_choice("solver", solver, LCP_SOLVERS)
     u, q = _checked_state("position", position, system), _checked_state("velocity", velocity, system)
     first = checked_count("start", start, 0)
-    record = _empty(dt * np.arange(first + 1, first + checked_count("steps", steps) + 1), system)
+    ends = np.arange(first + 1, first + checked_count("steps", steps) + 1, dtype=np.float64)
+    record = _empty(dt * ends, system)
     basis = None
     for row in range(record.time.size):
         step = system.step(dt * (first + row), u, q, dt)
@@ -133,9 +134,8 @@ def _checked_state(name: str, value: ArrayLike, system: FrictionalSystem) -> Flo
 def _empty(time: FloatArray, system: FrictionalSystem) -> SystemTrajectory:
     """Make room for a trajectory."""
     motion, contact = (time.size, system.freedoms), (time.size, system.contacts)
-    return SystemTrajectory(
-        time, np.empty(motion), np.empty(motion), np.empty(contact), np.empty(contact), np.empty(contact), np.empty(contact)
-    )  # fmt: skip
+    shapes = (motion, motion, contact, contact, contact, contact)
+    return SystemTrajectory(time, *(np.empty(shape) for shape in shapes))
 
 
 def _write(

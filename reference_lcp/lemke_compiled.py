@@ -260,10 +260,17 @@ def _eliminate(A: Any, b: Any, rows: Any, columns: Any) -> bool:
             b[i] -= factor * b[k]
             for j in range(k, n):
                 A[i, j] -= factor * A[k, j]
+    _substitute_back(A, b)
+    for k in range(n):
+        b[k] *= columns[k]
+    return True
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _substitute_back(A: Any, b: Any) -> None:
+    """Solve A x = b for an upper triangle A, x into b."""
+    n = b.size
     for k in range(n - 1, -1, -1):
         for j in range(k + 1, n):
             b[k] -= A[k, j] * b[j]
         b[k] /= A[k, k]
-    for k in range(n):
-        b[k] *= columns[k]
-    return True

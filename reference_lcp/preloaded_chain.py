@@ -107,7 +107,7 @@ class PreloadedChain:
         return self._directions(math.cos(self.inclination), math.sin(self.inclination))
 
     def force(self, time: float, position: FloatArray, velocity: FloatArray) -> FloatArray:
-        """h = f − K u − C u̇ − W_N N(t) [N], shape (3n,)."""
+        """All forces but the contacts': h = f − K u − C u̇ − W_N N(t) [N], shape (3n,)."""
         along = 2 * self.chain.cells
         force = -self.normal_directions @ self.preload(time)
         force[:along] -= self.chain.stiffness_matrix @ position[:along] + self.chain.damping_matrix @ velocity[:along]
