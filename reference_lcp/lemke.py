@@ -20,17 +20,28 @@ Some 10^4 times the round-off of a well-conditioned tableau of a hundred rows; s
 taken for zeros that round-off has blurred.
 """
 
+CANCELLATION_TOLERANCE = 1e-13
+"""Smallest part of the terms of an entry that their sum may leave for a pivot: some hundred times their round-off.
+
+An entry is the product of a row of the inverse basis and a column of M. In a basis that is nearly singular the
+terms are large, and a zero comes out as what cancellation leaves; a pivot on it would "solve" problems that have
+no solution, with z some 10^15 long.
+"""
+
+LARGEST_GROWTH = 1e12
+"""Largest scaled z over q of an answer that counts as solved: beyond, q is lost in the round-off of M z."""
+
 TIE_TOLERANCE = 1e-13
 """Ratios closer than this, relative to their size, count as equal and go to the next lexicographic column."""
 
 RESIDUAL_TOLERANCE = 1e-10
 """Largest natural residual ‖min(z, w)‖∞ of an answer that counts as solved, in scaled variables."""
 
-ROUND_OFF = 1e-15
-"""Relative round-off of the largest scaled variable that each of them may carry: some five units in the last place.
+ROUND_OFF = 1e-13
+"""Error that each scaled variable may carry, relative to the largest one: round-off in a basis of condition 1,000.
 
-An open contact has Λ_TR = 2 μ Λ_N = 0, of which the solution of its basis leaves some 1e-21; a row made of
-such terms alone is compared with their round-off, not with itself.
+An open contact has Λ_TR = 2 μ Λ_N = 0, of which the solution of its basis leaves round-off; a row made of such
+terms alone is compared with what they may carry, not with itself.
 """
 
 SCALING_SWEEPS = 50
@@ -165,6 +176,7 @@ class _Tableau:
         self.size = size
         self.z0 = 2 * size
         self.table = np.hstack([np.eye(size), -M, -covering[:, None], q[:, None]])
+        self.sizes = np.hstack([np.eye(size), np.abs(M)])
         self.basis = np.arange(size)
         self.pivots = 0
 
@@ -194,7 +206,8 @@ class _Tableau:
     def _leaving_row(self, entering: int) -> int | None:
         """Lexicographic ratio test: the row that bounds the entering variable, or None on a ray."""
         column = self.table[:, entering]
-        candidates = np.flatnonzero(column > PIVOT_TOLERANCE)
+        terms = np.abs(self.table[:, : self.size]) @ self.sizes[:, entering]
+        candidates = np.flatnonzero(column > np.maximum(PIVOT_TOLERANCE, CANCELLATION_TOLERANCE * terms))
         if candidates.size == 0:
             return None
         candidates = self._smallest(candidates, self.table[candidates, -1] / column[candidates])
@@ -271,12 +284,14 @@ def _scaling(M: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _scaled_residual(M: FloatArray, q: FloatArray, z: FloatArray, rows: FloatArray, columns: FloatArray) -> float:
     """Natural residual with each row of M z + q over the size of its terms: no row can hide behind a larger one.
 
-    `RESIDUAL_TOLERANCE` of what each term counts for at least is its round-off.
+    `RESIDUAL_TOLERANCE` of what each term counts for at least is its round-off. Infinite where q is lost in M z.
     """
+    scaled_z = z / columns / np.max(np.abs(rows * q))
+    if np.max(np.abs(scaled_z)) > LARGEST_GROWTH:
+        return float("inf")
     least = columns * np.max(np.abs(z / columns)) * (ROUND_OFF / RESIDUAL_TOLERANCE)
     terms = np.abs(M) @ np.maximum(np.abs(z), least) + np.abs(q)
     scaled_w = (M @ z + q) / np.where(terms > 0, terms, 1.0)
-    scaled_z = z / columns / np.max(np.abs(rows * q))
     return float(np.max(np.abs(np.minimum(scaled_z, scaled_w))))
 
 

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference_lcp.lemke import (
+    CANCELLATION_TOLERANCE,
+    LARGEST_GROWTH,
     PIVOT_TOLERANCE,
     RESIDUAL_TOLERANCE,
     ROUND_OFF,
@@ -137,6 +139,7 @@ def _tableau(M: Any, q: Any, rows: Any, columns: Any) -> Any:
 def _follow_path(table: Any, basis: Any, limit: int) -> Any:
     """Pivot until z0 leaves; gives the status code and the number of pivots."""
     n = basis.size
+    sizes = np.abs(table[:, : 2 * n])
     first = 0
     for i in range(1, n):
         if table[i, 2 * n + 1] <= table[first, 2 * n + 1]:
@@ -146,7 +149,7 @@ def _follow_path(table: Any, basis: Any, limit: int) -> Any:
         if pivots >= limit:
             return _LIMIT, pivots
         entering = leaving + n if leaving < n else leaving - n
-        row = _leaving_row(table, basis, entering)
+        row = _leaving_row(table, basis, entering, sizes[:, entering])
         if row < 0:
             return _RAY, pivots
         leaving = _exchange(table, basis, row, entering)
@@ -155,13 +158,16 @@ def _follow_path(table: Any, basis: Any, limit: int) -> Any:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _leaving_row(table: Any, basis: Any, entering: int) -> int:
-    """Lexicographic ratio test; −1 on a ray."""
+def _leaving_row(table: Any, basis: Any, entering: int, sizes: Any) -> int:
+    """Lexicographic ratio test; −1 on a ray. `sizes` are those of the entering column as it was at first."""
     n = basis.size
     candidates = np.empty(n, dtype=np.int64)
     count = 0
     for i in range(n):
-        if table[i, entering] > PIVOT_TOLERANCE:
+        terms = 0.0
+        for j in range(n):
+            terms += abs(table[i, j]) * sizes[j]
+        if table[i, entering] > max(PIVOT_TOLERANCE, CANCELLATION_TOLERANCE * terms):
             candidates[count] = i
             count += 1
     if count == 0:
@@ -224,6 +230,8 @@ def _answer(M: Any, q: Any, basic: Any, rows: Any, columns: Any) -> Any:
     z[inside] = right
     w = M @ z + q
     size, residual = np.max(np.abs(rows * q)), 0.0
+    if np.max(np.abs(z / columns)) > LARGEST_GROWTH * size:
+        return z, w, np.inf
     least = np.max(np.abs(z / columns)) * (ROUND_OFF / RESIDUAL_TOLERANCE)
     for i in range(n):
         terms = abs(q[i])

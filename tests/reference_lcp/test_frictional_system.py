@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from reference_lcp import FrictionalStep, ParameterError, StepFailed
-from reference_lcp.frictional_system import simulate_system
+from reference_lcp import FrictionalStep, ParameterError, StepFailed, simulate_system
 
 GRAVITY = 9.81
 ROUND_OFF = 1e-10

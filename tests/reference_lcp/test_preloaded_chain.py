@@ -6,9 +6,17 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, ParameterError, State, StillBase
-from reference_lcp.frictional_system import simulate_system
-from reference_lcp.preloaded_chain import PreloadedChain
+from reference_lcp import (
+    Chain,
+    CompiledSimulation,
+    HarmonicBase,
+    Lane,
+    ParameterError,
+    PreloadedChain,
+    State,
+    StillBase,
+    simulate_system,
+)
 
 AMPLITUDE = 0.01
 ROUND_OFF = 1e-12
