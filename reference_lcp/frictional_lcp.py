@@ -253,16 +253,16 @@ def solve_step(
     return ContactImpulses(normal, tangential, result.w[:c], slip, result.basic)
 
 
-def solve_step_given_normal_force(step: FrictionalStep, normal: FloatArray) -> ContactImpulses:
+def solve_step_given_normal_force(
+    step: FrictionalStep, normal: FloatArray, *, solver: str = "lemke", warm_start: NDArray[np.bool_] | None = None
+) -> ContactImpulses:
     """Solve the friction part of equation (7) for a given Λ_N [N s], shape (c,), by Lemke's method.
 
-    Raises
-    ------
-    StepFailed
-        If Lemke's method does not end with a solution.
+    `solver`, `warm_start` and what is raised are as in `solve_step`.
     """
+    method = _LCP_SOLVERS[checked_choice("solver", solver, LCP_SOLVERS)]
     c = step.contacts
-    result = _solved(lemke(*assemble_given_normal_force(step, normal)))
+    result = _solved(method(*assemble_given_normal_force(step, normal), warm_start=warm_start))
     tangential = result.z[:c] - step.friction_coefficient * normal
     return ContactImpulses(normal, tangential, None, result.w[:c] - result.z[c:], result.basic)
 
