@@ -8,6 +8,7 @@ from reference_lcp.euler_lemke import LemkeSimulation, chain_step
 from reference_lcp.event_driven import EventDrivenChain, EventDrivenSimulation, EventsAccumulate
 from reference_lcp.exact_period import ExactPeriod
 from reference_lcp.frictional_lcp import (
+    LCP_SOLVERS,
     ContactImpulses,
     FrictionalStep,
     StepFailed,
@@ -17,7 +18,9 @@ from reference_lcp.frictional_lcp import (
     solve_step,
     solve_step_given_normal_force,
 )
+from reference_lcp.frictional_system import FrictionalSystem, SystemTrajectory, simulate_system
 from reference_lcp.lemke import LemkeResult, LemkeStatus, lemke, natural_residual
+from reference_lcp.lemke_compiled import lemke_compiled
 from reference_lcp.linear_limits import (
     frictionless_response,
     frictionless_transmittance,
@@ -25,6 +28,7 @@ from reference_lcp.linear_limits import (
     stuck_transmittance,
 )
 from reference_lcp.periodic import OrbitStatus, PeriodicOrbit, periodic_orbits
+from reference_lcp.preloaded_chain import PreloadedChain
 from reference_lcp.simulation import Lane, Simulation, steps_per_period_for
 from reference_lcp.steady_state import SOLVERS, SteadyState, exact_steady_state, simulate, steady_state
 from reference_lcp.stick_slip import (
@@ -41,6 +45,7 @@ from reference_lcp.transmittance import decibel, fundamental, rms_transmittance,
 from reference_lcp.validation import ParameterError
 
 __all__ = [
+    "LCP_SOLVERS",
     "SOLVERS",
     "Chain",
     "CompiledSimulation",
@@ -52,6 +57,7 @@ __all__ = [
     "EventsAccumulate",
     "ExactPeriod",
     "FrictionalStep",
+    "FrictionalSystem",
     "HarmonicBase",
     "HarmonicForce",
     "Lane",
@@ -63,11 +69,13 @@ __all__ = [
     "ParameterError",
     "PeriodicDrive",
     "PeriodicOrbit",
+    "PreloadedChain",
     "Simulation",
     "State",
     "SteadyState",
     "StepFailed",
     "StillBase",
+    "SystemTrajectory",
     "Trajectory",
     "Transition",
     "advanced",
@@ -83,11 +91,13 @@ __all__ = [
     "frictionless_transmittance",
     "fundamental",
     "lemke",
+    "lemke_compiled",
     "measured_error_bar",
     "natural_residual",
     "periodic_orbits",
     "rms_transmittance",
     "simulate",
+    "simulate_system",
     "solve_step",
     "solve_step_given_normal_force",
     "steady_state",

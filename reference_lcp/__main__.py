@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from reference_lcp.bench import bench
+from reference_lcp.bench import bench, bench_cells
 from reference_lcp.chain import Chain
 from reference_lcp.console import checked_output_file, run_command
 from reference_lcp.convergence import Convergence, convergence, plot_convergence
@@ -92,9 +92,14 @@ def run(
 
 @app.command("bench")
 def print_bench(
+    cells: Annotated[bool, typer.Option("--cells", help="Cost of chains of 7 to 100,000 cells instead.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Measure the speed of the compiled scheme on this machine."""
+    """Measure the speed of the reference on this machine."""
+    if cells:
+        lengths = bench_cells()
+        print(json.dumps(lengths, indent=2)) if as_json else _print_lengths(lengths)
+        return
     numbers = bench()
     print(json.dumps(numbers, indent=2) if as_json else "\n".join(f"{name}: {n:.4g}" for name, n in numbers.items()))
 
@@ -132,6 +137,15 @@ def _print_studies(studies: dict[str, Convergence]) -> None:
     for name, study in studies.items():
         orders = f"{study.transmittance_order:.2f}", f"{study.transition_order:.2f}"
         table.add_row(name, *orders, f"{study.transmittance_error_db[0]:.4f}")
+    Console().print(table)
+
+
+def _print_lengths(lengths: list[dict[str, float]]) -> None:
+    """Print the cost of chains of several lengths for people."""
+    table = Table("cells", "ns per cell-step", "bytes", "bytes per cell")
+    for row in lengths:
+        nanoseconds, per_cell = 1e9 * row["seconds_per_cell_step"], row["bytes"] / row["cells"]
+        table.add_row(f"{row['cells']:,}", f"{nanoseconds:.2f}", f"{row['bytes']:,}", f"{per_cell:.0f}")
     Console().print(table)
 
 

@@ -31,9 +31,11 @@ class _LemkeLane(LaneModel):
         u, q = state.positions[0].copy(), state.velocities[0].copy()
         positions, velocities = np.empty((steps, u.size)), np.empty((steps, u.size))
         friction = np.empty((steps, chain.cells))
+        basis = None
         for row, load in enumerate(self.lane.loads(start, steps)):
             step = chain_step(chain, u, q, load, self.lane.time_step)
-            impulses = solve_step_given_normal_force(step, self._impulse)
+            impulses = solve_step_given_normal_force(step, self._impulse, warm_start=basis)
+            basis = impulses.basic
             u, q = advanced(step, impulses, u)
             positions[row], velocities[row] = u, q
             friction[row] = impulses.tangential / self.lane.time_step

@@ -10,13 +10,21 @@ follows the derivation:
   G_T h Δt, and W_Tᵀ q Δt without the tilde.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reference_lcp.lemke import LemkeResult, lemke
-from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_scalar
+from reference_lcp.lemke_compiled import lemke_compiled
+from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_choice, checked_scalar
+
+_LCP_SOLVERS: dict[str, Callable[..., LemkeResult]] = {"lemke": lemke, "compiled": lemke_compiled}
+
+LCP_SOLVERS = tuple(_LCP_SOLVERS)
+"""Names of the implementations of Lemke's method: NumPy to read, numba to run; both follow the same path."""
 
 
 class StepFailed(RuntimeError):
@@ -98,36 +106,51 @@ class FrictionalStep:
         """Number of contacts c."""
         return self.normal_gap.shape[0]
 
+    @property
+    def response_to_normal(self) -> FloatArray:
+        """M⁻¹ W_N, shape (f, c)."""
+        return self._responses[:, : self.contacts]
+
+    @property
+    def response_to_tangential(self) -> FloatArray:
+        """M⁻¹ W_T, shape (f, c)."""
+        return self._responses[:, self.contacts : -1]
+
+    @property
+    def free_acceleration(self) -> FloatArray:
+        """M⁻¹ h, the acceleration if no contact acted, shape (f,)."""
+        return self._responses[:, -1]
+
     @cached_property
     def g_nn(self) -> FloatArray:
         """G_NN = W_Nᵀ M⁻¹ W_N, shape (c, c)."""
-        return self.normal_directions.T @ self._inverse_times(self.normal_directions)
+        return self.normal_directions.T @ self.response_to_normal
 
     @cached_property
     def g_nt(self) -> FloatArray:
         """G_NT = W_Nᵀ M⁻¹ W_T, shape (c, c)."""
-        return self.normal_directions.T @ self._inverse_times(self.tangential_directions)
+        return self.normal_directions.T @ self.response_to_tangential
 
     @cached_property
     def g_tn(self) -> FloatArray:
         """G_TN = (W_Tᵀ + W̃_Tᵀ Δt) M⁻¹ W_N, shape (c, c)."""
-        return self._tangential_map.T @ self._inverse_times(self.normal_directions)
+        return self._tangential_map.T @ self.response_to_normal
 
     @cached_property
     def g_tt(self) -> FloatArray:
         """G_TT = (W_Tᵀ + W̃_Tᵀ Δt) M⁻¹ W_T, shape (c, c)."""
-        return self._tangential_map.T @ self._inverse_times(self.tangential_directions)
+        return self._tangential_map.T @ self.response_to_tangential
 
     @cached_property
     def c_n(self) -> FloatArray:
         """C_N [m]: the normal gap at the end of the step if no contact acted, shape (c,)."""
-        free = self.velocity + self._inverse_times(self.force) * self.time_step
+        free = self.velocity + self.free_acceleration * self.time_step
         return self.normal_directions.T @ free * self.time_step + self.normal_motion * self.time_step + self.normal_gap
 
     @cached_property
     def c_t(self) -> FloatArray:
         """C_T [m/s]: the relative velocity at the end of the step if no contact acted, shape (c,)."""
-        forced = self._tangential_map.T @ self._inverse_times(self.force) * self.time_step
+        forced = self._tangential_map.T @ self.free_acceleration * self.time_step
         carried = self.tangential_directions_of_position.T @ self.velocity * self.time_step
         return forced + carried + self.tangential_motion * self.time_step + self.relative_velocity
 
@@ -135,7 +158,10 @@ class FrictionalStep:
     def _tangential_map(self) -> FloatArray:
         return self.tangential_directions + self.tangential_directions_of_position * self.time_step
 
-    def _inverse_times(self, columns: FloatArray) -> FloatArray:
+    @cached_property
+    def _responses(self) -> FloatArray:
+        """M⁻¹ (W_N, W_T, h), shape (f, 2c + 1): the one solution of linear equations with M in a step."""
+        columns = np.hstack([self.normal_directions, self.tangential_directions, self.force[:, None]])
         return np.asarray(np.linalg.solve(self.mass_matrix, columns))
 
 
@@ -153,12 +179,16 @@ class ContactImpulses:
         g_N at the end of the step [m]; ``None`` where the normal force was given.
     relative_velocity
         ġ_T at the end of the step [m/s].
+    basic
+        Which unknowns of the LCP are basic, shape (3c,), or (2c,) where the normal force was given; it
+        warm-starts the next step.
     """
 
     normal: FloatArray
     tangential: FloatArray
     normal_gap: FloatArray | None
     relative_velocity: FloatArray
+    basic: NDArray[np.bool_]
 
 
 def assemble(step: FrictionalStep) -> tuple[FloatArray, FloatArray]:
@@ -193,40 +223,54 @@ def assemble_given_normal_force(step: FrictionalStep, normal: FloatArray) -> tup
     return matrix, np.concatenate([step.c_t + step.g_tn @ normal - step.g_tt @ bound, 2 * bound])
 
 
-def solve_step(step: FrictionalStep) -> ContactImpulses:
+def solve_step(
+    step: FrictionalStep, *, solver: str = "lemke", warm_start: NDArray[np.bool_] | None = None
+) -> ContactImpulses:
     """Solve equation (7) by Lemke's method.
+
+    Parameters
+    ----------
+    step
+        The data of the step.
+    solver
+        One of `LCP_SOLVERS`.
+    warm_start
+        `ContactImpulses.basic` of the step before: contacts that keep their modes need no pivot then.
 
     Raises
     ------
     StepFailed
         If Lemke's method does not end with a solution.
+    ParameterError
+        If `solver` is unknown.
     """
+    method = _LCP_SOLVERS[checked_choice("solver", solver, LCP_SOLVERS)]
     dt, c = step.time_step, step.contacts
-    result = _solved(lemke(*assemble(step)))
+    result = _solved(method(*assemble(step), warm_start=warm_start))
     normal = result.z[:c] / dt
     tangential = result.z[c : 2 * c] / dt - step.friction_coefficient * normal
     slip = (result.w[c : 2 * c] - result.z[2 * c :]) / dt
-    return ContactImpulses(normal, tangential, result.w[:c], slip)
+    return ContactImpulses(normal, tangential, result.w[:c], slip, result.basic)
 
 
-def solve_step_given_normal_force(step: FrictionalStep, normal: FloatArray) -> ContactImpulses:
+def solve_step_given_normal_force(
+    step: FrictionalStep, normal: FloatArray, *, solver: str = "lemke", warm_start: NDArray[np.bool_] | None = None
+) -> ContactImpulses:
     """Solve the friction part of equation (7) for a given Λ_N [N s], shape (c,), by Lemke's method.
 
-    Raises
-    ------
-    StepFailed
-        If Lemke's method does not end with a solution.
+    `solver`, `warm_start` and what is raised are as in `solve_step`.
     """
+    method = _LCP_SOLVERS[checked_choice("solver", solver, LCP_SOLVERS)]
     c = step.contacts
-    result = _solved(lemke(*assemble_given_normal_force(step, normal)))
+    result = _solved(method(*assemble_given_normal_force(step, normal), warm_start=warm_start))
     tangential = result.z[:c] - step.friction_coefficient * normal
-    return ContactImpulses(normal, tangential, None, result.w[:c] - result.z[c:])
+    return ContactImpulses(normal, tangential, None, result.w[:c] - result.z[c:], result.basic)
 
 
 def advanced(step: FrictionalStep, impulses: ContactImpulses, position: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Positions and velocities at the end of the step, equation (5): Δu = (q + Δq) Δt."""
-    contact = step.normal_directions @ impulses.normal + step.tangential_directions @ impulses.tangential
-    velocity = step.velocity + np.linalg.solve(step.mass_matrix, step.force * step.time_step + contact)
+    contact = step.response_to_normal @ impulses.normal + step.response_to_tangential @ impulses.tangential
+    velocity = step.velocity + step.free_acceleration * step.time_step + contact
     return position + velocity * step.time_step, velocity
 
 

@@ -20,11 +20,29 @@ Some 10^4 times the round-off of a well-conditioned tableau of a hundred rows; s
 taken for zeros that round-off has blurred.
 """
 
+CANCELLATION_TOLERANCE = 1e-13
+"""Smallest part of the terms of an entry that their sum may leave for a pivot: some hundred times their round-off.
+
+An entry is the product of a row of the inverse basis and a column of M. In a basis that is nearly singular the
+terms are large, and a zero comes out as what cancellation leaves; a pivot on it would "solve" problems that have
+no solution, with z some 10^15 long.
+"""
+
+LARGEST_GROWTH = 1e12
+"""Largest scaled z over q of an answer that counts as solved: beyond, q is lost in the round-off of M z."""
+
 TIE_TOLERANCE = 1e-13
 """Ratios closer than this, relative to their size, count as equal and go to the next lexicographic column."""
 
 RESIDUAL_TOLERANCE = 1e-10
 """Largest natural residual ‖min(z, w)‖∞ of an answer that counts as solved, in scaled variables."""
+
+ROUND_OFF = 1e-13
+"""Error that each scaled variable may carry, relative to the largest one: round-off in a basis of condition 1,000.
+
+An open contact has Λ_TR = 2 μ Λ_N = 0, of which the solution of its basis leaves round-off; a row made of such
+terms alone is compared with what they may carry, not with itself.
+"""
 
 SCALING_SWEEPS = 50
 """Most sweeps of row and column scaling; problems in sensible units take two or three."""
@@ -54,6 +72,8 @@ class LemkeResult:
     residual
         Natural residual ‖min(z, w)‖∞, with z scaled as in the pivoting and each w_i over the size of the
         terms it is the sum of; NaN unless a basis was reached.
+    basic
+        Which z the final basis holds, shape (n,); it warm-starts a similar problem.
     """
 
     z: FloatArray
@@ -61,6 +81,7 @@ class LemkeResult:
     pivots: int
     status: LemkeStatus
     residual: float
+    basic: NDArray[np.bool_]
 
     @property
     def solved(self) -> bool:
@@ -76,7 +97,12 @@ def natural_residual(M: ArrayLike, q: ArrayLike, z: ArrayLike) -> float:
 
 
 def lemke(
-    M: ArrayLike, q: ArrayLike, *, covering: ArrayLike | None = None, max_pivots: int | None = None
+    M: ArrayLike,
+    q: ArrayLike,
+    *,
+    covering: ArrayLike | None = None,
+    max_pivots: int | None = None,
+    warm_start: NDArray[np.bool_] | None = None,
 ) -> LemkeResult:
     """Solve w = M z + q, w >= 0, z >= 0, wᵀ z = 0.
 
@@ -96,6 +122,9 @@ def lemke(
         in every row of the scaled problem without it.
     max_pivots
         Pivots after which the method gives up; 50 n + 100 without it.
+    warm_start
+        `LemkeResult.basic` of a similar problem, of the step before, say. Where that basis still gives
+        a checked solution no pivot is made; else the path is followed from the start.
 
     Returns
     -------
@@ -106,22 +135,33 @@ def lemke(
     Raises
     ------
     ParameterError
-        If shapes do not fit, a value is not finite, `covering` is not > 0 or `max_pivots` is below 1.
+        If shapes do not fit, a value is not finite, `covering` is not > 0, `max_pivots` is below 1 or
+        `warm_start` does not have shape (n,).
     """
-    matrix, vector = _checked_problem(M, q)
+    matrix, vector = checked_problem(M, q)
     size = vector.size
-    limit = 50 * size + 100 if max_pivots is None else checked_count("max_pivots", max_pivots)
+    limit = default_pivot_limit(size) if max_pivots is None else checked_count("max_pivots", max_pivots)
+    none = np.zeros(size, dtype=np.bool_)
     if np.all(vector >= 0):
-        return LemkeResult(np.zeros(size), vector.copy(), 0, LemkeStatus.SOLVED, 0.0)
+        return LemkeResult(np.zeros(size), vector.copy(), 0, LemkeStatus.SOLVED, 0.0, none)
     rows, columns = _scaling(matrix)
+    if warm_start is not None:
+        result = _answer(matrix, vector, rows, columns, checked_basis(warm_start, size), 0)
+        if result.solved:
+            return result
     scaled_vector = rows * vector
     cover = np.ones(size) if covering is None else rows * _checked_covering(covering, size)
     tableau = _Tableau(rows[:, None] * matrix * columns, scaled_vector / np.max(np.abs(scaled_vector)), cover)
     status = tableau.pivot_to_solution(limit)
     if status is not LemkeStatus.SOLVED:
         nothing = np.full(size, np.nan)
-        return LemkeResult(nothing, nothing, tableau.pivots, status, float("nan"))
-    return _answer(matrix, vector, rows, columns, tableau)
+        return LemkeResult(nothing, nothing, tableau.pivots, status, float("nan"), none)
+    return _answer(matrix, vector, rows, columns, tableau.basic(), tableau.pivots)
+
+
+def default_pivot_limit(size: int) -> int:
+    """Pivots after which a problem of this size is given up: far beyond the 2 n that are usual."""
+    return 50 * size + 100
 
 
 class _Tableau:
@@ -136,6 +176,7 @@ class _Tableau:
         self.size = size
         self.z0 = 2 * size
         self.table = np.hstack([np.eye(size), -M, -covering[:, None], q[:, None]])
+        self.sizes = np.hstack([np.eye(size), np.abs(M)])
         self.basis = np.arange(size)
         self.pivots = 0
 
@@ -152,9 +193,9 @@ class _Tableau:
             leaving = self._exchange(row, entering)
         return LemkeStatus.SOLVED
 
-    def positive(self) -> NDArray[np.intp]:
-        """Indices of the variables z that the basis holds."""
-        return np.sort(self.basis[self.basis >= self.size]) - self.size
+    def basic(self) -> NDArray[np.bool_]:
+        """Which variables z the basis holds."""
+        return np.isin(np.arange(self.size, 2 * self.size), self.basis)
 
     def _first_row(self) -> int:
         """Row of the lexicographically smallest (q_i, e_i) / d_i: there z0 enters, and all rows become >= 0."""
@@ -165,7 +206,8 @@ class _Tableau:
     def _leaving_row(self, entering: int) -> int | None:
         """Lexicographic ratio test: the row that bounds the entering variable, or None on a ray."""
         column = self.table[:, entering]
-        candidates = np.flatnonzero(column > PIVOT_TOLERANCE)
+        terms = np.abs(self.table[:, : self.size]) @ self.sizes[:, entering]
+        candidates = np.flatnonzero(column > np.maximum(PIVOT_TOLERANCE, CANCELLATION_TOLERANCE * terms))
         if candidates.size == 0:
             return None
         candidates = self._smallest(candidates, self.table[candidates, -1] / column[candidates])
@@ -195,7 +237,7 @@ class _Tableau:
         return leaving
 
 
-def _checked_problem(M: ArrayLike, q: ArrayLike) -> tuple[FloatArray, FloatArray]:
+def checked_problem(M: ArrayLike, q: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Give M and q as arrays whose shapes fit."""
     matrix, vector = checked_array("M", M), checked_array("q", q)
     if vector.ndim != 1 or vector.size == 0 or matrix.shape != (vector.size, vector.size):
@@ -209,6 +251,14 @@ def _checked_covering(covering: ArrayLike, size: int) -> FloatArray:
     if cover.shape != (size,):
         raise ParameterError(f"covering has shape {cover.shape}; allowed: ({size},)")
     return cover
+
+
+def checked_basis(basic: NDArray[np.bool_], size: int) -> NDArray[np.bool_]:
+    """Give a warm start's basis as an array of truth values."""
+    basis = np.asarray(basic, dtype=np.bool_)
+    if basis.shape != (size,):
+        raise ParameterError(f"warm_start has shape {basis.shape}; allowed: ({size},)")
+    return basis
 
 
 def _scaling(M: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -231,26 +281,33 @@ def _scaling(M: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.exp2(np.round(rows)), np.exp2(np.round(columns))
 
 
-def _scaled_residual(M: FloatArray, q: FloatArray, z: FloatArray, scaled_z: FloatArray) -> float:
-    """Natural residual with each row of M z + q over the size of its terms: no row can hide behind a larger one."""
-    terms = np.abs(M) @ np.abs(z) + np.abs(q)
+def _scaled_residual(M: FloatArray, q: FloatArray, z: FloatArray, rows: FloatArray, columns: FloatArray) -> float:
+    """Natural residual with each row of M z + q over the size of its terms: no row can hide behind a larger one.
+
+    `RESIDUAL_TOLERANCE` of what each term counts for at least is its round-off. Infinite where q is lost in M z.
+    """
+    scaled_z = z / columns / np.max(np.abs(rows * q))
+    if np.max(np.abs(scaled_z)) > LARGEST_GROWTH:
+        return float("inf")
+    least = columns * np.max(np.abs(z / columns)) * (ROUND_OFF / RESIDUAL_TOLERANCE)
+    terms = np.abs(M) @ np.maximum(np.abs(z), least) + np.abs(q)
     scaled_w = (M @ z + q) / np.where(terms > 0, terms, 1.0)
     return float(np.max(np.abs(np.minimum(scaled_z, scaled_w))))
 
 
-def _answer(M: FloatArray, q: FloatArray, rows: FloatArray, columns: FloatArray, tableau: _Tableau) -> LemkeResult:
-    """Solve the final basis with the unscaled data, and check the answer in scaled variables."""
+def _answer(
+    M: FloatArray, q: FloatArray, rows: FloatArray, columns: FloatArray, basic: NDArray[np.bool_], pivots: int
+) -> LemkeResult:
+    """Solve a basis with the unscaled data, and check the answer in scaled variables."""
     z, w = np.zeros(q.size), np.zeros(q.size)
-    positive = tableau.positive()
-    others = np.setdiff1d(np.arange(q.size), positive)
     residual = float("nan")
     try:
-        z[positive] = np.linalg.solve(M[np.ix_(positive, positive)], -q[positive])
-        w[others] = M[np.ix_(others, positive)] @ z[positive] + q[others]
-        residual = _scaled_residual(M, q, z, z / columns / np.max(np.abs(rows * q)))
+        z[basic] = np.linalg.solve(M[np.ix_(basic, basic)], -q[basic])
+        w[~basic] = M[np.ix_(~basic, basic)] @ z[basic] + q[~basic]
+        residual = _scaled_residual(M, q, z, rows, columns)
     except np.linalg.LinAlgError:
         pass
     if not residual <= RESIDUAL_TOLERANCE:
         nothing = np.full(q.size, np.nan)
-        return LemkeResult(nothing, nothing, tableau.pivots, LemkeStatus.NUMERICAL_BREAKDOWN, residual)
-    return LemkeResult(np.maximum(z, 0.0), np.maximum(w, 0.0), tableau.pivots, LemkeStatus.SOLVED, residual)
+        return LemkeResult(nothing, nothing, pivots, LemkeStatus.NUMERICAL_BREAKDOWN, residual, basic)
+    return LemkeResult(np.maximum(z, 0.0), np.maximum(w, 0.0), pivots, LemkeStatus.SOLVED, residual, basic)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -59,6 +60,24 @@ def test_highest_natural_frequency_of_a_locked_pair_of_masses() -> None:
     chain = Chain.from_ratios(cells=1)
     expected = np.sqrt((3 + np.sqrt(5)) / 2) * chain.resonator_frequency
     assert chain.highest_natural_frequency == pytest.approx(expected)
+
+
+@settings(deadline=None, max_examples=50)
+@given(st.integers(0, 10**6), st.integers(1, 12))
+def test_highest_natural_frequency_is_the_dense_eigenvalue(seed, cells) -> None:
+    values = 10 ** np.random.default_rng(seed).uniform(-1.5, 1.5, size=(4, cells))
+    names = ("outer_mass", "inner_mass", "chain_stiffness", "inner_stiffness")
+    chain = Chain(cells=cells, **dict(zip(names, values, strict=True)))
+    squares = scipy.linalg.eigh(chain.stiffness_matrix, chain.mass_matrix, eigvals_only=True)
+    assert chain.highest_natural_frequency == pytest.approx(np.sqrt(squares[-1]), rel=1e-10)
+
+
+def test_hundred_thousand_cells_reach_the_edge_of_the_infinite_chain_and_build_no_matrix() -> None:
+    """Bloch at κ = π: ω² m_eff = 4 k_c, with m_eff = m_o + m_i ω_r²/(ω_r² − ω²); equal masses and springs."""
+    chain = Chain.from_ratios(cells=100_000)
+    squared = (chain.highest_natural_frequency / chain.resonator_frequency) ** 2
+    assert squared == pytest.approx(3 + np.sqrt(5), rel=1e-8)
+    assert not {"mass_matrix", "stiffness_matrix", "damping_matrix", "contact_directions"} & set(vars(chain))
 
 
 def test_chain_is_a_value() -> None:

@@ -117,6 +117,27 @@ def test_bench_prints_its_numbers(capsys) -> None:
     assert numbers["figure3_worst_residual"] <= 1e-8
     assert numbers["cell_steps_per_second"] > 0
     assert numbers["figure3_seconds"] > 0
+    assert numbers["compiled_lemke_seconds"] > 0
+    assert numbers["lemke_step_seconds"] > 0
+
+
+def test_long_chains_cost_as_much_a_cell_as_short_ones(capsys) -> None:
+    """Bytes grow with the cells; what they cost is measured, and not tested here."""
+    code, out, _ = run(capsys, "bench", "--cells", "--json")
+    rows = json.loads(out)
+    assert code == 0
+    assert [row["cells"] for row in rows] == [7, 100, 1_000, 10_000, 100_000]
+    per_cell = [row["bytes"] / row["cells"] for row in rows]
+    assert max(per_cell) <= 1.05 * min(per_cell)
+    assert all(row["seconds_per_cell_step"] > 0 for row in rows)
+
+
+def test_cost_of_long_chains_is_a_table_for_people(capsys, monkeypatch) -> None:
+    monkeypatch.setattr("reference_lcp.bench.CELL_STEPS_OF_A_SAMPLE", 1_000)
+    code, out, _ = run(capsys, "bench", "--cells")
+    assert code == 0
+    assert "100,000" in out
+    assert "ns per cell-step" in out
 
 
 def test_error_bar_and_exact_value_are_printed(capsys) -> None:
