@@ -1,0 +1,86 @@
+"""``python -m engines``: which engines there are, what they can do, and which are installed."""
+
+import json
+import platform
+import sys
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from engines.registry import engine, engine_names
+from reference_lcp.console import run_command
+
+app = typer.Typer(name="python -m engines", add_completion=False, pretty_exceptions_enable=False)
+
+
+@app.command()
+def engines(as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
+    """List every registered engine: its version, its friction law, what it supports, and why it is missing if it is.
+
+    Example: python -m engines --json
+    """
+    rows = [described(name) for name in engine_names()]
+    if as_json:
+        print(json.dumps(rows, indent=2))
+    else:
+        _print(rows)
+
+
+def described(name: str) -> dict[str, Any]:
+    """Describe one engine as plain data, ready for JSON.
+
+    Parameters
+    ----------
+    name
+        Name under which the engine is registered.
+
+    Returns
+    -------
+    dict
+        Capabilities as data; ``version`` is ``None`` and ``missing`` says why where it is not installed.
+
+    Raises
+    ------
+    ParameterError
+        If no engine of this name is registered.
+    """
+    described_engine = engine(name)
+    abilities = described_engine.capabilities
+    missing = described_engine.why_not_installed()
+    return {
+        "engine": name,
+        "title": abilities.title,
+        "package": abilities.package,
+        "licence": abilities.licence,
+        "version": described_engine.version() if missing is None else None,
+        "python": platform.python_version(),
+        "friction_law": str(abilities.friction_law),
+        "presets": {str(formulation): list(presets) for formulation, presets in abilities.presets.items()},
+        "precision": abilities.precision,
+        "deterministic": abilities.deterministic,
+        "missing": missing,
+        "notes": abilities.notes,
+    }
+
+
+def _print(rows: list[dict[str, Any]]) -> None:
+    """Print the engines as a table, then the reasons of those that are missing."""
+    table = Table(
+        "engine", "version", "friction law", "formulation: presets", "precision", "repeats bitwise", "licence"
+    )
+    for row in rows:
+        presets = "\n".join(f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items())
+        repeats = "yes" if row["deterministic"] else "no"
+        version = row["version"] or "not installed"
+        table.add_row(row["engine"], version, row["friction_law"], presets, row["precision"], repeats, row["licence"])
+    console = Console()
+    console.print(table)
+    for row in rows:
+        if row["missing"] is not None:
+            console.print(f"{row['engine']}: {row['missing']}", markup=False, soft_wrap=True)
+
+
+if __name__ == "__main__":
+    sys.exit(run_command(app))

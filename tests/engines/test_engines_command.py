@@ -1,0 +1,35 @@
+"""``python -m engines``: capabilities as data."""
+
+import json
+
+import pytest
+
+from engines.__main__ import app
+from engines.pybullet import PyBullet
+from engines.registry import engine_names
+from reference_lcp.console import run_command
+
+
+def test_json_describes_every_registered_engine(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(app, ["--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)
+    assert [row["engine"] for row in rows] == engine_names()
+    for row in rows:
+        assert (row["version"] is None) == (row["missing"] is not None)
+        assert "tuned" in row["presets"]["joint"]
+        assert row["licence"]
+
+
+def test_missing_engine_is_listed_with_its_reason(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(PyBullet, "why_not_installed", lambda _self: "no wheel for this Python")
+    assert run_command(app, []) == 0
+    printed = capsys.readouterr().out
+    assert "not installed" in printed
+    assert "pybullet: no wheel for this Python" in printed
+
+
+def test_unknown_option_is_one_line_and_exit_code_2(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(app, ["--all"]) == 2
+    assert capsys.readouterr().err.startswith("error: ")
