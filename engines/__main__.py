@@ -6,6 +6,7 @@ import sys
 from typing import Annotated, Any
 
 import typer
+from rich import box
 from rich.console import Console
 from rich.table import Table
 
@@ -67,14 +68,14 @@ def described(name: str) -> dict[str, Any]:
 
 def _print(rows: list[dict[str, Any]]) -> None:
     """Print the engines as a table, then the reasons of those that are missing."""
-    table = Table(
-        "engine", "version", "friction law", "formulation: presets", "precision", "repeats bitwise", "licence"
-    )
+    table = Table(title=f"Python {platform.python_version()}", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for heading in ("engine", "version", "friction law", "formulation: presets"):
+        table.add_column(heading, no_wrap=True)
+    table.add_column("arithmetic")
     for row in rows:
         presets = "\n".join(f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items())
-        repeats = "yes" if row["deterministic"] else "no"
-        version = row["version"] or "not installed"
-        table.add_row(row["engine"], version, row["friction_law"], presets, row["precision"], repeats, row["licence"])
+        arithmetic = row["precision"] if row["deterministic"] else f"{row['precision']}, varies"
+        table.add_row(row["engine"], row["version"] or "missing", row["friction_law"], presets, arithmetic)
     console = Console()
     console.print(table)
     for row in rows:

@@ -26,7 +26,7 @@ def test_missing_engine_is_listed_with_its_reason(
     monkeypatch.setattr(PyBullet, "why_not_installed", lambda _self: "no wheel for this Python")
     assert run_command(app, []) == 0
     printed = capsys.readouterr().out
-    assert "not installed" in printed
+    assert "missing" in printed
     assert "pybullet: no wheel for this Python" in printed
 
 
