@@ -71,7 +71,7 @@ def _print(rows: list[dict[str, Any]]) -> None:
     table = Table(title=f"Python {platform.python_version()}", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for heading in ("engine", "version", "friction law", "formulation: presets"):
         table.add_column(heading, no_wrap=True)
-    table.add_column("arithmetic")
+    table.add_column("precision")
     for row in rows:
         presets = "\n".join(f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items())
         arithmetic = row["precision"] if row["deterministic"] else f"{row['precision']}, varies"
