@@ -52,6 +52,7 @@ REGULARISED_TUNED = Preset(
         "zone": Option(5e-4, 0.0, "frictionProportionalZone over s ω_r, with s the displacement scale of the drive."),
         "zone_per_kick": Option(0.15, 0.0, "Smallest frictionProportionalZone over F h / m_red, for h the substep."),
     },
+    split_tolerance=1e-9,
 )
 
 BRISTLE_TUNED = Preset(
@@ -67,6 +68,7 @@ BRISTLE_TUNED = Preset(
             1, 5, "Corrections of the friction state a step, whatever their error; 5 at coarse steps stall the orbit."
         ),
     },
+    split_tolerance=1e-9,
 )
 
 
@@ -94,8 +96,6 @@ class ExudynRegularised(_Exudyn):
         licence="BSD-3-Clause",
         friction_law=FrictionLaw.REGULARISED,
         presets={Formulation.JOINT: {"tuned": REGULARISED_TUNED}},
-        shares_scheme=False,
-        split_tolerance=1e-9,
         notes=(
             "Friction is proportional to the relative velocity below the width of a zone, so that a stuck contact "
             "creeps; the transmittance errs in proportion to the width, most where cells hardly move."
@@ -116,8 +116,6 @@ class ExudynBristle(_Exudyn):
         licence="BSD-3-Clause",
         friction_law=FrictionLaw.BRISTLE,
         presets={Formulation.JOINT: {"tuned": BRISTLE_TUNED}},
-        shares_scheme=False,
-        split_tolerance=1e-9,
         notes=(
             "A stuck contact is a stiff spring and dashpot and gives way by F / k_s; a slipping one sticks only from "
             "the end of a substep on, so that the period map jumps, and some orbits repeat to 1e-3 and not to 1e-8."

@@ -41,6 +41,8 @@ JOINT_TUNED = Preset(
             (-1.0, -1.0), (0.02, 1.0), "Direct form, in units of d_width / dt: a stuck contact stops in one step."
         ),
     },
+    shares_scheme=True,
+    split_tolerance=1e-12,
 )
 
 LARGEST_COORDINATE = 1e10
@@ -57,8 +59,6 @@ class MuJoCo(Engine):
         licence="Apache-2.0",
         friction_law=FrictionLaw.REGULARISED,
         presets={Formulation.JOINT: {"tuned": JOINT_TUNED}},
-        shares_scheme=True,
-        split_tolerance=1e-12,
         notes=(
             "Friction is a convex regularisation of Coulomb's law: a stuck contact creeps unless the no-slip "
             "sweep removes the softness, as the tuned preset does; then it equals equation (5) to round-off."

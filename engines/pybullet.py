@@ -38,6 +38,8 @@ JOINT_TUNED = Preset(
         "linearDamping": Option(0.0, 0.04, "Bullet slows every body down, against the ground."),
         "maxJointVelocity": Option(1e30, 100.0, "Bullet cuts joint velocities off, whatever the units."),
     },
+    shares_scheme=True,
+    split_tolerance=1e-12,
 )
 
 MOST_CELLS = 63
@@ -54,8 +56,6 @@ class PyBullet(Engine):
         licence="Zlib",
         friction_law=FrictionLaw.COULOMB,
         presets={Formulation.JOINT: {"tuned": JOINT_TUNED}},
-        shares_scheme=True,
-        split_tolerance=1e-12,
         notes=(
             "A velocity motor of target zero and bounded impulse is Coulomb's law, exact in stick; springs, dashpots "
             "and the drive are forces that the adapter computes at the start of each step."

@@ -109,7 +109,7 @@ def test_two_halves_equal_the_whole() -> None:
     whole = simulation.advance(random_state(2), 0, 200)
     half = simulation.advance(random_state(2), 0, 100)
     halves = simulation.advance(half, 100, 100)
-    tolerance = PyBullet.capabilities.split_tolerance * AMPLITUDE
+    tolerance = PyBullet().preset("joint", "tuned").split_tolerance * AMPLITUDE
     np.testing.assert_allclose(halves.positions, whole.positions, rtol=0, atol=tolerance)
 
 
