@@ -14,7 +14,6 @@ from importlib.metadata import version
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engines.interface import (
     Capabilities,
@@ -103,7 +102,7 @@ class ExudynRegularised(_Exudyn):
     )
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        return _ExudynSimulation([_RegularisedLane(lane, preset) for lane in lanes])
+        return LanewiseSimulation.build(lanes, lambda lane: _RegularisedLane(lane, preset))
 
 
 class ExudynBristle(_Exudyn):
@@ -123,7 +122,7 @@ class ExudynBristle(_Exudyn):
     )
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        return _ExudynSimulation([_BristleLane(lane, preset) for lane in lanes])
+        return LanewiseSimulation.build(lanes, lambda lane: _BristleLane(lane, preset))
 
 
 class _ExudynLane(LaneModel):
@@ -408,24 +407,6 @@ class _BristleLane(_ExudynLane):
         slips = np.abs(force) >= chain.friction_bound
         slip = np.where(slips, np.copysign(chain.friction_bound, force), 0.0)
         return slip, np.where(slips, 0.0, holding / self._stiffness)
-
-
-class _ExudynSimulation(LanewiseSimulation):
-    """Lanes of Exudyn, one after the other."""
-
-    def __init__(self, models: Sequence[_ExudynLane]):
-        super().__init__(models)
-        self._exudyn_models = tuple(models)
-
-    def advance(self, state: State, start: int, steps: int) -> State:
-        """Advance every lane, keep the final state; see `Simulation.advance`."""
-        return State.stack(
-            [model.advance(state.subset([lane]), start, steps) for lane, model in enumerate(self._exudyn_models)]
-        )
-
-    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "_ExudynSimulation":
-        """Give the lanes of these indices; they share the models."""
-        return _ExudynSimulation([self._exudyn_models[lane] for lane in lanes])
 
 
 def _harmonic_amplitudes(lane: Lane) -> tuple[float, float, float] | None:

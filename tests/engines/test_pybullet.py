@@ -213,10 +213,10 @@ def test_the_longest_chain_equals_the_scheme_and_a_longer_one_is_refused() -> No
         PyBullet().build([Lane(longer, lane.drive, lane.time_step)])
 
 
-def test_the_default_gain_of_a_motor_is_not_coulomb_friction() -> None:
-    """With Bullet's 0.1 a motor leaves nine tenths of the relative velocity."""
+def test_a_weak_gain_of_a_motor_is_not_coulomb_friction() -> None:
+    """With 0.1 a motor leaves nine tenths of the relative velocity."""
     tuned = PyBullet().preset("joint", "tuned")
-    weak = Preset("", {**tuned.options, "velocityGain": Option(0.1, 0.1, "")})
+    weak = Preset("", {**tuned.options, "velocityGain": Option(0.1, 1.0, "")})
     simulation = PyBullet()._build((lane_of(5.0, 0.3),), Formulation.JOINT, weak)
     trajectory = simulation.run(State.at_rest(1, 7), 0, STEPS)[0]
     assert np.max(np.abs(trajectory.relative_velocity)) > 1e-6 * AMPLITUDE
