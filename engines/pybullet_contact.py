@@ -40,7 +40,7 @@ REST_DEPTH = 1e-5
 BOX = 4.0
 """Half of a box's edge over the displacement scale of the drive."""
 
-PLATE = 4096.0
+PLATE = 2.0**20
 """Half of a plate's length over the displacement scale; beyond, boxes would fall off."""
 
 SPACING = 8 * BOX
