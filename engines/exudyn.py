@@ -1,13 +1,15 @@
 """Exudyn: the chain as one generic second-order object, with a dry-friction connector in every cell.
 
 The connector `CoordinateSpringDamperExt` knows two friction laws, and each is an engine of its own here:
-a force proportional to velocity within a narrow zone, and a bristle that sticks until it breaks.
+a force proportional to velocity within a narrow zone, and a bristle that sticks until it breaks. Discs pressed
+on planes know the first law only.
 """
 
 import importlib.util
 from importlib.metadata import version
 from typing import ClassVar
 
+from engines.exudyn_contact import CONTACT_DEFAULT, CONTACT_TUNED, ContactLane
 from engines.exudyn_joint import (
     BRISTLE_DEFAULT,
     BRISTLE_TUNED,
@@ -43,7 +45,10 @@ class ExudynRegularised(_Exudyn):
         package="exudyn",
         licence="BSD-3-Clause",
         friction_law=FrictionLaw.REGULARISED,
-        presets={Formulation.JOINT: {"tuned": REGULARISED_TUNED, "default": REGULARISED_DEFAULT}},
+        presets={
+            Formulation.JOINT: {"tuned": REGULARISED_TUNED, "default": REGULARISED_DEFAULT},
+            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+        },
         notes=(
             "Friction is proportional to the relative velocity below the width of a zone, so that a stuck contact "
             "creeps; the transmittance errs in proportion to the width, most where cells hardly move."
@@ -51,7 +56,8 @@ class ExudynRegularised(_Exudyn):
     )
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        return LanewiseSimulation.build(lanes, lambda lane: RegularisedLane(lane, preset))
+        model = RegularisedLane if formulation is Formulation.JOINT else ContactLane
+        return LanewiseSimulation.build(lanes, lambda lane: model(lane, preset))
 
 
 class ExudynBristle(_Exudyn):

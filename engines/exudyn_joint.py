@@ -64,7 +64,9 @@ REGULARISED_DEFAULT = Preset(
     {
         **_SHARED_DEFAULTS,
         "frictionProportionalZone": Option(
-            1e-3, 0.0, "[m/s] Needed: at 0 there is no friction without a bristle. Exudyn's examples take 1e-4 to 1e-2."
+            1e-3,
+            0.0,
+            "[m/s] Needed: without a zone or a bristle, friction jumps. Exudyn's own for spheres.",
         ),
     },
     split_tolerance=1e-4,

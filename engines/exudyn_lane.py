@@ -49,16 +49,14 @@ class ExudynLane(LaneModel):
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state`; sensors record the ends of the steps."""
         memory = self._solve(state, start, steps, record=True)
-        friction = np.zeros((steps, self._chain.cells))
-        for cell, sensor in zip(self._rubbing, self._force_sensors, strict=True):
-            # The connector's force resists its elongation: it is -λ_T on the inner mass.
-            friction[:, cell] = -self._recorded(sensor, steps)[:, 0]
+        positions, velocities = self._recorded_motion(steps)
+        friction, normal_force = self._recorded_forces(steps)
         return Trajectory(
             self.lane.times(start, steps),
-            self._recorded(self._motion_sensors[0], steps) * self._units.length,
-            self._recorded(self._motion_sensors[1], steps) * self._units.velocity,
-            friction * self._units.force,
-            constant_normal_force(self.lane, steps),
+            positions * self._units.length,
+            velocities * self._units.velocity,
+            friction,
+            normal_force,
             memory,
         )
 
@@ -66,9 +64,11 @@ class ExudynLane(LaneModel):
         """Advance as `run` does and give the end only; without sensors it needs less time."""
         memory = self._solve(state, start, steps, record=False)
         data, current = self._system.systemData, self._exudyn.ConfigurationType.Current
+        position = self._along(np.array(data.GetODE2Coordinates(current)))
+        velocity = self._along(np.array(data.GetODE2Coordinates_t(current)))
         return State(
-            np.array(data.GetODE2Coordinates(current))[None] * self._units.length,
-            np.array(data.GetODE2Coordinates_t(current))[None] * self._units.velocity,
+            position[None] * self._units.length,
+            velocity[None] * self._units.velocity,
             None if memory is None else memory[None],
         )
 
@@ -79,6 +79,27 @@ class ExudynLane(LaneModel):
     def _connector(self, cell: int) -> dict[str, Any]:
         """Parameters of the friction connector of one cell, in the units of the lane."""
         raise NotImplementedError
+
+    def _along(self, coordinates: FloatArray) -> FloatArray:
+        """Pick the displacements of outer, then inner masses from Exudyn's coordinates; velocities likewise."""
+        return coordinates
+
+    def _coordinates(self, along: FloatArray) -> FloatArray:
+        """Give all of Exudyn's coordinates for displacements; velocities likewise."""
+        return along
+
+    def _recorded_motion(self, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Displacements and velocities of all masses at the ends of the steps, in the units of the lane."""
+        positions, velocities = (self._recorded(sensor, steps) for sensor in self._motion_sensors)
+        return positions, velocities
+
+    def _recorded_forces(self, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Friction and normal force of every contact [N]."""
+        friction = np.zeros((steps, self._chain.cells))
+        for cell, sensor in zip(self._rubbing, self._force_sensors, strict=True):
+            # The connector's force resists its elongation: it is -λ_T on the inner mass.
+            friction[:, cell] = -self._recorded(sensor, steps)[:, 0]
+        return friction * self._units.force, constant_normal_force(self.lane, steps)
 
     def _set_friction_state(self, state: State, start: int) -> None:
         """Set what the friction law remembers, if it does."""
@@ -92,8 +113,8 @@ class ExudynLane(LaneModel):
         """Run the solver, a new one each time: none of its data outlive a run."""
         checked_count("steps", steps)
         data, initial = self._system.systemData, self._exudyn.ConfigurationType.Initial
-        data.SetODE2Coordinates(state.positions[0] / self._units.length, initial)
-        data.SetODE2Coordinates_t(state.velocities[0] / self._units.velocity, initial)
+        data.SetODE2Coordinates(self._coordinates(state.positions[0] / self._units.length), initial)
+        data.SetODE2Coordinates_t(self._coordinates(state.velocities[0] / self._units.velocity), initial)
         self._set_friction_state(state, start)
         integration = self._settings.timeIntegration
         integration.startTime = start * self._time_step
@@ -181,21 +202,18 @@ class ExudynLane(LaneModel):
 
         kinds = self._exudyn.OutputVariableType
         self._motion_sensors = [
-            self._system.AddSensor(
-                itemInterface.SensorNode(
-                    nodeNumber=node, outputVariableType=kind, storeInternal=True, writeToFile=False
-                )
-            )
+            self._add_sensor(itemInterface.SensorNode(nodeNumber=node, outputVariableType=kind))
             for kind in (kinds.Coordinates, kinds.Coordinates_t)
         ]
         self._force_sensors = [
-            self._system.AddSensor(
-                itemInterface.SensorObject(
-                    objectNumber=connector, outputVariableType=kinds.Force, storeInternal=True, writeToFile=False
-                )
-            )
+            self._add_sensor(itemInterface.SensorObject(objectNumber=connector, outputVariableType=kinds.Force))
             for connector in connectors
         ]
+
+    def _add_sensor(self, sensor: Any) -> Any:
+        """Add a sensor that records in memory only."""
+        sensor.storeInternal, sensor.writeToFile = True, False
+        return self._system.AddSensor(sensor)
 
     def _solver_settings(self, preset: Preset) -> Any:
         """Settings of the implicit solver, without any output to files or console."""
