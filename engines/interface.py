@@ -62,10 +62,25 @@ class Option:
 
 @dataclass(frozen=True)
 class Preset:
-    """A named, documented set of options of one formulation."""
+    """A named, documented set of options of one formulation.
+
+    Parameters
+    ----------
+    description
+        What it is for, in a sentence.
+    options
+        What it sets, by name.
+    shares_scheme
+        With these options the engine advances velocities, then positions, by the same semi-implicit Euler
+        step as equation (5), so that at equal time step its trajectories equal the reference's.
+    split_tolerance
+        Largest difference between one run and the same run split in two, over the displacement scale.
+    """
 
     description: str
     options: Mapping[str, Option] = field(default_factory=dict)
+    shares_scheme: bool = False
+    split_tolerance: float = 0.0
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value
@@ -87,11 +102,6 @@ class Capabilities:
         How it represents Coulomb friction.
     presets
         Presets by formulation, then by name; a formulation that is not listed is not supported.
-    shares_scheme
-        The engine advances velocities, then positions, by the same semi-implicit Euler step as
-        equation (5), so that at equal time step its trajectories equal the reference's.
-    split_tolerance
-        Largest difference between one run and the same run split in two, over the displacement scale.
     batch_lanes
         Lanes that one simulation takes at best: few where lanes cost the same alone, many where they share work.
     precision
@@ -107,8 +117,6 @@ class Capabilities:
     licence: str
     friction_law: FrictionLaw
     presets: Mapping[Formulation, Mapping[str, Preset]]
-    shares_scheme: bool
-    split_tolerance: float
     batch_lanes: int = 4
     precision: str = "double"
     deterministic: bool = True

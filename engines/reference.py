@@ -31,7 +31,7 @@ class Reference(Engine):
         friction_law=FrictionLaw.COULOMB,
         presets={
             Formulation.JOINT: {
-                "tuned": Preset("The scheme of equation (5), one Euler step a time step.", {}),
+                "tuned": Preset("The scheme of equation (5), one Euler step a time step.", shares_scheme=True),
                 "converged": Preset(
                     "The same scheme with a finer Euler step: the ruler for every engine.",
                     {
@@ -42,8 +42,6 @@ class Reference(Engine):
                 ),
             }
         },
-        shares_scheme=True,
-        split_tolerance=0.0,
         batch_lanes=64,
         notes="Exact Coulomb friction by a linear complementarity problem in each step; first order in the time step.",
     )

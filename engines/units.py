@@ -46,7 +46,7 @@ class Units:
         """Choose the units of `lane`."""
         length = lane.drive.displacement_scale(lane.chain)
         mass = float(np.exp(np.mean(np.log(lane.chain.outer_mass))))
-        return cls(_power_of_two(length), _power_of_two(mass), _power_of_two(lane.time_step))
+        return cls(power_of_two(length), power_of_two(mass), power_of_two(lane.time_step))
 
     @property
     def velocity(self) -> float:
@@ -73,6 +73,6 @@ class Units:
         )
 
 
-def _power_of_two(value: float) -> float:
+def power_of_two(value: float) -> float:
     """Give the power of two next below or at `value`."""
     return math.ldexp(1.0, math.frexp(value)[1] - 1)

@@ -247,10 +247,11 @@ _Place = tuple[Variant, float, float]
 def ruler(variant: Variant) -> tuple[Variant, float]:
     """Give whom a variant is compared with, and the tolerance [dB].
 
-    Engines that share the Euler scheme share its error: they are compared with the reference at equal
+    Presets that share the Euler scheme share its error: they are compared with the reference at equal
     step. All others, the reference itself among them, are compared with the converged reference.
     """
-    if variant.engine != REFERENCE.engine and engine(variant.engine).capabilities.shares_scheme:
+    preset = engine(variant.engine).preset(variant.formulation, variant.preset)
+    if variant.engine != REFERENCE.engine and preset.shares_scheme:
         return REFERENCE, SCHEME_TOLERANCE_DB
     return CONVERGED, CONVERGED_TOLERANCE_DB
 

@@ -29,7 +29,8 @@ class Variant:
     def title(self) -> str:
         """The name that reports print."""
         name = engine(self.engine).capabilities.title
-        return name if self.preset == "tuned" else f"{name}, {self.preset}"
+        special = [part for part in (self.formulation, self.preset) if part not in {"joint", "tuned"}]
+        return ", ".join([name, *special])
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -155,7 +155,7 @@ def test_run_split_in_two_equals_the_whole(engine: Engine, split: int) -> None:
     start = simulation.advance(random_state(), 0, STEPS)
     whole = simulation.advance(start, 0, STEPS)
     halves = simulation.advance(simulation.advance(start, 0, split), split, STEPS - split)
-    assert distance(whole, halves, lane) <= engine.capabilities.split_tolerance
+    assert distance(whole, halves, lane) <= engine.preset("joint", "tuned").split_tolerance
 
 
 @both_laws

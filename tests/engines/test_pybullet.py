@@ -1,5 +1,6 @@
 """PyBullet: the traps of its friction, its options and its units, against the scheme written out in matrices."""
 
+import dataclasses
 import os
 import subprocess
 import sys
@@ -22,6 +23,9 @@ AMPLITUDE = 0.01
 STEPS = 400
 ROUND_OFF = 1e-12
 """Largest difference from the scheme over U0: both do the same arithmetic, in another order."""
+
+
+both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
 
 
 def lane_of(friction_ratio: float = 0.3, frequency_ratio: float = 0.6, **ratios: object) -> Lane:
@@ -76,24 +80,28 @@ def assert_equals_scheme(lane: Lane, state: State, trajectory: Trajectory, scale
     np.testing.assert_allclose(trajectory.friction, friction, rtol=0, atol=100 * ROUND_OFF * force)
 
 
-def run(lane: Lane, state: State, steps: int) -> Trajectory:
-    simulation = PyBullet().build([lane])
+def run(lane: Lane, state: State, steps: int, formulation: str = "joint") -> Trajectory:
+    simulation = PyBullet().build([lane], formulation)
     trajectory = simulation.run(state, 0, steps)[0]
     simulation.close()
     return trajectory
 
 
+@both_formulations
 @pytest.mark.parametrize("friction_ratio", [0.0, 0.1, 0.3, 0.6, 1.0, 5.0])
-def test_motion_and_friction_equal_the_scheme_from_frictionless_to_locked(friction_ratio: float) -> None:
+def test_motion_and_friction_equal_the_scheme_from_frictionless_to_locked(
+    friction_ratio: float, formulation: str
+) -> None:
     """Motors left on, a bound times the wrong step, a damping of the engine's own: each would show here."""
     lane = lane_of(friction_ratio)
     state = random_state(size=0.3)
-    assert_equals_scheme(lane, state, run(lane, state, 3 * STEPS))
+    assert_equals_scheme(lane, state, run(lane, state, STEPS, formulation))
 
 
-def test_uneven_cells_and_inner_dashpots_equal_the_scheme() -> None:
+@both_formulations
+def test_uneven_cells_and_inner_dashpots_equal_the_scheme(formulation: str) -> None:
     lane = uneven_lane()
-    assert_equals_scheme(lane, random_state(), run(lane, random_state(), 2 * STEPS))
+    assert_equals_scheme(lane, random_state(), run(lane, random_state(), 2 * STEPS, formulation))
 
 
 def test_lanes_of_one_batch_keep_their_own_chain_drive_and_time_step() -> None:
@@ -109,16 +117,17 @@ def test_two_halves_equal_the_whole() -> None:
     whole = simulation.advance(random_state(2), 0, 200)
     half = simulation.advance(random_state(2), 0, 100)
     halves = simulation.advance(half, 100, 100)
-    tolerance = PyBullet.capabilities.split_tolerance * AMPLITUDE
+    tolerance = PyBullet().preset("joint", "tuned").split_tolerance * AMPLITUDE
     np.testing.assert_allclose(halves.positions, whole.positions, rtol=0, atol=tolerance)
 
 
-def test_nothing_is_remembered_between_runs() -> None:
-    simulation = PyBullet().build([lane_of(), uneven_lane()])
+@both_formulations
+def test_nothing_is_remembered_between_runs(formulation: str) -> None:
+    simulation = PyBullet().build([lane_of(), uneven_lane()], formulation)
     first = simulation.run(random_state(2), 0, STEPS)
     simulation.run(State.at_rest(2, 7), 50, 77)
     again = simulation.run(random_state(2), 0, STEPS)
-    fresh = PyBullet().build(simulation.lanes).run(random_state(2), 0, STEPS)
+    fresh = PyBullet().build(simulation.lanes, formulation).run(random_state(2), 0, STEPS)
     for one, two, three in zip(first, again, fresh, strict=True):
         for name in ("positions", "velocities", "friction"):
             assert np.array_equal(getattr(one, name), getattr(two, name))
@@ -150,13 +159,14 @@ def test_a_stuck_contact_does_not_creep() -> None:
     assert np.max(np.abs(trajectory.inner_positions - trajectory.outer_positions)) <= 1e-12 * AMPLITUDE
 
 
+@both_formulations
 @pytest.mark.parametrize(("mass", "stiffness", "length"), [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)])
-def test_units_do_not_matter(mass: float, stiffness: float, length: float) -> None:
+def test_units_do_not_matter(mass: float, stiffness: float, length: float, formulation: str) -> None:
     """Nanometres at gigahertz pass the engine's built-in numbers in SI units, and must not here."""
     chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS)
     positions = scheme(lane, State.at_rest(1, 7), STEPS)[0]
-    trajectory = run(lane, State.at_rest(1, 7), STEPS)
+    trajectory = run(lane, State.at_rest(1, 7), STEPS, formulation)
     np.testing.assert_allclose(trajectory.positions, positions, rtol=0, atol=ROUND_OFF * length)
 
 
@@ -213,10 +223,10 @@ def test_the_longest_chain_equals_the_scheme_and_a_longer_one_is_refused() -> No
         PyBullet().build([Lane(longer, lane.drive, lane.time_step)])
 
 
-def test_the_default_gain_of_a_motor_is_not_coulomb_friction() -> None:
-    """With Bullet's 0.1 a motor leaves nine tenths of the relative velocity."""
+def test_a_weak_gain_of_a_motor_is_not_coulomb_friction() -> None:
+    """With 0.1 a motor leaves nine tenths of the relative velocity."""
     tuned = PyBullet().preset("joint", "tuned")
-    weak = Preset("", {**tuned.options, "velocityGain": Option(0.1, 0.1, "")})
+    weak = Preset("", {**tuned.options, "velocityGain": Option(0.1, 1.0, "")})
     simulation = PyBullet()._build((lane_of(5.0, 0.3),), Formulation.JOINT, weak)
     trajectory = simulation.run(State.at_rest(1, 7), 0, STEPS)[0]
     assert np.max(np.abs(trajectory.relative_velocity)) > 1e-6 * AMPLITUDE
@@ -227,3 +237,42 @@ def test_the_reason_for_a_missing_package_names_the_python_versions(monkeypatch:
     reason = PyBullet().why_not_installed()
     assert reason is not None
     assert "CPython 3.11" in reason
+
+
+def with_coefficients(coefficient: object) -> Lane:
+    """The canonical chain with these coefficients of friction, and the same bounds."""
+    lane = lane_of()
+    coefficients = np.broadcast_to(coefficient, 7).astype(float)
+    bound = lane.chain.friction_bound
+    chain = dataclasses.replace(lane.chain, friction_coefficient=coefficients, normal_force=bound / coefficients)
+    return dataclasses.replace(lane, chain=chain)
+
+
+@pytest.mark.parametrize("coefficient", [0.001, 0.1, 3.0, [0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]])
+def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: object) -> None:
+    lane, state = with_coefficients(coefficient), random_state()
+    trajectory = run(lane, state, STEPS, "contact")
+    assert_equals_scheme(lane, state, trajectory)
+    assert trajectory.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-9)
+
+
+def test_coefficients_that_bullet_would_cut_off_are_refused() -> None:
+    with pytest.raises(ParameterError, match=r"friction_coefficient = 11; allowed by Bullet: at most 10"):
+        PyBullet().build([with_coefficients(11.0)], "contact")
+
+
+def test_a_box_that_leaves_its_plate_is_reported() -> None:
+    lane = lane_of(0.0)
+    state = State(np.concatenate([np.zeros(7), np.full(7, 1e7 * AMPLITUDE)])[None], np.zeros((1, 14)))
+    with pytest.raises(RuntimeError, match="its plate ends at"):
+        PyBullet().build([lane], "contact").advance(state, 0, 1)
+
+
+@both_formulations
+def test_default_damping_slows_every_mass_down(formulation: str) -> None:
+    lane = lane_of(5.0)
+    found = PyBullet().build([lane], formulation, "default").run(State.at_rest(1, 7), 0, STEPS)[0]
+    expected = run(lane, State.at_rest(1, 7), STEPS, formulation)
+    assert np.linalg.norm(found.velocities) < np.linalg.norm(expected.velocities)
+    # stuck all the same: the motion of a contact is no worse than the solver
+    assert np.max(np.abs(found.relative_velocity)) < 1e-9 * AMPLITUDE * lane.drive.angular_frequency

@@ -110,7 +110,7 @@ class _Failing(Engine):
     name = "failing"
     capabilities = Capabilities(
         title="Failing", package="none", licence="MIT", friction_law=FrictionLaw.COULOMB,
-        presets={Formulation.JOINT: {"tuned": Preset("fails", {})}}, shares_scheme=True, split_tolerance=0.0,
+        presets={Formulation.JOINT: {"tuned": Preset("fails", {})}},
     )  # fmt: skip
     missing: str | None = None
     failure: Exception | None = None

@@ -1,0 +1,188 @@
+"""PyBullet's contact formulation: in every cell a box, the inner mass, pressed on a plate, the outer one."""
+
+from typing import Any
+
+import numpy as np
+
+from engines.interface import LaneModel, Option, Preset
+from engines.pybullet_world import World, import_pybullet
+from engines.units import Units, power_of_two
+from reference_lcp.simulation import Lane
+from reference_lcp.trajectory import State, Trajectory
+from reference_lcp.validation import FloatArray, ParameterError, checked_count
+
+CONTACT_TUNED = Preset(
+    "Boxes without rotation or damping, and a contact solver that never stops early: it then equals equation (5).",
+    {
+        "units": Option("lane", "SI", "No number comes near Bullet's built-in smallest and largest ones."),
+        "localInertiaDiagonal": Option((0.0, 0.0, 0.0), "of the box", "Bullet takes zero for infinite: no rotation."),
+        "linearDamping": Option(0.0, 0.04, "Bullet slows every body down, against the ground."),
+        "solverResidualThreshold": Option(0.0, 1e-7, "The solver stops early otherwise, and stuck contacts creep."),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+)
+
+CONTACT_DEFAULT = Preset(
+    "The same boxes in SI units, with Bullet's own damping and its own solver.",
+    {
+        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "localInertiaDiagonal": Option((0.0, 0.0, 0.0), "of the box", "Needed: the chain moves along a line."),
+        "linearDamping": Option(0.04, 0.04, "Bullet's own; it slows every body down, against the ground."),
+        "solverResidualThreshold": Option(1e-7, 1e-7, "Bullet's own; below it the solver stops."),
+    },
+    split_tolerance=1e-12,
+)
+
+REST_DEPTH = 1e-5
+"""Penetration that Bullet leaves alone, its contactSlop; at zero depth, round-off would lose a contact now and then."""
+
+BOX = 4.0
+"""Half of a box's edge over the displacement scale of the drive."""
+
+PLATE = 2.0**20
+"""Half of a plate's length over the displacement scale; beyond, boxes would fall off."""
+
+SPACING = 8 * BOX
+"""Distance of neighbouring cells over the displacement scale, across the motion."""
+
+LARGEST_COEFFICIENT = 10.0
+"""Bullet cuts larger coefficients of friction off."""
+
+
+class PyBulletContactLane(LaneModel):
+    """One chain; a run makes its bodies anew, at the static equilibrium of their contacts.
+
+    Outer and inner mass press each other with λ_N, an internal pair of forces, so that nothing needs a guide.
+    """
+
+    def __init__(self, world: World, lane: Lane, preset: Preset):
+        """Take the lane's parameters in its units."""
+        largest = float(np.max(lane.chain.friction_coefficient))
+        if largest > LARGEST_COEFFICIENT:
+            raise ParameterError(
+                f"friction_coefficient = {largest:g}; allowed by Bullet: at most {LARGEST_COEFFICIENT:g}"
+            )
+        self.lane = lane
+        self._world = world
+        self._preset = preset
+        self._units = Units.named(preset["units"], lane)
+        self._chain = self._units.scaled(lane.chain)
+        # Powers of two: distances of contacts are then exact.
+        self._scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / self._units.length
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state`; see `LaneModel.run`."""
+        units = self._units
+        rows = self._rows(state, start, steps, record=True)
+        motion = 2 * self._chain.cells
+        position, velocity, friction, normal = np.split(rows, [motion, 2 * motion, 2 * motion + motion // 2], axis=1)
+        return Trajectory(
+            self.lane.times(start, steps),
+            position * units.length,
+            velocity * units.velocity,
+            friction * units.force,
+            normal * units.force,
+        )
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does, without asking for the contacts."""
+        position, velocity = np.split(self._rows(state, start, steps, record=False), 2, axis=1)
+        return State(position * self._units.length, velocity * self._units.velocity)
+
+    def close(self) -> None:
+        """Close the world that this lane shares with the others of its simulation."""
+        self._world.close()
+
+    def _rows(self, state: State, start: int, steps: int, record: bool) -> FloatArray:
+        """Give positions, velocities, friction and normal force of every step, or motions of the last one only."""
+        checked_count("steps", steps)
+        masses = 2 * self._chain.cells
+        if state.positions.shape != (1, masses):
+            raise ParameterError(f"positions have shape {state.positions.shape}; allowed: (1, {masses})")
+        bullet, client = import_pybullet(), self._world.client
+        now = np.concatenate([state.positions[0] / self._units.length, state.velocities[0] / self._units.velocity])
+        bodies = self._new_bodies(now)
+        matrix = -np.hstack([self._chain.stiffness_matrix, self._chain.damping_matrix])
+        pressing = np.concatenate([self._chain.normal_force, -self._chain.normal_force]).tolist()
+        nowhere = [0.0, 0.0, 0.0]
+        rows: list[list[float]] = []
+        for load in self.lane.loads(start, steps) / self._units.force:
+            force = matrix @ now
+            force[0] += load
+            for body, along, across in zip(bodies, force.tolist(), pressing, strict=True):
+                bullet.applyExternalForce(
+                    body, -1, [along, 0.0, across], nowhere, bullet.LINK_FRAME, physicsClientId=client
+                )
+            bullet.stepSimulation(physicsClientId=client)
+            after = [bullet.getBasePositionAndOrientation(body, physicsClientId=client)[0][0] for body in bodies]
+            after += [bullet.getBaseVelocity(body, physicsClientId=client)[0][0] for body in bodies]
+            now[:] = after
+            if record:
+                rows.append(after + self._contact_forces(bodies))
+        self._check_reach(now[:masses])
+        return np.array(rows) if record else now[None]
+
+    def _contact_forces(self, bodies: list[int]) -> list[float]:
+        """Friction on every inner mass, then every normal force: sums over the points of a contact."""
+        bullet, client = import_pybullet(), self._world.client
+        friction, normal = [], []
+        cells = self._chain.cells
+        for outer, inner in zip(bodies[:cells], bodies[cells:], strict=True):
+            points = bullet.getContactPoints(inner, outer, physicsClientId=client)
+            # A point has its normal force at 9, then twice a tangential force and the direction it acts in on
+            # the outer mass.
+            friction.append(-sum(point[10] * point[11][0] + point[12] * point[13][0] for point in points))
+            normal.append(float(sum(point[9] for point in points)))
+        return friction + normal
+
+    def _new_bodies(self, motion: FloatArray) -> list[int]:
+        """Empty the world, and make all plates, then all boxes, with their positions and velocities."""
+        bullet, client, preset = import_pybullet(), self._world.client, self._preset
+        bullet.resetSimulation(physicsClientId=client)
+        bullet.setTimeStep(self.lane.time_step / self._units.time, physicsClientId=client)
+        bullet.setPhysicsEngineParameter(
+            solverResidualThreshold=preset["solverResidualThreshold"], contactSlop=REST_DEPTH, physicsClientId=client
+        )
+        chain, box = self._chain, BOX * self._scale
+        plate, cube = (
+            bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=[length, box, box], physicsClientId=client)
+            for length in (PLATE * self._scale, box)
+        )
+        # At the static equilibrium a contact is as deep as Bullet leaves alone.
+        height = box - REST_DEPTH
+        positions, velocities = np.split(motion, 2)
+        bodies = []
+        for mass in range(2 * chain.cells):
+            side, cell = divmod(mass, chain.cells)
+            place = [float(positions[mass]), cell * SPACING * self._scale, height if side else -box]
+            weight = float((chain.inner_mass if side else chain.outer_mass)[cell])
+            # Bullet multiplies the coefficients of the two bodies.
+            friction = float(chain.friction_coefficient[cell]) if side else 1.0
+            bodies.append(self._new_body(cube if side else plate, weight, friction, place))
+        # Bullet takes over a new inertia at the end of a step only: let one pass at rest.
+        bullet.stepSimulation(physicsClientId=client)
+        for body, velocity in zip(bodies, velocities.tolist(), strict=True):
+            bullet.resetBaseVelocity(body, [velocity, 0.0, 0.0], [0.0] * 3, physicsClientId=client)
+        return bodies
+
+    def _new_body(self, shape: Any, mass: float, friction: float, place: list[float]) -> int:
+        """Make one body; properties one call each, for Bullet mixes some of them up."""
+        bullet, client, preset = import_pybullet(), self._world.client, self._preset
+        body = int(bullet.createMultiBody(mass, shape, -1, place, useMaximalCoordinates=1, physicsClientId=client))
+        inertia = list(preset["localInertiaDiagonal"])
+        for properties in (
+            {"linearDamping": preset["linearDamping"], "angularDamping": 0.0},
+            {"lateralFriction": friction},
+            {"mass": mass, "localInertiaDiagonal": inertia},
+        ):
+            bullet.changeDynamics(body, -1, **properties, physicsClientId=client)
+        return body
+
+    def _check_reach(self, positions: FloatArray) -> None:
+        """Refuse a motion in which a box has left its plate: there it would feel no friction."""
+        outer, inner = np.split(positions, 2)
+        largest = float(np.max(np.abs(inner - outer))) * self._units.length
+        reach = (PLATE - BOX) * self._scale * self._units.length
+        if not largest < reach:
+            raise RuntimeError(f"an inner mass is {largest:g} m from its outer one; its plate ends at {reach:g} m")
