@@ -1,0 +1,76 @@
+"""The scheme written out in matrices, and chains to hold engines against it."""
+
+import dataclasses
+
+import numpy as np
+
+from reference_lcp.chain import Chain
+from reference_lcp.drive import HarmonicBase
+from reference_lcp.simulation import Lane
+from reference_lcp.trajectory import State, Trajectory
+
+AMPLITUDE = 0.01
+STEPS = 400
+ROUND_OFF = 1e-12
+"""Largest difference from the scheme over U0: both do the same arithmetic, in another order."""
+
+
+def lane_of(friction_ratio: float = 0.3, frequency_ratio: float = 0.6, **ratios: object) -> Lane:
+    chain = Chain.from_ratios(friction_ratio=friction_ratio, base_amplitude=AMPLITUDE, **ratios)
+    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, AMPLITUDE), STEPS)
+
+
+def uneven_lane() -> Lane:
+    """Every cell differs, one has no friction, and the inner dashpots are strong."""
+    rng = np.random.default_rng(7)
+    return lane_of(
+        np.array([0.3, 0.1, 0.0, 0.5, 0.2, 1.0, 0.05]),
+        mass_ratio=rng.uniform(0.3, 2.0, 7),
+        stiffness_ratio=rng.uniform(0.3, 2.0, 7),
+        damping_ratio=rng.uniform(0.0, 0.1, 7),
+        inner_damping_ratio=rng.uniform(0.0, 0.3, 7),
+    )
+
+
+def random_state(lanes: int = 1, size: float = 1.0) -> State:
+    rng = np.random.default_rng(3)
+    return State(size * AMPLITUDE * rng.normal(size=(lanes, 14)), 10 * size * AMPLITUDE * rng.normal(size=(lanes, 14)))
+
+
+def scheme(lane: Lane, state: State, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Equation (5) in matrices, with the closed solution of each contact; gives positions, velocities, friction."""
+    chain, dt = lane.chain, lane.time_step
+    masses, directions = np.diag(chain.mass_matrix), chain.contact_directions
+    delassus = 1 / chain.outer_mass + 1 / chain.inner_mass
+    position, velocity = state.positions[0], state.velocities[0]
+    rows = []
+    for load in lane.loads(0, steps):
+        force = -chain.stiffness_matrix @ position - chain.damping_matrix @ velocity
+        force[0] += load
+        free = velocity + dt * force / masses
+        bound = chain.friction_bound * dt
+        impulse = np.clip(-(directions.T @ free) / delassus, -bound, bound)
+        velocity = free + directions @ impulse / masses
+        position = position + dt * velocity
+        rows.append((position, velocity, impulse / dt))
+    positions, velocities, friction = (np.array(column) for column in zip(*rows, strict=True))
+    return positions, velocities, friction
+
+
+def assert_equals_scheme(lane: Lane, state: State, trajectory: Trajectory, scale: float = AMPLITUDE) -> None:
+    positions, velocities, friction = scheme(lane, state, trajectory.steps)
+    speed = scale * lane.chain.resonator_frequency
+    force = scale * np.max(lane.chain.stiffness_matrix)
+    np.testing.assert_allclose(trajectory.positions, positions, rtol=0, atol=ROUND_OFF * scale)
+    np.testing.assert_allclose(trajectory.velocities, velocities, rtol=0, atol=ROUND_OFF * speed)
+    # A force is a difference of velocities over dt, which costs it the digits of dt times the frequency.
+    np.testing.assert_allclose(trajectory.friction, friction, rtol=0, atol=100 * ROUND_OFF * force)
+
+
+def with_coefficients(coefficient: object) -> Lane:
+    """The canonical chain with these coefficients of friction, and the same bounds."""
+    lane = lane_of()
+    coefficients = np.broadcast_to(coefficient, 7).astype(float)
+    bound = lane.chain.friction_bound
+    chain = dataclasses.replace(lane.chain, friction_coefficient=coefficients, normal_force=bound / coefficients)
+    return dataclasses.replace(lane, chain=chain)
