@@ -16,6 +16,9 @@ CONTACT_TUNED = Preset(
     {
         **REGULARISED_TUNED.options,
         "substeps": Option(4, 1, "Half as many as in the joint formulation: a step costs five times as much."),
+        "discontinuous_tolerance": Option(
+            1e-9, 1.0, "iterationTolerance: at 1 a disc leaves the zone at the end of a step only, and orbits stall."
+        ),
         "useLinearProportionalZone": Option(True, False, "The zone of the joint formulation; the other is cubic."),
     },
     split_tolerance=1e-9,
@@ -25,6 +28,7 @@ CONTACT_DEFAULT = Preset(
     "The solver as it comes, and a proportional zone as narrow as one would write without trying.",
     {
         **REGULARISED_DEFAULT.options,
+        "discontinuous_tolerance": Option(1.0, 1.0, "Exudyn's own."),
         "useLinearProportionalZone": Option(False, False, "Exudyn's own."),
     },
     split_tolerance=0.05,
@@ -76,6 +80,11 @@ class ContactLane(ExudynLane):
             force = self._recorded(sensor, steps) * self._units.force
             friction[:, cell], normal[:, cell] = -force[:, 1], force[:, 2]
         return friction, normal
+
+    def _solver_settings(self, preset: Preset) -> Any:
+        settings = super()._solver_settings(preset)
+        settings.timeIntegration.discontinuous.iterationTolerance = preset["discontinuous_tolerance"]
+        return settings
 
     def _set_friction_state(self, state: State, start: int) -> None:
         outer, inner = np.split(state.velocities[0] / self._units.velocity, 2)

@@ -248,3 +248,48 @@ def test_nothing_is_printed_and_no_file_is_written(tmp_path: Path) -> None:
     )
     assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disc_moves_as_the_connector_of_the_same_zone_does() -> None:
+    """Two implementations of one law: what differs is the integration across the corners of the zone."""
+    lane = lane_of(0.3, 0.9)
+    zone = {"zone": 0.01, "substeps": 4, "zone_per_kick": 0.0}
+    tuned = ExudynRegularised().preset("contact", "tuned")
+    options = {name: dataclasses.replace(one, value=zone.get(name, one.value)) for name, one in tuned.options.items()}
+    disc = ExudynRegularised()._build((lane,), Formulation.CONTACT, Preset("", options))
+    (pressed,), (joined,) = (
+        simulation.run(random_state(), 0, STEPS) for simulation in (disc, built_with(ExudynRegularised(), lane, **zone))
+    )
+    assert np.max(np.abs(pressed.positions - joined.positions)) < 1e-3 * AMPLITUDE
+    assert pressed.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-6)
+
+
+@pytest.mark.parametrize("split", [1, 177])
+def test_a_run_of_discs_split_in_two_equals_the_whole(split: int) -> None:
+    """Nothing is kept but positions and velocities: discs are at their static depth, and slip follows."""
+    lane = lane_of(0.3, 0.6)
+    simulation = ExudynRegularised().build([lane], "contact")
+    start = simulation.advance(random_state(), 0, STEPS)
+    whole = simulation.advance(start, 0, STEPS)
+    halves = simulation.advance(simulation.advance(start, 0, split), split, STEPS - split)
+    assert distance(whole, halves, lane) <= ExudynRegularised().preset("contact", "tuned").split_tolerance
+
+
+def largest_creep(engine: Engine, lane: Lane, preset: str) -> float:
+    """Largest relative velocity from rest under friction that no motion overcomes, over U0 ω."""
+    (trajectory,) = engine.build([lane], preset=preset).run(State.at_rest(1, 7), 0, STEPS)
+    scale = lane.drive.displacement_scale(lane.chain)
+    return float(np.max(np.abs(trajectory.relative_velocity)) / (scale * lane.drive.angular_frequency))
+
+
+def test_a_default_bristle_is_so_soft_that_stuck_contacts_move() -> None:
+    creep = [largest_creep(ExudynBristle(), lane_of(5.0), preset) for preset in ("tuned", "default")]
+    assert creep[0] < 1e-3
+    assert creep[1] > 0.01
+
+
+def test_a_default_zone_in_metres_per_second_is_too_wide_for_small_motions() -> None:
+    chain = Chain.from_ratios(friction_ratio=5.0, base_amplitude=AMPLITUDE / 100)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, AMPLITUDE / 100), STEPS)
+    assert largest_creep(ExudynRegularised(), lane, "tuned") < 0.01
+    assert largest_creep(ExudynRegularised(), lane, "default") > 0.03
