@@ -52,7 +52,13 @@ def report(
     ),
     quick: Annotated[bool, typer.Option("--quick", help="A small grid: the whole report in under a minute.")] = False,
     chosen: Annotated[
-        list[str] | None, typer.Option("--engine", help="An engine to compare; may be repeated. Without it: all.")
+        list[str] | None,
+        typer.Option(
+            "--engine",
+            metavar="NAME[:FORMULATION[:PRESET]]",
+            help="An engine to compare, in the formulation joint and the preset tuned unless others are named; "
+            "may be repeated. Without it: all engines.",
+        ),
     ] = None,
     store: Annotated[
         Path | None, typer.Option(help="File that keeps every answer; without it, results.sqlite in --out.")
@@ -64,7 +70,7 @@ def report(
     Answers are kept: a second run takes seconds, and an interrupted one goes on where it was.
     Exit code 0: the page is written, whatever the verdicts; 2: wrong input.
 
-    Example: python -m reports --quick --engine mujoco --out report
+    Example: python -m reports --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
     """
     asked = _asked(chosen or engine_names(), quick)
     if workers is not None:
@@ -100,7 +106,7 @@ def _asked(names: list[str], quick: bool) -> Figure3:
     """Say what is to be run."""
     ratios = ChainRatios()
     return Figure3(
-        variants=tuple(Variant(name) for name in names),
+        variants=tuple(Variant.parse(name) for name in names),
         friction_ratios=QUICK_FRICTION_RATIOS if quick else FRICTION_RATIOS,
         frequency_ratios=quick_frequency_ratios(ratios) if quick else default_frequency_ratios(ratios),
         ratios=ratios,

@@ -138,3 +138,22 @@ def test_every_point_is_compared_and_reports_its_residual(tmp_path) -> None:
 def test_impossible_question_is_refused(wrong, message) -> None:
     with pytest.raises(ParameterError, match=message):
         Figure3(**{"variants": (), **wrong})
+
+
+@pytest.mark.parametrize("text", ["mujoco", "mujoco:contact", "mujoco:joint:default", "pybullet:contact:default"])
+def test_variant_is_read_as_it_is_written(text) -> None:
+    assert str(Variant.parse(text)) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("bullet", "engine = 'bullet' is unknown"),
+        ("mujoco:glue", "formulation of mujoco = 'glue' is unknown; allowed: joint, contact"),
+        ("mujoco:joint:best", "preset of mujoco = 'best' is unknown; allowed: tuned, default"),
+        ("mujoco:joint:tuned:now", "has 4 parts"),
+    ],
+)
+def test_variant_that_there_is_not_is_refused(text, message) -> None:
+    with pytest.raises(ParameterError, match=message):
+        Variant.parse(text)
