@@ -26,8 +26,9 @@ class MuJoCo(Engine):
             Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
         },
         notes=(
-            "Friction is a convex regularisation of Coulomb's law: a stuck contact creeps unless the no-slip "
-            "sweep removes the softness, as the tuned preset does; then it equals equation (5) to round-off."
+            "Friction is a convex regularisation of Coulomb's law with a time constant: by default, in joint and "
+            "contact alike, a stuck contact creeps, and no finer time step helps. The no-slip sweep of the tuned "
+            "presets removes the softness; then the motion equals equation (5) to round-off."
         ),
     )
 

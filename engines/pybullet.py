@@ -26,8 +26,9 @@ class PyBullet(Engine):
             Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
         },
         notes=(
-            "A velocity motor of target zero and bounded impulse is Coulomb's law, exact in stick; springs, dashpots "
-            "and the drive are forces that the adapter computes at the start of each step."
+            "Coulomb's law, exact in stick: in the joint a velocity motor of target zero and bounded impulse, in the "
+            "contact boxes pressed on each other. Springs, dashpots and the drive are forces that the adapter "
+            "computes at the start of each step; by default Bullet damps every body against the ground."
         ),
     )
 

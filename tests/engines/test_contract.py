@@ -272,9 +272,9 @@ SHARING = [setup for setup in TUNED if setup.options.shares_scheme and setup.nam
 
 
 @pytest.mark.parametrize("sharing", SHARING, ids=label)
-def test_who_shares_the_scheme_equals_the_reference_to_round_off_over_ten_periods(sharing) -> None:
+def test_who_shares_the_scheme_equals_the_reference_to_round_off_over_forty_periods(sharing) -> None:
     lane = lane_of(0.3, 0.9)
-    runs = [built.build([lane]).run(State.at_rest(1, 7), 0, 10 * STEPS)[0] for built in (sharing, engine("reference"))]
+    runs = [built.build([lane]).run(State.at_rest(1, 7), 0, 40 * STEPS)[0] for built in (sharing, engine("reference"))]
     assert np.max(np.abs(runs[0].positions - runs[1].positions)) <= 1e-12 * 0.01
     assert np.max(np.abs(runs[0].friction - runs[1].friction)) <= 1e-9 * lane.chain.friction_bound[0]
 
