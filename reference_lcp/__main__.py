@@ -54,8 +54,7 @@ def run(
 
     The scheme is Euler's discretisation with a linear complementarity problem in every step; the
     solver "exact" goes from event to event instead, and has no error of a time step.
-    Without options: 7 cells, mass and stiffness ratio 1, damping ratio 0.01, friction ratio 0.3,
-    frequency ratio 0.9. Exit code 0: converged; 1: no steady state within the periods; 2: wrong input.
+    Exit code 0: converged; 1: no steady state within the periods; 2: wrong input.
 
     Example: python -m reference_lcp --friction-ratio 0.6 --frequency-ratio 1.3 --plot period.png
     """
@@ -86,8 +85,7 @@ def run(
     print(json.dumps(found.as_dict(), indent=2)) if as_json else _print(found)
     if plot is not None:
         plot_period(found.orbit, plot)
-    if not found.orbit.converged:
-        raise typer.Exit(1)
+    raise typer.Exit(0 if found.orbit.converged else 1)
 
 
 @app.command("bench")

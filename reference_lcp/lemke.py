@@ -154,8 +154,7 @@ def lemke(
     tableau = _Tableau(rows[:, None] * matrix * columns, scaled_vector / np.max(np.abs(scaled_vector)), cover)
     status = tableau.pivot_to_solution(limit)
     if status is not LemkeStatus.SOLVED:
-        nothing = np.full(size, np.nan)
-        return LemkeResult(nothing, nothing, tableau.pivots, status, float("nan"), none)
+        return _unsolved(none, tableau.pivots, status, float("nan"))
     return _answer(matrix, vector, rows, columns, tableau.basic(), tableau.pivots)
 
 
@@ -308,6 +307,11 @@ def _answer(
     except np.linalg.LinAlgError:
         pass
     if not residual <= RESIDUAL_TOLERANCE:
-        nothing = np.full(q.size, np.nan)
-        return LemkeResult(nothing, nothing, pivots, LemkeStatus.NUMERICAL_BREAKDOWN, residual, basic)
+        return _unsolved(basic, pivots, LemkeStatus.NUMERICAL_BREAKDOWN, residual)
     return LemkeResult(np.maximum(z, 0.0), np.maximum(w, 0.0), pivots, LemkeStatus.SOLVED, residual, basic)
+
+
+def _unsolved(basic: NDArray[np.bool_], pivots: int, status: LemkeStatus, residual: float) -> LemkeResult:
+    """Give a result without numbers."""
+    nothing = np.full(basic.size, np.nan)
+    return LemkeResult(nothing, nothing, pivots, status, residual, basic)

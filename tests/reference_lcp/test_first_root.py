@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
@@ -20,6 +20,8 @@ def first_root(polynomial: Polynomial, size: int = 21) -> float:
 def test_first_root_is_the_smallest_one_on_the_interval(numerators, denominator) -> None:
     """With 32 as denominator roots fall on the ends of halved intervals, where signs are round-off."""
     roots = [numerator / denominator for numerator in numerators]
+    # Round-off decides whether a root at the very end is in this interval or at the start of the next one.
+    assume(1.0 not in roots)
     polynomial = Polynomial.fromroots(roots)
     polynomial = polynomial * float(np.sign(polynomial(0.0)))
     inside = [root for root in roots if 0 < root <= 1]
