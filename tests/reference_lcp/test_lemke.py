@@ -43,7 +43,8 @@ SOLVABLE = {
     "Murty 1988, example 2.8": ([[1, -1, -1, -1], [-1, 1, -1, -1], [1, 1, 2, 0], [1, 1, 0, 2]], [3, 5, -9, -5]),
     "Kostreva 1979, example 1: cycles without tie-breaking": ([[1, 2, 0], [0, 1, 2], [2, 0, 1]], [-1, -1, -1]),
     "Murty 1988, example 2.11, covering vector of ones": ([[-1.5, 2], [-4, 4]], [-5, 17]),
-    "Cottle, Pang, Stone 1992, a P-matrix": ([[2, 1], [1, 2]], [-5, -6]),
+    "Murty 1988, section 1.1, a P-matrix": ([[2, 1], [1, 2]], [-5, -6]),
+    "Cottle, Pang, Stone 1992, example 4.3.3": ([[0, -1, 2], [2, 0, -2], [-1, 1, 0]], [-3, 6, -1]),
     "zero vector in reach: q >= 0": ([[-1, 0], [0, -1]], [1, 0]),
     "degenerate: the solution has z = w = 0": ([[1, 0], [0, 1]], [-1, 0]),
     "a single variable": ([[2]], [-4]),
@@ -61,6 +62,18 @@ RAYS = {
 def test_literature_case_is_solved(case) -> None:
     M, q = (np.array(part, dtype=float) for part in SOLVABLE[case])
     assert_solves(M, q, lemke(M, q))
+
+
+def test_printed_solutions_are_found() -> None:
+    printed = {
+        "Murty 1988, section 1.1, a P-matrix": ([4 / 3, 7 / 3], [0, 0]),
+        "Cottle, Pang, Stone 1992, example 4.3.3": ([0, 1, 3], [2, 0, 0]),
+        "Kostreva 1979, example 1: cycles without tie-breaking": ([1 / 3, 1 / 3, 1 / 3], [0, 0, 0]),
+    }
+    for case, (z, w) in printed.items():
+        result = lemke(*SOLVABLE[case])
+        assert result.z == pytest.approx(z)
+        assert result.w == pytest.approx(w)
 
 
 @pytest.mark.parametrize("case", RAYS)

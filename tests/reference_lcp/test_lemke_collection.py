@@ -112,7 +112,8 @@ def named():
     yield "Murty 2.11", [[-1.5, 2], [-4, 4]], [-5, 17]
     yield "Kostreva 1", [[1, 2, 0], [0, 1, 2], [2, 0, 1]], [-1, -1, -1]
     yield "Kostreva 2", [[1, -1, 3], [2, -1, 3], [-1, -2, 0]], [-1, -1, -1]
-    yield "Cottle, Pang, Stone", [[2, 1], [1, 2]], [-5, -6]
+    yield "Murty 1.1", [[2, 1], [1, 2]], [-5, -6]
+    yield "Cottle, Pang, Stone 4.3.3", [[0, -1, 2], [2, 0, -2], [-1, 1, 0]], [-3, 6, -1]
     yield "zero matrix, zero vector", np.zeros((3, 3)), np.zeros(3)
     yield "zero matrix, no solution", np.zeros((3, 3)), [1, 0, -1]
     yield "rank one, no solution", np.ones((2, 2)) - [[0, 2], [2, 0]], [-1, -1]
