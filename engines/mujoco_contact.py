@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from engines.interface import Option, Preset
-from engines.mujoco_parts import add_chain, add_slider, set_options
+from engines.mujoco_parts import DEFAULT_OPTIONS, TUNED_OPTIONS, add_chain, add_slider, set_options
 from engines.units import Units, power_of_two
 from reference_lcp.chain import Chain
 from reference_lcp.simulation import Lane
@@ -18,18 +18,10 @@ from reference_lcp.validation import FloatArray, ParameterError
 CONTACT_TUNED = Preset(
     "The elliptic cone, solved by one dual sweep and one without its softness: it then equals equation (5).",
     {
+        **TUNED_OPTIONS,
         "units": Option("contact", "SI", "The sweep's fixed tolerances of 1e-10 are then far below every number."),
         "solver": Option("PGS", "Newton", "The dual problem: friction does not act back on the normal force."),
-        "iterations": Option(1, 100, "Contacts do not touch each other, so that the first sweep is exact."),
-        "noslip_iterations": Option(1, 0, "One sweep without the regularisation R; with it, stuck contacts creep."),
         "cone": Option("elliptic", "pyramidal", "The pyramid's edges change the normal force with friction."),
-        "jacobian": Option("dense", "auto", "The matrices are small."),
-        "integrator": Option("Euler", "Euler", "Velocities first, then positions, as equation (5)."),
-        "disable": Option(
-            ("eulerdamp", "warmstart", "island", "autoreset"),
-            (),
-            "Damping at the start of the step; no memory between runs; no search for islands; no silent reset.",
-        ),
         "solreffriction": Option(
             (-1.0, -1.0), (0.0, 0.0), "Direct form, in units of d_width / dt: a stuck contact stops in one step."
         ),
@@ -42,14 +34,7 @@ CONTACT_TUNED = Preset(
 CONTACT_DEFAULT = Preset(
     "The same sphere and plate in SI units, with MuJoCo's own cone, solver and contact damping.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
-        "solver": Option("Newton", "Newton", "MuJoCo's own."),
-        "iterations": Option(100, 100, "MuJoCo's own."),
-        "noslip_iterations": Option(0, 0, "MuJoCo's own: a stuck contact creeps."),
-        "cone": Option("pyramidal", "pyramidal", "MuJoCo's own."),
-        "jacobian": Option("auto", "auto", "MuJoCo's own."),
-        "integrator": Option("Euler", "Euler", "MuJoCo's own."),
-        "disable": Option((), (), "MuJoCo's own."),
+        **DEFAULT_OPTIONS,
         "solreffriction": Option((0.0, 0.0), (0.0, 0.0), "MuJoCo's own: the damping of solref, for friction too."),
         "normal time constant": Option(
             0.02, 0.02, "MuJoCo's own damping 2 / 0.02 s; the stiffness beside it is needed to make N = λ_N."

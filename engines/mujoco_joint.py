@@ -5,25 +5,17 @@ from typing import Any
 import numpy as np
 
 from engines.interface import Option, Preset
-from engines.mujoco_parts import add_chain, add_slider, set_options
+from engines.mujoco_parts import DEFAULT_OPTIONS, TUNED_OPTIONS, add_chain, add_slider, set_options
 from engines.units import Units
 from reference_lcp.simulation import Lane
 
 JOINT_TUNED = Preset(
     "The dual solver without its softness: friction stops a contact at the end of the step, as equation (5) does.",
     {
+        **TUNED_OPTIONS,
         "units": Option("lane", "SI", "No number comes near MuJoCo's built-in smallest and largest ones."),
         "solver": Option("PGS", "Newton", "The friction forces are the unknowns, and each solves its own equation."),
-        "iterations": Option(1, 100, "No contact touches another's joint, so that the first sweep is exact."),
-        "noslip_iterations": Option(1, 0, "One sweep without the regularisation R; with it, stuck contacts creep."),
         "cone": Option("pyramidal", "pyramidal", "There are no contacts."),
-        "jacobian": Option("dense", "auto", "The matrices are small."),
-        "integrator": Option("Euler", "Euler", "Velocities first, then positions, as equation (5)."),
-        "disable": Option(
-            ("eulerdamp", "warmstart", "island", "autoreset"),
-            (),
-            "Damping at the start of the step; no memory between runs; no search for islands; no silent reset.",
-        ),
         "solref_friction": Option(
             (-1.0, -1.0), (0.02, 1.0), "Direct form, in units of d_width / dt: a stuck contact stops in one step."
         ),
@@ -35,14 +27,7 @@ JOINT_TUNED = Preset(
 JOINT_DEFAULT = Preset(
     "A joint's frictionloss in SI units, and MuJoCo's own options.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
-        "solver": Option("Newton", "Newton", "MuJoCo's own."),
-        "iterations": Option(100, 100, "MuJoCo's own."),
-        "noslip_iterations": Option(0, 0, "MuJoCo's own: a stuck contact creeps."),
-        "cone": Option("pyramidal", "pyramidal", "There are no contacts."),
-        "jacobian": Option("auto", "auto", "MuJoCo's own."),
-        "integrator": Option("Euler", "Euler", "MuJoCo's own."),
-        "disable": Option((), (), "MuJoCo's own."),
+        **DEFAULT_OPTIONS,
         "solref_friction": Option(
             (0.02, 1.0), (0.02, 1.0), "MuJoCo's own: friction stops a contact within 0.02 s, whatever the time step."
         ),

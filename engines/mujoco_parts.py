@@ -2,8 +2,33 @@
 
 from typing import Any
 
-from engines.interface import Preset
+from engines.interface import Option, Preset
 from reference_lcp.chain import Chain
+
+TUNED_OPTIONS = {
+    "iterations": Option(1, 100, "Frictions do not touch each other's masses, so that the first sweep is exact."),
+    "noslip_iterations": Option(1, 0, "One sweep without the regularisation R; with it, stuck contacts creep."),
+    "jacobian": Option("dense", "auto", "The matrices are small."),
+    "integrator": Option("Euler", "Euler", "Velocities first, then positions, as equation (5)."),
+    "disable": Option(
+        ("eulerdamp", "warmstart", "island", "autoreset"),
+        (),
+        "Damping at the start of the step; no memory between runs; no search for islands; no silent reset.",
+    ),
+}
+"""Options of the whole model that the tuned presets of both formulations share."""
+
+DEFAULT_OPTIONS = {
+    "units": Option("SI", "SI", "The numbers of the chain as they are."),
+    "solver": Option("Newton", "Newton", "MuJoCo's own."),
+    "iterations": Option(100, 100, "MuJoCo's own."),
+    "noslip_iterations": Option(0, 0, "MuJoCo's own: a stuck contact creeps."),
+    "cone": Option("pyramidal", "pyramidal", "MuJoCo's own."),
+    "jacobian": Option("auto", "auto", "MuJoCo's own."),
+    "integrator": Option("Euler", "Euler", "MuJoCo's own."),
+    "disable": Option((), (), "MuJoCo's own."),
+}
+"""Options of the whole model that MuJoCo itself chooses."""
 
 
 def set_options(option: Any, time_step: float, preset: Preset) -> None:

@@ -12,15 +12,13 @@ from rich.table import Table
 from reference_lcp.bench import bench, bench_cells
 from reference_lcp.chain import Chain
 from reference_lcp.console import checked_output_file, run_command
-from reference_lcp.convergence import Convergence, convergence, plot_convergence
+from reference_lcp.convergence import STICK_SLIP_POINTS, Convergence, convergence, plot_convergence
 from reference_lcp.drive import HarmonicBase
 from reference_lcp.periodic import DEFAULT_PERIODS, DEFAULT_RESIDUAL
 from reference_lcp.plot import checked_picture_format, plot_period
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.steady_state import EXACT_RESIDUAL, SOLVERS, SteadyState, steady_state
 from reference_lcp.stick_slip import Transition
-
-STICK_SLIP_POINTS = ((0.1, 0.6), (0.3, 0.6), (0.3, 0.9), (0.6, 0.9), (0.6, 1.3), (1.0, 0.9))
 
 app = typer.Typer(name="python -m reference_lcp", add_completion=False, pretty_exceptions_enable=False)
 

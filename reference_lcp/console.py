@@ -12,6 +12,9 @@ from reference_lcp.validation import ParameterError
 WRONG_INPUT = 2
 """Exit code of a command that was asked for something impossible."""
 
+INTERRUPTED = 130
+"""Exit code of a command that was stopped by Ctrl-C, as shells give it."""
+
 UsageError: Any = typer.BadParameter.__base__
 """What an unknown option, a missing one or a value of the wrong type raises; typer exports only its child."""
 
@@ -26,7 +29,7 @@ def run_command(app: typer.Typer, arguments: list[str] | None = None) -> int:
         result = command.main(arguments, prog_name=app.info.name, standalone_mode=False)
     except (typer.Abort, KeyboardInterrupt):
         print("error: interrupted", file=sys.stderr)
-        return 130
+        return INTERRUPTED
     except UsageError as problem:
         print(f"error: {' '.join(problem.format_message().split())}", file=sys.stderr)
         return WRONG_INPUT

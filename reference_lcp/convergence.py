@@ -14,6 +14,9 @@ from reference_lcp.validation import FloatArray, checked_count
 
 HALVINGS = 6
 
+STICK_SLIP_POINTS = ((0.1, 0.6), (0.3, 0.6), (0.3, 0.9), (0.6, 0.9), (0.6, 1.3), (1.0, 0.9))
+"""Friction and frequency ratios at which contacts of the canonical chain stick and slip."""
+
 
 @dataclass(frozen=True)
 class Convergence:

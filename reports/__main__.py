@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from engines.registry import engine_names
-from reference_lcp.console import checked_output_file, checked_output_folder, run_command
+from reference_lcp.console import INTERRUPTED, checked_output_file, checked_output_folder, run_command
 from reference_lcp.validation import checked_count
 from reports.page import page, sections
 from reports.progress import Bars, CountingEvaluator
@@ -40,7 +40,6 @@ from scenarios.store import ResultStore
 TITLE = "Dry friction in multibody engines: a frictional mass-in-mass chain against its LCP reference"
 PAGE = "index.html"
 FILES = ("band_edges.csv", "transmittance.csv", "transitions.csv", "report.json", PAGE)
-INTERRUPTED = 130
 
 app = typer.Typer(name="python -m reports", add_completion=False, pretty_exceptions_enable=False)
 

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from engines.registry import engine, engine_names
+from engines.registry import engine
 from reference_lcp.chain import Chain
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_count
@@ -147,11 +147,6 @@ class Figure3:
             ratios=self.ratios,
             steps_per_period=self.steps_per_period,
         )
-
-
-def all_joint_variants() -> tuple[Variant, ...]:
-    """Every registered engine but the reference, in its joint formulation, tuned."""
-    return tuple(Variant(name) for name in engine_names() if name != REFERENCE.engine)
 
 
 @dataclass(frozen=True)

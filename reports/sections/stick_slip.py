@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from statistics import mean, median
 from typing import Any, ClassVar
 
+from reference_lcp.convergence import STICK_SLIP_POINTS
 from reference_lcp.transition_matching import MATCHING_WINDOW, match_transitions
 from scenarios.figure3 import CONVERGED, REFERENCE, Figure3Result, Point
 from scenarios.questions import Answer
 
-SHOWN = ((0.1, 0.6), (0.3, 0.6), (0.3, 0.9), (0.6, 0.9), (0.6, 1.3), (1.0, 0.9))
 """Friction and frequency ratios at which the event-driven solution is known too."""
 
 
@@ -30,13 +30,13 @@ class StickSlip:
 
 
 def stick_slip_rows(result: Figure3Result) -> list[dict[str, Any]]:
-    """Compare modes of every variant with the reference's at the points of `SHOWN` that the grid holds.
+    """Compare modes of every variant with the reference's at the `STICK_SLIP_POINTS` that the grid holds.
 
     Fractions are parts of a period: `stuck_fraction` is the mean over the cells, `stuck_fraction_error`
     the largest of a cell, time errors are absolute values.
     """
     rows = []
-    for friction, eta in SHOWN:
+    for friction, eta in STICK_SLIP_POINTS:
         expected = _at(result, REFERENCE, friction, eta)
         if expected is None or not expected.answer.converged:
             continue

@@ -21,10 +21,10 @@ from reference_lcp import (
     stuck_transmittance,
     transmittance,
 )
+from reference_lcp.convergence import STICK_SLIP_POINTS
 from scenarios.agreement import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
 
 STEPS = 400
-SIX_POINTS = ((0.1, 0.6), (0.3, 0.6), (0.3, 0.9), (0.6, 0.9), (0.6, 1.3), (1.0, 0.9))
 
 BOUND_MARGIN = 1e-6
 """Part by which a reported force may pass its bound: far above the round-off of any solver, and what the
@@ -239,13 +239,13 @@ def test_two_motions_under_one_drive_never_drift_apart(tuned) -> None:
 
 
 def test_transmittance_at_six_points_agrees_with_the_reference(tuned) -> None:
-    lanes = [lane_of(*place) for place in SIX_POINTS]
+    lanes = [lane_of(*place) for place in STICK_SLIP_POINTS]
     shares = tuned.options.shares_scheme
     ruler = engine("reference").build(lanes, preset="tuned" if shares else "converged")
     tolerance = SCHEME_TOLERANCE_DB if shares else CONVERGED_TOLERANCE_DB
     found = periodic_orbits(tuned.build(lanes), STEPS)
     expected = periodic_orbits(ruler, STEPS)
-    for place, orbit, reference in zip(SIX_POINTS, found, expected, strict=True):
+    for place, orbit, reference in zip(STICK_SLIP_POINTS, found, expected, strict=True):
         assert orbit.converged, place
         difference = decibel(transmittance(orbit)) - decibel(transmittance(reference))
         assert abs(difference) <= tolerance, place

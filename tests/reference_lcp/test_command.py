@@ -7,6 +7,7 @@ import pytest
 
 from reference_lcp.__main__ import app
 from reference_lcp.console import WRONG_INPUT, run_command
+from tests.reference_lcp.cases import EXACT_DB
 
 
 def run(capsys, *arguments):
@@ -151,23 +152,13 @@ def test_error_bar_and_exact_value_are_printed(capsys) -> None:
     assert re.search(r"exact\s+-9\.5612 dB", text)
 
 
-@pytest.mark.parametrize(
-    ("friction", "frequency", "exact_db"),
-    [
-        (0.1, 0.6, 7.865),
-        (0.3, 0.6, -0.147),
-        (0.3, 0.9, -9.561),
-        (0.6, 0.9, -3.553),
-        (0.6, 1.3, -15.244),
-        (1.0, 0.9, 0.6),
-    ],
-)
-def test_exact_solver_answers_with_the_same_keys(capsys, friction, frequency, exact_db) -> None:
-    place = ("--friction-ratio", str(friction), "--frequency-ratio", str(frequency), "--json")
-    _, exact, _ = run(capsys, *place, "--solver", "exact")
-    _, scheme, _ = run(capsys, *place)
+@pytest.mark.parametrize("place", EXACT_DB)
+def test_exact_solver_answers_with_the_same_keys(capsys, place) -> None:
+    arguments = ("--friction-ratio", str(place[0]), "--frequency-ratio", str(place[1]), "--json")
+    _, exact, _ = run(capsys, *arguments, "--solver", "exact")
+    _, scheme, _ = run(capsys, *arguments)
     assert json.loads(exact).keys() == json.loads(scheme).keys()
-    assert json.loads(exact)["transmittance_db"] == pytest.approx(exact_db, abs=1e-3)
+    assert json.loads(exact)["transmittance_db"] == pytest.approx(EXACT_DB[place], abs=1e-3)
 
 
 def test_convergence_prints_orders_and_draws_them(capsys, tmp_path) -> None:

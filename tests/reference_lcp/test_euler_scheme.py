@@ -17,6 +17,7 @@ from reference_lcp import (
     StillBase,
     simulate,
 )
+from tests.reference_lcp.cases import random_chain
 
 ROUND_OFF = 1e-13
 """Of one step, relative to the largest motion: some hundred roundings of double precision."""
@@ -27,17 +28,7 @@ ROUND_OFF = 1e-13
 def test_lemke_and_the_closed_form_agree_at_every_step_to_round_off(seed, cells) -> None:
     """From the same state, step after step, also where contacts change between stick and slip."""
     rng = np.random.default_rng(seed)
-    chain = Chain(
-        cells=cells,
-        outer_mass=rng.uniform(0.5, 2, cells),
-        inner_mass=rng.uniform(0.1, 2, cells),
-        chain_stiffness=rng.uniform(200, 2000, cells),
-        inner_stiffness=rng.uniform(200, 2000, cells),
-        chain_damping=rng.uniform(0, 2, cells),
-        inner_damping=rng.uniform(0, 1, cells),
-        normal_force=rng.uniform(0, 10, cells),
-        friction_coefficient=rng.uniform(0, 1, cells),
-    )
+    chain = random_chain(rng, cells)
     drive = HarmonicBase(0.01, rng.uniform(5, 60))
     lane = Lane.periodic(chain, drive, 400)
     lemke, compiled = LemkeSimulation([lane]), CompiledSimulation([lane])

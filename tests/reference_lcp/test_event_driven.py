@@ -30,19 +30,7 @@ from reference_lcp import (
 )
 from reference_lcp.frictional_lcp import solve_step_given_normal_force
 from reference_lcp.monodromy import monodromy_matrix
-
-CANONICAL_DB = {
-    (0.1, 0.6): 7.865,
-    (0.3, 0.6): -0.147,
-    (0.3, 0.9): -9.561,
-    (0.6, 0.9): -3.553,
-    (0.6, 1.3): -15.244,
-    (1.0, 0.9): 0.600,
-}
-"""Transmittance at (friction ratio, frequency ratio) of another event-driven solver, of matrix exponentials."""
-
-STANDING = np.asarray(1e14)
-"""A mass [kg] so heavy that it stands still: it moves by 1e-14 of what the other one does."""
+from tests.reference_lcp.cases import EXACT_DB, STANDING, random_chain
 
 ROUND_OFF = 1e-11
 """Of a whole run, relative to the drive: some ten thousand roundings, amplified by no unstable motion."""
@@ -56,17 +44,7 @@ def canonical(friction_ratio, frequency_ratio, **ratios) -> tuple[Chain, Harmoni
 def random_case(seed) -> tuple[Chain, HarmonicBase, State]:
     rng = np.random.default_rng(seed)
     cells = int(rng.integers(1, 6))
-    chain = Chain(
-        cells=cells,
-        outer_mass=rng.uniform(0.5, 2, cells),
-        inner_mass=rng.uniform(0.1, 2, cells),
-        chain_stiffness=rng.uniform(200, 2000, cells),
-        inner_stiffness=rng.uniform(200, 2000, cells),
-        chain_damping=rng.uniform(0, 2, cells),
-        inner_damping=rng.uniform(0, 1, cells),
-        normal_force=rng.uniform(0, 10, cells),
-        friction_coefficient=rng.uniform(0, 1, cells),
-    )
+    chain = random_chain(rng, cells)
     state = State(rng.normal(0, 0.01, (1, 2 * cells)), rng.normal(0, 0.1, (1, 2 * cells)))
     return chain, HarmonicBase(0.01, rng.uniform(5, 60)), state
 
@@ -84,11 +62,11 @@ def test_linear_limits_are_those_of_the_direct_solution(ratio, friction, limit) 
     assert found.transitions == []
 
 
-@pytest.mark.parametrize("place", CANONICAL_DB)
+@pytest.mark.parametrize("place", EXACT_DB)
 def test_canonical_transmittance(place) -> None:
     found = exact_steady_state(*canonical(*place))
     assert found.orbit.residual <= 1e-11
-    assert found.transmittance_db == pytest.approx(CANONICAL_DB[place], abs=1e-3)
+    assert found.transmittance_db == pytest.approx(EXACT_DB[place], abs=1e-3)
 
 
 @pytest.mark.parametrize("place", [(0.1, 0.6), (0.3, 0.62), (0.6, 1.3), (1.0, 0.9)])

@@ -16,9 +16,7 @@ from reference_lcp import (
     simulate,
     steady_state,
 )
-
-STANDING = np.asarray(1e14)
-"""A mass [kg] so heavy that it stands still: it moves by 1e-14 of what the other one does."""
+from tests.reference_lcp.cases import STANDING
 
 
 def test_free_decay_loses_four_bounds_over_stiffness_a_cycle_and_rests_in_the_dead_band() -> None:

@@ -24,16 +24,7 @@ from reference_lcp import (
     stuck_transmittance,
     transmittance,
 )
-
-EXACT_DB = {
-    (0.1, 0.6): 7.865,
-    (0.3, 0.6): -0.147,
-    (0.3, 0.9): -9.561,
-    (0.6, 0.9): -3.553,
-    (0.6, 1.3): -15.244,
-    (1.0, 0.9): 0.600,
-}
-"""Transmittance at (friction ratio, frequency ratio) of the canonical case by event-driven integration."""
+from tests.reference_lcp.cases import EXACT_DB
 
 
 def orbit_of(chain, frequency_ratio, steps=400, **options):
