@@ -10,6 +10,7 @@ from engines.interface import (
     Preset,
 )
 from engines.registry import engine, engine_names
+from engines.variant import Variant, variants_of
 
 __all__ = [
     "Capabilities",
@@ -19,6 +20,8 @@ __all__ = [
     "FrictionLaw",
     "Option",
     "Preset",
+    "Variant",
     "engine",
     "engine_names",
+    "variants_of",
 ]

@@ -4,15 +4,17 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
 from reference_lcp.lanewise import LaneModel, LanewiseSimulation
+from reference_lcp.periodic import DEFAULT_RESIDUAL
 from reference_lcp.simulation import Lane, Simulation, common_cells
 from reference_lcp.validation import FloatArray, checked_choice
 
 __all__ = [
+    "BareStepping",
     "Capabilities",
     "Engine",
     "EngineNotInstalled",
@@ -106,6 +108,8 @@ class Capabilities:
         Lanes that one simulation takes at best: few where lanes cost the same alone, many where they share work.
     precision
         Arithmetic of the engine.
+    residual
+        Periodicity residual that certifies a steady state: no engine repeats a motion closer than it computes.
     deterministic
         Repeated runs are bitwise equal.
     notes
@@ -119,8 +123,18 @@ class Capabilities:
     presets: Mapping[Formulation, Mapping[str, Preset]]
     batch_lanes: int = 4
     precision: str = "double"
+    residual: float = DEFAULT_RESIDUAL
     deterministic: bool = True
     notes: str = ""
+
+
+@runtime_checkable
+class BareStepping(Protocol):
+    """A simulation, or the model of one lane, that can tell what the engine costs without its adapter."""
+
+    def bare_steps(self, steps: int) -> None:
+        """Take steps of the engine alone, from rest: nothing is loaded, set or read in between."""
+        ...
 
 
 class Engine(ABC):

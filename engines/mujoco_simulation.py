@@ -38,7 +38,6 @@ class MuJoCoSimulation:
         self.lanes = tuple(lanes)
         self._models = tuple(models)
         self._units = tuple(units)
-        self._shape = (len(self.lanes), 2 * common_cells(lanes))
         self._joints = self._models[0].nq // common_cells(lanes)
         self._recorded = ("qpos", "qvel", "qfrc_constraint") + ("sensordata",) * (self._models[0].nsensor > 0)
         self._length = np.array([[unit.length] for unit in units])
@@ -87,6 +86,7 @@ class MuJoCoSimulation:
         import mujoco
 
         checked_count("steps", steps)
+        state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
         self._batch.bind("qpos")[:] = self._checked("positions", state.positions, self._length)
         self._batch.bind("qvel")[:] = self._checked("velocities", state.velocities, self._velocity)
         self._batch.bind("qacc_warmstart")[:] = 0
@@ -102,8 +102,6 @@ class MuJoCoSimulation:
 
     def _checked(self, name: str, values: FloatArray, units: FloatArray) -> FloatArray:
         """Give the joint coordinates of a state, or say that MuJoCo would stop there without a word."""
-        if values.shape != self._shape:
-            raise ParameterError(f"initial {name} have shape {values.shape}; allowed: {self._shape}")
         coordinates = self._joint_coordinates(values / units)
         excess = np.abs(coordinates) / LARGEST_COORDINATE
         if np.any(excess > 1):

@@ -98,8 +98,6 @@ class PyBulletContactLane(LaneModel):
         """Give positions, velocities, friction and normal force of every step, or motions of the last one only."""
         checked_count("steps", steps)
         masses = 2 * self._chain.cells
-        if state.positions.shape != (1, masses):
-            raise ParameterError(f"positions have shape {state.positions.shape}; allowed: (1, {masses})")
         bullet, client = import_pybullet(), self._world.client
         now = np.concatenate([state.positions[0] / self._units.length, state.velocities[0] / self._units.velocity])
         bodies = self._new_bodies(now)

@@ -58,8 +58,6 @@ class PyBulletJointLane(LaneModel):
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state`; see `LaneModel.run`."""
         cells, units = self._chain.cells, self._units
-        if state.positions.shape != (1, 2 * cells):
-            raise ParameterError(f"positions have shape {state.positions.shape}; allowed: (1, {2 * cells})")
         rows = self._rows(state, self.lane.loads(start, steps) / units.force)
         position, velocity, friction = np.split(rows, [2 * cells, 4 * cells], axis=1)
         return Trajectory(

@@ -165,6 +165,7 @@ class CompiledSimulation:
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> FloatArray:
         """Run the kernel; gives the final state (4n, lanes)."""
+        state.check_fits(len(self.lanes), self._cells)
         x = np.ascontiguousarray(np.hstack([state.positions, state.velocities]).T)
         _advance(x, self._packed.parameters, self._packed.time_step, self._load_table(start, steps), record)
         return x

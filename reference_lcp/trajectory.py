@@ -49,6 +49,11 @@ class State:
             np.concatenate(memories) if len(memories) == len(states) else None,
         )
 
+    def check_fits(self, lanes: int, cells: int) -> None:
+        """Raise a `ParameterError` unless this is a state of so many lanes, of chains of so many cells."""
+        if self.positions.shape != (lanes, 2 * cells):
+            raise ParameterError(f"the state has the shape {self.positions.shape}; allowed: {(lanes, 2 * cells)}")
+
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "State":
         """Give the lanes of these indices."""
         memory = None if self.memory is None else self.memory[lanes]

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from engines.registry import engine_names
+from engines.variant import Variant
 from reference_lcp.console import INTERRUPTED, checked_output_file, checked_output_folder, run_command
 from reference_lcp.validation import checked_count
 from reports.page import page, sections
@@ -34,7 +35,7 @@ from scenarios.figure3 import (
     quick_frequency_ratios,
     run,
 )
-from scenarios.questions import ChainRatios, Variant
+from scenarios.questions import ChainRatios
 from scenarios.store import ResultStore
 
 TITLE = "Dry friction in multibody engines: a frictional mass-in-mass chain against its LCP reference"

@@ -17,12 +17,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
+from engines.contract.tolerances import CONVERGED_TOLERANCE_DB
+from engines.variant import Variant
 from reports.findings import blocked_reason, differences, reference_line
 from reports.numbers import ratio
-from scenarios.agreement import CONVERGED_TOLERANCE_DB, EDGE_TOLERANCE
+from scenarios.agreement import EDGE_TOLERANCE
 from scenarios.attenuation_band import Edge
 from scenarios.figure3 import CONVERGED, REFERENCE, Figure3Result
-from scenarios.questions import Variant
 
 FREQUENCY_LABEL = r"frequency ratio $\eta_r = \omega/\omega_r$ [-]"
 WIDTH = 6.4

@@ -7,12 +7,12 @@ from statistics import median
 
 import numpy as np
 
+from engines.variant import Variant
 from reference_lcp.validation import FloatArray
 from reports.numbers import ratio
 from scenarios.agreement import FLOOR_DB, Verdict
 from scenarios.attenuation_band import Edge
 from scenarios.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3Result, Point, ruler
-from scenarios.questions import Variant
 
 Place = tuple[float, float]
 """Friction ratio and frequency ratio."""

@@ -8,9 +8,10 @@ from typing import Self
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
+from engines.variant import Variant
 from scenarios.evaluation import Evaluator
 from scenarios.figure3 import Figure3
-from scenarios.questions import Answer, Question, Variant
+from scenarios.questions import Answer, Question
 from scenarios.store import ResultStore
 
 

@@ -5,14 +5,15 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import Any
 
+from engines.contract.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
 from engines.registry import engine
+from engines.variant import Variant
 from reference_lcp.periodic import DEFAULT_RESIDUAL
 from reference_lcp.simulation import LARGEST_PHASE_STEP
 from reports.findings import band_definition, blocked_reason, compared_with, findings
-from scenarios.agreement import CONVERGED_TOLERANCE_DB, EDGE_TOLERANCE, FLOOR_DB, SCHEME_TOLERANCE_DB
+from scenarios.agreement import EDGE_TOLERANCE, FLOOR_DB
 from scenarios.attenuation_band import EDGE_RESOLUTION
 from scenarios.figure3 import CONVERGED, Figure3Result
-from scenarios.questions import Variant
 
 PACKAGES = ("multibody-xval", "numpy", "scipy", "numba")
 """What every number depends on, beside the engines."""

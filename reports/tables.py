@@ -9,9 +9,9 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from engines.variant import Variant
 from reports.findings import findings
 from scenarios.figure3 import Figure3Result
-from scenarios.questions import Variant
 
 Row = dict[str, Any]
 

@@ -6,21 +6,6 @@ from enum import StrEnum
 
 from scenarios.questions import Answer
 
-SCHEME_TOLERANCE_DB = 0.02
-"""Largest difference of transmittance between engines that share the Euler scheme, at equal time step [dB].
-
-They solve the same equations: what is left is how hard the engine's friction constraint is. The
-softest of them creeps at 1e-4 of the free acceleration times the step, which shifts figure 3 by
-less than half of this.
-"""
-
-CONVERGED_TOLERANCE_DB = 0.25
-"""Largest difference from the converged reference for an engine with its own integrator [dB].
-
-At 400 steps a period the reference's own first-order error reaches 0.2 dB on the steepest flanks;
-an engine that is no further off resolves friction as well as the scheme does.
-"""
-
 FLOOR_DB = -60.0
 """Below this transmittance the tolerance is absolute: what it is, as an amplitude, at the floor.
 

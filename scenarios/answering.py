@@ -38,9 +38,10 @@ def _answer_lanes(asked: Question, lanes: list[Lane], steps: int) -> list[Answer
     variant = asked.variant
     begin = time.perf_counter()
     try:
-        simulation = engine(variant.engine).build(lanes, variant.formulation, variant.preset)
+        asked_engine = engine(variant.engine)
+        simulation = asked_engine.build(lanes, variant.formulation, variant.preset)
         try:
-            orbits = periodic_orbits(simulation, steps)
+            orbits = periodic_orbits(simulation, steps, tolerance=asked_engine.capabilities.residual)
         finally:
             simulation.close()
     except EngineNotInstalled as problem:

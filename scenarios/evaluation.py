@@ -10,9 +10,10 @@ from types import TracebackType
 from typing import Self
 
 from engines.registry import engine
+from engines.variant import Variant
 from reference_lcp.validation import checked_count
 from scenarios.answering import answer_batch
-from scenarios.questions import Answer, Question, Variant
+from scenarios.questions import Answer, Question
 from scenarios.store import ResultStore
 
 Progress = Callable[[Variant, int], None]

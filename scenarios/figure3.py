@@ -12,18 +12,13 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from engines.contract.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
 from engines.registry import engine
+from engines.variant import Variant
 from reference_lcp.chain import Chain
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_count
-from scenarios.agreement import (
-    CONVERGED_TOLERANCE_DB,
-    SCHEME_TOLERANCE_DB,
-    Comparison,
-    Verdict,
-    compare_edge,
-    compare_transmittance,
-)
+from scenarios.agreement import Comparison, Verdict, compare_edge, compare_transmittance
 from scenarios.attenuation_band import (
     BandDefinition,
     Edge,
@@ -32,7 +27,7 @@ from scenarios.attenuation_band import (
     unresolved,
 )
 from scenarios.evaluation import Evaluator
-from scenarios.questions import Answer, ChainRatios, Question, Variant
+from scenarios.questions import Answer, ChainRatios, Question
 
 FRICTION_RATIOS = (0.0, 0.1, 0.3, 0.6, 1.0, 5.0)
 QUICK_FRICTION_RATIOS = (0.0, 0.3, 1.0)

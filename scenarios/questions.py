@@ -9,50 +9,13 @@ from functools import cache
 from typing import Any, Self
 
 from engines.registry import engine
+from engines.variant import Variant
 from reference_lcp.chain import Chain
 from reference_lcp.drive import HarmonicBase
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.validation import ParameterError
 
 ANSWER_FORMAT = 1
 """Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
-
-
-@dataclass(frozen=True, order=True)
-class Variant:
-    """One way to simulate the chain: an engine, a formulation and a preset."""
-
-    engine: str
-    formulation: str = "joint"
-    preset: str = "tuned"
-
-    @classmethod
-    def parse(cls, text: str) -> Self:
-        """Read ``ENGINE``, ``ENGINE:FORMULATION`` or ``ENGINE:FORMULATION:PRESET``; joint and tuned are understood.
-
-        Raises
-        ------
-        ParameterError
-            If there are more parts, or the engine has no such formulation or preset.
-        """
-        parts = text.split(":")
-        if len(parts) > 3:
-            raise ParameterError(f"engine = {text!r} has {len(parts)} parts; allowed: ENGINE[:FORMULATION[:PRESET]]")
-        variant = cls(*parts)
-        engine(variant.engine).preset(variant.formulation, variant.preset)
-        return variant
-
-    def __str__(self) -> str:
-        """Give the shortest text that `parse` reads."""
-        if self.preset != "tuned":
-            return f"{self.engine}:{self.formulation}:{self.preset}"
-        return self.engine if self.formulation == "joint" else f"{self.engine}:{self.formulation}"
-
-    @property
-    def title(self) -> str:
-        """The name that reports print; joint and tuned are left out."""
-        special = [part for part, usual in ((self.formulation, "joint"), (self.preset, "tuned")) if part != usual]
-        return ", ".join([engine(self.engine).capabilities.title, *special])
 
 
 @dataclass(frozen=True, kw_only=True)

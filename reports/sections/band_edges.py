@@ -5,12 +5,12 @@ from typing import Any, ClassVar
 
 from markupsafe import Markup
 
+from engines.variant import Variant
 from reports.figures import edge_forest
 from reports.findings import absent_edge, band_definition
 from scenarios.agreement import EDGE_TOLERANCE
 from scenarios.attenuation_band import EDGE_RESOLUTION, Edge
 from scenarios.figure3 import CONVERGED, Figure3Result
-from scenarios.questions import Variant
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from engines.registry import engine
+from engines.variant import Variant
 from reports.findings import blocked_reason
 from scenarios.agreement import Verdict
 from scenarios.figure3 import Figure3Result
-from scenarios.questions import Variant
 
 
 @dataclass(frozen=True)

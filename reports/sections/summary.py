@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from engines.registry import engine
+from engines.variant import Variant
 from reports.findings import band_definition, blocked_reason, compared_with, findings
 from scenarios.agreement import EDGE_TOLERANCE, FLOOR_DB, Verdict
 from scenarios.figure3 import CONVERGED, Figure3Result
-from scenarios.questions import Variant
 
 
 @dataclass(frozen=True)

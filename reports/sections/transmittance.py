@@ -5,9 +5,10 @@ from typing import Any, ClassVar
 
 from markupsafe import Markup
 
+from engines.contract.tolerances import CONVERGED_TOLERANCE_DB
 from reports.figures import LOWEST_DB, overview, panel
 from reports.findings import band_definition
-from scenarios.agreement import CONVERGED_TOLERANCE_DB, FLOOR_DB
+from scenarios.agreement import FLOOR_DB
 from scenarios.figure3 import Figure3Result
 
 

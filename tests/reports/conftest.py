@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from engines.variant import Variant
 from scenarios.agreement import Comparison, Verdict, compare_edge, compare_transmittance
 from scenarios.attenuation_band import Edge
 from scenarios.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
-from scenarios.questions import Answer, Variant
+from scenarios.questions import Answer
 
 RUNS = Variant("mujoco")
 MISSING = Variant("pybullet")

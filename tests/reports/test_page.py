@@ -7,6 +7,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from engines.variant import Variant
 from reports.__main__ import files_of
 from reports.findings import absent_edge, band_definition, compared_with, findings
 from reports.sections import OpenPoints
@@ -14,7 +15,7 @@ from reports.sections.stick_slip import stick_slip_rows
 from scenarios.agreement import compare_edge, compare_transmittance
 from scenarios.attenuation_band import Edge
 from scenarios.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
-from scenarios.questions import Answer, Variant
+from scenarios.questions import Answer
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
 

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from engines.variant import Variant
 from reports.progress import Bars, CountingEvaluator
 from scenarios import evaluation
 from scenarios.figure3 import CONVERGED, REFERENCE, Figure3
-from scenarios.questions import Answer, Question, Variant
+from scenarios.questions import Answer, Question
 from scenarios.store import ResultStore
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from engines import engine, engine_names
+from engines.variant import Variant
 from reference_lcp import ParameterError
 from scenarios.agreement import EDGE_TOLERANCE, Verdict
 from scenarios.attenuation_band import Edge
@@ -17,7 +18,7 @@ from scenarios.figure3 import (
     resonances,
     run,
 )
-from scenarios.questions import ChainRatios, Variant
+from scenarios.questions import ChainRatios
 from scenarios.store import ResultStore
 
 INSTALLED = [name for name in engine_names() if engine(name).why_not_installed() is None]

@@ -7,10 +7,11 @@ import sqlite3
 import pytest
 
 from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, Preset
+from engines.variant import Variant
 from reference_lcp import ParameterError
 from scenarios import answering, evaluation
 from scenarios.evaluation import Evaluator
-from scenarios.questions import Answer, ChainRatios, Question, Variant
+from scenarios.questions import Answer, ChainRatios, Question
 from scenarios.store import ResultStore
 
 SMALL = ChainRatios(cells=2)

@@ -1,0 +1,45 @@
+"""Which engines are held to the contract: ``--engine NAME``, as often as wanted, or all that are installed."""
+
+import pytest
+
+from engines.contract.lanes import label
+from engines.registry import engine, engine_names
+from engines.variant import Variant, variants_of
+from reference_lcp.validation import ParameterError
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Run a test once for everything that its argument stands for.
+
+    ``tested`` is every variant, ``tuned`` the best known options, ``default`` what a newcomer gets,
+    ``sharing`` the tuned ones that claim the reference's scheme, ``installed`` the name of an engine.
+    """
+    names = _chosen(metafunc.config)
+    variants = [variant for name in names for variant in variants_of(name)]
+    tuned = [variant for variant in variants if variant.preset == "tuned"]
+    cases: dict[str, list[Variant]] = {
+        "tested": variants,
+        "tuned": tuned,
+        "default": [variant for variant in variants if variant.preset == "default"],
+        "sharing": [one for one in tuned if one.options.shares_scheme and one.engine != "reference"],
+    }
+    for argument, chosen in cases.items():
+        if argument in metafunc.fixturenames:
+            metafunc.parametrize(argument, chosen, ids=label)
+    if "installed" in metafunc.fixturenames:
+        metafunc.parametrize("installed", names)
+
+
+def _chosen(config: pytest.Config) -> list[str]:
+    """Names of the engines; one that is asked for by name has to be installed."""
+    asked: list[str] = config.getoption("--engine")
+    if not asked:
+        return [name for name in engine_names() if engine(name).why_not_installed() is None]
+    for name in asked:
+        try:
+            missing = engine(name).why_not_installed()
+        except ParameterError as problem:
+            raise pytest.UsageError(str(problem)) from problem
+        if missing is not None:
+            raise pytest.UsageError(f"--engine {name}: {missing}")
+    return asked

@@ -1,0 +1,36 @@
+"""The chains and the states that the contract is tested with."""
+
+import numpy as np
+
+from engines.contract.tolerances import STEPS
+from engines.variant import Variant
+from reference_lcp.chain import Chain
+from reference_lcp.drive import HarmonicBase, PeriodicDrive
+from reference_lcp.simulation import Lane
+from reference_lcp.trajectory import State
+
+AMPLITUDE = 0.01
+"""U0 of the base [m]."""
+
+
+def label(variant: Variant) -> str:
+    """Name a variant in the names of tests."""
+    return f"{variant.engine}-{variant.formulation}-{variant.preset}"
+
+
+def lane_of(friction_ratio: float, frequency_ratio: float, steps: int = STEPS) -> Lane:
+    """Give the canonical chain of figure 3 at a point of it."""
+    chain = Chain.from_ratios(friction_ratio=friction_ratio)
+    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, AMPLITUDE), steps)
+
+
+def random_state(lanes: int, seed: int = 0) -> State:
+    """Give positions of U0 and velocities as fast as a forced motion has them."""
+    rng = np.random.default_rng(seed)
+    return State(rng.normal(0, AMPLITUDE, (lanes, 14)), rng.normal(0, 20 * AMPLITUDE, (lanes, 14)))
+
+
+def drive_of(lane: Lane) -> PeriodicDrive:
+    """Give the drive of a lane of `lane_of`, which is periodic."""
+    assert isinstance(lane.drive, HarmonicBase)
+    return lane.drive

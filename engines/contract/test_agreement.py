@@ -1,0 +1,55 @@
+"""Against the reference: steady states at six points, and whole motions of those that share its scheme."""
+
+import numpy as np
+
+from engines.contract.lanes import AMPLITUDE, lane_of
+from engines.contract.tolerances import (
+    CONVERGED_TOLERANCE_DB,
+    FRICTION_TOLERANCE,
+    SCHEME_TOLERANCE_DB,
+    STEPS,
+    TRAJECTORY_TOLERANCE,
+)
+from engines.registry import engine
+from engines.variant import Variant
+from reference_lcp.convergence import STICK_SLIP_POINTS
+from reference_lcp.periodic import periodic_orbits
+from reference_lcp.trajectory import State
+from reference_lcp.transmittance import decibel, transmittance
+
+
+def test_transmittance_at_six_points_agrees_with_the_reference(tuned: Variant) -> None:
+    """At equal time step where the scheme is shared, with the converged reference otherwise."""
+    lanes = [lane_of(*place) for place in STICK_SLIP_POINTS]
+    shares = tuned.options.shares_scheme
+    ruler = engine("reference").build(lanes, preset="tuned" if shares else "converged")
+    tolerance = SCHEME_TOLERANCE_DB if shares else CONVERGED_TOLERANCE_DB
+    found = periodic_orbits(tuned.build(lanes), STEPS, tolerance=tuned.capabilities.residual)
+    expected = periodic_orbits(ruler, STEPS)
+    for place, orbit, reference in zip(STICK_SLIP_POINTS, found, expected, strict=True):
+        assert orbit.converged, f"no steady state at {place}"
+        difference = float(decibel(transmittance(orbit)) - decibel(transmittance(reference)))
+        assert abs(difference) <= tolerance, f"off by {difference:+.4f} dB at {place}"
+
+
+def test_who_shares_the_scheme_equals_the_reference_to_round_off_over_forty_periods(sharing: Variant) -> None:
+    """The same equations, solved by another code."""
+    lane = lane_of(0.3, 0.9)
+    found, expected = (
+        one.build([lane]).run(State.at_rest(1, 7), 0, 40 * STEPS)[0] for one in (sharing, Variant("reference"))
+    )
+    precision = sharing.capabilities.precision
+    motion = np.max(np.abs(found.positions - expected.positions)) / AMPLITUDE
+    force = np.max(np.abs(found.friction - expected.friction)) / lane.chain.friction_bound[0]
+    assert motion <= TRAJECTORY_TOLERANCE[precision], "the motion leaves the scheme's"
+    assert force <= FRICTION_TOLERANCE[precision], "the friction leaves the scheme's"
+
+
+def test_default_stays_finite_and_near_the_reference_for_a_period(default: Variant) -> None:
+    """How far a default is off is for reports to say; that it is the same chain must show at once."""
+    lane = lane_of(0.3, 0.9)
+    found, expected = (
+        one.build([lane]).run(State.at_rest(1, 7), 0, STEPS)[0] for one in (default, Variant("reference"))
+    )
+    difference = np.max(np.abs(found.positions - expected.positions)) / AMPLITUDE
+    assert 0 < difference < 1

@@ -1,0 +1,78 @@
+"""What mechanics asks of every motion: momentum, energy, the linear limits, and that motions never drift apart."""
+
+import numpy as np
+import pytest
+
+from engines.contract.lanes import drive_of, lane_of, random_state
+from engines.contract.tolerances import GROWTH, LINEAR_TOLERANCE_DB, MOMENTUM_TOLERANCE, STEPS
+from engines.variant import Variant
+from reference_lcp.chain import Chain
+from reference_lcp.drive import StillBase
+from reference_lcp.linear_limits import frictionless_transmittance, stuck_transmittance
+from reference_lcp.periodic import periodic_orbits
+from reference_lcp.simulation import Lane
+from reference_lcp.transmittance import decibel, transmittance
+from reference_lcp.validation import FloatArray
+
+
+def energy(chain: Chain, positions: FloatArray, velocities: FloatArray) -> FloatArray:
+    """Twice the mechanical energy of every row [J], shape (steps,)."""
+    kinetic = np.einsum("ti,ij,tj->t", velocities, chain.mass_matrix, velocities)
+    return kinetic + np.einsum("ti,ij,tj->t", positions, chain.stiffness_matrix, positions)
+
+
+def largest_growth(rows: FloatArray) -> float:
+    """Largest growth over the smallest value so far, as a part of it."""
+    return float(np.max(rows[1:] / np.minimum.accumulate(rows)[:-1] - 1))
+
+
+def test_momentum_changes_by_the_impulse_of_the_reported_forces(tuned: Variant) -> None:
+    """M Δq = ∫ (f − K u − C q + W_T λ_T) dt over a period, with the reported forces."""
+    lane = lane_of(0.3, 0.9, 4 * STEPS)
+    chain = lane.chain
+    run = tuned.build([lane]).run(random_state(1), 0, 4 * STEPS)[0]
+    load = np.zeros_like(run.positions)
+    load[:, 0] = lane.drive.load(chain, run.time)
+    force = load - run.positions @ chain.stiffness_matrix - run.velocities @ chain.damping_matrix
+    impulse = np.sum(force[:-1] + (run.friction @ chain.contact_directions.T)[1:], axis=0) * lane.time_step
+    change = (run.velocities[-1] - run.velocities[0]) * np.diag(chain.mass_matrix)
+    missing = np.max(np.abs(impulse - change)) / np.max(np.abs(chain.mass_matrix @ run.velocities.T))
+    assert missing < MOMENTUM_TOLERANCE, "the forces do not explain the motion"
+
+
+def test_energy_of_a_free_motion_is_never_created(tuned: Variant) -> None:
+    """Without a drive, springs give back at most what they took, and contacts and dashpots keep theirs."""
+    driven = lane_of(0.1, 0.6)
+    lane = Lane(driven.chain, StillBase(driven.drive.displacement_scale(driven.chain)), driven.time_step)
+    run = tuned.build([lane]).run(random_state(1), 0, 4 * STEPS)[0]
+    rows = energy(lane.chain, run.positions, run.velocities)
+    assert largest_growth(rows) < 2 * GROWTH, "energy is created"
+    assert rows[-1] < 0.5 * rows[0], "friction and dashpots take no energy"
+
+
+@pytest.mark.parametrize("ratio", [0.5, 0.9, 1.6])
+def test_frictionless_limit_is_the_linear_response(tuned: Variant, ratio: float) -> None:
+    """(K + iωC − ω²M) u = f."""
+    lane = lane_of(0.0, ratio)
+    orbit = periodic_orbits(tuned.build([lane]), STEPS, tolerance=tuned.capabilities.residual)[0]
+    exact = decibel(frictionless_transmittance(lane.chain, drive_of(lane)))
+    assert orbit.converged, "no steady state"
+    assert decibel(transmittance(orbit)) == pytest.approx(exact, abs=LINEAR_TOLERANCE_DB)
+
+
+@pytest.mark.parametrize("ratio", [0.5, 0.9, 1.2])
+def test_stuck_limit_is_the_chain_of_locked_masses(tuned: Variant, ratio: float) -> None:
+    """Under a friction that never slips, every cell is one mass."""
+    lane = lane_of(20.0, ratio)
+    orbit = periodic_orbits(tuned.build([lane]), STEPS, tolerance=tuned.capabilities.residual)[0]
+    exact = decibel(stuck_transmittance(lane.chain, drive_of(lane)))
+    assert decibel(transmittance(orbit)) == pytest.approx(exact, abs=LINEAR_TOLERANCE_DB)
+
+
+def test_two_motions_under_one_drive_never_drift_apart(tuned: Variant) -> None:
+    """Coulomb friction under a given normal force is monotone: the energy norm of their difference never grows."""
+    lane = lane_of(0.3, 0.6)
+    one, other = tuned.build([lane, lane]).run(random_state(2), 0, 4 * STEPS)
+    distance = np.sqrt(energy(lane.chain, one.positions - other.positions, one.velocities - other.velocities))
+    assert largest_growth(distance) < GROWTH, "two motions drift apart"
+    assert distance[-1] < distance[0], "two motions do not come closer"

@@ -1,0 +1,62 @@
+"""State goes in, a trajectory comes out, and nothing is remembered in between."""
+
+import numpy as np
+import pytest
+
+from engines.contract.lanes import AMPLITUDE, lane_of, random_state
+from engines.variant import Variant
+
+
+def test_split_run_equals_whole_run(tested: Variant) -> None:
+    """Two runs of 100 steps are one of 200, to what the preset states."""
+    simulation = tested.build([lane_of(0.3, 0.6)])
+    whole = simulation.run(random_state(1), 0, 200)[0]
+    first = simulation.run(random_state(1), 0, 100)[0]
+    second = simulation.run(first.end, 100, 100)[0]
+    allowed = tested.options.split_tolerance * AMPLITUDE
+    assert np.max(np.abs(whole.positions[100:] - second.positions)) <= allowed, "the second half starts elsewhere"
+    assert whole.time[100:] == pytest.approx(second.time)
+
+
+def test_repeated_run_is_bitwise_equal(tested: Variant) -> None:
+    """Nothing is left of an earlier run, where the engine claims to be deterministic."""
+    if not tested.capabilities.deterministic:
+        pytest.skip(f"{tested.engine} does not claim it")
+    simulation = tested.build([lane_of(0.3, 0.6)])
+    one, other = (simulation.run(random_state(1), 0, 50)[0] for _ in range(2))
+    assert np.array_equal(one.positions, other.positions), "a repeated run differs"
+    assert np.array_equal(one.friction, other.friction), "the friction of a repeated run differs"
+
+
+def test_batch_equals_its_lanes_alone_and_subset_keeps_them(tested: Variant) -> None:
+    """Lanes do not feel each other."""
+    lanes = [lane_of(0.3, 0.6), lane_of(0.1, 0.9), lane_of(1.0, 1.3)]
+    state = random_state(3)
+    together = tested.build(lanes)
+    runs, part = together.run(state, 0, 40), together.subset([2, 0]).run(state.subset([2, 0]), 0, 40)
+    for index, lane in enumerate(lanes):
+        alone = tested.build([lane]).run(state.subset([index]), 0, 40)[0]
+        assert np.array_equal(alone.positions, runs[index].positions), f"lane {index} differs from the lane alone"
+    assert np.array_equal(part[0].positions, runs[2].positions), "a subset differs from the batch"
+    assert np.array_equal(part[1].positions, runs[0].positions), "a subset differs from the batch"
+
+
+def test_advance_ends_where_run_ends(tested: Variant) -> None:
+    """`advance` is `run` without its record."""
+    simulation = tested.build([lane_of(0.3, 0.6)])
+    end = simulation.run(random_state(1), 0, 60)[0].end
+    short = simulation.advance(random_state(1), 0, 60)
+    assert np.array_equal(end.positions, short.positions), "advance ends at other positions"
+    assert np.array_equal(end.velocities, short.velocities), "advance ends with other velocities"
+
+
+def test_trajectory_has_one_finite_row_a_step_in_si_units(tested: Variant) -> None:
+    """Rows are at the ends of the steps."""
+    lane = lane_of(0.3, 0.6)
+    run = tested.build([lane]).run(random_state(1), 3, 25)[0]
+    assert run.time == pytest.approx(lane.time_step * np.arange(4, 29))
+    assert run.positions.shape == run.velocities.shape == (25, 14)
+    assert run.friction.shape == run.normal_force.shape == (25, 7)
+    assert np.all(run.normal_force > 0)
+    for rows in (run.positions, run.velocities, run.friction, run.normal_force):
+        assert np.all(np.isfinite(rows)), "the trajectory has numbers that are not finite"

@@ -1,0 +1,46 @@
+"""What an engine says of itself, and of parameters that it does not take."""
+
+import pytest
+
+from engines.contract.lanes import lane_of
+from engines.contract.tolerances import ROUND_OFF, STEPS
+from engines.registry import engine
+from reference_lcp.chain import Chain
+from reference_lcp.drive import HarmonicBase
+from reference_lcp.simulation import Lane
+from reference_lcp.trajectory import State
+from reference_lcp.validation import ParameterError
+
+
+def test_capabilities_say_who_it_is_and_every_option_why(installed: str) -> None:
+    """Reports print them."""
+    abilities = engine(installed).capabilities
+    assert abilities.title
+    assert abilities.package
+    assert abilities.licence
+    assert engine(installed).version()
+    assert abilities.precision in ROUND_OFF
+    presets = [preset for named in abilities.presets.values() for preset in named.values()]
+    assert all(option.reason for preset in presets for option in preset.options.values())
+    assert all(preset.description for preset in presets)
+    assert all("tuned" in named for named in abilities.presets.values())
+
+
+def test_unknown_formulation_and_preset_are_refused(installed: str) -> None:
+    """With the ones that there are."""
+    formulation = next(iter(engine(installed).capabilities.presets))
+    with pytest.raises(ParameterError, match=f"formulation of {installed} = 'glue' is unknown; allowed: "):
+        engine(installed).build([lane_of(0.3, 0.6)], formulation="glue")
+    with pytest.raises(ParameterError, match=f"preset of {installed} = 'best' is unknown; allowed: tuned"):
+        engine(installed).build([lane_of(0.3, 0.6)], formulation=formulation, preset="best")
+
+
+def test_chains_of_different_lengths_and_states_of_another_shape_are_refused(installed: str) -> None:
+    """Before any step."""
+    formulation = next(iter(engine(installed).capabilities.presets))
+    short = Chain.from_ratios(cells=2)
+    mixed = [lane_of(0.3, 0.6), Lane.periodic(short, HarmonicBase.from_ratio(short, 0.9), STEPS)]
+    with pytest.raises(ParameterError, match=r"chains of \[2, 7\] cells"):
+        engine(installed).build(mixed, formulation=formulation)
+    with pytest.raises(ParameterError, match=r"\(1, 6\)"):
+        engine(installed).build([lane_of(0.3, 0.6)], formulation=formulation).run(State.at_rest(1, 3), 0, 10)

@@ -1,0 +1,49 @@
+"""What the contract allows, and why."""
+
+import numpy as np
+
+STEPS = 400
+"""Steps a period, the coarsest that the suite compares at."""
+
+ROUND_OFF = {"double": 1e-9, "single": 1e-5}
+"""Part by which a given number may differ after an engine has stored and rescaled it, by the engine's precision."""
+
+BOUND_MARGIN = {"double": 1e-6, "single": 1e-5}
+"""Part by which a reported force may pass its bound: far above the round-off of any solver, and for double
+precision what the reading of stick and slip takes for equal."""
+
+LINEAR_TOLERANCE_DB = 0.1
+"""Of the frictionless and stuck limits at 400 steps: the scheme's own first-order error there is below 0.07 dB."""
+
+GROWTH = 2 * 2 * np.pi * 2.3 / STEPS
+"""By which a first-order scheme may let the distance of two motions, or the energy of a free one, grow between
+two steps, over the smallest so far: 2 Δt ω_max for η_max = 2.3, where the pass band of the chain ends."""
+
+MOMENTUM_TOLERANCE = 0.01
+"""Impulse and change of momentum over a period, over the largest momentum: at 1,600 steps the sum over the steps
+is within a few thousandths of the integral."""
+
+SLIDING = 0.1
+"""Slower than this, over ω U0, a reversal of the slip may lie within the step."""
+
+TRAJECTORY_TOLERANCE = {"double": 1e-12, "single": 1e-4}
+"""Positions of engines that share the scheme over forty periods, over U0: round-off, for motions do not drift apart."""
+
+FRICTION_TOLERANCE = {"double": 1e-9, "single": 1e-3}
+"""Friction of engines that share the scheme, over its bound: a difference of velocities over a time step, and so
+less exact than positions."""
+
+SCHEME_TOLERANCE_DB = 0.02
+"""Largest difference of transmittance between engines that share the Euler scheme, at equal time step [dB].
+
+They solve the same equations: what is left is how hard the engine's friction constraint is. The
+softest of them creeps at 1e-4 of the free acceleration times the step, which shifts figure 3 by
+less than half of this.
+"""
+
+CONVERGED_TOLERANCE_DB = 0.25
+"""Largest difference from the converged reference for an engine with its own integrator [dB].
+
+At 400 steps a period the reference's own first-order error reaches 0.2 dB on the steepest flanks;
+an engine that is no further off resolves friction as well as the scheme does.
+"""
