@@ -172,6 +172,7 @@ class _Search:
         self._best_change = np.zeros((count, width))
         self.best_residual = np.full(count, np.inf)
         self.periods = np.zeros(count, dtype=int)
+        self._last_residual = np.full(count, np.inf)
         self.friction_memory: list[FloatArray | None] = [None] * count
         self._active = np.arange(count)
         self._part = simulation
@@ -208,6 +209,7 @@ class _Search:
     def _note(self, x: FloatArray, f: FloatArray, internal: FloatArray | None) -> Any:
         """Remember the best iterate of each active lane; say which lanes go on."""
         residual = np.max(np.abs(f), axis=1)
+        self._last_residual[self._active] = residual
         self.periods[self._active] += 1
         self._stalled[self._active] += 1
         better = residual < self.best_residual[self._active]
@@ -234,9 +236,10 @@ class _Search:
         return self._scales.state(self.best[[lane]], [lane], memory)
 
     def residual(self, lane: int, start: State, trajectory: Trajectory) -> float:
-        """Residual of a recorded period."""
+        """Residual of a recorded period, or of the period in which the search lost the lane."""
         change = self._scales.vectors(trajectory.end, [lane]) - self._scales.vectors(start, [lane])
-        return float(np.max(np.abs(change)))
+        lost = self._last_residual[lane]
+        return float(np.max(np.abs(change))) if lost < DIVERGED else float(lost)
 
     def status(self, residual: float) -> OrbitStatus:
         """What a residual means."""

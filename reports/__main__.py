@@ -10,7 +10,7 @@ import typer
 from engines.registry import engine_names
 from engines.variant import Variant
 from reference_lcp.console import INTERRUPTED, checked_output_file, checked_output_folder, run_command
-from reference_lcp.validation import checked_count
+from reference_lcp.validation import checked_count, checked_scalar
 from reports.page import page, sections
 from reports.progress import Bars, CountingEvaluator
 from reports.provenance import provenance
@@ -35,6 +35,7 @@ from scenarios.figure3 import (
     quick_frequency_ratios,
     run,
 )
+from scenarios.isolation import TIME_LIMIT
 from scenarios.questions import ChainRatios
 from scenarios.store import ResultStore
 
@@ -64,6 +65,9 @@ def report(
         Path | None, typer.Option(help="File that keeps every answer; without it, results.sqlite in --out.")
     ] = None,
     workers: Annotated[int | None, typer.Option(help="Worker processes; without it, one a processor.")] = None,
+    time_limit: Annotated[
+        float, typer.Option(help="Seconds that a batch of points may take; an engine that hangs is stopped then.")
+    ] = TIME_LIMIT,
 ) -> None:
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
@@ -75,13 +79,14 @@ def report(
     asked = _asked(chosen or engine_names(), quick)
     if workers is not None:
         checked_count("workers", workers)
+    checked_scalar("time_limit", time_limit, "> 0")
     checked_output_folder("--out", out)
     for file in FILES:
         checked_output_file("output file", out / file)
     store = store if store is not None else out / "results.sqlite"
     with ResultStore(store) as kept:
         try:
-            result = _run(asked, kept, workers)
+            result = _run(asked, kept, workers, time_limit)
         except KeyboardInterrupt:
             print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
@@ -113,9 +118,9 @@ def _asked(names: list[str], quick: bool) -> Figure3:
     )
 
 
-def _run(asked: Figure3, kept: ResultStore, workers: int | None) -> Figure3Result:
+def _run(asked: Figure3, kept: ResultStore, workers: int | None, time_limit: float) -> Figure3Result:
     """Answer everything, with bars on the way."""
-    with Bars(asked.all_variants) as bars, CountingEvaluator(kept, workers, asked, bars) as evaluator:
+    with Bars(asked.all_variants) as bars, CountingEvaluator(kept, workers, time_limit, asked, bars) as evaluator:
         return run(asked, evaluator)
 
 

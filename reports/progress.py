@@ -70,8 +70,8 @@ class CountingEvaluator(Evaluator):
         Where progress is shown.
     """
 
-    def __init__(self, store: ResultStore, workers: int | None, asked: Figure3, bars: Bars):
-        super().__init__(store, workers)
+    def __init__(self, store: ResultStore, workers: int | None, time_limit: float, asked: Figure3, bars: Bars):
+        super().__init__(store, workers, time_limit)
         self._bars = bars
         self._expected: set[Question] = set()
         self.progress = bars.advance

@@ -1,11 +1,12 @@
 """How a question is answered: build the chain in the engine, find the periodic orbit, read it."""
 
+import math
 import time
 from collections import defaultdict
 from collections.abc import Sequence
 
 from engines.interface import EngineNotInstalled
-from engines.registry import engine
+from engines.variant import Variant
 from reference_lcp.periodic import OrbitStatus, PeriodicOrbit, periodic_orbits
 from reference_lcp.simulation import Lane, steps_per_period_for
 from reference_lcp.steady_state import SteadyState
@@ -35,27 +36,33 @@ def answer_batch(questions: Sequence[Question]) -> list[Answer]:
 
 def _answer_lanes(asked: Question, lanes: list[Lane], steps: int) -> list[Answer]:
     """Answer lanes that share their number of steps a period; those of a failed batch again one by one."""
-    variant = asked.variant
     begin = time.perf_counter()
     try:
-        asked_engine = engine(variant.engine)
-        simulation = asked_engine.build(lanes, variant.formulation, variant.preset)
-        try:
-            orbits = periodic_orbits(simulation, steps, tolerance=asked_engine.capabilities.residual)
-        finally:
-            simulation.close()
+        orbits = _orbits(asked.variant, lanes, steps)
     except EngineNotInstalled as problem:
         return [Answer.blocked(str(problem))] * len(lanes)
-    except ParameterError as problem:
-        return [Answer.blocked(f"cannot be represented: {problem}")] * len(lanes)
     except Exception as problem:
-        return [Answer.blocked(f"{type(problem).__name__}: {problem}")] * len(lanes)
+        if len(lanes) > 1:
+            return [_answer_lanes(asked, [lane], steps)[0] for lane in lanes]
+        kind = "cannot be represented" if isinstance(problem, ParameterError) else type(problem).__name__
+        return [Answer.blocked(f"{kind}: {problem}")]
     seconds = (time.perf_counter() - begin) / len(lanes)
     return [_answer(orbit, seconds) for orbit in orbits]
 
 
+def _orbits(variant: Variant, lanes: list[Lane], steps: int) -> list[PeriodicOrbit]:
+    """Find the steady states of lanes, in the engine."""
+    simulation = variant.build(lanes)
+    try:
+        return periodic_orbits(simulation, steps, tolerance=variant.capabilities.residual)
+    finally:
+        simulation.close()
+
+
 def _answer(orbit: PeriodicOrbit, seconds: float) -> Answer:
     """Read an orbit; one that has diverged has no numbers."""
+    if not math.isfinite(orbit.residual):
+        return Answer.blocked(f"the engine's numbers are not finite, in period {orbit.periods} of the search")
     if orbit.status is OrbitStatus.DIVERGED:
         return Answer(status=str(orbit.status), periods=orbit.periods, seconds=seconds)
     found = SteadyState.of(orbit)

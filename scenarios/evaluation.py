@@ -1,18 +1,14 @@
 """Questions to answers: from the store where they are known, from worker processes where not."""
 
-import multiprocessing
 import os
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from types import TracebackType
 from typing import Self
 
 from engines.registry import engine
 from engines.variant import Variant
-from reference_lcp.validation import checked_count
-from scenarios.answering import answer_batch
+from scenarios.isolation import TIME_LIMIT, IsolatedWorkers
 from scenarios.questions import Answer, Question
 from scenarios.store import ResultStore
 
@@ -33,17 +29,18 @@ class Evaluator:
         Where answers are looked up and kept.
     workers
         Worker processes; as many as there are processors without it.
+    time_limit
+        Seconds that a batch of questions may take; an engine that hangs is stopped then.
 
     Raises
     ------
     ParameterError
-        If `workers` is below 1.
+        If `workers` is below 1, or `time_limit` is not > 0.
     """
 
-    def __init__(self, store: ResultStore, workers: int | None = None):
+    def __init__(self, store: ResultStore, workers: int | None = None, time_limit: float = TIME_LIMIT):
         self._store = store
-        self._workers = checked_count("workers", workers if workers is not None else (os.cpu_count() or 1))
-        self._pool: ProcessPoolExecutor | None = None
+        self._workers = IsolatedWorkers(workers if workers is not None else (os.cpu_count() or 1), time_limit)
         self._answered: dict[Question, Answer] = {}
         self.progress: Progress = _no_progress
 
@@ -57,7 +54,7 @@ class Evaluator:
             else:
                 self._answered[question] = known
                 self.progress(question.variant, 1)
-        for batch, found in self._answers(list(_batches(missing))):
+        for batch, found in self._workers.answers(list(_batches(missing))):
             self._store.keep(zip(batch, found, strict=True))
             self._answered.update(zip(batch, found, strict=True))
             self.progress(batch[0].variant, len(batch))
@@ -69,9 +66,7 @@ class Evaluator:
 
     def close(self) -> None:
         """End the worker processes; what they have not begun is left undone."""
-        if self._pool is not None:
-            self._pool.shutdown(cancel_futures=True)
-            self._pool = None
+        self._workers.close()
 
     def __enter__(self) -> Self:
         return self
@@ -85,38 +80,6 @@ class Evaluator:
         """Give the answer that needs no computation: a kept one, or that the engine is missing."""
         missing = engine(question.variant.engine).why_not_installed()
         return self._store.find(question) if missing is None else Answer.blocked(f"not installed: {missing}")
-
-    def _answers(self, batches: list[list[Question]]) -> Iterator[tuple[list[Question], list[Answer]]]:
-        """Answer batches in workers, as they come; batches of a broken pool are tried again alone."""
-        suspects = []
-        waiting = {self._submit(batch): batch for batch in batches}
-        for future in as_completed(waiting):
-            try:
-                yield waiting[future], future.result()
-            except BrokenProcessPool:
-                suspects.append(waiting[future])
-        for batch in suspects:
-            yield batch, self._answers_alone(batch)
-
-    def _answers_alone(self, batch: list[Question]) -> list[Answer]:
-        """Answer one batch with nothing else in the pool: then a crash is its own."""
-        self.close()
-        try:
-            return self._submit(batch).result()
-        except BrokenProcessPool:
-            self.close()
-            return [Answer.blocked("the worker process crashed")] * len(batch)
-
-    def _submit(self, batch: list[Question]) -> Future[list[Answer]]:
-        if self._pool is None:
-            # spawn: engines hold threads and locks that a forked child would find in an undefined state
-            self._pool = ProcessPoolExecutor(self._workers, mp_context=multiprocessing.get_context("spawn"))
-        try:
-            return self._pool.submit(answer_batch, batch)
-        except BrokenProcessPool as broken:
-            failed: Future[list[Answer]] = Future()
-            failed.set_exception(broken)
-            return failed
 
 
 def _batches(questions: list[Question]) -> Iterator[list[Question]]:

@@ -13,3 +13,19 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="with --pyargs engines.contract: hold this engine to the contract, in all its formulations and presets; "
         "without it, all that are installed",
     )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Refuse engines that are unknown or not installed, before any test is collected."""
+    asked: list[str] = config.getoption("--engine")
+    for name in asked:
+        # not above: this module is imported by every run of pytest
+        from engines.registry import engine
+        from reference_lcp.validation import ParameterError
+
+        try:
+            missing = engine(name).why_not_installed()
+        except ParameterError as problem:
+            raise pytest.UsageError(f"--engine: {problem}") from problem
+        if missing is not None:
+            raise pytest.UsageError(f"--engine {name}: {missing}")

@@ -33,6 +33,10 @@ FRICTION_TOLERANCE = {"double": 1e-9, "single": 1e-3}
 """Friction of engines that share the scheme, over its bound: a difference of velocities over a time step, and so
 less exact than positions."""
 
+SAME_CHAIN = 1.0
+"""Of positions over a period that begins at rest, over U0: friction of whatever softness moves a cell by less from
+where the reference has it, a wrong unit or a missing spring by more."""
+
 SCHEME_TOLERANCE_DB = 0.02
 """Largest difference of transmittance between engines that share the Euler scheme, at equal time step [dB].
 

@@ -1,61 +1,27 @@
 """An engine in an installable package of its own: found, listed and held to the contract, with nothing edited."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
-import pytest
 
-ROOT = Path(__file__).parents[2]
-PLUGIN = ROOT / "tests" / "plugin"
-
-
-@pytest.fixture(scope="module")
-def environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """Variables of a process for which the plugin is installed."""
-    target = tmp_path_factory.mktemp("site")
-    install = ["-m", "pip", "install", "--quiet", "--no-deps", "--no-index", "--no-build-isolation"]
-    subprocess.run(
-        [sys.executable, *install, "--disable-pip-version-check", "--target", str(target), str(PLUGIN)], check=True
-    )
-    return {**os.environ, "PYTHONPATH": os.pathsep.join([str(target), str(ROOT)])}
-
-
-def run(environment: dict[str, str], *arguments: str) -> str:
-    done = subprocess.run(
-        [sys.executable, "-m", *arguments], env=environment, cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
-def test_installed_engine_is_listed(environment: dict[str, str]) -> None:
-    rows = {row["engine"]: row for row in json.loads(run(environment, "engines", "--json"))}
+def test_installed_engine_is_listed(install) -> None:
+    rows = {row["engine"]: row for row in json.loads(install("plugin").run("-m", "engines", "--json"))}
     assert rows["tiny"]["version"] == "1.2.3"
     assert rows["tiny"]["missing"] is None
 
 
-def test_installed_engine_is_held_to_the_contract(environment: dict[str, str]) -> None:
-    printed = run(
-        environment,
-        "pytest",
-        "-q",
-        "-n",
-        "0",
-        "-p",
-        "no:cacheprovider",
-        "--pyargs",
-        "engines.contract",
-        "--engine",
-        "tiny",
-    )
-    assert "passed" in printed
-    assert int(printed.rsplit(" passed", 1)[0].split()[-1]) >= 10
+def test_installed_engine_is_held_to_the_contract(install) -> None:
+    command = "-m pytest -q -n 0 -p no:cacheprovider --pyargs engines.contract --engine tiny"
+    printed = install("plugin").run(*command.split())
+    assert int(printed.rsplit(" passed", 1)[0].split()[-1]) >= 20
 
 
-def test_installed_engine_is_compared_in_the_report(environment: dict[str, str], tmp_path: Path) -> None:
+def test_contract_refuses_an_engine_that_is_not_there(install) -> None:
+    command = "-m pytest -q -n 0 -p no:cacheprovider --pyargs engines.contract --engine tinny"
+    install("plugin").run(*command.split(), code=4)
+
+
+def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> None:
     script = (
         "from pathlib import Path\n"
         "from scenarios.evaluation import Evaluator\n"
@@ -70,7 +36,4 @@ def test_installed_engine_is_compared_in_the_report(environment: dict[str, str],
     )
     file = tmp_path / "compare.py"
     file.write_text(script)
-    done = subprocess.run(
-        [sys.executable, str(file)], env=environment, cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    assert done.stdout.strip() == "['agree', 'agree']", done.stderr
+    assert install("plugin").run(str(file)).strip() == "['agree', 'agree']"

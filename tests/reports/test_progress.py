@@ -8,7 +8,7 @@ import pytest
 
 from engines.variant import Variant
 from reports.progress import Bars, CountingEvaluator
-from scenarios import evaluation
+from scenarios import isolation
 from scenarios.figure3 import CONVERGED, REFERENCE, Figure3
 from scenarios.questions import Answer, Question
 from scenarios.store import ResultStore
@@ -37,7 +37,7 @@ class HereAndNow:
 
     def __init__(self, *_arguments: object, **_options: object) -> None: ...
 
-    def submit(self, function: object, batch: Sequence[Question]) -> Future[list[Answer]]:
+    def submit(self, function: object, batch: Sequence[Question], *_limit: object) -> Future[list[Answer]]:
         done: Future[list[Answer]] = Future()
         done.set_result(answer_everything(batch))
         return done
@@ -48,10 +48,10 @@ class HereAndNow:
 def test_the_grid_is_expected_from_the_start_and_a_question_counts_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(evaluation, "ProcessPoolExecutor", HereAndNow)
+    monkeypatch.setattr(isolation, "ProcessPoolExecutor", HereAndNow)
     asked = Figure3(variants=(), friction_ratios=(0.0, 0.3), frequency_ratios=(0.5, 0.7))
     bars = CountedBars()
-    with ResultStore(tmp_path / "s.sqlite") as store, CountingEvaluator(store, 1, asked, bars) as evaluator:
+    with ResultStore(tmp_path / "s.sqlite") as store, CountingEvaluator(store, 1, 60.0, asked, bars) as evaluator:
         assert bars.total == {CONVERGED: 4, REFERENCE: 4}
         on_grid = asked.question(REFERENCE, 0.3, 0.5)
         added = asked.question(REFERENCE, 0.3, 0.6)

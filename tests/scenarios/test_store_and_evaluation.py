@@ -1,15 +1,14 @@
 """Answers are kept, found again, and survive engines that fail."""
 
-import os
-import signal
 import sqlite3
 
 import pytest
 
+from engines import variant
 from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, Preset
 from engines.variant import Variant
 from reference_lcp import ParameterError
-from scenarios import answering, evaluation
+from scenarios import answering, isolation
 from scenarios.evaluation import Evaluator
 from scenarios.questions import Answer, ChainRatios, Question
 from scenarios.store import ResultStore
@@ -83,7 +82,7 @@ def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
     asked = [question(eta=eta) for eta in (0.5, 0.9, 0.5)]
     with Evaluator(store, workers=1) as evaluator:
         first = evaluator.evaluate(asked)
-    monkeypatch.setattr(evaluation, "ProcessPoolExecutor", None)
+    monkeypatch.setattr(isolation, "ProcessPoolExecutor", None)
     counted = []
     with Evaluator(store, workers=1) as evaluator:
         evaluator.progress = lambda _variant, count: counted.append(count)
@@ -137,25 +136,7 @@ class _Failing(Engine):
 def test_engine_that_fails_gives_blocked_answers_with_the_reason(monkeypatch, failure, missing, reason) -> None:
     failing = _Failing()
     failing.failure, failing.missing = failure, missing
-    monkeypatch.setattr(answering, "engine", lambda _name: failing)
+    monkeypatch.setattr(variant, "engine", lambda _name: failing)
     answers = answering.answer_batch([question(), question(eta=0.5)])
     assert [answer.status for answer in answers] == ["blocked", "blocked"]
     assert answers[0].reason == reason
-
-
-def _kill_worker(batch):
-    """A worker whose engine crashes the process at one question."""
-    if any(asked.frequency_ratio == 0.5 for asked in batch):
-        os.kill(os.getpid(), signal.SIGKILL)
-    return [Answer(status="converged", transmittance_db=asked.frequency_ratio) for asked in batch]
-
-
-def test_crash_of_a_worker_blocks_its_own_batch_and_nothing_else(store, monkeypatch) -> None:
-    monkeypatch.setattr(evaluation, "answer_batch", _kill_worker)
-    asked = [question(eta=eta, variant="mujoco") for eta in (0.3, 0.5, 0.7)]
-    monkeypatch.setattr(evaluation, "_batches", lambda questions: ([one] for one in questions))
-    with Evaluator(store, workers=2) as evaluator:
-        answers = evaluator.evaluate(asked)
-    assert [answer.status for answer in answers] == ["converged", "blocked", "converged"]
-    assert answers[1].reason == "the worker process crashed"
-    assert store.find(asked[0]).transmittance_db == 0.3

@@ -1,0 +1,97 @@
+"""For every clause of the contract an engine that breaks it: red there, for the right reason, and a sound one green."""
+
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+import pytest
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What is wrong with an engine: the clause that finds it, and how its message begins."""
+
+    engine: str
+    file: str
+    clause: str
+    reason: str
+    case: str = "-joint-tuned"
+
+
+STATE, FORCE, MOTION = "test_state_in_trajectory_out", "test_friction_force", "test_laws_of_motion"
+AGREEMENT, SAID = "test_agreement", "test_what_is_said"
+FAULTS = [
+    Fault("forgets", STATE, "test_split_run_equals_whole_run", "the second half starts elsewhere"),
+    Fault("remembers", STATE, "test_repeated_run_is_bitwise_equal", "a repeated run differs"),
+    Fault("crosstalk", STATE, "test_batch_equals_its_lanes_alone_and_subset_keeps_them", "differs from the lane alone"),
+    Fault("short", STATE, "test_advance_ends_where_run_ends", "advance ends at other positions"),
+    Fault("nan", STATE, "test_trajectory_has_one_finite_row_a_step_in_si_units", "numbers that are not finite"),
+    Fault("presses", FORCE, "test_normal_force_is_the_one_that_is_given", "Mismatched elements"),
+    Fault("rubs", FORCE, "test_cells_without_friction_feel_none", "a cell without friction reports some"),
+    Fault("bound", FORCE, "test_friction_stays_within_its_bound", "friction passes its bound"),
+    Fault("sign", FORCE, "test_friction_acts_on_the_inner_mass_against_its_slip", "friction drives the slip"),
+    Fault("momentum", MOTION, "test_momentum_changes_by_the_impulse_of_the_reported_forces", "the forces do not"),
+    Fault("energy", MOTION, "test_energy_of_a_free_motion_is_never_created", "energy is created"),
+    Fault("spring", MOTION, "test_frictionless_limit_is_the_linear_response", "± 0.1", "-joint-tuned-0.9"),
+    Fault("creep", MOTION, "test_stuck_limit_is_the_chain_of_locked_masses", "± 0.1", "-joint-tuned-0.9"),
+    Fault("drift", MOTION, "test_two_motions_under_one_drive_never_drift_apart", "two motions drift apart"),
+    Fault("coefficient", AGREEMENT, "test_transmittance_at_six_points_agrees_with_the_reference", "off by "),
+    Fault(
+        "order",
+        AGREEMENT,
+        "test_who_shares_the_scheme_equals_the_reference_to_round_off_over_forty_periods",
+        "the motion leaves the scheme's",
+    ),
+    Fault(
+        "default",
+        AGREEMENT,
+        "test_default_stays_finite_and_near_the_reference_for_a_period",
+        "this is another chain",
+        "-joint-default",
+    ),
+    Fault("silent", SAID, "test_capabilities_say_who_it_is_and_every_option_why", "all(", ""),
+    Fault("takes", SAID, "test_unknown_formulation_and_preset_are_refused", "DID NOT RAISE", ""),
+    Fault(
+        "shapes", SAID, "test_chains_of_different_lengths_and_states_of_another_shape_are_refused", "DID NOT RAISE", ""
+    ),
+]
+
+
+def node(fault: Fault, name: str) -> str:
+    return f"engines/contract/{fault.file}.py::{fault.clause}[{name}{fault.case}]"
+
+
+@pytest.fixture(scope="module")
+def outcomes(install, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str | None]:
+    """Message of every clause that failed, ``None`` for the others; each on its faulty engine and on the sound one."""
+    names = sorted({f"faulty-{fault.engine}" for fault in FAULTS} | {"faulty-sound"})
+    file = tmp_path_factory.mktemp("outcomes") / "junit.xml"
+    nodes = [node(fault, name) for fault in FAULTS for name in (f"faulty-{fault.engine}", "faulty-sound")]
+    options = [part for name in names for part in ("--engine", name)]
+    command = ["-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", f"--junitxml={file}", *options, *nodes]
+    install("faulty").run(*command, code=1)
+    found: dict[str, str | None] = {}
+    for case in ElementTree.parse(file).getroot().iter("testcase"):
+        failure = case.find("failure")
+        found[case.attrib["name"]] = None if failure is None else failure.attrib["message"] + (failure.text or "")
+    assert len(found) == len(nodes)
+    return found
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.engine)
+def test_clause_is_red_on_the_engine_that_breaks_it_and_green_on_a_sound_one(outcomes, fault: Fault) -> None:
+    message = outcomes[f"{fault.clause}[faulty-{fault.engine}{fault.case}]"]
+    assert message is not None, "the fault is not found"
+    assert fault.reason in message
+    assert outcomes[f"{fault.clause}[faulty-sound{fault.case}]"] is None
+
+
+def test_every_clause_of_the_contract_has_its_fault() -> None:
+    from importlib import import_module
+
+    clauses = {
+        name
+        for file in (STATE, FORCE, MOTION, AGREEMENT, SAID)
+        for name in vars(import_module(f"engines.contract.{file}"))
+        if name.startswith("test_")
+    }
+    assert clauses == {fault.clause for fault in FAULTS}
