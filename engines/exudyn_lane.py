@@ -72,6 +72,18 @@ class ExudynLane(LaneModel):
             None if memory is None else memory[None],
         )
 
+    def bare_steps(self, steps: int) -> None:
+        """Let Exudyn's solver take steps from rest, nothing recorded; it computes the load itself."""
+        settings, data = self._settings, self._system.systemData
+        settings.timeIntegration.startTime, settings.timeIntegration.endTime = 0, steps * self._time_step
+        settings.timeIntegration.numberOfSteps = steps * self._substeps
+        settings.solution.sensors.active = False
+        rest = np.zeros_like(data.GetODE2Coordinates())
+        data.SetODE2Coordinates(rest, self._exudyn.ConfigurationType.Initial)
+        data.SetODE2Coordinates_t(rest, self._exudyn.ConfigurationType.Initial)
+        with _silent(self._exudyn):
+            self._exudyn.MainSolverImplicitSecondOrder().SolveSystem(self._system, settings)
+
     def close(self) -> None:
         """Empty the system; Python frees the rest with the last reference."""
         self._container.Reset()

@@ -77,6 +77,12 @@ class MuJoCoSimulation:
             [self._models[lane] for lane in lanes],
         )
 
+    def bare_steps(self, steps: int) -> None:
+        """Take steps of MuJoCo's own loop on the first lane's model, from rest."""
+        import mujoco
+
+        mujoco.mj_step(self._models[0], mujoco.MjData(self._models[0]), steps)
+
     def close(self) -> None:
         """Nothing to do: memory is all that MuJoCo holds, and it goes with the last reference."""
         return

@@ -46,6 +46,12 @@ PLATE = 2.0**20
 SPACING = 8 * BOX
 """Distance of neighbouring cells over the displacement scale, across the motion."""
 
+POSITION_TOLERANCE = 1e-9
+"""Difference from Bullet's positions at the end of a run, over the displacement scale.
+
+It is zero where both round alike; a machine that fuses multiplication and addition leaves a round-off a step.
+"""
+
 LARGEST_COEFFICIENT = 10.0
 """Bullet cuts larger coefficients of friction off."""
 
@@ -68,6 +74,8 @@ class PyBulletContactLane(LaneModel):
         self._preset = preset
         self._units = Units.named(preset["units"], lane)
         self._chain = self._units.scaled(lane.chain)
+        self._forces = -np.hstack([self._chain.stiffness_matrix, self._chain.damping_matrix])
+        self._pressing = np.concatenate([self._chain.normal_force, -self._chain.normal_force]).tolist()
         # Powers of two: distances of contacts are then exact.
         self._scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / self._units.length
 
@@ -90,6 +98,11 @@ class PyBulletContactLane(LaneModel):
         position, velocity = np.split(self._rows(state, start, steps, record=False), 2, axis=1)
         return State(position * self._units.length, velocity * self._units.velocity)
 
+    def bare_steps(self, steps: int) -> None:
+        """Take steps of Bullet alone, from rest; see `BareStepping`."""
+        self._new_bodies(np.zeros(4 * self._chain.cells))
+        self._world.bare_steps(steps)
+
     def close(self) -> None:
         """Close the world that this lane shares with the others of its simulation."""
         self._world.close()
@@ -97,29 +110,31 @@ class PyBulletContactLane(LaneModel):
     def _rows(self, state: State, start: int, steps: int, record: bool) -> FloatArray:
         """Give positions, velocities, friction and normal force of every step, or motions of the last one only."""
         checked_count("steps", steps)
-        masses = 2 * self._chain.cells
-        bullet, client = import_pybullet(), self._world.client
         now = np.concatenate([state.positions[0] / self._units.length, state.velocities[0] / self._units.velocity])
         bodies = self._new_bodies(now)
-        matrix = -np.hstack([self._chain.stiffness_matrix, self._chain.damping_matrix])
-        pressing = np.concatenate([self._chain.normal_force, -self._chain.normal_force]).tolist()
-        nowhere = [0.0, 0.0, 0.0]
+        position, velocity = np.split(now, 2)
+        time_step = self.lane.time_step / self._units.time
         rows: list[list[float]] = []
         for load in self.lane.loads(start, steps) / self._units.force:
-            force = matrix @ now
-            force[0] += load
-            for body, along, across in zip(bodies, force.tolist(), pressing, strict=True):
-                bullet.applyExternalForce(
-                    body, -1, [along, 0.0, across], nowhere, bullet.LINK_FRAME, physicsClientId=client
-                )
-            bullet.stepSimulation(physicsClientId=client)
-            after = [bullet.getBasePositionAndOrientation(body, physicsClientId=client)[0][0] for body in bodies]
-            after += [bullet.getBaseVelocity(body, physicsClientId=client)[0][0] for body in bodies]
-            now[:] = after
+            velocity[:] = self._step(bodies, now, load)
+            # Bullet's own step, compared in `_check_end`: asking for positions too would take as long as its solver.
+            position += time_step * velocity
             if record:
-                rows.append(after + self._contact_forces(bodies))
-        self._check_reach(now[:masses])
+                rows.append(now.tolist() + self._contact_forces(bodies))
+        self._check_end(bodies, position)
         return np.array(rows) if record else now[None]
+
+    def _step(self, bodies: list[int], now: FloatArray, load: float) -> list[float]:
+        """Apply the forces of springs, dashpots, drive and pressing, take a step; give the velocities after it."""
+        bullet, client = import_pybullet(), self._world.client
+        force = self._forces @ now
+        force[0] += load
+        apply, frame, nowhere = bullet.applyExternalForce, bullet.LINK_FRAME, (0.0, 0.0, 0.0)
+        for body, along, across in zip(bodies, force.tolist(), self._pressing, strict=True):
+            apply(body, -1, (along, 0.0, across), nowhere, frame, physicsClientId=client)
+        bullet.stepSimulation(physicsClientId=client)
+        read = bullet.getBaseVelocity
+        return [read(body, physicsClientId=client)[0][0] for body in bodies]
 
     def _contact_forces(self, bodies: list[int]) -> list[float]:
         """Friction on every inner mass, then every normal force: sums over the points of a contact."""
@@ -177,8 +192,12 @@ class PyBulletContactLane(LaneModel):
             bullet.changeDynamics(body, -1, **properties, physicsClientId=client)
         return body
 
-    def _check_reach(self, positions: FloatArray) -> None:
-        """Refuse a motion in which a box has left its plate: there it would feel no friction."""
+    def _check_end(self, bodies: list[int], positions: FloatArray) -> None:
+        """Compare positions with Bullet's; refuse a motion in which a box has left its plate and felt no friction."""
+        bullet, client = import_pybullet(), self._world.client
+        where = [bullet.getBasePositionAndOrientation(body, physicsClientId=client)[0][0] for body in bodies]
+        if not np.allclose(positions, where, rtol=0, atol=POSITION_TOLERANCE * self._scale, equal_nan=True):
+            raise RuntimeError(f"Bullet's positions {where} do not follow from its velocities: {positions.tolist()}")
         outer, inner = np.split(positions, 2)
         largest = float(np.max(np.abs(inner - outer))) * self._units.length
         reach = (PLATE - BOX) * self._scale * self._units.length

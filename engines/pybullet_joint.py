@@ -68,6 +68,12 @@ class PyBulletJointLane(LaneModel):
             constant_normal_force(self.lane, steps),
         )
 
+    def bare_steps(self, steps: int) -> None:
+        """Take steps of Bullet alone, from rest; see `BareStepping`."""
+        body = self._new_body(*np.zeros((2, 2 * self._chain.cells)))
+        self._world.bare_steps(steps)
+        import_pybullet().removeBody(body, physicsClientId=self._world.client)
+
     def close(self) -> None:
         """Close the world that this lane shares with the others of its simulation."""
         self._world.close()

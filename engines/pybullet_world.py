@@ -26,6 +26,12 @@ class World:
                 raise RuntimeError("PyBullet opens no further world; close simulations that are no longer used")
         return self._client
 
+    def bare_steps(self, steps: int) -> None:
+        """Let time pass, and do nothing else."""
+        step, client = import_pybullet().stepSimulation, self.client
+        for _ in range(steps):
+            step(physicsClientId=client)
+
     def close(self) -> None:
         """Close the connection; the next use opens another."""
         if self._client is not None:

@@ -30,11 +30,11 @@ class LaneModel(ABC):
 
 
 class LanewiseSimulation:
-    """A `Simulation` made of one `LaneModel` a lane."""
+    """A `Simulation` made of one `LaneModel` a lane, in `models`."""
 
     def __init__(self, models: Sequence[LaneModel]):
-        self._models = tuple(models)
-        self.lanes = tuple(model.lane for model in self._models)
+        self.models = tuple(models)
+        self.lanes = tuple(model.lane for model in self.models)
 
     @classmethod
     def build(cls, lanes: Sequence[Lane], make: Callable[[Lane], LaneModel]) -> "LanewiseSimulation":
@@ -45,21 +45,21 @@ class LanewiseSimulation:
         """Advance every lane; see `Simulation.run`."""
         checked_count("steps", steps)
         state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
-        return [model.run(state.subset([lane]), start, steps) for lane, model in enumerate(self._models)]
+        return [model.run(state.subset([lane]), start, steps) for lane, model in enumerate(self.models)]
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state; see `Simulation.advance`."""
         checked_count("steps", steps)
         state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
         return State.stack(
-            [model.advance(state.subset([lane]), start, steps) for lane, model in enumerate(self._models)]
+            [model.advance(state.subset([lane]), start, steps) for lane, model in enumerate(self.models)]
         )
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "LanewiseSimulation":
         """Give the lanes of these indices; they share the models."""
-        return LanewiseSimulation([self._models[lane] for lane in lanes])
+        return LanewiseSimulation([self.models[lane] for lane in lanes])
 
     def close(self) -> None:
         """Free every lane."""
-        for model in self._models:
+        for model in self.models:
             model.close()

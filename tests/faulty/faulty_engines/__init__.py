@@ -308,6 +308,6 @@ class TakesEveryShape(Faulty):
     def _build(self, lanes, formulation, preset):
         simulation = super()._build(lanes, formulation, preset)
         simulation.run = lambda _state, start, steps: [
-            model.run(State.at_rest(1, 7), start, steps) for model in simulation._models
+            model.run(State.at_rest(1, 7), start, steps) for model in simulation.models
         ]
         return simulation
