@@ -23,6 +23,13 @@ Where the relative velocity changes its sign, the scheme ends the step in betwee
 not the contact would have stuck: a stick shorter than two steps is not resolved.
 """
 
+UNREPEATED_SLIP = 4
+"""A slip travels farther than this many residuals of its orbit; a shorter one is counted as stick.
+
+Over a period that repeats to the residual r, the two masses of a cell come back to within 2 r of each other: a slip
+of that size, such as the creep of a contact towards the offset at which it sticks for good, need not come again.
+"""
+
 
 class Mode(StrEnum):
     """The three cases of Coulomb's law, equation (1)."""
@@ -65,8 +72,13 @@ def contact_modes(orbit: PeriodicOrbit) -> NDArray[np.int8]:
     sticks = np.abs(trajectory.friction) < (1 - STICK_MARGIN) * bound
     slip = np.where(bound > 0, -np.sign(trajectory.friction), np.sign(trajectory.relative_velocity))
     modes = np.where(sticks, 0, slip).astype(np.int8)
+    rubs = orbit.lane.chain.friction_bound > 0
+    travel = trajectory.relative_velocity * orbit.lane.time_step
+    shortest = UNREPEATED_SLIP * orbit.residual * orbit.lane.drive.displacement_scale(orbit.lane.chain)
     for cell in range(modes.shape[1]):
         _drop_short_sticks(modes[:, cell])
+        if rubs[cell]:
+            _drop_short_slips(modes[:, cell], travel[:, cell], shortest)
     return modes
 
 
@@ -108,8 +120,23 @@ def dissipated_energy(orbit: PeriodicOrbit) -> FloatArray:
 
 def _drop_short_sticks(column: NDArray[np.int8]) -> None:
     """Turn sticks of fewer than `SHORTEST_STICK` steps into the slip that follows, in place."""
+    for steps, following in _phases(column):
+        if column[steps[0]] == 0 and steps.size < SHORTEST_STICK:
+            column[steps] = following
+
+
+def _drop_short_slips(column: NDArray[np.int8], travel: FloatArray, shortest: float) -> None:
+    """Turn slips into stick that travel less than `shortest` [m], in place."""
+    for steps, _ in _phases(column):
+        if column[steps[0]] != 0 and abs(np.sum(travel[steps])) < shortest:
+            column[steps] = 0
+
+
+def _phases(column: NDArray[np.int8]) -> list[tuple[NDArray[np.intp], np.int8]]:
+    """Give the steps of each uninterrupted mode of a cyclic period, and the mode that follows."""
     starts = np.flatnonzero(column != np.roll(column, 1))
-    for first, following in zip(starts, np.roll(starts, -1), strict=True):
-        length = (following - first) % column.size
-        if column[first] == 0 and length < SHORTEST_STICK:
-            column[np.arange(first, first + length) % column.size] = column[following]
+    lengths = (np.roll(starts, -1) - starts - 1) % column.size + 1
+    return [
+        (np.arange(first, first + length) % column.size, column[(first + length) % column.size])
+        for first, length in zip(starts, lengths, strict=True)
+    ]

@@ -12,7 +12,6 @@ from engines.variant import Variant
 from reference_lcp.console import INTERRUPTED, checked_output_file, checked_output_folder, run_command
 from reference_lcp.validation import checked_count, checked_scalar
 from reports.page import page, sections
-from reports.progress import Bars, CountingEvaluator
 from reports.provenance import provenance
 from reports.sections.stick_slip import stick_slip_rows
 from reports.tables import (
@@ -36,6 +35,7 @@ from scenarios.figure3 import (
     run,
 )
 from scenarios.isolation import TIME_LIMIT
+from scenarios.progress import Bars, CountingEvaluator
 from scenarios.questions import ChainRatios
 from scenarios.store import ResultStore
 
@@ -120,7 +120,7 @@ def _asked(names: list[str], quick: bool) -> Figure3:
 
 def _run(asked: Figure3, kept: ResultStore, workers: int | None, time_limit: float) -> Figure3Result:
     """Answer everything, with bars on the way."""
-    with Bars(asked.all_variants) as bars, CountingEvaluator(kept, workers, time_limit, asked, bars) as evaluator:
+    with Bars(asked.all_variants) as bars, CountingEvaluator(kept, workers, time_limit, asked.grid, bars) as evaluator:
         return run(asked, evaluator)
 
 

@@ -4,12 +4,14 @@ import math
 import time
 from collections import defaultdict
 from collections.abc import Sequence
+from typing import Any
 
 from engines.interface import EngineNotInstalled
 from engines.variant import Variant
 from reference_lcp.periodic import OrbitStatus, PeriodicOrbit, periodic_orbits
 from reference_lcp.simulation import Lane, steps_per_period_for
 from reference_lcp.steady_state import SteadyState
+from reference_lcp.stick_slip import creep_velocity
 from reference_lcp.validation import ParameterError
 from scenarios.questions import Answer, Question
 
@@ -66,6 +68,8 @@ def _answer(orbit: PeriodicOrbit, seconds: float) -> Answer:
     if orbit.status is OrbitStatus.DIVERGED:
         return Answer(status=str(orbit.status), periods=orbit.periods, seconds=seconds)
     found = SteadyState.of(orbit)
+    drive: Any = orbit.lane.drive
+    speed = drive.angular_frequency * drive.displacement_scale(orbit.lane.chain)
     return Answer(
         status=str(orbit.status),
         transmittance_db=found.transmittance_db,
@@ -75,5 +79,6 @@ def _answer(orbit: PeriodicOrbit, seconds: float) -> Answer:
         period=orbit.lane.time_step * orbit.trajectory.steps,
         stuck_fraction=tuple(found.stuck_fraction.tolist()),
         transitions=tuple((change.cell, change.time, str(change.kind)) for change in found.transitions),
+        creep=tuple((creep_velocity(orbit) / speed).tolist()),
         seconds=seconds,
     )

@@ -133,6 +133,16 @@ class Figure3:
         """The converged reference, the reference, then the others, each once."""
         return tuple(dict.fromkeys((CONVERGED, REFERENCE, *self.variants)))
 
+    @property
+    def grid(self) -> list[Question]:
+        """Every variant at every point of the grid."""
+        return [
+            self.question(variant, friction, eta)
+            for variant in self.all_variants
+            for friction in self.friction_ratios
+            for eta in self.frequency_ratios
+        ]
+
     def question(self, variant: Variant, friction_ratio: float, frequency_ratio: float) -> Question:
         """Ask one variant about one point."""
         return Question(

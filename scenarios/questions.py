@@ -14,7 +14,7 @@ from reference_lcp.chain import Chain
 from reference_lcp.drive import HarmonicBase
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
 
-ANSWER_FORMAT = 1
+ANSWER_FORMAT = 2
 """Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
 
 
@@ -93,6 +93,8 @@ class Answer:
         Part of the period that each contact sticks.
     transitions
         Changes of mode as (cell from 1, time [s], new mode).
+    creep
+        Largest |ġ_T| of each contact within a stick, over ω and the displacement scale.
     seconds
         Wall-clock time that the point took, an even share of its batch.
     """
@@ -106,6 +108,7 @@ class Answer:
     period: float = math.nan
     stuck_fraction: tuple[float, ...] = ()
     transitions: tuple[tuple[int, float, str], ...] = ()
+    creep: tuple[float, ...] = ()
     seconds: float = math.nan
 
     @property
@@ -129,7 +132,7 @@ class Answer:
         numbers: dict[str, Any] = {
             name: math.nan if value is None else value for name, value in json.loads(text).items()
         }
-        numbers["stuck_fraction"] = tuple(numbers["stuck_fraction"])
+        numbers["stuck_fraction"], numbers["creep"] = tuple(numbers["stuck_fraction"]), tuple(numbers["creep"])
         numbers["transitions"] = tuple((cell, time, kind) for cell, time, kind in numbers["transitions"])
         return cls(**numbers)
 

@@ -10,7 +10,6 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 
 from engines.variant import Variant
 from scenarios.evaluation import Evaluator
-from scenarios.figure3 import Figure3
 from scenarios.questions import Answer, Question
 from scenarios.store import ResultStore
 
@@ -57,39 +56,34 @@ class Bars:
 class CountingEvaluator(Evaluator):
     """An evaluator that shows how far it is: a bar's total is what is known to be asked, each question once.
 
-    The grid is known from the start. Points that are added where a curve needs them, and those that
+    What is expected is known from the start. Points that are added where a curve needs them, and those that
     refine an edge, are added to the total when they are asked.
 
     Parameters
     ----------
-    store, workers
+    store, workers, time_limit
         As for every evaluator.
-    asked
-        Its grid is expected from the start.
+    expected
+        What will be asked in any case.
     bars
         Where progress is shown.
     """
 
-    def __init__(self, store: ResultStore, workers: int | None, time_limit: float, asked: Figure3, bars: Bars):
+    def __init__(
+        self, store: ResultStore, workers: int | None, time_limit: float, expected: Sequence[Question], bars: Bars
+    ):
         super().__init__(store, workers, time_limit)
         self._bars = bars
         self._expected: set[Question] = set()
         self.progress = bars.advance
-        self._expect(
-            [
-                asked.question(variant, friction, eta)
-                for variant in asked.all_variants
-                for friction in asked.friction_ratios
-                for eta in asked.frequency_ratios
-            ]
-        )
+        self._expect(expected)
 
     def evaluate(self, questions: Sequence[Question]) -> list[Answer]:
         """Answer all questions, in order."""
         self._expect(self.unanswered(questions))
         return super().evaluate(questions)
 
-    def _expect(self, questions: list[Question]) -> None:
+    def _expect(self, questions: Sequence[Question]) -> None:
         """Raise the totals by the questions that were not expected so far."""
         extra = [question for question in questions if question not in self._expected]
         self._expected.update(extra)

@@ -1,0 +1,176 @@
+"""``python -m scenarios``: experiments with engines, by name."""
+
+import shlex
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
+from multiprocessing import get_context
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
+
+import typer
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import track
+from rich.table import Table
+
+from engines.bench import step_cost
+from engines.registry import engine, engine_names
+from engines.variant import Variant, variants_of
+from reference_lcp.console import INTERRUPTED, checked_output_file, run_command
+from reference_lcp.validation import ParameterError, checked_count, checked_scalar
+from scenarios.accuracy import PLACES, Accuracy, Place, accuracies, accuracy_questions, exact_answer
+from scenarios.accuracy_table import COLUMNS, Row, csv_table, markdown, remark
+from scenarios.isolation import TIME_LIMIT
+from scenarios.progress import Bars, CountingEvaluator
+from scenarios.questions import Answer
+from scenarios.store import ResultStore
+
+EXPERIMENTS = {
+    "accuracy": "How wrong is the friction of each engine, formulation and preset? Against the exact motion.",
+    "cost": "What does a step cost in each engine, and how much of it is the adapter's?",
+}
+
+app = typer.Typer(name="python -m scenarios", add_completion=False, pretty_exceptions_enable=False)
+run = typer.Typer(help="Run an experiment.", no_args_is_help=True)
+app.add_typer(run, name="run")
+
+Chosen = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--engine",
+        metavar="NAME[:FORMULATION[:PRESET]]",
+        help="An engine in all its formulations and presets, or the one that is named; may be repeated. "
+        "Without it, or with all: every engine.",
+    ),
+]
+
+
+@app.callback(invoke_without_command=True)
+def catalogue(context: typer.Context) -> None:
+    """List the experiments; `python -m scenarios run NAME` runs one.
+
+    Example: python -m scenarios run accuracy --engine mujoco --engine pybullet:joint
+    """
+    if context.invoked_subcommand is None:
+        for name, question in EXPERIMENTS.items():
+            print(f"{name:10} {question}")
+
+
+@run.command()
+def accuracy(
+    chosen: Chosen = None,
+    store: Annotated[
+        Path | None, typer.Option(help="File that keeps every answer, so that a stopped run goes on; none without it.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")
+    ] = None,
+    cost: Annotated[
+        bool, typer.Option(help="Measure what a step costs, at the end, with nothing else running.")
+    ] = True,
+    workers: Annotated[int | None, typer.Option(help="Worker processes; without it, one a processor.")] = None,
+    time_limit: Annotated[
+        float, typer.Option(help="Seconds that a batch of points may take; an engine that hangs is stopped then.")
+    ] = TIME_LIMIT,
+) -> None:
+    """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
+
+    Exit code 0: the table is complete, whatever it says; 2: wrong input.
+
+    Example: python -m scenarios run accuracy --store accuracy.sqlite --out accuracy.md
+    """
+    variants = _variants(chosen)
+    if workers is not None:
+        checked_count("workers", workers)
+    checked_scalar("time_limit", time_limit, "> 0")
+    if out is not None and out.suffix not in (".md", ".csv"):
+        raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: .md or .csv")
+    if out is not None:
+        checked_output_file("--out", out)
+    found = _accuracies(variants, store, workers, time_limit)
+    rows: list[Row] = [(one, step_cost(one.variant) if cost and one.certified else None) for one in found]
+    _print_accuracy(rows)
+    if out is not None:
+        command = shlex.join(["python", "-m", "scenarios", "run", "accuracy", *(f"--engine={c}" for c in chosen or [])])
+        out.write_text(markdown(rows, command) if out.suffix == ".md" else csv_table(rows))
+
+
+@run.command()
+def cost(chosen: Chosen = None) -> None:
+    """Time a step of each variant in the adapter and in the engine's own bare loop, on one core.
+
+    Example: python -m scenarios run cost --engine pybullet
+    """
+    table = _table("engine:formulation:preset", "advance [µs]", "run [µs]", "bare [µs]", "advance / bare", "run / bare")
+    for variant in _variants(chosen):
+        missing = engine(variant.engine).why_not_installed()
+        if missing is not None:
+            print(f"{variant}: {missing}", file=sys.stderr)
+            continue
+        found = step_cost(variant)
+        times = (found.advance, found.run, found.bare)
+        ratios = (found.ratio, found.run / found.bare)
+        cells = [f"{1e6 * time:.2f}" for time in times] + [f"{ratio:.2f}" for ratio in ratios]
+        table.add_row(str(variant), *(cell.replace("nan", "–") for cell in cells))
+    Console().print(table)
+
+
+def _variants(chosen: list[str] | None) -> list[Variant]:
+    """Read what is to be run: whole engines by name, or single variants."""
+    names = engine_names() if not chosen or "all" in chosen else chosen
+    found = [v for name in names for v in ([Variant.parse(name)] if ":" in name else variants_of(name))]
+    return list(dict.fromkeys(found))
+
+
+def _accuracies(variants: list[Variant], store: Path | None, workers: int | None, time_limit: float) -> list[Accuracy]:
+    """Ask everything, with bars on the way."""
+    expected = [question for variant in variants for question in accuracy_questions(variant)]
+    exact = _exact_answers(workers)
+    with TemporaryDirectory() if store is None else nullcontext() as folder:
+        file = store if store is not None else Path(str(folder)) / "results.sqlite"
+        with (
+            ResultStore(file) as kept,
+            Bars(variants) as bars,
+            CountingEvaluator(kept, workers, time_limit, expected, bars) as evaluator,
+        ):
+            try:
+                return accuracies(variants, exact, evaluator)
+            except KeyboardInterrupt:
+                where = f"answers are kept in {store}" if store is not None else "nothing is kept without --store"
+                print(f"interrupted: {where}", file=sys.stderr)
+                raise typer.Exit(INTERRUPTED) from None
+
+
+def _exact_answers(workers: int | None) -> dict[Place, Answer]:
+    """Find the exact motion at every place, on all workers."""
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        found = track(
+            pool.map(exact_answer, PLACES), "exact motion", len(PLACES), console=Console(stderr=True), transient=True
+        )
+        return dict(zip(PLACES, found, strict=True))
+
+
+def _print_accuracy(rows: list[Row]) -> None:
+    """Print the table and what it leaves out."""
+    table = _table(*(column.heading for column in COLUMNS))
+    for row in rows:
+        table.add_row(*(column.text(row) for column in COLUMNS))
+    console = Console(width=max(Console().width, 200))
+    console.print(table)
+    for row in rows:
+        if row[0].certified < row[0].points:
+            print(remark(row[0]))
+
+
+def _table(*headings: str) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for heading in headings:
+        table.add_column(escape(heading), no_wrap=":" in heading)
+    return table
+
+
+if __name__ == "__main__":
+    sys.exit(run_command(app))
