@@ -11,6 +11,7 @@ import pytest
 
 import reports.__main__ as command
 from reference_lcp.console import run_command
+from scenarios.evaluation import Evaluator
 from scenarios.figure3 import Figure3
 from scenarios.isolation import IsolatedWorkers
 
