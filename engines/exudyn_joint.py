@@ -8,7 +8,7 @@ from engines.exudyn_lane import ExudynLane
 from engines.interface import Option, Preset
 from reference_lcp.simulation import Lane
 from reference_lcp.trajectory import State
-from reference_lcp.validation import FloatArray
+from reference_lcp.validation import FloatArray, checked_count
 
 _SHARED_OPTIONS = {
     "units": Option("lane", "SI", "Tolerances are then relative to what moves, whatever its size."),
@@ -157,7 +157,9 @@ class BristleLane(ExudynLane):
 
     def _solver_settings(self, preset: Preset) -> Any:
         settings = super()._solver_settings(preset)
-        settings.timeIntegration.discontinuous.maxIterations = preset["discontinuous_iterations"]
+        # With none, Exudyn reports success and leaves the chain where it is.
+        iterations = checked_count("discontinuous_iterations", preset["discontinuous_iterations"])
+        settings.timeIntegration.discontinuous.maxIterations = iterations
         return settings
 
     def _set_friction_state(self, state: State, start: int) -> None:

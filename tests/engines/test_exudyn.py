@@ -17,6 +17,7 @@ from reference_lcp.linear_limits import frictionless_response, stuck_transmittan
 from reference_lcp.periodic import periodic_orbits
 from reference_lcp.simulation import Lane, Simulation
 from reference_lcp.trajectory import State, Trajectory
+from reference_lcp.validation import ParameterError
 
 pytestmark = pytest.mark.skipif(ExudynBristle().why_not_installed() is not None, reason="exudyn is not installed")
 
@@ -280,6 +281,11 @@ def largest_creep(engine: Engine, lane: Lane, preset: str) -> float:
     (trajectory,) = engine.build([lane], preset=preset).run(State.at_rest(1, 7), 0, STEPS)
     scale = lane.drive.displacement_scale(lane.chain)
     return float(np.max(np.abs(trajectory.relative_velocity)) / (scale * lane.drive.angular_frequency))
+
+
+def test_bristles_without_iterations_would_not_move_and_are_refused() -> None:
+    with pytest.raises(ParameterError, match="discontinuous_iterations = 0; allowed"):
+        built_with(ExudynBristle(), lane_of(), discontinuous_iterations=0)
 
 
 def test_a_default_bristle_is_so_soft_that_stuck_contacts_move() -> None:

@@ -40,6 +40,23 @@ def test_the_longest_chain_equals_the_scheme_and_a_longer_one_is_refused() -> No
         PyBullet().build([Lane(longer, lane.drive, lane.time_step)])
 
 
+def with_option(name: str, value: float) -> Trajectory:
+    """A period from rest, in the joint, with one tuned option changed."""
+    tuned = PyBullet().preset("joint", "tuned")
+    changed = Preset("", {**tuned.options, name: Option(value, 0.0, "")})
+    return PyBullet()._build((lane_of(),), Formulation.JOINT, changed).run(State.at_rest(1, 7), 0, STEPS)[0]
+
+
+def test_the_motor_that_a_joint_is_born_with_would_freeze_the_chain() -> None:
+    assert np.max(np.abs(with_option("outer motor force", 1e6).positions)) < 1e-6 * AMPLITUDE
+    assert np.max(np.abs(with_option("outer motor force", 0.0).positions)) > 0.5 * AMPLITUDE
+
+
+def test_damping_of_bodies_in_the_units_of_the_lane_would_stop_the_chain() -> None:
+    """It is a rate: 0.04 in a second is another one in a time step."""
+    assert np.max(np.abs(with_option("linearDamping", 0.04).positions)) < 0.5 * AMPLITUDE
+
+
 def test_a_weak_gain_of_a_motor_is_not_coulomb_friction() -> None:
     """With 0.1 a motor leaves nine tenths of the relative velocity."""
     tuned = PyBullet().preset("joint", "tuned")
