@@ -114,6 +114,8 @@ class Capabilities:
         Repeated runs are bitwise equal.
     notes
         What a reader must know of its friction, in a sentence.
+    further
+        It comes with an extra or with the system and not with the suite: it takes part where it is asked for.
     """
 
     title: str
@@ -126,6 +128,7 @@ class Capabilities:
     residual: float = DEFAULT_RESIDUAL
     deterministic: bool = True
     notes: str = ""
+    further: bool = False
 
 
 @runtime_checkable

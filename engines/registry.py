@@ -35,3 +35,8 @@ def engine(name: str) -> Engine:
     if not isinstance(found, Engine):
         raise TypeError(f"entry point {name!r} gives a {type(found).__name__}; allowed: a subclass of engines.Engine")
     return found
+
+
+def usual_engine_names() -> list[str]:
+    """Names of the engines that take part unasked: all but those that come with an extra or with the system."""
+    return [name for name in engine_names() if not engine(name).capabilities.further]

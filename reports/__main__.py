@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from engines.registry import engine_names
+from engines.registry import engine_names, usual_engine_names
 from engines.variant import Variant
 from reference_lcp.console import INTERRUPTED, checked_output_file, checked_output_folder, run_command
 from reference_lcp.validation import checked_count, checked_scalar
@@ -58,7 +58,7 @@ def report(
             "--engine",
             metavar="NAME[:FORMULATION[:PRESET]]",
             help="An engine to compare, in the formulation joint and the preset tuned unless others are named; "
-            "may be repeated. Without it: all engines.",
+            "may be repeated. Without it: the engines that come with the suite; all: every one that is registered.",
         ),
     ] = None,
     store: Annotated[
@@ -76,7 +76,7 @@ def report(
 
     Example: python -m reports --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
     """
-    asked = _asked(chosen or engine_names(), quick)
+    asked = _asked(_names(chosen), quick)
     if workers is not None:
         checked_count("workers", workers)
     checked_scalar("time_limit", time_limit, "> 0")
@@ -105,6 +105,13 @@ def files_of(result: Figure3Result, command: str) -> dict[str, str]:
         "report.json": json_text(result, stick_slip, origin),
         PAGE: page(TITLE, sections(result, stick_slip, origin)),
     }
+
+
+def _names(chosen: list[str] | None) -> list[str]:
+    """Say who is compared."""
+    if not chosen:
+        return usual_engine_names()
+    return [one for name in chosen for one in (engine_names() if name == "all" else [name])]
 
 
 def _asked(names: list[str], quick: bool) -> Figure3:

@@ -284,7 +284,7 @@ def largest_creep(engine: Engine, lane: Lane, preset: str) -> float:
 
 
 def test_bristles_without_iterations_would_not_move_and_are_refused() -> None:
-    with pytest.raises(ParameterError, match="discontinuous_iterations = 0 is outside its range; allowed: whole numbers >= 1"):
+    with pytest.raises(ParameterError, match=r"discontinuous_iterations = 0 .* whole numbers >= 1"):
         built_with(ExudynBristle(), lane_of(), discontinuous_iterations=0)
 
 
