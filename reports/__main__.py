@@ -10,7 +10,6 @@ import typer
 from engines.registry import engine_names, usual_engine_names
 from engines.variant import Variant
 from reference_lcp.console import INTERRUPTED, checked_output_file, checked_output_folder, run_command
-from reference_lcp.validation import checked_count, checked_scalar
 from reports.page import page, sections
 from reports.provenance import provenance
 from reports.sections.stick_slip import stick_slip_rows
@@ -25,6 +24,7 @@ from reports.tables import (
     transmittance_rows,
     write_all,
 )
+from scenarios.cluster import crew_of
 from scenarios.figure3 import (
     FRICTION_RATIOS,
     QUICK_FRICTION_RATIOS,
@@ -34,7 +34,7 @@ from scenarios.figure3 import (
     quick_frequency_ratios,
     run,
 )
-from scenarios.isolation import TIME_LIMIT
+from scenarios.isolation import TIME_LIMIT, Crew
 from scenarios.progress import Bars, CountingEvaluator
 from scenarios.questions import ChainRatios
 from scenarios.store import ResultStore
@@ -68,6 +68,9 @@ def report(
     time_limit: Annotated[
         float, typer.Option(help="Seconds that a batch of points may take; an engine that hangs is stopped then.")
     ] = TIME_LIMIT,
+    scheduler: Annotated[
+        str | None, typer.Option(help="Address of a dask scheduler whose workers compute, instead of this machine's.")
+    ] = None,
 ) -> None:
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
@@ -77,16 +80,14 @@ def report(
     Example: python -m reports --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
     """
     asked = _asked(_names(chosen), quick)
-    if workers is not None:
-        checked_count("workers", workers)
-    checked_scalar("time_limit", time_limit, "> 0")
+    crew = crew_of(workers, time_limit, scheduler)
     checked_output_folder("--out", out)
     for file in FILES:
         checked_output_file("output file", out / file)
     store = store if store is not None else out / "results.sqlite"
     with ResultStore(store) as kept:
         try:
-            result = _run(asked, kept, workers, time_limit)
+            result = _run(asked, kept, crew)
         except KeyboardInterrupt:
             print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
@@ -125,9 +126,9 @@ def _asked(names: list[str], quick: bool) -> Figure3:
     )
 
 
-def _run(asked: Figure3, kept: ResultStore, workers: int | None, time_limit: float) -> Figure3Result:
+def _run(asked: Figure3, kept: ResultStore, crew: Crew) -> Figure3Result:
     """Answer everything, with bars on the way."""
-    with Bars(asked.all_variants) as bars, CountingEvaluator(kept, workers, time_limit, asked.grid, bars) as evaluator:
+    with Bars(asked.all_variants) as bars, CountingEvaluator(kept, crew, asked.grid, bars) as evaluator:
         return run(asked, evaluator)
 
 

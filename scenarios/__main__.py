@@ -20,10 +20,11 @@ from engines.bench import step_cost
 from engines.registry import engine, engine_names
 from engines.variant import Variant, variants_of
 from reference_lcp.console import INTERRUPTED, checked_output_file, run_command
-from reference_lcp.validation import ParameterError, checked_count, checked_scalar
+from reference_lcp.validation import ParameterError
 from scenarios.accuracy import PLACES, Accuracy, Place, accuracies, accuracy_questions, exact_answer
 from scenarios.accuracy_table import COLUMNS, Row, csv_table, markdown, remark
-from scenarios.isolation import TIME_LIMIT
+from scenarios.cluster import crew_of
+from scenarios.isolation import TIME_LIMIT, Crew
 from scenarios.progress import Bars, CountingEvaluator
 from scenarios.questions import Answer
 from scenarios.store import ResultStore
@@ -75,6 +76,9 @@ def accuracy(
     time_limit: Annotated[
         float, typer.Option(help="Seconds that a batch of points may take; an engine that hangs is stopped then.")
     ] = TIME_LIMIT,
+    scheduler: Annotated[
+        str | None, typer.Option(help="Address of a dask scheduler whose workers compute, instead of this machine's.")
+    ] = None,
 ) -> None:
     """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
 
@@ -83,14 +87,11 @@ def accuracy(
     Example: python -m scenarios run accuracy --store accuracy.sqlite --out accuracy.md
     """
     variants = _variants(chosen)
-    if workers is not None:
-        checked_count("workers", workers)
-    checked_scalar("time_limit", time_limit, "> 0")
     if out is not None and out.suffix not in (".md", ".csv"):
         raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: .md or .csv")
     if out is not None:
         checked_output_file("--out", out)
-    found = _accuracies(variants, store, workers, time_limit)
+    found = _accuracies(variants, store, crew_of(workers, time_limit, scheduler), workers)
     rows: list[Row] = [(one, step_cost(one.variant) if cost and one.certified else None) for one in found]
     _print_accuracy(rows)
     if out is not None:
@@ -125,7 +126,7 @@ def _variants(chosen: list[str] | None) -> list[Variant]:
     return list(dict.fromkeys(found))
 
 
-def _accuracies(variants: list[Variant], store: Path | None, workers: int | None, time_limit: float) -> list[Accuracy]:
+def _accuracies(variants: list[Variant], store: Path | None, crew: Crew, workers: int | None) -> list[Accuracy]:
     """Ask everything, with bars on the way."""
     expected = [question for variant in variants for question in accuracy_questions(variant)]
     exact = _exact_answers(workers)
@@ -134,7 +135,7 @@ def _accuracies(variants: list[Variant], store: Path | None, workers: int | None
         with (
             ResultStore(file) as kept,
             Bars(variants) as bars,
-            CountingEvaluator(kept, workers, time_limit, expected, bars) as evaluator,
+            CountingEvaluator(kept, crew, expected, bars) as evaluator,
         ):
             try:
                 return accuracies(variants, exact, evaluator)

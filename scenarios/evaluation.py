@@ -1,6 +1,5 @@
 """Questions to answers: from the store where they are known, from worker processes where not."""
 
-import os
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from types import TracebackType
@@ -8,7 +7,7 @@ from typing import Self
 
 from engines.registry import engine
 from engines.variant import Variant
-from scenarios.isolation import TIME_LIMIT, IsolatedWorkers
+from scenarios.isolation import Crew
 from scenarios.questions import Answer, Question
 from scenarios.store import ResultStore
 
@@ -27,20 +26,13 @@ class Evaluator:
     ----------
     store
         Where answers are looked up and kept.
-    workers
-        Worker processes; as many as there are processors without it.
-    time_limit
-        Seconds that a batch of questions may take; an engine that hangs is stopped then.
-
-    Raises
-    ------
-    ParameterError
-        If `workers` is below 1, or `time_limit` is not > 0.
+    crew
+        Who computes; it goes when the evaluator does.
     """
 
-    def __init__(self, store: ResultStore, workers: int | None = None, time_limit: float = TIME_LIMIT):
+    def __init__(self, store: ResultStore, crew: Crew):
         self._store = store
-        self._workers = IsolatedWorkers(workers if workers is not None else (os.cpu_count() or 1), time_limit)
+        self._crew = crew
         self._answered: dict[Question, Answer] = {}
         self.progress: Progress = _no_progress
 
@@ -54,7 +46,7 @@ class Evaluator:
             else:
                 self._answered[question] = known
                 self.progress(question.variant, 1)
-        for batch, found in self._workers.answers(list(_batches(missing))):
+        for batch, found in self._crew.answers(list(_batches(missing))):
             self._store.keep(zip(batch, found, strict=True))
             self._answered.update(zip(batch, found, strict=True))
             self.progress(batch[0].variant, len(batch))
@@ -66,7 +58,7 @@ class Evaluator:
 
     def close(self) -> None:
         """End the worker processes; what they have not begun is left undone."""
-        self._workers.close()
+        self._crew.close()
 
     def __enter__(self) -> Self:
         return self

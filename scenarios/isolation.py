@@ -2,15 +2,18 @@
 
 import faulthandler
 import multiprocessing
+import os
 import re
 import tempfile
+import threading
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.connection import wait as wait_for_any
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Protocol, Self
 
 from reference_lcp.validation import checked_count, checked_scalar
 from scenarios.answering import answer_batch
@@ -22,9 +25,31 @@ TIME_LIMIT = 300.0
 MOST_FAILURES = 3
 """Points at which an engine may end its process; after as many, its other points are not asked in this run."""
 
+Batch = list[Question]
 
-class Worker:
-    """One process that answers one batch of questions at a time.
+
+class WorkerDied(RuntimeError):
+    """A process has ended with its batch unanswered; the message says why."""
+
+
+class Worker(Protocol):
+    """Somebody who answers one batch at a time, in a process of their own."""
+
+    def submit(self, batch: Batch, limit: float) -> Future[list[Answer]]:
+        """Start on a batch that may take `limit` seconds."""
+        ...
+
+    def result(self, future: Future[list[Answer]], limit: float) -> list[Answer]:
+        """Give the answers, or raise `WorkerDied`."""
+        ...
+
+    def close(self) -> None:
+        """Leave what is not begun undone."""
+        ...
+
+
+class ProcessWorker:
+    """A process on this machine.
 
     Parameters
     ----------
@@ -34,28 +59,44 @@ class Worker:
 
     def __init__(self, record: Path):
         self._record = record
-        # spawn: engines hold threads and locks that a forked child would find in an undefined state
-        self._pool = ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn"))
+        self._pool = self._new_pool()
 
-    def submit(self, batch: Sequence[Question], limit: float) -> Future[list[Answer]]:
-        """Start on a batch; the process ends itself when it takes longer than `limit` [s]."""
+    def submit(self, batch: Batch, limit: float) -> Future[list[Answer]]:
+        """Start on a batch; a process that died while it was idle is replaced."""
         self._record.write_text("")
-        return self._pool.submit(answer_within, batch, limit, self._record)
+        try:
+            return self._pool.submit(answer_within, batch, limit, self._record)
+        except BrokenProcessPool:
+            self._replace()
+            return self._pool.submit(answer_within, batch, limit, self._record)
 
-    def reason_of_death(self, limit: float) -> str:
-        """Say why the process has died, in a sentence."""
-        note = self._record.read_text(errors="replace")
-        # of several threads, the one that began first, and does the work, comes last
-        place = re.search(r'File "([^"]+)", line (\d+) in (\S+)', note.rsplit("Thread 0x", 1)[-1])
-        where = f", in {place[3]} ({Path(place[1]).name}:{place[2]})" if place else ""
-        if note.startswith("Timeout"):
-            return f"stopped at the time limit of {limit:g} s{where}"
-        fault = re.search(r"Fatal Python error: (.+)", note)
-        return f"the worker process crashed: {fault[1]}{where}" if fault else "the worker process was killed"
+    def result(self, future: Future[list[Answer]], limit: float) -> list[Answer]:
+        """Give the answers, or replace the process and say why it has died."""
+        try:
+            return future.result()
+        except BrokenProcessPool:
+            self._replace()
+            raise WorkerDied(reason_of_death(self._record.read_text(errors="replace"), limit)) from None
 
     def close(self) -> None:
         """End the process."""
         self._pool.shutdown(cancel_futures=True)
+
+    def _replace(self) -> None:
+        self.close()
+        self._pool = self._new_pool()
+
+    @staticmethod
+    def _new_pool() -> ProcessPoolExecutor:
+        # spawn: engines hold threads and locks that a forked child would find in an undefined state
+        return ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), initializer=end_with_parent)
+
+
+def end_with_parent() -> None:
+    """Let this process end when the one that started it is gone, however that ended."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=lambda: (wait_for_any([parent.sentinel]), os._exit(1)), daemon=True).start()
 
 
 def answer_within(batch: Sequence[Question], limit: float, record: Path) -> list[Answer]:
@@ -73,13 +114,26 @@ def answer_within(batch: Sequence[Question], limit: float, record: Path) -> list
             faulthandler.disable()
 
 
-class IsolatedWorkers:
+def reason_of_death(note: str, limit: float) -> str:
+    """Read the note that a process has left."""
+    # of several threads, the one that began first, and does the work, comes last
+    place = re.search(r'File "([^"]+)", line (\d+) in (\S+)', note.rsplit("Thread 0x", 1)[-1])
+    where = f", in {place[3]} ({Path(place[1]).name}:{place[2]})" if place else ""
+    if note.startswith("Timeout"):
+        return f"stopped at the time limit of {limit:g} s{where}"
+    fault = re.search(r"Fatal Python error: (.+)", note)
+    return f"the worker process crashed: {fault[1]}{where}" if fault else "the worker process was killed"
+
+
+class Crew:
     """A number of workers, each with one batch at a time: who dies takes nobody else's work along.
 
     Parameters
     ----------
-    workers
-        Number of processes, >= 1.
+    hire
+        Gives the worker of a place, when it is needed first.
+    places
+        Number of workers, >= 1.
     time_limit
         Seconds that a batch may take, > 0.
 
@@ -89,17 +143,17 @@ class IsolatedWorkers:
         If a number is outside its range.
     """
 
-    def __init__(self, workers: int, time_limit: float = TIME_LIMIT):
+    def __init__(self, hire: Callable[[int], Worker], places: int, time_limit: float = TIME_LIMIT):
+        self._hire = hire
         self._limit = checked_scalar("time_limit", time_limit, "> 0")
-        self._idle: deque[int] = deque(range(checked_count("workers", workers)))
+        self._idle = deque(range(checked_count("workers", places)))
         self._workers: dict[int, Worker] = {}
-        self._folder = tempfile.TemporaryDirectory(prefix="multibody-xval-")
 
-    def answers(self, batches: Sequence[list[Question]]) -> Iterator[tuple[list[Question], list[Answer]]]:
+    def answers(self, batches: Sequence[Batch]) -> Iterator[tuple[Batch, list[Answer]]]:
         """Answer batches as they come; one whose process dies is asked again question by question."""
         waiting = deque(batches)
         failures: dict[str, list[str]] = {}
-        running: dict[Future[list[Answer]], tuple[int, list[Question]]] = {}
+        running: dict[Future[list[Answer]], tuple[int, Batch]] = {}
         while waiting or running:
             while waiting and self._idle:
                 batch = waiting.popleft()
@@ -107,28 +161,28 @@ class IsolatedWorkers:
                 if len(seen) >= MOST_FAILURES:
                     yield batch, [Answer.blocked(f"not asked: {len(seen)} points before, {seen[-1]}")] * len(batch)
                     continue
-                slot = self._idle.popleft()
-                running[self._submit(slot, batch)] = slot, batch
+                place = self._idle.popleft()
+                running[self._worker(place).submit(batch, self._limit)] = place, batch
             for future in wait(running, return_when=FIRST_COMPLETED).done:
-                slot, batch = running.pop(future)
+                place, batch = running.pop(future)
                 try:
-                    yield batch, future.result()
-                except BrokenProcessPool:
-                    reason = self._bury(slot)
+                    found = self._workers[place].result(future, self._limit)
+                except WorkerDied as death:
                     if len(batch) > 1:
                         waiting.extendleft([question] for question in reversed(batch))
-                        continue
-                    failures.setdefault(str(batch[0].variant), []).append(reason)
-                    yield batch, [Answer.blocked(reason)]
-                finally:
-                    self._idle.append(slot)
+                        found = []
+                    else:
+                        failures.setdefault(str(batch[0].variant), []).append(str(death))
+                        found = [Answer.blocked(str(death))]
+                self._idle.append(place)
+                if found:
+                    yield batch, found
 
     def close(self) -> None:
         """End every process; what they have not begun is left undone."""
         for worker in self._workers.values():
             worker.close()
         self._workers.clear()
-        self._folder.cleanup()
 
     def __enter__(self) -> Self:
         return self
@@ -138,21 +192,35 @@ class IsolatedWorkers:
     ) -> None:
         self.close()
 
-    def _submit(self, slot: int, batch: list[Question]) -> Future[list[Answer]]:
-        """Give a batch to the worker of a slot; one that died while it was idle is replaced."""
-        try:
-            return self._worker(slot).submit(batch, self._limit)
-        except BrokenProcessPool:
-            self._bury(slot)
-            return self._worker(slot).submit(batch, self._limit)
+    def _worker(self, place: int) -> Worker:
+        if place not in self._workers:
+            self._workers[place] = self._hire(place)
+        return self._workers[place]
 
-    def _worker(self, slot: int) -> Worker:
-        if slot not in self._workers:
-            self._workers[slot] = Worker(Path(self._folder.name) / str(slot))
-        return self._workers[slot]
 
-    def _bury(self, slot: int) -> str:
-        """Take leave of a dead worker; gives the reason of its death."""
-        worker = self._workers.pop(slot)
-        worker.close()
-        return worker.reason_of_death(self._limit)
+class LocalCrew(Crew):
+    """Processes on this machine.
+
+    Parameters
+    ----------
+    workers
+        Number of processes; as many as there are processors without it.
+    time_limit
+        Seconds that a batch may take, > 0.
+    """
+
+    def __init__(self, workers: int | None = None, time_limit: float = TIME_LIMIT):
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        super().__init__(self._hired, workers if workers is not None else (os.cpu_count() or 1), time_limit)
+
+    def close(self) -> None:
+        """End every process."""
+        super().close()
+        if self._folder is not None:
+            self._folder.cleanup()
+            self._folder = None
+
+    def _hired(self, place: int) -> Worker:
+        if self._folder is None:
+            self._folder = tempfile.TemporaryDirectory(prefix="multibody-xval-")
+        return ProcessWorker(Path(self._folder.name) / str(place))

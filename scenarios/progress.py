@@ -10,6 +10,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 
 from engines.variant import Variant
 from scenarios.evaluation import Evaluator
+from scenarios.isolation import Crew
 from scenarios.questions import Answer, Question
 from scenarios.store import ResultStore
 
@@ -61,7 +62,7 @@ class CountingEvaluator(Evaluator):
 
     Parameters
     ----------
-    store, workers, time_limit
+    store, crew
         As for every evaluator.
     expected
         What will be asked in any case.
@@ -69,10 +70,8 @@ class CountingEvaluator(Evaluator):
         Where progress is shown.
     """
 
-    def __init__(
-        self, store: ResultStore, workers: int | None, time_limit: float, expected: Sequence[Question], bars: Bars
-    ):
-        super().__init__(store, workers, time_limit)
+    def __init__(self, store: ResultStore, crew: Crew, expected: Sequence[Question], bars: Bars):
+        super().__init__(store, crew)
         self._bars = bars
         self._expected: set[Question] = set()
         self.progress = bars.advance

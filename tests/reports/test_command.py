@@ -13,7 +13,7 @@ import reports.__main__ as command
 from reference_lcp.console import run_command
 from scenarios.evaluation import Evaluator
 from scenarios.figure3 import Figure3
-from scenarios.isolation import IsolatedWorkers
+from scenarios.isolation import ProcessWorker
 
 SMALL = {"friction_ratios": (0.3,), "frequency_ratios": (0.3, 0.6, 0.63, 0.65, 0.7, 0.8, 0.9, 1.1)}
 
@@ -110,7 +110,7 @@ def test_a_second_run_answers_from_the_store(
     def refuse(*_arguments: object) -> None:
         raise AssertionError("something was computed again")
 
-    monkeypatch.setattr(IsolatedWorkers, "_submit", refuse)
+    monkeypatch.setattr(ProcessWorker, "submit", refuse)
     assert run_command(command.app, arguments) == 0
     assert {file.name: file.read_text() for file in tmp_path.glob("*.csv")} == first
     assert json.loads((tmp_path / "report.json").read_text())["provenance"]["command"] == (
@@ -125,7 +125,7 @@ def test_an_interrupted_run_says_that_answers_are_kept_and_writes_no_page(
     def interrupt(*_arguments: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(IsolatedWorkers, "_submit", interrupt)
+    monkeypatch.setattr(ProcessWorker, "submit", interrupt)
     assert run_command(command.app, ["--engine", "reference", "--out", str(tmp_path)]) == 130
     assert f"kept in {tmp_path / 'results.sqlite'}" in capsys.readouterr().err
     assert [file.name for file in tmp_path.iterdir()] == ["results.sqlite"]

@@ -18,6 +18,7 @@ from scenarios.figure3 import (
     resonances,
     run,
 )
+from scenarios.isolation import LocalCrew
 from scenarios.questions import ChainRatios
 from scenarios.store import ResultStore
 
@@ -41,7 +42,10 @@ SUPPORT = {
 def edges(tmp_path_factory):
     """Edges of every installed engine, each friction ratio on its own few points."""
     found = {}
-    with ResultStore(tmp_path_factory.mktemp("store") / "results.sqlite") as store, Evaluator(store, 2) as evaluator:
+    with (
+        ResultStore(tmp_path_factory.mktemp("store") / "results.sqlite") as store,
+        Evaluator(store, LocalCrew(2)) as evaluator,
+    ):
         for friction, support in SUPPORT.items():
             asked = Figure3(
                 variants=tuple(Variant(name) for name in INSTALLED), friction_ratios=(friction,),
@@ -114,7 +118,7 @@ def test_grid_holds_every_resonance_and_the_ends() -> None:
 
 def test_every_point_is_compared_and_reports_its_residual(tmp_path) -> None:
     asked = Figure3(variants=(Variant("mujoco"),), friction_ratios=(0.3,), frequency_ratios=(0.6, 0.9, 1.6))
-    with ResultStore(tmp_path / "results.sqlite") as store, Evaluator(store, 1) as evaluator:
+    with ResultStore(tmp_path / "results.sqlite") as store, Evaluator(store, LocalCrew(1)) as evaluator:
         result = run(asked, evaluator)
     for variant in (CONVERGED, REFERENCE, Variant("mujoco")):
         curve = result.curve(variant, 0.3)

@@ -1,6 +1,12 @@
 """Engines that crash, hang, are killed or give no numbers: blocked with the reason, and everything else goes on."""
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import pytest
 
@@ -9,6 +15,7 @@ import json, sys, time
 from pathlib import Path
 from engines.variant import Variant
 from scenarios.evaluation import Evaluator
+from scenarios.isolation import LocalCrew
 from scenarios.questions import ChainRatios, Question
 from scenarios.store import ResultStore
 
@@ -18,7 +25,7 @@ def question(name, eta):
 if __name__ == "__main__":
     names, file = sys.argv[1].split(","), Path(sys.argv[2])
     asked = [question(name, eta) for name in names for eta in json.loads(sys.argv[3])]
-    with ResultStore(file) as store, Evaluator(store, 2, time_limit=4.0) as evaluator:
+    with ResultStore(file) as store, Evaluator(store, LocalCrew(2, 4.0)) as evaluator:
         found = evaluator.evaluate(asked)
     rows = [(q.variant.engine, q.frequency_ratio, a.status, a.reason) for q, a in zip(asked, found)]
     print(json.dumps(rows))
@@ -64,3 +71,31 @@ def test_engine_that_dies_at_point_after_point_is_not_asked_forever(ask) -> None
     assert reasons.count("the worker process was killed") >= 3
     assert "not asked: 3 points before, the worker process was killed" in reasons
     assert all(rows["reference", eta][0] == "converged" for eta in near)
+
+
+def children_of(process: int) -> set[int]:
+    return {int(one) for one in Path(f"/proc/{process}/task/{process}/children").read_text().split()}
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs Linux's list of processes")
+def test_workers_end_when_their_client_is_killed(install, tmp_path) -> None:
+    """kill −9 leaves no time to say goodbye; nobody may go on computing for nobody."""
+    script = tmp_path / "ask.py"
+    script.write_text(SCRIPT.replace("time_limit=4.0", "time_limit=600.0").replace("(2, 4.0)", "(2, 600.0)"))
+    site = install("faulty")
+    command = [sys.executable, str(script), "faulty-sound", str(tmp_path / "store.sqlite")]
+    ratios = json.dumps([0.4 + 1e-3 * k for k in range(400)])
+    client = subprocess.Popen([*command, ratios], env=site.environment)
+    workers: set[int] = set()
+    give_up = time.monotonic() + 60
+    while len(workers) < 3 and time.monotonic() < give_up:  # two of them, and the tracker of their resources
+        time.sleep(0.1)
+        workers = children_of(client.pid)
+    assert len(workers) >= 3
+    time.sleep(3)
+    os.kill(client.pid, signal.SIGKILL)
+    client.wait()
+    give_up = time.monotonic() + 10
+    while any(Path(f"/proc/{one}").exists() for one in workers) and time.monotonic() < give_up:
+        time.sleep(0.1)
+    assert not [one for one in workers if Path(f"/proc/{one}").exists()]

@@ -9,6 +9,7 @@ import pytest
 from engines.variant import Variant
 from scenarios import isolation
 from scenarios.figure3 import CONVERGED, REFERENCE, Figure3
+from scenarios.isolation import LocalCrew
 from scenarios.progress import Bars, CountingEvaluator
 from scenarios.questions import Answer, Question
 from scenarios.store import ResultStore
@@ -51,7 +52,10 @@ def test_the_grid_is_expected_from_the_start_and_a_question_counts_once(
     monkeypatch.setattr(isolation, "ProcessPoolExecutor", HereAndNow)
     asked = Figure3(variants=(), friction_ratios=(0.0, 0.3), frequency_ratios=(0.5, 0.7))
     bars = CountedBars()
-    with ResultStore(tmp_path / "s.sqlite") as store, CountingEvaluator(store, 1, 60.0, asked.grid, bars) as evaluator:
+    with (
+        ResultStore(tmp_path / "s.sqlite") as store,
+        CountingEvaluator(store, LocalCrew(1), asked.grid, bars) as evaluator,
+    ):
         assert bars.total == {CONVERGED: 4, REFERENCE: 4}
         on_grid = asked.question(REFERENCE, 0.3, 0.5)
         added = asked.question(REFERENCE, 0.3, 0.6)

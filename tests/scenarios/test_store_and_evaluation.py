@@ -10,6 +10,7 @@ from engines.variant import Variant
 from reference_lcp import ParameterError
 from scenarios import answering, isolation
 from scenarios.evaluation import Evaluator
+from scenarios.isolation import LocalCrew
 from scenarios.questions import Answer, ChainRatios, Question
 from scenarios.store import ResultStore
 
@@ -80,11 +81,11 @@ def test_foreign_and_damaged_files_are_refused_and_left_alone(tmp_path) -> None:
 
 def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
     asked = [question(eta=eta) for eta in (0.5, 0.9, 0.5)]
-    with Evaluator(store, workers=1) as evaluator:
+    with Evaluator(store, LocalCrew(1)) as evaluator:
         first = evaluator.evaluate(asked)
     monkeypatch.setattr(isolation, "ProcessPoolExecutor", None)
     counted = []
-    with Evaluator(store, workers=1) as evaluator:
+    with Evaluator(store, LocalCrew(1)) as evaluator:
         evaluator.progress = lambda _variant, count: counted.append(count)
         assert evaluator.evaluate(asked) == first
     assert sum(counted) == 2
@@ -96,14 +97,14 @@ def test_number_of_workers_does_not_change_the_answers(tmp_path) -> None:
     asked = [question(eta=eta, variant=name) for eta in (0.5, 0.9) for name in ("reference", "mujoco")]
     tables = []
     for workers in (1, 2):
-        with ResultStore(tmp_path / f"{workers}.sqlite") as store, Evaluator(store, workers) as evaluator:
+        with ResultStore(tmp_path / f"{workers}.sqlite") as store, Evaluator(store, LocalCrew(workers)) as evaluator:
             tables.append([(a.transmittance_db, a.residual, a.transitions) for a in evaluator.evaluate(asked)])
     assert tables[0] == tables[1]
 
 
 def test_workers_below_one_are_refused(store) -> None:
     with pytest.raises(ParameterError, match="workers = 0"):
-        Evaluator(store, workers=0)
+        Evaluator(store, LocalCrew(0))
 
 
 class _Failing(Engine):
