@@ -24,10 +24,13 @@ from reference_lcp.validation import ParameterError
 from scenarios.accuracy import PLACES, Accuracy, Place, accuracies, accuracy_questions, exact_answer
 from scenarios.accuracy_table import COLUMNS, Row, csv_table, markdown, remark
 from scenarios.cluster import crew_of
+from scenarios.evaluation import Evaluator
 from scenarios.isolation import TIME_LIMIT, Crew
 from scenarios.progress import Bars, CountingEvaluator
 from scenarios.questions import Answer
 from scenarios.store import ResultStore
+from scenarios.sweep import STATUSES, Sweep, dataset, run_sweep, write_dataset
+from scenarios.sweep_file import EXAMPLE, read_sweep
 
 EXPERIMENTS = {
     "accuracy": "How wrong is the friction of each engine, formulation and preset? Against the exact motion.",
@@ -49,6 +52,15 @@ Chosen = Annotated[
 ]
 
 
+Workers = Annotated[int | None, typer.Option(help="Worker processes; without it, one a processor.")]
+Limit = Annotated[
+    float, typer.Option(help="Seconds that a batch of points may take; an engine that hangs is stopped then.")
+]
+Scheduler = Annotated[
+    str | None, typer.Option(help="Address of a dask scheduler whose workers compute, instead of this machine's.")
+]
+
+
 @app.callback(invoke_without_command=True)
 def catalogue(context: typer.Context) -> None:
     """List the experiments; `python -m scenarios run NAME` runs one.
@@ -58,6 +70,45 @@ def catalogue(context: typer.Context) -> None:
     if context.invoked_subcommand is None:
         for name, question in EXPERIMENTS.items():
             print(f"{name:10} {question}")
+
+
+@app.command()
+def example() -> None:
+    """Print a commented file of parameters for `sweep`.
+
+    Example: python -m scenarios example > sweep.toml
+    """
+    print(EXAMPLE, end="")
+
+
+@app.command()
+def sweep(
+    file: Annotated[Path, typer.Argument(help="What is asked: a TOML file as `example` prints it.")],
+    store: Annotated[Path, typer.Option(help="File that keeps every answer, so that a stopped sweep goes on.")] = Path(
+        "sweep.sqlite"
+    ),
+    out: Annotated[
+        Path | None, typer.Option(help="Write what the store knows of the sweep: NetCDF as .nc, a table as .csv.")
+    ] = None,
+    ask: Annotated[bool, typer.Option(help="Answer what is missing; --no-ask writes what there is.")] = True,
+    workers: Workers = None,
+    time_limit: Limit = TIME_LIMIT,
+    scheduler: Scheduler = None,
+) -> None:
+    """Answer every combination of parameters that a file names, by every engine that it names.
+
+    Exit code 0: everything is answered or blocked with a reason; 2: wrong input; 130: interrupted.
+
+    Example: python -m scenarios sweep sweep.toml --out sweep.nc
+    """
+    asked = read_sweep(file)
+    _check_out(out, (".nc", ".csv"))
+    crew = crew_of(workers, time_limit, scheduler)
+    with ResultStore(store) as kept:
+        if ask:
+            _sweep(asked, kept, crew, store)
+        if out is not None:
+            write_dataset(dataset(asked, kept), out)
 
 
 @run.command()
@@ -72,13 +123,9 @@ def accuracy(
     cost: Annotated[
         bool, typer.Option(help="Measure what a step costs, at the end, with nothing else running.")
     ] = True,
-    workers: Annotated[int | None, typer.Option(help="Worker processes; without it, one a processor.")] = None,
-    time_limit: Annotated[
-        float, typer.Option(help="Seconds that a batch of points may take; an engine that hangs is stopped then.")
-    ] = TIME_LIMIT,
-    scheduler: Annotated[
-        str | None, typer.Option(help="Address of a dask scheduler whose workers compute, instead of this machine's.")
-    ] = None,
+    workers: Workers = None,
+    time_limit: Limit = TIME_LIMIT,
+    scheduler: Scheduler = None,
 ) -> None:
     """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
 
@@ -87,10 +134,7 @@ def accuracy(
     Example: python -m scenarios run accuracy --store accuracy.sqlite --out accuracy.md
     """
     variants = _variants(chosen)
-    if out is not None and out.suffix not in (".md", ".csv"):
-        raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: .md or .csv")
-    if out is not None:
-        checked_output_file("--out", out)
+    _check_out(out, (".md", ".csv"))
     found = _accuracies(variants, store, crew_of(workers, time_limit, scheduler), workers)
     rows: list[Row] = [(one, step_cost(one.variant) if cost and one.certified else None) for one in found]
     _print_accuracy(rows)
@@ -116,6 +160,32 @@ def cost(chosen: Chosen = None) -> None:
         ratios = (found.ratio, found.run / found.bare)
         cells = [f"{1e6 * time:.2f}" for time in times] + [f"{ratio:.2f}" for ratio in ratios]
         table.add_row(str(variant), *(cell.replace("nan", "–") for cell in cells))
+    Console().print(table)
+
+
+def _check_out(out: Path | None, endings: tuple[str, ...]) -> None:
+    """Refuse a file that cannot be written, or whose ending names no format."""
+    if out is None:
+        return
+    if out.suffix not in endings:
+        raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(endings)}")
+    checked_output_file("--out", out)
+
+
+def _sweep(asked: Sweep, kept: ResultStore, crew: Crew, store: Path) -> None:
+    """Answer a sweep, with bars on the way, and print how its points ended."""
+    with Bars(asked.variants) as bars, Evaluator(kept, crew) as evaluator:
+        for variant in asked.variants:
+            bars.expect(variant, asked.points // len(asked.variants))
+        evaluator.progress = bars.advance
+        try:
+            counted = run_sweep(asked, evaluator)
+        except KeyboardInterrupt:
+            print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
+            raise typer.Exit(INTERRUPTED) from None
+    table = _table("engine:formulation:preset", *STATUSES[:-1])
+    for variant in asked.variants:
+        table.add_row(str(variant), *(str(counted[variant, status]) for status in STATUSES[:-1]))
     Console().print(table)
 
 

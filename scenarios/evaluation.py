@@ -1,7 +1,7 @@
 """Questions to answers: from the store where they are known, from worker processes where not."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from types import TracebackType
 from typing import Self
 
@@ -52,6 +52,24 @@ class Evaluator:
             self.progress(batch[0].variant, len(batch))
         return [self._answered[question] for question in questions]
 
+    def complete(self, questions: Iterable[Question]) -> Iterator[tuple[Question, str]]:
+        """Answer whatever the store does not know, and forget it once it is kept; gives each question's status.
+
+        However many questions there are, their answers are never in memory together.
+        """
+        missing = []
+        for question, status in self._store.statuses(questions):
+            known = status or self._status_unasked(question)
+            if known is None:
+                missing.append(question)
+            else:
+                self.progress(question.variant, 1)
+                yield question, known
+        for batch, found in self._crew.answers(list(_batches(missing))):
+            self._store.keep(zip(batch, found, strict=True))
+            self.progress(batch[0].variant, len(batch))
+            yield from ((question, answer.status) for question, answer in zip(batch, found, strict=True))
+
     def unanswered(self, questions: Sequence[Question]) -> list[Question]:
         """Give the questions that this evaluator has not answered so far, each once."""
         return [question for question in dict.fromkeys(questions) if question not in self._answered]
@@ -67,6 +85,10 @@ class Evaluator:
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def _status_unasked(self, question: Question) -> str | None:
+        """Give the status that needs neither the store nor a computation."""
+        return None if engine(question.variant.engine).why_not_installed() is None else "blocked"
 
     def _known(self, question: Question) -> Answer | None:
         """Give the answer that needs no computation: a kept one, or that the engine is missing."""

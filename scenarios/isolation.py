@@ -28,6 +28,9 @@ MOST_FAILURES = 3
 Batch = list[Question]
 
 
+KILLED = "the worker process was killed"
+
+
 class WorkerDied(RuntimeError):
     """A process has ended with its batch unanswered; the message says why."""
 
@@ -122,7 +125,7 @@ def reason_of_death(note: str, limit: float) -> str:
     if note.startswith("Timeout"):
         return f"stopped at the time limit of {limit:g} s{where}"
     fault = re.search(r"Fatal Python error: (.+)", note)
-    return f"the worker process crashed: {fault[1]}{where}" if fault else "the worker process was killed"
+    return f"the worker process crashed: {fault[1]}{where}" if fault else KILLED
 
 
 class Crew:
@@ -150,7 +153,11 @@ class Crew:
         self._workers: dict[int, Worker] = {}
 
     def answers(self, batches: Sequence[Batch]) -> Iterator[tuple[Batch, list[Answer]]]:
-        """Answer batches as they come; one whose process dies is asked again question by question."""
+        """Answer batches as they come; one whose process dies is asked again question by question.
+
+        A question whose process was killed, from outside or for want of memory, has a second chance.
+        """
+        again: set[Question] = set()
         waiting = deque(batches)
         failures: dict[str, list[str]] = {}
         running: dict[Future[list[Answer]], tuple[int, Batch]] = {}
@@ -168,8 +175,9 @@ class Crew:
                 try:
                     found = self._workers[place].result(future, self._limit)
                 except WorkerDied as death:
-                    if len(batch) > 1:
+                    if len(batch) > 1 or (str(death) == KILLED and batch[0] not in again):
                         waiting.extendleft([question] for question in reversed(batch))
+                        again.update(batch[:1] if len(batch) == 1 else ())
                         found = []
                     else:
                         failures.setdefault(str(batch[0].variant), []).append(str(death))

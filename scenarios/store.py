@@ -1,8 +1,9 @@
 """Answers kept in one SQLite file: what has been computed once is never computed again."""
 
+import itertools
 import json
 import sqlite3
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -12,6 +13,9 @@ from scenarios.questions import Answer, Question
 
 APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""
+
+LOOKUP = 500
+"""Questions that are looked up at once."""
 
 SCHEMA_VERSION = 1
 """Layout of the tables."""
@@ -63,6 +67,24 @@ class ResultStore:
         """Give the answer to an equal question, or ``None``."""
         row = self._connection.execute("SELECT answer FROM answers WHERE key = ?", (question.key(),)).fetchone()
         return None if row is None else Answer.from_json(row[0])
+
+    def answers(self, questions: Iterable[Question]) -> Iterator[Answer | None]:
+        """Give the answer to each question, in order, or ``None``."""
+        for _, text in self._texts(questions, "answer"):
+            yield None if text is None else Answer.from_json(text)
+
+    def statuses(self, questions: Iterable[Question]) -> Iterator[tuple[Question, str | None]]:
+        """Give each question, in order, with the status of its answer, or ``None``."""
+        return self._texts(questions, "json_extract(answer, '$.status')")
+
+    def _texts(self, questions: Iterable[Question], column: str) -> Iterator[tuple[Question, str | None]]:
+        """Look up an expression of SQL for each question, many at a time."""
+        asked = iter(questions)
+        while chunk := list(itertools.islice(asked, LOOKUP)):
+            keys = [question.key() for question in chunk]
+            marks = ",".join("?" * len(keys))
+            found = dict(self._connection.execute(f"SELECT key, {column} FROM answers WHERE key IN ({marks})", keys))
+            yield from ((question, found.get(key)) for question, key in zip(chunk, keys, strict=True))
 
     def keep(self, answered: Iterable[tuple[Question, Answer]]) -> None:
         """Write answers in one transaction; blocked ones are not kept, so that they are tried again."""
