@@ -4,6 +4,13 @@ import importlib.util
 from importlib.metadata import version
 from typing import ClassVar
 
+from engines.drake_contact import (
+    CONTACT_DEFAULT,
+    CONTACT_SAP,
+    CONTACT_SIMILAR,
+    CONTACT_TUNED,
+    DrakeContactLane,
+)
 from engines.drake_joint import JOINT_DEFAULT, JOINT_TUNED, DrakeJointLane
 from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
 from reference_lcp.simulation import Lane, Simulation
@@ -20,6 +27,12 @@ class Drake(Engine):
         friction_law=FrictionLaw.REGULARISED,
         presets={
             Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {
+                "tuned": CONTACT_TUNED,
+                "sap": CONTACT_SAP,
+                "similar": CONTACT_SIMILAR,
+                "default": CONTACT_DEFAULT,
+            },
         },
         notes=(
             "Friction is regularised by a narrow band of velocities, whose width shrinks with the time step: a stuck "
@@ -39,4 +52,5 @@ class Drake(Engine):
         return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        return LanewiseSimulation.build(lanes, lambda lane: DrakeJointLane(lane, preset))
+        model = DrakeJointLane if formulation is Formulation.JOINT else DrakeContactLane
+        return LanewiseSimulation.build(lanes, lambda lane: model(lane, preset))

@@ -135,16 +135,20 @@ def set_options(plant: Any, preset: Preset) -> None:
     plant.SetUseSampledOutputPorts(preset["output ports"] == "sampled")
 
 
+def add_mass(plant: Any, name: str, mass: float) -> Any:
+    """Add a body; nothing turns, so that its inertia never enters."""
+    from pydrake.multibody.tree import SpatialInertia, UnitInertia
+
+    return plant.AddRigidBody(name, SpatialInertia(mass, [0.0, 0.0, 0.0], UnitInertia.SolidSphere(1.0)))
+
+
 def add_slider(plant: Any, name: str, parent: Any, mass: float, stiffness: float, damping: float) -> Any:
     """Add a mass that slides along x relative to its parent, held by a spring and a dashpot; its joint has its name."""
-    from pydrake.multibody.tree import PrismaticJoint, PrismaticSpring, SpatialInertia, UnitInertia
+    from pydrake.multibody.tree import PrismaticJoint, PrismaticSpring
 
-    # Nothing turns, so that the inertia never enters.
-    inertia = SpatialInertia(mass, [0.0, 0.0, 0.0], UnitInertia.SolidSphere(1.0))
-    body = plant.AddRigidBody(name, inertia)
-    joint = plant.AddJoint(
-        PrismaticJoint(name, parent.body_frame(), body.body_frame(), [1.0, 0.0, 0.0], damping=damping)
-    )
+    body = add_mass(plant, name, mass)
+    along = [1.0, 0.0, 0.0]
+    joint = plant.AddJoint(PrismaticJoint(name, parent.body_frame(), body.body_frame(), along, damping=damping))
     plant.AddForceElement(PrismaticSpring(joint=joint, nominal_position=0.0, stiffness=stiffness))
     return body
 
