@@ -35,9 +35,10 @@ class Drake(Engine):
             },
         },
         notes=(
-            "Friction is regularised by a narrow band of velocities, whose width shrinks with the time step: a stuck "
-            "contact creeps a little. Springs act with their force at the start of a step, dashpots of joints with "
-            "the velocity at its end."
+            "Friction is regularised within a narrow band of velocities, in the tuned presets so narrow that a stuck "
+            "contact creeps at 1e-5 of the motion. Springs act with their force at the start of a step, dashpots of "
+            "joints with the velocity at its end. Of the approximations of contact, kLagged, Drake's own, keeps the "
+            "normal force; with kSap and kSimilar friction lifts a sliding body, which then bounces."
         ),
     )
 

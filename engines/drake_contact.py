@@ -30,14 +30,16 @@ _TUNED_OPTIONS = {
     **SHARED_TUNED_OPTIONS,
     "contact_model": Option("kPoint", "kHydroelasticWithFallback", "The same points; shapes are not asked for more."),
     "stiction": Option(
-        3e-5, 1e-3, "v_stiction over s ω_r, with s the displacement scale of the drive, instead of in m/s: creep; at "
-        "1e-6, below what Drake's solver resolves, an orbit of contacts that nearly stick stalls at 1e-5.",
+        3e-5, 1e-3, "v_stiction over s ω_r, with s the displacement scale of the drive, instead of in m/s. At 1e-7 "
+        "Drake's solver, which stops at a part of 1e-6, leaves so much that orbits of nearly stuck cells stall.",
     ),
     "depth": Option(
         2.0**-3, 0.0, "Of the sphere at rest, over the displacement scale; sets point_stiffness, 1e6 N/m without it. "
         "No matter for kLagged; with the others a sliding sphere would leave a stiffer plane.",
     ),
-    "hunt_crossley_dissipation": Option(0.0, 50.0, "[s/m] Nothing moves across the plane that it could take from."),
+    "hunt_crossley_dissipation": Option(
+        0.0, 50.0, "[s/m] Nothing moves across the plane; the other approximations are compared without it."
+    ),
 }  # fmt: skip
 
 CONTACT_TUNED = Preset(
@@ -63,11 +65,11 @@ CONTACT_SIMILAR = Preset(
 )
 
 CONTACT_SAP = Preset(
-    "As tuned, with the convex approximation of Drake's solver paper, until 2024 the one that was advised.",
+    "As tuned, with the approximation of Drake's solver itself, the convex one of Castro et al., 2022.",
     {
         **_TUNED_OPTIONS,
         "approximation": Option(
-            "kSap", "kLagged", "A sliding sphere glides as with kSimilar, and higher by the relaxation time over δt."
+            "kSap", "kLagged", "A sliding sphere glides as with kSimilar, and higher still with a relaxation time."
         ),
         "relaxation_time": Option(
             0.0, 0.1, "[s] Dissipation of kSap; at 0.1 s a sliding sphere would leave its plane."
@@ -81,7 +83,7 @@ CONTACT_DEFAULT = Preset(
     {
         **SHARED_DEFAULT_OPTIONS,
         "contact_model": Option("kHydroelasticWithFallback", "kHydroelasticWithFallback", "Drake's own."),
-        "approximation": Option("kLagged", "kLagged", "Drake's own since 2024."),
+        "approximation": Option("kLagged", "kLagged", "Drake's own."),
         "v_stiction": Option(1e-3, 1e-3, "[m/s] Drake's own: as fast may a stuck contact creep, at every time step."),
         "point_stiffness": Option(1e6, 1e6, "[N/m] Drake's own, of each of the two bodies."),
         "hunt_crossley_dissipation": Option(50.0, 50.0, "[s/m] Drake's own; nothing moves across the plane."),

@@ -14,7 +14,10 @@ JOINT_TUNED = Preset(
     {
         **SHARED_TUNED_OPTIONS,
         "d": Option(
-            1e6, 0.0, "Gain of velocity over m_red / δt; Drake cuts off above some 4e3, so that stuck contacts creep."
+            1e6,
+            0.0,
+            "Gain of velocity over m_red / δt. A stuck contact creeps with λ_T / d; Drake cuts d off above "
+            "4e3 m_i / δt, so that every larger one acts alike.",
         ),
     },
     split_tolerance=1e-12,
