@@ -69,9 +69,10 @@ def described(name: str) -> dict[str, Any]:
 def _print(rows: list[dict[str, Any]]) -> None:
     """Print the engines as a table, then the reasons of those that are missing."""
     table = Table(title=f"Python {platform.python_version()}", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    for heading in ("engine", "version", "friction law", "formulation: presets"):
+    for heading in ("engine", "version", "friction law"):
         table.add_column(heading, no_wrap=True)
-    table.add_column("precision")
+    for heading in ("formulation: presets", "precision"):
+        table.add_column(heading)
     for row in rows:
         presets = "\n".join(f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items())
         arithmetic = row["precision"] if row["deterministic"] else f"{row['precision']}, varies"
