@@ -3,8 +3,8 @@
 It is started as ``python3 -I child.py SERVER``, where SERVER is a file that defines
 
 - ``versions()``: a dictionary of versions, with the engine's own under ``"engine"``;
-- ``Lane(parameters)``: one chain, with ``run(position, velocity, loads)``, which gives a dictionary of arrays with
-  one row a step, and ``bare_steps(steps)``.
+- ``Lane(parameters)``: one chain, with ``run(position, velocity, loads, record)``, which gives a dictionary of
+  arrays with one row a step (position and velocity alone where nothing is recorded), and ``bare_steps(steps)``.
 
 A message is eight bytes, its length, and the arrays of an ``npz`` file without pickles. This file runs in Pythons
 whose packages are older than the suite's: it needs NumPy only, and never imports the suite.
@@ -97,8 +97,9 @@ class Service:
 
     def _run(self, request: Message) -> Message:
         lane = self._lanes[int(request["number"])]
-        rows = lane.run(request["position"], request["velocity"], request["loads"])
-        if request["record"]:
+        record = bool(request["record"])
+        rows = lane.run(request["position"], request["velocity"], request["loads"], record)
+        if record:
             return dict(rows)
         return {name: rows[name][-1:] for name in MOTION}
 

@@ -50,7 +50,7 @@ class Lane:
         model = ContactModel if str(parameters["formulation"]) == "contact" else JointModel
         self._new_model = functools.partial(model, parameters)
 
-    def run(self, position: Any, velocity: Any, loads: Any) -> dict[str, Any]:
+    def run(self, position: Any, velocity: Any, loads: Any, record: bool) -> dict[str, Any]:
         """Advance; gives position, velocity, friction and, for contacts, normal force, one row a step."""
         model = self._new_model(position, velocity, len(loads))
         return model.rows(*model.advance(loads))

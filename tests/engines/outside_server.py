@@ -27,7 +27,7 @@ class Lane:
         if self._trouble == "refuse":
             raise ValueError("no spring is that stiff")
 
-    def run(self, position: Any, velocity: Any, loads: Any) -> dict[str, Any]:
+    def run(self, position: Any, velocity: Any, loads: Any, record: bool) -> dict[str, Any]:
         getattr(self, "_" + self._trouble)()
         motion = np.cumsum(np.vstack([position, *[velocity] * len(loads)]), axis=0)[1:]
         return {

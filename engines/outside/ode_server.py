@@ -1,0 +1,251 @@
+"""ODE, served by `child` in a Python that has pyode: sliders with motors, or boxes pressed on plates.
+
+A run builds its world anew: nothing is left of earlier runs. Springs, dashpots and the drive are forces that are
+computed here at the start of each step.
+"""
+
+import functools
+import shutil
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import ode
+
+VELOCITY = 2
+"""Number of dParamVel in ODE 0.16."""
+
+ALONG = (1.0, 0.0, 0.0)
+
+BOX = 4.0
+"""Half of a box's edge over the displacement scale of the drive."""
+
+PLATE = 2.0**20
+"""Half of a plate's length over the displacement scale; beyond, boxes fall off."""
+
+SPACING = 8 * BOX
+"""Distance of neighbouring cells over the displacement scale, across the motion."""
+
+
+def versions() -> dict[str, str]:
+    """Give the version of ODE; pyode states none, so that it is Debian's, or the one in the name of the library."""
+    query = shutil.which("dpkg-query")
+    if query is not None:
+        command = [query, "-W", "-f=${Version}", "libode8"]
+        debian = subprocess.run(command, capture_output=True, text=True, check=False).stdout
+        if debian:
+            return {"engine": debian.split(":")[-1].split("-")[0]}
+    loaded = {line.split()[-1] for line in Path("/proc/self/maps").read_text().splitlines() if "libode." in line}
+    return {"engine": " ".join(sorted(Path(name).name for name in loaded)) or "of unknown version"}
+
+
+class Lane:
+    """One chain.
+
+    Parameters
+    ----------
+    parameters
+        What `engines.outside.lane` sends of a chain, and the options of its preset.
+    """
+
+    def __init__(self, parameters: dict[str, Any]):
+        model = ContactModel if str(parameters["formulation"]) == "contact" else JointModel
+        self._new_model = functools.partial(model, parameters)
+
+    def run(self, position: Any, velocity: Any, loads: Any, record: bool) -> dict[str, Any]:
+        """Advance; gives position, velocity, friction and, for contacts, normal force, one row a step."""
+        return self._new_model(position, velocity, record).run(loads)
+
+    def bare_steps(self, steps: int) -> None:
+        """Take steps from rest, without a load."""
+        model = self._new_model(None, None, False)
+        step, time_step, before = model.world.step, model.time_step, model.before_step
+        for _ in range(steps):
+            if before is not None:
+                before()
+            step(time_step)
+
+
+class JointModel:
+    """Outer masses that slide in the world, on each an inner one whose slider has a motor that wants to stand still."""
+
+    def __init__(self, given: dict[str, Any], position: Any, velocity: Any, record: bool):
+        """Build a world in this state; forces of joints are measured if they are to be recorded."""
+        self._given = given
+        self._record = record
+        self.time_step = float(given["time_step"])
+        self._bound = given["normal"] * given["coefficient"]
+        self._cells = len(self._bound)
+        self.world = ode.World()
+        self.world.setCFM(float(given["cfm"]))
+        self.world.setERP(float(given["erp"]))
+        masses = given["mass"].tolist()
+        self._bodies = [self._new_body(mass, place) for mass, place in zip(masses, self._places())]
+        # ODE ends a joint with its last reference.
+        self._guides = [self._slider(outer, ode.environment) for outer in self._bodies[: self._cells]]
+        self.before_step = self._add_friction()
+        if position is not None:
+            self._set_state(position.tolist(), velocity.tolist())
+
+    def run(self, loads: Any) -> dict[str, Any]:
+        """Take a step for every load."""
+        step, time_step, before = self.world.step, self.time_step, self.before_step
+        pushes = list(zip([body.setForce for body in self._bodies], self._pressing()))
+        getters = [body.getPosition for body in self._bodies] + [body.getLinearVel for body in self._bodies]
+        matrix = -np.hstack([self._given["stiffness"], self._given["damping"]])
+        motion = np.empty((len(loads) + 1, len(getters)))
+        motion[0] = [get()[0] for get in getters]
+        contacts: list[list[float]] = []
+        force = np.empty(len(self._bodies))
+        for load, now, after in zip(loads.tolist(), motion, motion[1:]):
+            np.dot(matrix, now, out=force)
+            force[0] += load
+            for value, (push, across) in zip(force.tolist(), pushes):
+                push((value, 0.0, across))
+            if before is not None:
+                before()
+            step(time_step)
+            after[:] = [get()[0] for get in getters]
+            if self._record:
+                contacts.append(self._contact_forces())
+        position, velocity = np.split(motion[1:], 2, axis=1)
+        return {"position": position, "velocity": velocity, **self._named(np.array(contacts))}
+
+    def _named(self, contacts: Any) -> dict[str, Any]:
+        """Name the forces of the contacts."""
+        return {"friction": contacts} if self._record else {}
+
+    def _pressing(self) -> list[float]:
+        """Force on every mass across its motion."""
+        return [0.0] * len(self._bodies)
+
+    def _places(self) -> Iterator[tuple[float, float]]:
+        """Where every mass is across its motion: sideways and in height."""
+        for _ in range(2 * self._cells):
+            yield 0.0, 0.0
+
+    def _new_body(self, mass: float, place: tuple[float, float]) -> Any:
+        """Make a mass; its inertia never enters."""
+        body, inertia = ode.Body(self.world), ode.Mass()
+        inertia.setParameters(mass, 0, 0, 0, mass, mass, mass, 0, 0, 0)
+        body.setMass(inertia)
+        body.setPosition((0.0, *place))
+        return body
+
+    def _set_state(self, position: list[float], velocity: list[float]) -> None:
+        for body, place, speed in zip(self._bodies, position, velocity):
+            body.setPosition((place, *body.getPosition()[1:]))
+            body.setLinearVel((speed, 0.0, 0.0))
+
+    def _slider(self, body: Any, base: Any) -> Any:
+        slider = ode.SliderJoint(self.world)
+        slider.attach(body, base)
+        slider.setAxis(ALONG)
+        return slider
+
+    def _add_friction(self) -> Any:
+        """Put motors between outer and inner masses; nothing is to be done before a step."""
+        self._motors = []
+        for cell, bound in enumerate(self._bound.tolist()):
+            slider = self._slider(self._bodies[self._cells + cell], self._bodies[cell])
+            slider.setParam(VELOCITY, 0.0)
+            slider.setParam(int(self._given["fmax"]), bound)
+            slider.setFeedback(self._record)
+            self._motors.append(slider)
+        return None
+
+    def _contact_forces(self) -> list[float]:
+        """Friction on every inner mass in the last step."""
+        return [slider.getFeedback()[0][0] for slider in self._motors]
+
+
+class ContactModel(JointModel):
+    """Boxes on plates, which press each other; contacts are found anew in every step, and each is a joint for it."""
+
+    def __init__(self, given: dict[str, Any], position: Any, velocity: Any, record: bool):
+        """Build a world in this state; see `JointModel`."""
+        self._scale = float(given["length"])
+        super().__init__(given, position, velocity, record)
+        self.world.setContactSurfaceLayer(float(given["surface_layer"]) * self._scale)
+
+    def run(self, loads: Any) -> dict[str, Any]:
+        """Take a step for every load, as long as every box is on its plate."""
+        rows = super().run(loads)
+        self._drop_contacts()
+        outer, inner = np.split(rows["position"], 2, axis=1)
+        reach = (PLATE - BOX) * self._scale
+        if np.any(np.abs(inner - outer)[:, self._bound > 0] > reach):
+            raise RuntimeError("an inner mass has left the plate of its outer one")
+        return rows
+
+    def _named(self, contacts: Any) -> dict[str, Any]:
+        if not self._record:
+            return {}
+        normal = np.where(self._bound > 0, contacts[:, :, 1], self._given["normal"])
+        return {"friction": contacts[:, :, 0], "normal": normal}
+
+    def _pressing(self) -> list[float]:
+        pressing = np.where(self._bound > 0, self._given["normal"], 0.0)
+        return np.concatenate([pressing, -pressing]).tolist()
+
+    def _places(self) -> Iterator[tuple[float, float]]:
+        half, depth = BOX * self._scale, float(self._given["depth"]) * self._scale
+        for height in (-half, half - depth):
+            for cell in range(self._cells):
+                yield cell * SPACING * self._scale, height
+
+    def _add_friction(self) -> Any:
+        """Give plates and boxes their shapes; before a step, contacts have to be found."""
+        edge = 2 * BOX * self._scale
+        self._contacts = ode.JointGroup()
+        self._rubbing = []
+        for cell in np.flatnonzero(self._bound > 0).tolist():
+            outer, inner = self._bodies[cell], self._bodies[self._cells + cell]
+            plate = ode.GeomBox(None, lengths=(2 * PLATE * self._scale, edge, edge))
+            if str(self._given["shape"]) == "sphere":
+                slider = ode.GeomSphere(None, edge / 2)
+            else:
+                slider = ode.GeomBox(None, lengths=(edge, edge, edge))
+            plate.setBody(outer)
+            slider.setBody(inner)
+            self._rubbing.append((inner, outer, slider, plate, float(self._given["coefficient"][cell]), cell))
+        self._found: list[tuple[int, Any]] = []
+        return self._find_contacts
+
+    def _find_contacts(self) -> None:
+        """Make a joint of every point at which a box meets its plate."""
+        world, group, mode, record = self.world, self._contacts, int(self._given["mode"]), self._record
+        self._drop_contacts()
+        for inner, outer, slider, plate, coefficient, cell in self._rubbing:
+            for contact in ode.collide(slider, plate):
+                contact.setMode(mode)
+                contact.setMu(coefficient)
+                joint = ode.ContactJoint(world, group, contact)
+                joint.attach(inner, outer)
+                if record:
+                    joint.setFeedback(True)
+                    self._found.append((cell, joint))
+
+    def _drop_contacts(self) -> None:
+        """Empty the group; a measured joint that is destroyed by it takes the process along when pyode lets it go."""
+        for _, joint in self._found:
+            joint.setFeedback(False)
+        self._found.clear()
+        self._contacts.empty()
+
+    def _contact_forces(self) -> Any:
+        """Friction on every inner mass and normal force in the last step: sums over the points of a contact."""
+        forces = np.zeros((self._cells, 2))
+        for cell, joint in self._found:
+            force = joint.getFeedback()[0]
+            forces[cell] += force[0], force[2]
+        return forces
+
+    def _new_body(self, mass: float, place: tuple[float, float]) -> Any:
+        body, inertia = super()._new_body(mass, place), ode.Mass()
+        turning = float(self._given["inertia"]) * mass * (BOX * self._scale) ** 2
+        inertia.setParameters(mass, 0, 0, 0, turning, turning, turning, 0, 0, 0)
+        body.setMass(inertia)
+        return body
