@@ -1,4 +1,4 @@
-"""ODE: friction of a slider's motor, or of boxes pressed on plates, in another Python."""
+"""ODE: friction of a slider's motor, or of spheres or boxes pressed on plates, in another Python."""
 
 from pathlib import Path
 from typing import ClassVar
@@ -19,6 +19,9 @@ JOINT_TUNED = Preset(
         "units": Option("lane", "SI", "No number comes near a built-in small one."),
         "cfm": Option(0.0, 1e-10, "ODE softens every constraint: a stuck contact would creep."),
         "erp": Option(0.2, 0.2, "ODE's own; no joint has an error to correct."),
+        "springs": Option(
+            "forces", "stops", "Forces at the start of a step; soft stops of sliders are implicit Euler."
+        ),
         "fmax": Option(5, 3, "Number of dParamFMax in ODE 0.16; pyode's constant is that of another parameter."),
     },
     shares_scheme=True,
@@ -31,7 +34,19 @@ JOINT_DEFAULT = Preset(
         "units": Option("SI", "SI", "The numbers of the chain as they are."),
         "cfm": Option(1e-10, 1e-10, "ODE's own, in double precision."),
         "erp": Option(0.2, 0.2, "ODE's own."),
+        "springs": Option("forces", "stops", "As most would write it."),
         "fmax": Option(5, 3, "Needed: pyode's constant is that of another parameter, and no friction acts."),
+    },
+    split_tolerance=1e-12,
+)
+
+JOINT_STOPS = Preset(
+    "ODE's own springs: sliders whose stops are both at zero and as soft as the spring; motors as friction.",
+    {
+        **JOINT_DEFAULT.options,
+        "springs": Option(
+            "stops", "stops", "Stiffness and damping as ERP and CFM, as the manual says: implicit Euler."
+        ),
     },
     split_tolerance=1e-12,
 )
@@ -40,7 +55,7 @@ BOUNCE, APPROXIMATION = 0x004, 0x7000
 """Bits of a contact's mode: `ContactBounce`, and `ContactApprox1_1`, `_2` and `_N` of ODE 0.16 together."""
 
 CONTACT_TUNED = Preset(
-    "Boxes that do not turn on plates, with a layer in which depth is left alone, and no softness.",
+    "Spheres that do not turn on plates, with a layer in which depth is left alone, and no softness.",
     {
         "units": Option("lane", "SI", "No number comes near a built-in small one."),
         "cfm": Option(0.0, 1e-10, "ODE softens every constraint: boxes would sink in, and creep."),
@@ -48,7 +63,9 @@ CONTACT_TUNED = Preset(
         "inertia": Option(
             2.0**60, "none", "Over mass and half edge squared: friction turns nothing, not by round-off."
         ),
-        "shape": Option("sphere", "none", "One point of contact: those of a box are redundant, and ODE aborts."),
+        "shape": Option(
+            "sphere", "none", "One point of contact: those of a box are redundant, and without softness ODE errs."
+        ),
         "mode": Option(
             APPROXIMATION, BOUNCE, "Friction in proportion to the normal force; without it, mu is a force in newtons."
         ),
@@ -60,7 +77,7 @@ CONTACT_TUNED = Preset(
 )
 
 CONTACT_DEFAULT = Preset(
-    "The same boxes in SI units, touching, with ODE's own softness and corrections.",
+    "Boxes that touch plates, in SI units, with ODE's own softness and corrections; a run forgets their depth.",
     {
         "units": Option("SI", "SI", "The numbers of the chain as they are."),
         "cfm": Option(1e-10, 1e-10, "ODE's own, in double precision."),
@@ -85,12 +102,12 @@ class ODE(Engine):
         licence="BSD-3-Clause or LGPL-2.1-or-later",
         friction_law=FrictionLaw.COULOMB,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT, "stops": JOINT_STOPS},
             Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
         },
         notes=(
             "Coulomb's law, exact in stick: in the joint a slider's motor of target zero and bounded force, in the "
-            "contact boxes on plates. Springs, dashpots and the drive are forces that are computed at the start of "
+            "contact spheres or boxes on plates. Springs, dashpots and the drive are forces that are computed at the start of "
             "each step. In contacts, mu is a force unless a mode says otherwise."
         ),
     )

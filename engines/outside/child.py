@@ -86,6 +86,7 @@ class Service:
         except Exception as problem:  # whatever it is, the other side has to hear of it
             return {"error": f"{type(problem).__name__}: {problem}", "traceback": traceback.format_exc()}
         finally:
+            sys.stdout.flush()
             _end_at(0.0)
 
     def _versions(self, _request: Message) -> Message:

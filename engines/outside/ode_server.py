@@ -1,4 +1,4 @@
-"""ODE, served by `child` in a Python that has pyode: sliders with motors, or boxes pressed on plates.
+"""ODE, served by `child` in a Python that has pyode: sliders with motors, or spheres and boxes pressed on plates.
 
 A run builds its world anew: nothing is left of earlier runs. Springs, dashpots and the drive are forces that are
 computed here at the start of each step.
@@ -14,19 +14,22 @@ from typing import Any
 import numpy as np
 import ode
 
-VELOCITY = 2
-"""Number of dParamVel in ODE 0.16."""
+LOW_STOP, HIGH_STOP, VELOCITY, STOP_ERP, STOP_CFM = 0, 1, 2, 9, 10
+"""Numbers of parameters in ODE 0.16; some of pyode's constants are those of an older one."""
 
 ALONG = (1.0, 0.0, 0.0)
 
 BOX = 4.0
-"""Half of a box's edge over the displacement scale of the drive."""
+"""Half of a box's edge, or a sphere's radius, over the displacement scale of the drive."""
 
 PLATE = 2.0**20
-"""Half of a plate's length over the displacement scale; beyond, boxes fall off."""
+"""Half of a plate's length over the displacement scale; beyond, inner masses fall off."""
 
 SPACING = 8 * BOX
 """Distance of neighbouring cells over the displacement scale, across the motion."""
+
+DIVERGED = 1e8
+"""Motion over the displacement scale at which a run ends: further on, ODE would end the process."""
 
 
 def versions() -> dict[str, str]:
@@ -78,44 +81,59 @@ class JointModel:
         self.time_step = float(given["time_step"])
         self._bound = given["normal"] * given["coefficient"]
         self._cells = len(self._bound)
+        self._has_springs = str(given.get("springs")) == "stops"
         self.world = ode.World()
         self.world.setCFM(float(given["cfm"]))
         self.world.setERP(float(given["erp"]))
         masses = given["mass"].tolist()
         self._bodies = [self._new_body(mass, place) for mass, place in zip(masses, self._places())]
-        # ODE ends a joint with its last reference.
-        self._guides = [self._slider(outer, ode.environment) for outer in self._bodies[: self._cells]]
+        # A joint ends with its last reference.
+        self._guides = list(self._sprung() if self._has_springs else self._guided())
         self.before_step = self._add_friction()
         if position is not None:
             self._set_state(position.tolist(), velocity.tolist())
 
     def run(self, loads: Any) -> dict[str, Any]:
-        """Take a step for every load."""
+        """Take a step for every load; a motion that diverges ends, and its last row is repeated."""
+        self._getters = [body.getPosition for body in self._bodies] + [body.getLinearVel for body in self._bodies]
+        motion = np.empty((len(loads) + 1, len(self._getters)))
+        motion[0] = [get()[0] for get in self._getters]
+        contacts = np.zeros((len(loads), self._cells, 2))
+        taken = self._take(loads, motion, contacts)
+        motion[taken + 1 :], contacts[taken:] = motion[taken], contacts[taken - 1]
+        position, velocity = np.split(motion[1:], 2, axis=1)
+        return {"position": position, "velocity": velocity, **self._named(contacts)}
+
+    def _take(self, loads: Any, motion: Any, contacts: Any) -> int:
+        """Take a step for every load, from the first row of `motion` on; gives how many were taken."""
         step, time_step, before = self.world.step, self.time_step, self.before_step
-        pushes = list(zip([body.setForce for body in self._bodies], self._pressing()))
-        getters = [body.getPosition for body in self._bodies] + [body.getLinearVel for body in self._bodies]
+        getters, pushes = self._getters, list(zip([body.setForce for body in self._bodies], self._pressing()))
         matrix = -np.hstack([self._given["stiffness"], self._given["damping"]])
-        motion = np.empty((len(loads) + 1, len(getters)))
-        motion[0] = [get()[0] for get in getters]
-        contacts: list[list[float]] = []
-        force = np.empty(len(self._bodies))
-        for load, now, after in zip(loads.tolist(), motion, motion[1:]):
-            np.dot(matrix, now, out=force)
+        if self._has_springs:
+            # The load on cell 1 is the only force.
+            matrix, pushes = np.zeros_like(matrix[:1]), pushes[:1]
+        # A third of the time that np.dot takes.
+        product, force = matrix.dot, np.empty(len(pushes))
+        taken, limit = 0, DIVERGED * float(self._given["length"])
+        for load, now, after, found in zip(loads.tolist(), motion, motion[1:], contacts):
+            product(now, force)
             force[0] += load
             for value, (push, across) in zip(force.tolist(), pushes):
                 push((value, 0.0, across))
             if before is not None:
                 before()
             step(time_step)
-            after[:] = [get()[0] for get in getters]
+            after[:] = values = [get()[0] for get in getters]
+            taken += 1
             if self._record:
-                contacts.append(self._contact_forces())
-        position, velocity = np.split(motion[1:], 2, axis=1)
-        return {"position": position, "velocity": velocity, **self._named(np.array(contacts))}
+                self._measure(found)
+            if not -limit < sum(values) < limit:
+                break
+        return taken
 
     def _named(self, contacts: Any) -> dict[str, Any]:
         """Name the forces of the contacts."""
-        return {"friction": contacts} if self._record else {}
+        return {"friction": contacts[:, :, 0]} if self._record else {}
 
     def _pressing(self) -> list[float]:
         """Force on every mass across its motion."""
@@ -145,24 +163,54 @@ class JointModel:
         slider.setAxis(ALONG)
         return slider
 
+    def _guided(self) -> Iterator[Any]:
+        """Let every outer mass slide in the world."""
+        for outer in self._bodies[: self._cells]:
+            yield self._slider(outer, ode.environment)
+
+    def _sprung(self) -> Iterator[Any]:
+        """Hang every mass on the one before it by a slider whose stops are both at zero, and as soft as the spring."""
+        outer, inner = self._bodies[: self._cells], self._bodies[self._cells :]
+        for kind, bodies, bases in (("chain", outer, [ode.environment, *outer]), ("inner", inner, outer)):
+            stiffness, damping = self._given[kind + "_stiffness"], self._given[kind + "_damping"]
+            for body, base, k, c in zip(bodies, bases, stiffness.tolist(), damping.tolist()):
+                slider = self._slider(body, base)
+                # After the stiffness and damping of constraints in ODE's manual.
+                implicit = self.time_step * k + c
+                slider.setParam(STOP_ERP, self.time_step * k / implicit)
+                slider.setParam(STOP_CFM, 1 / implicit)
+                slider.setParam(LOW_STOP, 0.0)
+                slider.setParam(HIGH_STOP, 0.0)
+                yield slider
+
+    def _motor(self, body: Any, base: Any) -> Any:
+        """Make the joint whose motor is to be the friction; one with a spring has none beside its stops."""
+        if not self._has_springs:
+            return self._slider(body, base)
+        motor = ode.LMotor(self.world)
+        motor.attach(body, base)
+        motor.setNumAxes(1)
+        motor.setAxis(0, 0, ALONG)
+        return motor
+
     def _add_friction(self) -> Any:
         """Put motors between outer and inner masses; nothing is to be done before a step."""
         self._motors = []
         for cell, bound in enumerate(self._bound.tolist()):
-            slider = self._slider(self._bodies[self._cells + cell], self._bodies[cell])
-            slider.setParam(VELOCITY, 0.0)
-            slider.setParam(int(self._given["fmax"]), bound)
-            slider.setFeedback(self._record)
-            self._motors.append(slider)
+            motor = self._motor(self._bodies[self._cells + cell], self._bodies[cell])
+            motor.setParam(VELOCITY, 0.0)
+            motor.setParam(int(self._given["fmax"]), bound)
+            motor.setFeedback(self._record)
+            self._motors.append(motor)
         return None
 
-    def _contact_forces(self) -> list[float]:
-        """Friction on every inner mass in the last step."""
-        return [slider.getFeedback()[0][0] for slider in self._motors]
+    def _measure(self, found: Any) -> None:
+        """Write the friction on every inner mass in the last step into the first column."""
+        found[:, 0] = [motor.getFeedback()[0][0] for motor in self._motors]
 
 
 class ContactModel(JointModel):
-    """Boxes on plates, which press each other; contacts are found anew in every step, and each is a joint for it."""
+    """Spheres or boxes on plates, which press each other; contacts are found anew in every step, and each is a joint for it."""
 
     def __init__(self, given: dict[str, Any], position: Any, velocity: Any, record: bool):
         """Build a world in this state; see `JointModel`."""
@@ -171,7 +219,7 @@ class ContactModel(JointModel):
         self.world.setContactSurfaceLayer(float(given["surface_layer"]) * self._scale)
 
     def run(self, loads: Any) -> dict[str, Any]:
-        """Take a step for every load, as long as every box is on its plate."""
+        """Take a step for every load, as long as every inner mass is on its plate."""
         rows = super().run(loads)
         self._drop_contacts()
         outer, inner = np.split(rows["position"], 2, axis=1)
@@ -197,7 +245,7 @@ class ContactModel(JointModel):
                 yield cell * SPACING * self._scale, height
 
     def _add_friction(self) -> Any:
-        """Give plates and boxes their shapes; before a step, contacts have to be found."""
+        """Give all masses their shapes; before a step, contacts have to be found."""
         edge = 2 * BOX * self._scale
         self._contacts = ode.JointGroup()
         self._rubbing = []
@@ -215,7 +263,7 @@ class ContactModel(JointModel):
         return self._find_contacts
 
     def _find_contacts(self) -> None:
-        """Make a joint of every point at which a box meets its plate."""
+        """Make a joint of every point at which an inner mass meets its plate."""
         world, group, mode, record = self.world, self._contacts, int(self._given["mode"]), self._record
         self._drop_contacts()
         for inner, outer, slider, plate, coefficient, cell in self._rubbing:
@@ -235,13 +283,11 @@ class ContactModel(JointModel):
         self._found.clear()
         self._contacts.empty()
 
-    def _contact_forces(self) -> Any:
-        """Friction on every inner mass and normal force in the last step: sums over the points of a contact."""
-        forces = np.zeros((self._cells, 2))
+    def _measure(self, found: Any) -> None:
+        """Write friction on every inner mass and normal force in the last step: sums over the points of a contact."""
         for cell, joint in self._found:
             force = joint.getFeedback()[0]
-            forces[cell] += force[0], force[2]
-        return forces
+            found[cell] += force[0], force[2]
 
     def _new_body(self, mass: float, place: tuple[float, float]) -> Any:
         body, inertia = super()._new_body(mass, place), ode.Mass()

@@ -1,6 +1,7 @@
 """A child process that runs an engine in another Python, and survives whatever happens to it."""
 
 import contextlib
+import fcntl
 import itertools
 import os
 import signal
@@ -22,6 +23,9 @@ GRACE = 5.0
 
 LAST_LINES = 5
 """Lines of a crashed child's error stream that its message quotes."""
+
+LONGEST_LINE = 200
+"""Characters of a line that it quotes."""
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """The suite runs processes side by side."""
@@ -153,7 +157,9 @@ class _Child:
 
     def __init__(self, command: list[str]):
         with contextlib.ExitStack() as undone:
-            self._errors = undone.enter_context(tempfile.TemporaryFile(mode="a+b"))
+            self._errors = undone.enter_context(tempfile.TemporaryFile())
+            # The child goes on writing at the end, wherever that is after a truncation.
+            fcntl.fcntl(self._errors, fcntl.F_SETFL, fcntl.fcntl(self._errors, fcntl.F_GETFL) | os.O_APPEND)
             self._process: subprocess.Popen[bytes] = subprocess.Popen(
                 command,
                 stdin=subprocess.PIPE,
@@ -192,7 +198,8 @@ class _Child:
         how = f"crashed with signal {-code} ({_signal_name(-code)})" if code < 0 else f"ended with code {code}"
         self._errors.seek(0)
         lines = self._errors.read().decode(errors="replace").strip().splitlines()[-LAST_LINES:]
-        return how, f"; it printed last: {' | '.join(lines)}" if lines else ""
+        quoted = " | ".join(line[:LONGEST_LINE] for line in lines)
+        return how, f"; it printed last: {quoted}" if lines else ""
 
     @contextlib.contextmanager
     def killed_after(self, limit: float) -> Iterator[threading.Event]:

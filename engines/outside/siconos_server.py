@@ -137,12 +137,12 @@ class JointModel:
                 yield
             return
         matrix = -np.hstack([self._given["stiffness"], self._given["damping"]])
-        now = np.empty(matrix.shape[1])
+        product, now = matrix.dot, np.empty(matrix.shape[1])
         first, second = np.split(now, 2)
         for load in loads.tolist():
             first[:] = position
             second[:] = velocity
-            np.dot(matrix, now, out=force)
+            product(now, force)
             force[0] += load
             yield
 

@@ -90,6 +90,13 @@ def test_a_segmentation_fault_is_named_and_the_next_use_starts_afresh(process: E
     assert process.generation == 2
 
 
+def test_what_was_printed_in_earlier_requests_is_not_quoted(process: EngineProcess) -> None:
+    run(process, "print")
+    process.ask("build", LIMIT, number=1, trouble="crash")
+    with pytest.raises(EngineProcessError, match=r"printed last: about to read nowhere$"):
+        process.ask("run", LIMIT, number=1, **STILL)
+
+
 def test_an_engine_that_ends_by_itself_is_named(process: EngineProcess) -> None:
     with pytest.raises(EngineProcessError, match="tested ended with code 3"):
         run(process, "exit")
