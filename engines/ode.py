@@ -107,8 +107,8 @@ class ODE(Engine):
         },
         notes=(
             "Coulomb's law, exact in stick: in the joint a slider's motor of target zero and bounded force, in the "
-            "contact spheres or boxes on plates. Springs, dashpots and the drive are forces that are computed at the start of "
-            "each step. In contacts, mu is a force unless a mode says otherwise."
+            "contact spheres or boxes on plates. Springs, dashpots and the drive are forces that are computed at "
+            "the start of each step. In contacts, mu is a force unless a mode says otherwise."
         ),
     )
 

@@ -196,21 +196,24 @@ class JointModel:
     def _add_friction(self) -> Any:
         """Put motors between outer and inner masses; nothing is to be done before a step."""
         self._motors = []
+        # ODE measures no motor of zero force: what its record held before would be taken for friction.
+        self._rubbing_cells = np.flatnonzero(self._bound > 0)
         for cell, bound in enumerate(self._bound.tolist()):
             motor = self._motor(self._bodies[self._cells + cell], self._bodies[cell])
             motor.setParam(VELOCITY, 0.0)
             motor.setParam(int(self._given["fmax"]), bound)
             motor.setFeedback(self._record)
             self._motors.append(motor)
+        self._measured = [self._motors[cell] for cell in self._rubbing_cells]
         return None
 
     def _measure(self, found: Any) -> None:
         """Write the friction on every inner mass in the last step into the first column."""
-        found[:, 0] = [motor.getFeedback()[0][0] for motor in self._motors]
+        found[self._rubbing_cells, 0] = [motor.getFeedback()[0][0] for motor in self._measured]
 
 
 class ContactModel(JointModel):
-    """Spheres or boxes on plates, which press each other; contacts are found anew in every step, and each is a joint for it."""
+    """Spheres or boxes on plates, which press each other; every step finds its contacts and makes joints of them."""
 
     def __init__(self, given: dict[str, Any], position: Any, velocity: Any, record: bool):
         """Build a world in this state; see `JointModel`."""

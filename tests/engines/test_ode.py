@@ -110,6 +110,14 @@ def test_own_springs_are_implicit_euler_with_exact_friction() -> None:
     np.testing.assert_allclose(found.positions, implicit_euler(lane, state, 200), rtol=0, atol=1e-7 * AMPLITUDE)
 
 
+@pytest.mark.parametrize("preset", ["tuned", "default", "stops"])
+def test_a_motor_without_force_reports_no_friction(preset: str) -> None:
+    """ODE leaves the record of such a motor as it was allocated."""
+    found = run(uneven_lane(), random_state(), 50, preset=preset)
+    assert np.all(found.friction[:, 2] == 0)
+    assert np.all(np.any(np.delete(found.friction, 2, axis=1) != 0, axis=0))
+
+
 def test_own_springs_take_energy_out_that_no_dashpot_takes() -> None:
     """Implicit Euler damps: a decibel and more where the scheme errs by a hundredth."""
     chain = Chain.from_ratios(damping_ratio=0.0)
