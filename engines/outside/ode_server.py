@@ -6,6 +6,7 @@ computed here at the start of each step.
 
 import functools
 import shutil
+import struct
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -96,26 +97,27 @@ class JointModel:
     def run(self, loads: Any) -> dict[str, Any]:
         """Take a step for every load; a motion that diverges ends, and its last row is repeated."""
         self._getters = [body.getPosition for body in self._bodies] + [body.getLinearVel for body in self._bodies]
-        motion = np.empty((len(loads) + 1, len(self._getters)))
-        motion[0] = [get()[0] for get in self._getters]
-        contacts = np.zeros((len(loads), self._cells, 2))
-        taken = self._take(loads, motion, contacts)
-        motion[taken + 1 :], contacts[taken:] = motion[taken], contacts[taken - 1]
-        position, velocity = np.split(motion[1:], 2, axis=1)
-        return {"position": position, "velocity": velocity, **self._named(contacts)}
+        coordinates = len(self._getters)
+        rows = np.zeros((len(loads) + 1, coordinates + (self._measures if self._record else 0)))
+        rows[0, :coordinates] = [get()[0] for get in self._getters]
+        taken = self._take(loads, rows)
+        rows[taken + 1 :] = rows[taken]
+        position, velocity, measured = np.split(rows[1:], [coordinates // 2, coordinates], axis=1)
+        return {"position": position, "velocity": velocity, **(self._named(measured) if self._record else {})}
 
-    def _take(self, loads: Any, motion: Any, contacts: Any) -> int:
-        """Take a step for every load, from the first row of `motion` on; gives how many were taken."""
+    def _take(self, loads: Any, rows: Any) -> int:
+        """Take a step for every load, from the first row on, and fill the others; gives how many were taken."""
         step, time_step, before = self.world.step, self.time_step, self.before_step
         getters, pushes = self._getters, list(zip([body.setForce for body in self._bodies], self._pressing()))
         matrix = -np.hstack([self._given["stiffness"], self._given["damping"]])
         if self._has_springs:
             # The load on cell 1 is the only force.
             matrix, pushes = np.zeros_like(matrix[:1]), pushes[:1]
-        # A third of the time that np.dot takes.
+        # These take a third of the time of np.dot, and of giving an array a list.
         product, force = matrix.dot, np.empty(len(pushes))
-        taken, limit = 0, DIVERGED * float(self._given["length"])
-        for load, now, after, found in zip(loads.tolist(), motion, motion[1:], contacts):
+        write, memory, place = struct.Struct(f"{rows.shape[1]}d").pack_into, memoryview(rows).cast("B"), 0
+        limit = DIVERGED * float(self._given["length"])
+        for load, now in zip(loads.tolist(), rows[:, : len(getters)]):
             product(now, force)
             force[0] += load
             for value, (push, across) in zip(force.tolist(), pushes):
@@ -123,17 +125,21 @@ class JointModel:
             if before is not None:
                 before()
             step(time_step)
-            after[:] = values = [get()[0] for get in getters]
-            taken += 1
+            values = [get()[0] for get in getters]
+            reached = sum(values)
             if self._record:
-                self._measure(found)
-            if not -limit < sum(values) < limit:
+                values += self._measure()
+            place += rows.strides[0]
+            write(memory, place, *values)
+            if not -limit < reached < limit:
                 break
-        return taken
+        return place // int(rows.strides[0])
 
-    def _named(self, contacts: Any) -> dict[str, Any]:
-        """Name the forces of the contacts."""
-        return {"friction": contacts[:, :, 0]} if self._record else {}
+    def _named(self, measured: Any) -> dict[str, Any]:
+        """Name what was measured."""
+        friction = np.zeros((len(measured), self._cells))
+        friction[:, self._bound > 0] = measured
+        return {"friction": friction}
 
     def _pressing(self) -> list[float]:
         """Force on every mass across its motion."""
@@ -196,20 +202,20 @@ class JointModel:
     def _add_friction(self) -> Any:
         """Put motors between outer and inner masses; nothing is to be done before a step."""
         self._motors = []
-        # ODE measures no motor of zero force: what its record held before would be taken for friction.
-        self._rubbing_cells = np.flatnonzero(self._bound > 0)
         for cell, bound in enumerate(self._bound.tolist()):
             motor = self._motor(self._bodies[self._cells + cell], self._bodies[cell])
             motor.setParam(VELOCITY, 0.0)
             motor.setParam(int(self._given["fmax"]), bound)
             motor.setFeedback(self._record)
             self._motors.append(motor)
-        self._measured = [self._motors[cell] for cell in self._rubbing_cells]
+        # ODE measures no motor of zero force: what its record held before would be taken for friction.
+        self._feedbacks = [motor.getFeedback for motor, bound in zip(self._motors, self._bound) if bound > 0]
+        self._measures = len(self._feedbacks)
         return None
 
-    def _measure(self, found: Any) -> None:
-        """Write the friction on every inner mass in the last step into the first column."""
-        found[self._rubbing_cells, 0] = [motor.getFeedback()[0][0] for motor in self._measured]
+    def _measure(self) -> list[float]:
+        """Give the friction in the last step on every inner mass that rubs."""
+        return [feedback()[0][0] for feedback in self._feedbacks]
 
 
 class ContactModel(JointModel):
@@ -231,11 +237,9 @@ class ContactModel(JointModel):
             raise RuntimeError("an inner mass has left the plate of its outer one")
         return rows
 
-    def _named(self, contacts: Any) -> dict[str, Any]:
-        if not self._record:
-            return {}
-        normal = np.where(self._bound > 0, contacts[:, :, 1], self._given["normal"])
-        return {"friction": contacts[:, :, 0], "normal": normal}
+    def _named(self, measured: Any) -> dict[str, Any]:
+        friction, normal = np.split(measured, 2, axis=1)
+        return {"friction": friction, "normal": np.where(self._bound > 0, normal, self._given["normal"])}
 
     def _pressing(self) -> list[float]:
         pressing = np.where(self._bound > 0, self._given["normal"], 0.0)
@@ -263,6 +267,7 @@ class ContactModel(JointModel):
             slider.setBody(inner)
             self._rubbing.append((inner, outer, slider, plate, float(self._given["coefficient"][cell]), cell))
         self._found: list[tuple[int, Any]] = []
+        self._measures = 2 * self._cells
         return self._find_contacts
 
     def _find_contacts(self) -> None:
@@ -286,11 +291,14 @@ class ContactModel(JointModel):
         self._found.clear()
         self._contacts.empty()
 
-    def _measure(self, found: Any) -> None:
-        """Write friction on every inner mass and normal force in the last step: sums over the points of a contact."""
+    def _measure(self) -> list[float]:
+        """Give friction on every inner mass, then normal forces, in the last step: sums over points of contact."""
+        measured = [0.0] * self._measures
         for cell, joint in self._found:
-            force = joint.getFeedback()[0]
-            found[cell] += force[0], force[2]
+            friction, _, normal = joint.getFeedback()[0]
+            measured[cell] += friction
+            measured[self._cells + cell] += normal
+        return measured
 
     def _new_body(self, mass: float, place: tuple[float, float]) -> Any:
         body, inertia = super()._new_body(mass, place), ode.Mass()
