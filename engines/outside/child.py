@@ -1,0 +1,150 @@
+"""The other end of the pipe: a loop that runs in another Python and serves one engine.
+
+It is started as ``python3 -I child.py SERVER``, where SERVER is a file that defines
+
+- ``versions()``: a dictionary of versions, with the engine's own under ``"engine"``;
+- ``Lane(parameters)``: one chain, with ``run(position, velocity, loads, record)``, which gives a dictionary of
+  arrays with one row a step (position and velocity alone where nothing is recorded), and ``bare_steps(steps)``.
+
+A message is eight bytes, its length, and the arrays of an ``npz`` file without pickles. This file runs in Pythons
+whose packages are older than the suite's: it needs NumPy only, and never imports the suite.
+"""
+
+import io
+import os
+import signal
+import struct
+import sys
+import traceback
+import zipfile
+from collections.abc import Callable, Mapping
+from importlib.machinery import SourceFileLoader
+from importlib.util import module_from_spec, spec_from_loader
+from typing import Any, BinaryIO
+
+import numpy as np
+
+Message = dict[str, Any]
+"""Arrays by name."""
+
+LARGEST_MESSAGE = 1 << 32
+"""Bytes; a length beyond this is not a length."""
+
+MOTION = ("position", "velocity")
+"""What is left of the rows of a run when only its end is asked for."""
+
+
+class NotAMessage(ValueError):
+    """What arrived is no message: something else writes to the pipe."""
+
+
+def write_message(stream: BinaryIO, message: Mapping[str, Any]) -> None:
+    """Write arrays, numbers and texts by name."""
+    body = io.BytesIO()
+    arrays: dict[str, Any] = {name: np.asarray(value) for name, value in message.items()}
+    np.savez(body, **arrays)
+    stream.write(struct.pack("<Q", body.tell()))
+    stream.write(body.getbuffer())
+    stream.flush()
+
+
+def read_message(stream: BinaryIO) -> Message:
+    """Read arrays by name; raises `EOFError` at the end of the stream, and `NotAMessage` for anything else."""
+    (length,) = struct.unpack("<Q", _exactly(stream, 8))
+    if length > LARGEST_MESSAGE:
+        raise NotAMessage(f"a message announces {length} bytes; allowed: at most {LARGEST_MESSAGE}")
+    body = io.BytesIO(_exactly(stream, length))
+    try:
+        with np.load(body, allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile, AttributeError) as problem:
+        raise NotAMessage(f"a message of {length} bytes holds no arrays: {problem}") from problem
+
+
+def _exactly(stream: BinaryIO, length: int) -> bytes:
+    body = stream.read(length)
+    if len(body) != length:
+        raise EOFError(f"the stream ends after {len(body)} of {length} bytes")
+    return body
+
+
+class Service:
+    """Answers the requests for one engine; lanes are known by the numbers that the other side gives them."""
+
+    def __init__(self, load: Callable[[], Any]):
+        self._load = load
+        self._lanes: dict[int, Any] = {}
+
+    def answer(self, request: Message) -> Message:
+        """Answer a request; an exception becomes an answer, and the child lives on."""
+        _end_at(float(request["limit"]))
+        try:
+            for number in request["forget"].tolist():
+                self._lanes.pop(number, None)
+            handler = getattr(self, "_" + str(request["request"]))
+            return handler(request)
+        except Exception as problem:  # whatever it is, the other side has to hear of it
+            return {"error": f"{type(problem).__name__}: {problem}", "traceback": traceback.format_exc()}
+        finally:
+            sys.stdout.flush()
+            _end_at(0.0)
+
+    def _versions(self, _request: Message) -> Message:
+        return dict(self._load().versions())
+
+    def _build(self, request: Message) -> Message:
+        self._lanes[int(request["number"])] = self._load().Lane(request)
+        return {}
+
+    def _run(self, request: Message) -> Message:
+        lane = self._lanes[int(request["number"])]
+        record = bool(request["record"])
+        rows = lane.run(request["position"], request["velocity"], request["loads"], record)
+        if record:
+            return dict(rows)
+        return {name: rows[name][-1:] for name in MOTION}
+
+    def _bare_steps(self, request: Message) -> Message:
+        self._lanes[int(request["number"])].bare_steps(int(request["steps"]))
+        return {}
+
+
+def _end_at(seconds: float) -> None:
+    """Let the kernel end this process so late from now, even inside compiled code; never, for 0.
+
+    The other side keeps the limit itself; this one is for a child whose parent is gone.
+    """
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+
+
+def _server(path: str) -> Any:
+    """Load the file of the server, under a name that hides no package."""
+    name = "outside_server"
+    if name not in sys.modules:
+        spec = spec_from_loader(name, SourceFileLoader(name, path))
+        assert spec is not None
+        assert spec.loader is not None
+        module = module_from_spec(spec)
+        sys.dont_write_bytecode = True
+        spec.loader.exec_module(module)
+        sys.modules[name] = module
+    return sys.modules[name]
+
+
+def main() -> None:
+    """Serve until the other side closes the pipe, or dies."""
+    requests, replies = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    # What an engine prints goes to the error stream, and it reads nothing: the pipes are the protocol's.
+    os.dup2(2, 1)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    service = Service(lambda: _server(sys.argv[1]))
+    while True:
+        try:
+            request = read_message(requests)
+        except EOFError:
+            return
+        write_message(replies, service.answer(request))
+
+
+if __name__ == "__main__":
+    main()
