@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from engines.chain_coordinates import ChainCoordinates
 from engines.interface import LaneModel, Option, Preset
 from engines.pybullet_world import World, import_pybullet
 from engines.units import Units, power_of_two
@@ -101,7 +102,7 @@ class PyBulletContactLane(LaneModel):
         bullet, client = import_pybullet(), self._world.client
         now = np.concatenate([state.positions[0] / self._units.length, state.velocities[0] / self._units.velocity])
         bodies = self._new_bodies(now)
-        matrix = -np.hstack([self._chain.stiffness_matrix, self._chain.damping_matrix])
+        matrix = ChainCoordinates.ABSOLUTE.force_matrix(self._chain)
         pressing = np.concatenate([self._chain.normal_force, -self._chain.normal_force]).tolist()
         nowhere = [0.0, 0.0, 0.0]
         rows: list[list[float]] = []
