@@ -5,6 +5,7 @@ import numpy as np
 from engines.contract.lanes import AMPLITUDE, lane_of
 from engines.contract.tolerances import (
     CONVERGED_TOLERANCE_DB,
+    CREEP,
     FRICTION_TOLERANCE,
     SCHEME_TOLERANCE_DB,
     STEPS,
@@ -38,11 +39,11 @@ def test_who_shares_the_scheme_equals_the_reference_to_round_off_over_forty_peri
     found, expected = (
         one.build([lane]).run(State.at_rest(1, 7), 0, 40 * STEPS)[0] for one in (sharing, Variant("reference"))
     )
-    precision = sharing.capabilities.precision
+    precision, softness = sharing.capabilities.precision, CREEP * sharing.options.softness
     motion = np.max(np.abs(found.positions - expected.positions)) / AMPLITUDE
     force = np.max(np.abs(found.friction - expected.friction)) / lane.chain.friction_bound[0]
-    assert motion <= TRAJECTORY_TOLERANCE[precision], "the motion leaves the scheme's"
-    assert force <= FRICTION_TOLERANCE[precision], "the friction leaves the scheme's"
+    assert motion <= TRAJECTORY_TOLERANCE[precision] + softness, "the motion leaves the scheme's"
+    assert force <= FRICTION_TOLERANCE[precision] + softness, "the friction leaves the scheme's"
 
 
 def test_default_stays_finite_and_near_the_reference_for_a_period(default: Variant) -> None:

@@ -33,6 +33,11 @@ FRICTION_TOLERANCE = {"double": 1e-9, "single": 1e-3}
 """Friction of engines that share the scheme, over its bound: a difference of velocities over a time step, and so
 less exact than positions."""
 
+CREEP = 10.0
+"""What a preset's stated softness may add to both, as a multiple of it. A stuck contact keeps the softness times
+the velocity that friction takes from it in a step, at most F dt / m: over half a period that is far less than
+the softness times U0. Friction lacks the same part, and half a dozen neighbours pass it on."""
+
 SCHEME_TOLERANCE_DB = 0.02
 """Largest difference of transmittance between engines that share the Euler scheme, at equal time step [dB].
 

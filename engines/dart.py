@@ -1,0 +1,40 @@
+"""DART: the Coulomb friction of a joint."""
+
+import importlib.util
+from importlib.metadata import version
+from typing import ClassVar
+
+from engines.dart_joint import JOINT_DEFAULT, JOINT_TUNED, SOFTNESS, DartJointLane
+from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
+from reference_lcp.simulation import Lane, Simulation
+
+
+class Dart(Engine):
+    """DART, without graphics."""
+
+    name: ClassVar[str] = "dart"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        title="DART",
+        package="dartpy",
+        licence="BSD-2-Clause",
+        friction_law=FrictionLaw.COULOMB,
+        presets={Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT}},
+        notes=(
+            "Coulomb's law as a boxed LCP, solved by pivoting, whose diagonal is enlarged by a part of "
+            f"{SOFTNESS:g} that cannot be set to less: a stuck contact creeps by as much. By default the joints' own "
+            "springs and dashpots are implicit, and damp the motion by as much as the time step is long."
+        ),
+    )
+
+    def version(self) -> str:
+        """Version of the package."""
+        return version("dartpy")
+
+    def why_not_installed(self) -> str | None:
+        """Say why DART cannot be used here."""
+        if importlib.util.find_spec("dartpy") is None:
+            return "the package dartpy is not installed; pip install 'multibody-xval[engines]'"
+        return None
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        return LanewiseSimulation.build(lanes, lambda lane: DartJointLane(lane, preset))
