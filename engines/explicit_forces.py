@@ -58,18 +58,19 @@ class ExplicitForcesLane(LaneModel):
         """
         motion, step = self._started(state, steps)
         dot, forces, force, contacts = np.dot, self._forces, np.empty(motion.size // 2), self._contacts
-        rows = np.empty((steps, motion.size))
+        motions = np.empty((steps + 1, motion.size))
+        motions[0] = motion
         read = []
-        for row, load in zip(rows, self._loads(start, steps, motion), strict=False):
+        for row, load in zip(motions[1:], self._loads(start, steps, motion), strict=False):
             dot(forces, motion, force)
             force[0] += load
             step(force)
             row[:] = motion
             read.append(contacts())
-        rows[len(read) :] = motion
+        motions[len(read) + 1 :] = motion
         read += read[-1:] * (steps - len(read))
-        friction, normal = self._contact_forces(np.array(read), rows)
-        end = self._state(rows)
+        friction, normal = self._contact_forces(np.array(read), motions)
+        end = self._state(motions[1:])
         return Trajectory(self.lane.times(start, steps), end.positions, end.velocities, friction, normal)
 
     def advance(self, state: State, start: int, steps: int) -> State:
@@ -94,17 +95,17 @@ class ExplicitForcesLane(LaneModel):
     def _contacts(self) -> FloatArray | list[float]:
         """Read what the engine says of the contacts after a step."""
 
-    def _contact_forces(self, read: FloatArray, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _contact_forces(self, read: FloatArray, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Turn what was read into friction on the inner masses and normal force [N], shape (steps, n) each.
 
         Parameters
         ----------
         read
             What `_contacts` gave, one row a step; here the friction itself, in the lane's units.
-        rows
-            The motions at the ends of the steps.
+        motions
+            The motion at the start, and at the end of each step, shape (steps + 1, 4n).
         """
-        return read * self._units.force, constant_normal_force(self.lane, len(rows))
+        return read * self._units.force, constant_normal_force(self.lane, len(read))
 
     def _force_matrix(self) -> FloatArray:
         """Give the matrix that turns a motion into generalised forces, shape (2n, 4n)."""
@@ -115,9 +116,9 @@ class ExplicitForcesLane(LaneModel):
         position, velocity = state.positions[0] / self._units.length, state.velocities[0] / self._units.velocity
         return np.concatenate([self.coordinates.of(position), self.coordinates.of(velocity)])
 
-    def _state(self, rows: FloatArray) -> State:
-        """Give positions and velocities of motions, shape (steps, 4n)."""
-        position, velocity = np.split(rows, 2, axis=1)
+    def _state(self, motions: FloatArray) -> State:
+        """Give positions and velocities of motions, shape (rows, 4n)."""
+        position, velocity = np.split(motions, 2, axis=1)
         return State(
             self.coordinates.absolute(position) * self._units.length,
             self.coordinates.absolute(velocity) * self._units.velocity,
