@@ -28,7 +28,6 @@ class PymunkLane(ExplicitForcesLane):
         # What turns a motion (p, v) into (x, v), at which forces are evaluated.
         self._lag = preset["positions"] == "of the step before"
         super().__init__(lane, Units.named(preset["units"], lane))
-        self._places = np.zeros((2 * self._chain.cells, 2))
 
     def bare_steps(self, steps: int) -> None:
         """Take steps of the engine alone; see `BareStepping`."""
@@ -48,10 +47,9 @@ class PymunkLane(ExplicitForcesLane):
         positions, velocities = np.split(motion, 2)
         masses = np.concatenate([self._chain.outer_mass, self._chain.inner_mass])
         bodies = []
-        for mass, place, position, velocity in zip(masses, self._places, positions, velocities, strict=True):
+        for mass, position, velocity in zip(masses, positions, velocities, strict=True):
             body = pymunk.Body(float(mass), math.inf)
-            body.position = float(place[0] + position), float(place[1])
-            body.velocity = float(velocity), 0.0
+            body.position, body.velocity = (float(position), 0.0), (float(velocity), 0.0)
             bodies.append(body)
         space.add(*bodies)
         return bodies
@@ -91,8 +89,8 @@ class PymunkLane(ExplicitForcesLane):
         loads, forces = batch.Buffer(), np.zeros((len(bodies), 2))
         loads.set_float_buf(forces)
         along, position, velocity = forces[:half, 0], bodies[:half, 0], bodies[:half, 2]
-        positions, velocities, places = motion[:half], motion[half:], self._places[:, 0]
-        advance, clear, time_step, subtract = space.step, read.clear, self._time_step, np.subtract
+        positions, velocities = motion[:half], motion[half:]
+        advance, clear, time_step = space.step, read.clear, self._time_step
 
         def step(force: FloatArray) -> None:
             along[:] = force
@@ -100,7 +98,7 @@ class PymunkLane(ExplicitForcesLane):
             advance(time_step)
             clear()
             get_bodies(space, fields, read)
-            subtract(position, places, positions)
+            positions[:] = position
             velocities[:] = velocity
 
         return step

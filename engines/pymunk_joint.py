@@ -37,20 +37,17 @@ JOINT_DEFAULT = Preset(
     split_tolerance=1e-12,
 )
 
-SPACING = 2.0**10
-"""Distance of neighbouring cells over the displacement scale: a damped spring acts along the line of its anchors."""
+LENGTH = 2.0**10
+"""Length of a damped spring over the displacement scale: it acts along the line of its anchors."""
 
 
 class PymunkJointLane(PymunkLane):
     """One chain; what a joint did is read as the size of its impulse."""
 
     def __init__(self, lane: Lane, preset: Preset):
-        """Take the lane's parameters in its units; cells with springs of their own stand side by side."""
+        """Take the lane's parameters in its units."""
         self._own_springs = preset["springs"] == "damped springs"
         super().__init__(lane, preset)
-        if self._own_springs:
-            scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / self._units.length
-            self._places[:, 0] = np.tile(SPACING * scale * np.arange(1, lane.chain.cells + 1), 2)
 
     def _force_matrix(self) -> FloatArray:
         """Only the drive is left where pymunk has the springs."""
@@ -74,21 +71,19 @@ class PymunkJointLane(PymunkLane):
         return space, joints
 
     def _add_springs(self, space: Any, bodies: list[Any]) -> None:
-        """Add the springs: at rest they are as long as cells are apart."""
+        """Add the springs."""
         import pymunk
 
         chain, cells = self._chain, self._chain.cells
-        length = float(self._places[0, 0])
-        left = [space.static_body, *bodies[: cells - 1]]
-        for cell in range(cells):
-            # Inner springs end at an anchor that the inner mass carries ahead of it.
-            for start, end, ahead, stiffness, damping in (
-                (left[cell], bodies[cell], 0.0, chain.chain_stiffness, chain.chain_damping),
-                (bodies[cell], bodies[cells + cell], length, chain.inner_stiffness, chain.inner_damping),
-            ):
-                anchors = (0.0, 0.0), (ahead, 0.0)
-                values = float(stiffness[cell]), float(damping[cell])
-                space.add(pymunk.DampedSpring(start, end, *anchors, length, *values))
+        length = LENGTH * power_of_two(self.lane.drive.displacement_scale(self.lane.chain)) / self._units.length
+        # All bodies stand in one place; the right end of a spring is an anchor that its body carries ahead of it.
+        anchors = (0.0, 0.0), (length, 0.0)
+        outer, inner = bodies[:cells], bodies[cells:]
+        for left, right, stiffness, damping in (
+            *zip([space.static_body, *outer[:-1]], outer, chain.chain_stiffness, chain.chain_damping, strict=True),
+            *zip(outer, inner, chain.inner_stiffness, chain.inner_damping, strict=True),
+        ):
+            space.add(pymunk.DampedSpring(left, right, *anchors, length, float(stiffness), float(damping)))
 
     def _contacts(self) -> list[float]:
         return [joint.impulse for joint in self._holders]
