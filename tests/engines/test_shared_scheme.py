@@ -28,7 +28,9 @@ from tests.engines.scheme_oracle import (
     with_coefficients,
 )
 
-SHARING = [name for name in ("mujoco", "pybullet", "dart", "pymunk") if engine(name).why_not_installed() is None]
+SHARING = [
+    name for name in ("mujoco", "pybullet", "dart", "pinocchio", "pymunk") if engine(name).why_not_installed() is None
+]
 
 both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
 
