@@ -1,10 +1,11 @@
-"""pymunk: a pivot joint of bounded force."""
+"""pymunk: a pivot joint of bounded force, or a box pressed on a plate."""
 
 import importlib.util
 from importlib.metadata import version
 from typing import ClassVar
 
 from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
+from engines.pymunk_contact import CONTACT_DEFAULT, CONTACT_TUNED, PymunkContactLane
 from engines.pymunk_joint import JOINT_DEFAULT, JOINT_TUNED, PymunkJointLane
 from reference_lcp.simulation import Lane, Simulation
 
@@ -18,11 +19,14 @@ class Pymunk(Engine):
         package="pymunk",
         licence="MIT",
         friction_law=FrictionLaw.COULOMB,
-        presets={Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT}},
+        presets={
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+        },
         notes=(
-            "Coulomb's law, exact in stick: a joint that holds two bodies together with bounded force. Positions are "
-            "advanced before velocities; the tuned preset evaluates its forces, and reads, half a turn later, which "
-            "is the scheme of equation (5). The size of friction is the engine's, its sign that of the momentum gained."
+            "Coulomb's law, exact in stick: a joint that holds two bodies together with bounded force, or boxes "
+            "pressed on plates. Positions are advanced before velocities; the tuned presets evaluate forces in between, which "
+            "is the scheme of equation (5). A joint tells the size of its force, and the momentum gained the sign."
         ),
     )
 
@@ -37,4 +41,5 @@ class Pymunk(Engine):
         return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        return LanewiseSimulation.build(lanes, lambda lane: PymunkJointLane(lane, preset))
+        model = PymunkJointLane if formulation is Formulation.JOINT else PymunkContactLane
+        return LanewiseSimulation.build(lanes, lambda lane: model(lane, preset))

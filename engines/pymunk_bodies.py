@@ -1,4 +1,4 @@
-"""Lanes of pymunk, whatever holds their masses together: the bodies, and how all are set and read at once."""
+"""Lanes of pymunk, whatever holds their masses together: bodies, springs, and how all are set and read at once."""
 
 import math
 from abc import abstractmethod
@@ -8,9 +8,13 @@ import numpy as np
 
 from engines.explicit_forces import ExplicitForcesLane, Step
 from engines.interface import Preset
-from engines.units import Units
+from engines.units import Units, power_of_two
 from reference_lcp.simulation import Lane
+from reference_lcp.trajectory import State
 from reference_lcp.validation import FloatArray
+
+LENGTH = 2.0**10
+"""Length of a damped spring over the displacement scale: it acts along the line of its anchors."""
 
 
 class PymunkLane(ExplicitForcesLane):
@@ -23,11 +27,12 @@ class PymunkLane(ExplicitForcesLane):
 
     def __init__(self, lane: Lane, preset: Preset):
         """Take the lane's parameters in its units."""
-        self._holders: list[Any] = []
         self._preset = preset
-        # What turns a motion (p, v) into (x, v), at which forces are evaluated.
+        self._own_springs = preset["springs"] == "damped springs"
         self._lag = preset["positions"] == "of the step before"
         super().__init__(lane, Units.named(preset["units"], lane))
+        # Where bodies are across the motion, and the forces on them there.
+        self._heights, self._pressing = np.zeros((2, 2 * lane.chain.cells))
 
     def bare_steps(self, steps: int) -> None:
         """Take steps of the engine alone; see `BareStepping`."""
@@ -37,49 +42,75 @@ class PymunkLane(ExplicitForcesLane):
             step(time_step)
 
     @abstractmethod
-    def _new_space(self, motion: FloatArray) -> tuple[Any, list[Any]]:
-        """Make the space with this motion, and give what holds the masses of each cell together."""
+    def _hold(self, space: Any, outer: list[Any], inner: list[Any]) -> None:
+        """Add what makes friction between the masses of each cell."""
 
-    def _new_bodies(self, space: Any, motion: FloatArray) -> list[Any]:
-        """Add bodies that do not turn, outer masses first."""
+    def _new_space(self, motion: FloatArray) -> tuple[Any, list[Any]]:
+        """Make the space with this motion; give it and its bodies, outer masses first."""
         import pymunk
 
+        space = pymunk.Space()
+        space.iterations = self._preset["iterations"]
         positions, velocities = np.split(motion, 2)
         masses = np.concatenate([self._chain.outer_mass, self._chain.inner_mass])
         bodies = []
-        for mass, position, velocity in zip(masses, positions, velocities, strict=True):
+        for mass, *place, velocity in zip(masses, positions, self._heights, velocities, strict=True):
+            # A body with an infinite moment of inertia does not turn.
             body = pymunk.Body(float(mass), math.inf)
-            body.position, body.velocity = (float(position), 0.0), (float(velocity), 0.0)
+            body.position, body.velocity = (float(place[0]), float(place[1])), (float(velocity), 0.0)
             bodies.append(body)
         space.add(*bodies)
-        return bodies
+        outer, inner = bodies[: len(bodies) // 2], bodies[len(bodies) // 2 :]
+        self._hold(space, outer, inner)
+        if self._own_springs:
+            self._add_springs(space, outer, inner)
+        return space, bodies
+
+    def _add_springs(self, space: Any, outer: list[Any], inner: list[Any]) -> None:
+        """Add the springs: the right end of each is an anchor that its body carries ahead of it, at equal height."""
+        import pymunk
+
+        chain, heights = self._chain, np.concatenate([[0.0], self._heights])
+        length = LENGTH * power_of_two(self.lane.drive.displacement_scale(self.lane.chain)) / self._units.length
+        lefts, rights = [space.static_body, *outer[:-1], *outer], [*outer, *inner]
+        rises = heights[[*range(chain.cells), *range(1, chain.cells + 1)]] - heights[1:]
+        stiffnesses = np.concatenate([chain.chain_stiffness, chain.inner_stiffness])
+        dampings = np.concatenate([chain.chain_damping, chain.inner_damping])
+        for left, right, rise, stiffness, damping in zip(lefts, rights, rises, stiffnesses, dampings, strict=True):
+            anchors = (0.0, 0.0), (length, float(rise))
+            space.add(pymunk.DampedSpring(left, right, *anchors, length, float(stiffness), float(damping)))
 
     def _force_matrix(self) -> FloatArray:
+        """Only the drive is left where pymunk has the springs."""
+        matrix = self._spring_matrix()
+        return np.zeros_like(matrix) if self._own_springs else matrix
+
+    def _spring_matrix(self) -> FloatArray:
+        """Give the matrix that turns a motion into the forces of springs and dashpots."""
         matrix = super()._force_matrix()
         if self._lag:
             half = matrix.shape[0]
             matrix[:, half:] += self._time_step * matrix[:, :half]
         return matrix
 
-    def _motion(self, state: Any) -> FloatArray:
-        motion = super()._motion(state)
-        return self._lagging(motion, -1.0)
+    def _motion(self, state: State) -> FloatArray:
+        return self._moved(super()._motion(state), -1.0)
 
-    def _state(self, motions: FloatArray) -> Any:
-        return super()._state(self._lagging(motions, 1.0))
+    def _state(self, motions: FloatArray) -> State:
+        return super()._state(self._moved(motions, 1.0))
 
-    def _lagging(self, motions: FloatArray, sign: float) -> FloatArray:
-        """Move positions by a step back or forth, if this lane holds those of the step before."""
+    def _moved(self, motions: FloatArray, steps: float) -> FloatArray:
+        """Move positions by steps forth or back, if this lane holds those of the step before."""
         position, velocity = np.split(motions, 2, axis=-1)
         if self._lag:
-            position = position + sign * self._time_step * velocity
+            position = position + steps * self._time_step * velocity
         return np.concatenate([position, velocity], axis=-1)
 
     def _begin(self, motion: FloatArray) -> Step:
         from pymunk import batch
 
-        space, self._holders = self._new_space(motion)
-        half = motion.size // 2
+        self._space, self._bodies = self._new_space(motion)
+        space, half = self._space, motion.size // 2
         read, fields = batch.Buffer(), batch.BodyFields.POSITION | batch.BodyFields.VELOCITY
         get_bodies, set_bodies, force_field = batch.get_space_bodies, batch.set_space_bodies, batch.BodyFields.FORCE
         # pymunk allocates its memory at the first reading and uses it from then on.
@@ -88,6 +119,7 @@ class PymunkLane(ExplicitForcesLane):
         # The space's own body, where something hangs on it, comes last.
         loads, forces = batch.Buffer(), np.zeros((len(bodies), 2))
         loads.set_float_buf(forces)
+        forces[:half, 1] = self._pressing
         along, position, velocity = forces[:half, 0], bodies[:half, 0], bodies[:half, 2]
         positions, velocities = motion[:half], motion[half:]
         advance, clear, time_step = space.step, read.clear, self._time_step
