@@ -1,9 +1,10 @@
-"""Box2D: the motor of a joint, or a friction joint."""
+"""Box2D: the motor of a joint, a friction joint, or a box pressed on a plate."""
 
 import importlib.util
 from importlib.metadata import version
 from typing import ClassVar
 
+from engines.box2d_contact import CONTACT_DEFAULT, CONTACT_TUNED, Box2DContactLane
 from engines.box2d_joint import JOINT_DEFAULT, JOINT_TUNED, Box2DJointLane
 from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
 from reference_lcp.simulation import Lane, Simulation
@@ -18,7 +19,10 @@ class Box2D(Engine):
         package="Box2D",
         licence="Zlib",
         friction_law=FrictionLaw.COULOMB,
-        presets={Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT}},
+        presets={
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+        },
         precision="single",
         # Positions and velocities are rounded by 2^-24 of themselves in every step: of one period of 400 steps,
         # this adds up to 1e-6 of the displacement scale or somewhat more, and no mixing of iterates removes it.
@@ -41,4 +45,5 @@ class Box2D(Engine):
         return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        return LanewiseSimulation.build(lanes, lambda lane: Box2DJointLane(lane, preset))
+        model = Box2DJointLane if formulation is Formulation.JOINT else Box2DContactLane
+        return LanewiseSimulation.build(lanes, lambda lane: model(lane, preset))

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from engines.box2d import Box2D
-from engines.contract.tolerances import FRICTION_TOLERANCE, SINGLE
+from engines.contract.tolerances import FRICTION_TOLERANCE, ROUND_OFF, SINGLE
 from engines.interface import Formulation, Option, Preset
 from reference_lcp.chain import Chain
 from reference_lcp.drive import HarmonicBase, StillBase
 from reference_lcp.simulation import Lane
 from reference_lcp.trajectory import State, Trajectory
-from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, uneven_lane
+from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, uneven_lane, with_coefficients
 
 pytestmark = pytest.mark.skipif(Box2D().why_not_installed() is not None, reason="Box2D is not installed")
 
@@ -22,13 +22,13 @@ ROUNDINGS = 10 * np.sqrt(STEPS) * SINGLE
 """Three standard deviations of the roundings of a period, for motions of some six displacement scales."""
 
 
-def tuned_but(**options: object) -> Preset:
-    tuned = Box2D().preset("joint", "tuned")
+def tuned_but(formulation: str = "joint", **options: object) -> Preset:
+    tuned = Box2D().preset(formulation, "tuned")
     return Preset("", {**tuned.options, **{name: Option(value, None, "") for name, value in options.items()}})
 
 
-def run(lane: Lane, state: State, preset: Preset, steps: int = STEPS) -> Trajectory:
-    return Box2D()._build((lane,), Formulation.JOINT, preset).run(state, 0, steps)[0]
+def run(lane: Lane, state: State, preset: Preset, steps: int = STEPS, formulation: str = "joint") -> Trajectory:
+    return Box2D()._build((lane,), Formulation(formulation), preset).run(state, 0, steps)[0]
 
 
 def distance(lane: Lane, state: State, found: Trajectory) -> float:
@@ -101,9 +101,10 @@ def test_own_springs_are_implicit_and_take_energy() -> None:
     assert 0.05 < energy / (state.positions[0] @ chain.stiffness_matrix @ state.positions[0]) < 0.95
 
 
-def test_a_state_is_rounded_once_and_then_passed_on_to_the_bit() -> None:
+@pytest.mark.parametrize("formulation", ["joint", "contact"])
+def test_a_state_is_rounded_once_and_then_passed_on_to_the_bit(formulation: str) -> None:
     """What comes out is in single precision, and goes in again as it is."""
-    simulation = Box2D().build([lane_of()])
+    simulation = Box2D().build([lane_of()], formulation)
     whole = simulation.run(random_state(), 0, STEPS)[0]
     state = random_state()
     for step in range(0, STEPS, 10):
@@ -124,3 +125,42 @@ def test_an_unstable_motion_is_silent_and_shows() -> None:
     unstable = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1), 20)
     end = Box2D().build([unstable]).advance(State.at_rest(1, 7), 0, 400)
     assert np.max(np.abs(end.positions)) > 1e6 * AMPLITUDE
+
+
+@pytest.mark.parametrize("coefficient", [0.001, 0.1, 3.0, [0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]])
+def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: object) -> None:
+    lane, state = with_coefficients(coefficient), random_state()
+    assert distance(lane, state, run(lane, state, tuned_but("contact"), STEPS, "contact")) < ROUNDINGS
+
+
+def test_boxes_of_uneven_cells_equal_the_scheme_to_single_precision() -> None:
+    lane, state = uneven_lane(), random_state()
+    assert distance(lane, state, run(lane, state, tuned_but("contact"), STEPS, "contact")) < ROUNDINGS
+
+
+def test_one_sweep_from_nothing_finds_no_friction() -> None:
+    """Box2D bounds friction by the normal impulse of the sweep before."""
+    lane, state = lane_of(), random_state()
+    found = run(lane, state, tuned_but("contact", velocityIterations=1), STEPS, "contact")
+    assert np.all(found.friction == 0)
+    assert distance(lane, state, found) > 0.1
+
+
+@pytest.mark.parametrize("preset", ["tuned", "default"])
+def test_a_pressed_box_neither_bounces_nor_sinks_nor_is_pushed_out(preset: str) -> None:
+    """Over a hundred periods every contact is there in every step, with the force that presses it."""
+    lane = lane_of(0.3, 0.9)
+    simulation = Box2D().build([lane], "contact", preset)
+    state = simulation.advance(random_state(), 0, 100 * STEPS)
+    found = simulation.run(state, 0, STEPS)[0]
+    given = np.broadcast_to(lane.chain.normal_force, (STEPS, 7))
+    np.testing.assert_allclose(found.normal_force, given, rtol=ROUND_OFF["single"])
+
+
+def test_boxes_that_leave_their_plates_or_pass_the_largest_step_are_reported() -> None:
+    away = State(np.concatenate([np.zeros(7), np.full(7, 1e6 * AMPLITUDE)])[None], np.zeros((1, 14)))
+    with pytest.raises(RuntimeError, match="its plate ends at"):
+        Box2D().build([lane_of(0.0)], "contact").advance(away, 0, 1)
+    fast = State(np.zeros((1, 14)), np.full((1, 14), 100 * AMPLITUDE / lane_of().time_step))
+    with pytest.raises(RuntimeError, match="Box2D cuts off at"):
+        Box2D().build([lane_of(0.0)], "contact").advance(fast, 0, 1)
