@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from engines.chain_coordinates import ChainCoordinates
+from engines.dart_world import new_world
 from engines.explicit_forces import ExplicitForcesLane, Step
 from engines.interface import Option, Preset
 from engines.units import Units
@@ -93,12 +94,7 @@ class DartJointLane(ExplicitForcesLane):
         """Make a world with one skeleton: sliders of the outer masses, then on each that of its inner mass."""
         import dartpy
 
-        world, skeleton = dartpy.simulation.World(), dartpy.dynamics.Skeleton()
-        options = world.getDeactivationOptions()
-        options.mEnabled = self._preset["deactivation"]
-        world.setDeactivationOptions(options)
-        world.setTimeStep(self._time_step)
-        world.setGravity([0.0, 0.0, 0.0])
+        world, skeleton = new_world(self._time_step, self._preset["deactivation"]), dartpy.dynamics.Skeleton()
         chain, carriers = self._chain, [None]
         friction = zip(chain.outer_mass, chain.chain_stiffness, chain.chain_damping, np.zeros(chain.cells), strict=True)
         for mass, stiffness, damping, bound in friction:

@@ -78,8 +78,8 @@ class Preset:
     split_tolerance
         Largest difference between one run and the same run split in two, over the displacement scale.
     softness
-        Part of the relative velocity which a stuck contact would gain in a step without friction that is left to
-        it, where the engine cannot be told to leave none.
+        Part of the relative velocity which a contact would gain in a step without its forces, along it when it
+        sticks or across it, that is left to it, where the engine cannot be told to leave none.
     """
 
     description: str

@@ -47,9 +47,12 @@ is one of δ U0 ω m / (2 dt) = δ (η_r² / 2) (k U0) STEPS / (2π) of the fric
 """
 
 CREEP = 10.0
-"""What a preset's stated softness may add to both, as a multiple of it. A stuck contact keeps the softness times
-the velocity that friction takes from it in a step, at most F dt / m: over half a period that is far less than
-the softness times U0. Friction lacks the same part, and half a dozen neighbours pass it on."""
+"""What a preset's stated softness may add to both, and to a normal force, as a multiple of it.
+
+A stuck contact keeps the softness times the velocity that friction takes from it in a step, at most F dt / m: over
+half a period that is far less than the softness times U0. Friction lacks the same part, and half a dozen neighbours
+pass it on.
+"""
 
 SCHEME_TOLERANCE_DB = 0.02
 """Largest difference of transmittance between engines that share the Euler scheme, at equal time step [dB].
