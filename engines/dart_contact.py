@@ -22,7 +22,9 @@ CONTACT_TUNED = Preset(
     {
         "units": Option("lane", "SI", "No number comes near DART's built-in smallest ones."),
         "shape": Option("box", "box", "Its four points share DART's constraint force mixing of 1e-5 a point."),
-        "deactivation": Option(False, True, "No body may be put to sleep for moving slowly."),
+        "deactivation": Option(
+            False, True, "No body may be put to sleep for moving slowly; on, none was in the chains that were tried."
+        ),
     },
     shares_scheme=True,
     split_tolerance=1e-6,

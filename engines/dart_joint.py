@@ -22,7 +22,9 @@ JOINT_TUNED = Preset(
         "springs": Option(
             "forces", "of the joints", "At the start of the step, as in equation (5); DART's are implicit."
         ),
-        "deactivation": Option(False, True, "No body may be put to sleep for moving slowly."),
+        "deactivation": Option(
+            False, True, "No body may be put to sleep for moving slowly; on, none was in the chains that were tried."
+        ),
         "constraint force mixing": Option(SOFTNESS, SOFTNESS, "DART raises smaller values to this one."),
     },
     shares_scheme=True,
