@@ -22,6 +22,7 @@ class Drake(Engine):
     name: ClassVar[str] = "drake"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Drake",
+        further=True,
         package="drake",
         licence="BSD-3-Clause",
         friction_law=FrictionLaw.REGULARISED,

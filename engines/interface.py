@@ -77,12 +77,16 @@ class Preset:
         step as equation (5), so that at equal time step its trajectories equal the reference's.
     split_tolerance
         Largest difference between one run and the same run split in two, over the displacement scale.
+    softness
+        Part of the relative velocity which a contact would gain in a step without its forces, along it when it
+        sticks or across it, that is left to it, where the engine cannot be told to leave none.
     """
 
     description: str
     options: Mapping[str, Option] = field(default_factory=dict)
     shares_scheme: bool = False
     split_tolerance: float = 0.0
+    softness: float = 0.0
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value

@@ -98,6 +98,7 @@ class ODE(Engine):
     name: ClassVar[str] = "ode"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="ODE",
+        further=True,
         package="python3-pyode",
         licence="BSD-3-Clause or LGPL-2.1-or-later",
         friction_law=FrictionLaw.COULOMB,

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from engines.chain_coordinates import ChainCoordinates
 from engines.interface import LaneModel, Option, Preset
 from engines.pybullet_world import World, import_pybullet
 from engines.units import Units, power_of_two
@@ -74,7 +75,7 @@ class PyBulletContactLane(LaneModel):
         self._preset = preset
         self._units = Units.named(preset["units"], lane)
         self._chain = self._units.scaled(lane.chain)
-        self._forces = -np.hstack([self._chain.stiffness_matrix, self._chain.damping_matrix])
+        self._forces = ChainCoordinates.ABSOLUTE.force_matrix(self._chain)
         self._pressing = np.concatenate([self._chain.normal_force, -self._chain.normal_force]).tolist()
         # Powers of two: distances of contacts are then exact.
         self._scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / self._units.length

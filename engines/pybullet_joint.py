@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from engines.chain_coordinates import ChainCoordinates
 from engines.interface import LaneModel, Option, Preset, constant_normal_force
 from engines.pybullet_world import World, import_pybullet
 from engines.units import Units
-from reference_lcp.chain import Chain
 from reference_lcp.simulation import Lane
 from reference_lcp.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray, ParameterError
@@ -53,7 +53,7 @@ class PyBulletJointLane(LaneModel):
         self._units = Units.named(preset["units"], lane)
         self._chain = self._units.scaled(lane.chain)
         self._time_step = lane.time_step / self._units.time
-        self._forces = _force_matrix(self._chain)
+        self._forces = ChainCoordinates.CELLS.force_matrix(self._chain)
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state`; see `LaneModel.run`."""
@@ -62,8 +62,8 @@ class PyBulletJointLane(LaneModel):
         position, velocity, friction = np.split(rows, [2 * cells, 4 * cells], axis=1)
         return Trajectory(
             self.lane.times(start, steps),
-            _absolute(position) * units.length,
-            _absolute(velocity) * units.velocity,
+            ChainCoordinates.CELLS.absolute(position) * units.length,
+            ChainCoordinates.CELLS.absolute(velocity) * units.velocity,
             friction * units.force,
             constant_normal_force(self.lane, steps),
         )
@@ -81,8 +81,8 @@ class PyBulletJointLane(LaneModel):
     def _rows(self, state: State, loads: FloatArray) -> FloatArray:
         """Step through `loads`; give coordinates, their velocities and friction, shape (steps, 5n)."""
         bullet, client = import_pybullet(), self._world.client
-        coordinates = _joint_coordinates(state.positions[0] / self._units.length)
-        velocities = _joint_coordinates(state.velocities[0] / self._units.velocity)
+        coordinates = ChainCoordinates.CELLS.of(state.positions[0] / self._units.length)
+        velocities = ChainCoordinates.CELLS.of(state.velocities[0] / self._units.velocity)
         body = self._new_body(coordinates, velocities)
         cells = self._chain.cells
         links = _links(cells)
@@ -154,28 +154,3 @@ def _new_tree(outer_mass: FloatArray, inner_mass: FloatArray, client: int) -> in
 def _links(cells: int) -> list[int]:
     """Links of the outer masses, then of the inner ones."""
     return [*range(0, 2 * cells, 2), *range(1, 2 * cells, 2)]
-
-
-def _force_matrix(chain: Chain) -> FloatArray:
-    """Give the matrix that turns joint coordinates and velocities into joint forces, shape (2n, 4n).
-
-    A joint's force acts on its own mass and back on its parent, so that the inner elements appear at the
-    inner joints only.
-    """
-    absolute = np.eye(2 * chain.cells)
-    absolute[chain.cells :, : chain.cells] = np.eye(chain.cells)
-    stiffness = absolute.T @ chain.stiffness_matrix @ absolute
-    damping = absolute.T @ chain.damping_matrix @ absolute
-    return -np.hstack([stiffness, damping])
-
-
-def _joint_coordinates(absolute: FloatArray) -> FloatArray:
-    """Turn (u, v) into (u, v - u), shape (2n,); velocities likewise."""
-    outer, inner = np.split(absolute, 2)
-    return np.concatenate([outer, inner - outer])
-
-
-def _absolute(coordinates: FloatArray) -> FloatArray:
-    """Turn (u, v - u) into (u, v), shape (steps, 2n); velocities likewise."""
-    outer, relative = np.split(coordinates, 2, axis=1)
-    return np.concatenate([outer, outer + relative], axis=1)

@@ -98,6 +98,7 @@ class Siconos(Engine):
     name: ClassVar[str] = "siconos"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Siconos",
+        further=True,
         package="python3-siconos",
         licence="Apache-2.0",
         friction_law=FrictionLaw.COULOMB,

@@ -5,12 +5,18 @@ import numpy as np
 STEPS = 400
 """Steps a period, the coarsest that the suite compares at."""
 
-ROUND_OFF = {"double": 1e-9, "single": 1e-5}
-"""Part by which a given number may differ after an engine has stored and rescaled it, by the engine's precision."""
+SINGLE = 2.0**-24
+"""Largest rounding of one operation in single precision, as a part of its result."""
 
-BOUND_MARGIN = {"double": 1e-6, "single": 1e-5}
-"""Part by which a reported force may pass its bound: far above the round-off of any solver, and for double
-precision what the reading of stick and slip takes for equal."""
+ROUND_OFF = {"double": 1e-9, "single": 8 * SINGLE}
+"""Part by which a given number may differ after an engine has stored and rescaled it, by the engine's precision:
+in single precision a force is stored, turned into an impulse, shared by two points of contact, added up, and
+turned into a force again."""
+
+BOUND_MARGIN = {"double": 1e-6, "single": 8 * SINGLE}
+"""Part by which a reported force may pass its bound: for double precision what the reading of stick and slip takes
+for equal, far above the round-off of any solver; for single precision the rounding of coefficient, force, time step
+and impulse, and of their products."""
 
 LINEAR_TOLERANCE_DB = 0.1
 """Of the frictionless and stuck limits at 400 steps: the scheme's own first-order error there is below 0.07 dB."""
@@ -26,12 +32,27 @@ is within a few thousandths of the integral."""
 SLIDING = 0.1
 """Slower than this, over ω U0, a reversal of the slip may lie within the step."""
 
-TRAJECTORY_TOLERANCE = {"double": 1e-12, "single": 1e-4}
-"""Positions of engines that share the scheme over forty periods, over U0: round-off, for motions do not drift apart."""
+TRAJECTORY_TOLERANCE = {"double": 1e-12, "single": 3 * np.sqrt(40 * STEPS) * SINGLE}
+"""Positions of engines that share the scheme over forty periods, over U0: round-off, for motions do not drift apart.
 
-FRICTION_TOLERANCE = {"double": 1e-9, "single": 1e-3}
-"""Friction of engines that share the scheme, over its bound: a difference of velocities over a time step, and so
-less exact than positions."""
+In single precision a step makes some three roundings of a displacement or a velocity of about U0 or U0 ω, each with
+the standard deviation `SINGLE` / √3. Nothing but a damping of a hundredth takes them away again, so that those of
+all steps add up as the root of their number; three standard deviations are allowed.
+"""
+
+FRICTION_TOLERANCE = {"double": 1e-9, "single": TRAJECTORY_TOLERANCE["single"] * 0.81 / 0.3 / 2 * STEPS / (2 * np.pi)}
+"""Friction of engines that share the scheme, over its bound F: a difference of velocities over a time step, and so
+less exact than positions. In a step in which a contact comes to rest, an error δ of its relative velocity, over U0 ω,
+is one of δ U0 ω m / (2 dt) = δ (η_r² / 2) (k U0) STEPS / (2π) of the friction, with F = 0.3 k U0 and η_r = 0.9.
+"""
+
+CREEP = 10.0
+"""What a preset's stated softness may add to both, and to a normal force, as a multiple of it.
+
+A stuck contact keeps the softness times the velocity that friction takes from it in a step, at most F dt / m: over
+half a period that is far less than the softness times U0. Friction lacks the same part, and half a dozen neighbours
+pass it on.
+"""
 
 SAME_CHAIN = 0.5
 """Of positions over a period that begins at rest, over U0, at (0.3, 0.9): without any friction they differ from the

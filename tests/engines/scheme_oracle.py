@@ -57,14 +57,16 @@ def scheme(lane: Lane, state: State, steps: int) -> tuple[np.ndarray, np.ndarray
     return positions, velocities, friction
 
 
-def assert_equals_scheme(lane: Lane, state: State, trajectory: Trajectory, scale: float = AMPLITUDE) -> None:
+def assert_equals_scheme(
+    lane: Lane, state: State, trajectory: Trajectory, scale: float = AMPLITUDE, round_off: float = ROUND_OFF
+) -> None:
     positions, velocities, friction = scheme(lane, state, trajectory.steps)
     speed = scale * lane.chain.resonator_frequency
     force = scale * np.max(lane.chain.stiffness_matrix)
-    np.testing.assert_allclose(trajectory.positions, positions, rtol=0, atol=ROUND_OFF * scale)
-    np.testing.assert_allclose(trajectory.velocities, velocities, rtol=0, atol=ROUND_OFF * speed)
+    np.testing.assert_allclose(trajectory.positions, positions, rtol=0, atol=round_off * scale)
+    np.testing.assert_allclose(trajectory.velocities, velocities, rtol=0, atol=round_off * speed)
     # A force is a difference of velocities over dt, which costs it the digits of dt times the frequency.
-    np.testing.assert_allclose(trajectory.friction, friction, rtol=0, atol=100 * ROUND_OFF * force)
+    np.testing.assert_allclose(trajectory.friction, friction, rtol=0, atol=100 * round_off * force)
 
 
 def with_coefficients(coefficient: object) -> Lane:

@@ -1,0 +1,47 @@
+"""pymunk: a pivot joint of bounded force, or a box pressed on a plate."""
+
+import importlib.util
+from importlib.metadata import version
+from typing import ClassVar
+
+from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
+from engines.pymunk_contact import CONTACT_DEFAULT, CONTACT_TUNED, PymunkContactLane
+from engines.pymunk_joint import JOINT_DEFAULT, JOINT_TUNED, PymunkJointLane
+from reference_lcp.simulation import Lane, Simulation
+
+
+class Pymunk(Engine):
+    """pymunk, Chipmunk's bodies in the plane."""
+
+    name: ClassVar[str] = "pymunk"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        title="pymunk",
+        further=True,
+        package="pymunk",
+        licence="MIT",
+        friction_law=FrictionLaw.COULOMB,
+        presets={
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+        },
+        notes=(
+            "Coulomb's law, exact in stick: a joint that holds two bodies together with bounded force, or boxes "
+            "pressed on plates. Positions are advanced before velocities; the tuned presets evaluate forces in "
+            "between, which is the scheme of equation (5). A joint tells the size of its force, and the momentum "
+            "gained the sign."
+        ),
+    )
+
+    def version(self) -> str:
+        """Version of the package."""
+        return version("pymunk")
+
+    def why_not_installed(self) -> str | None:
+        """Say why pymunk cannot be used here."""
+        if importlib.util.find_spec("pymunk") is None:
+            return "the package pymunk is not installed; pip install 'multibody-xval[engines]'"
+        return None
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        model = PymunkJointLane if formulation is Formulation.JOINT else PymunkContactLane
+        return LanewiseSimulation.build(lanes, lambda lane: model(lane, preset))
