@@ -1,7 +1,6 @@
 """``python -m engines``: which engines there are, what they can do, and which are installed."""
 
 import json
-import platform
 import sys
 from typing import Annotated, Any
 
@@ -56,7 +55,7 @@ def described(name: str) -> dict[str, Any]:
         "package": abilities.package,
         "licence": abilities.licence,
         "version": described_engine.version() if missing is None else None,
-        "python": platform.python_version(),
+        "python": described_engine.python() if missing is None else None,
         "friction_law": str(abilities.friction_law),
         "presets": {str(formulation): list(presets) for formulation, presets in abilities.presets.items()},
         "precision": abilities.precision,
@@ -68,15 +67,17 @@ def described(name: str) -> dict[str, Any]:
 
 def _print(rows: list[dict[str, Any]]) -> None:
     """Print the engines as a table, then the reasons of those that are missing."""
-    table = Table(title=f"Python {platform.python_version()}", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    for heading in ("engine", "version", "friction law"):
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for heading in ("engine", "version", "Python", "friction law"):
         table.add_column(heading, no_wrap=True)
     for heading in ("formulation: presets", "precision"):
         table.add_column(heading)
     for row in rows:
         presets = "\n".join(f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items())
         arithmetic = row["precision"] if row["deterministic"] else f"{row['precision']}, varies"
-        table.add_row(row["engine"], row["version"] or "missing", row["friction_law"], presets, arithmetic)
+        table.add_row(
+            row["engine"], row["version"] or "missing", row["python"] or "", row["friction_law"], presets, arithmetic
+        )
     console = Console()
     console.print(table)
     for row in rows:

@@ -1,5 +1,6 @@
 """The contract that every engine fulfils."""
 
+import platform
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -153,6 +154,10 @@ class Engine(ABC):
     @abstractmethod
     def version(self) -> str:
         """Version of the engine that is installed."""
+
+    def python(self) -> str:
+        """Version of the Python that the engine runs in; adapters override it where that is not this one."""
+        return platform.python_version()
 
     @abstractmethod
     def why_not_installed(self) -> str | None:

@@ -117,6 +117,10 @@ class ODE(Engine):
         """Version of ODE."""
         return OUTSIDE.versions()["engine"]
 
+    def python(self) -> str:
+        """Version of the Python that it runs in."""
+        return OUTSIDE.versions()["python"]
+
     def why_not_installed(self) -> str | None:
         """Say why ODE cannot be used here; another Python is asked once."""
         return OUTSIDE.why_not_installed()

@@ -117,6 +117,10 @@ class Siconos(Engine):
         """Version of Siconos; of its Debian package where it is Debian's."""
         return OUTSIDE.versions()["engine"]
 
+    def python(self) -> str:
+        """Version of the Python that it runs in."""
+        return OUTSIDE.versions()["python"]
+
     def why_not_installed(self) -> str | None:
         """Say why Siconos cannot be used here; another Python is asked once."""
         return OUTSIDE.why_not_installed()

@@ -12,6 +12,7 @@ whose packages are older than the suite's: it needs NumPy only, and never import
 
 import io
 import os
+import platform
 import signal
 import struct
 import sys
@@ -90,7 +91,7 @@ class Service:
             _end_at(0.0)
 
     def _versions(self, _request: Message) -> Message:
-        return dict(self._load().versions())
+        return {"python": platform.python_version(), **self._load().versions()}
 
     def _build(self, request: Message) -> Message:
         self._lanes[int(request["number"])] = self._load().Lane(request)
