@@ -3,11 +3,10 @@
 from pathlib import Path
 from typing import ClassVar
 
-from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Option, Preset
+from engines.interface import Capabilities, Formulation, FrictionLaw, Option, Preset
 from engines.outside import child
+from engines.outside.engine import EngineOutside
 from engines.outside.interpreter import OutsideEngine
-from engines.outside.lane import OutsideLane
-from reference_lcp.simulation import Lane, Simulation
 
 OUTSIDE = OutsideEngine(
     "ode", Path(child.__file__).with_name("ode_server.py"), "MULTIBODY_XVAL_ODE_PYTHON", "apt install python3-pyode"
@@ -92,7 +91,7 @@ CONTACT_DEFAULT = Preset(
 )
 
 
-class ODE(Engine):
+class ODE(EngineOutside):
     """The Open Dynamics Engine in a Python that has pyode: the system's, or the one of an environment variable."""
 
     name: ClassVar[str] = "ode"
@@ -112,19 +111,4 @@ class ODE(Engine):
             "the start of each step. In contacts, mu is a force unless a mode says otherwise."
         ),
     )
-
-    def version(self) -> str:
-        """Version of ODE."""
-        return OUTSIDE.versions()["engine"]
-
-    def python(self) -> str:
-        """Version of the Python that it runs in."""
-        return OUTSIDE.versions()["python"]
-
-    def why_not_installed(self) -> str | None:
-        """Say why ODE cannot be used here; another Python is asked once."""
-        return OUTSIDE.why_not_installed()
-
-    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        process = OUTSIDE.process()
-        return LanewiseSimulation.build(lanes, lambda lane: OutsideLane(process, lane, preset, str(formulation)))
+    home: ClassVar[OutsideEngine] = OUTSIDE

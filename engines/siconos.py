@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import ClassVar
 
-from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Option, Preset
+from engines.interface import Capabilities, Formulation, FrictionLaw, Option, Preset
 from engines.outside import child
+from engines.outside.engine import EngineOutside
 from engines.outside.interpreter import OutsideEngine
 from engines.outside.lane import OutsideLane
-from reference_lcp.simulation import Lane, Simulation
 from reference_lcp.validation import FloatArray
 
 OUTSIDE = OutsideEngine(
@@ -92,7 +92,18 @@ CONTACT_DEFAULT = Preset(
 )
 
 
-class Siconos(Engine):
+class SiconosLane(OutsideLane):
+    """One chain in Siconos."""
+
+    def _loads(self, start: int, steps: int) -> FloatArray:
+        """Force on cell 1 [N] as the θ-scheme takes it: (1 − θ) F(t) + θ F(t + dt); as forces, at the start."""
+        loads = self.lane.loads(start, steps + 1)
+        theta = float(self._preset["theta"]) if self._preset["springs"] == "own" else 0.0
+        weighted: FloatArray = (1 - theta) * loads[:-1] + theta * loads[1:]
+        return weighted
+
+
+class Siconos(EngineOutside):
     """Siconos in a Python that has it: the system's, or the one that an environment variable names."""
 
     name: ClassVar[str] = "siconos"
@@ -112,30 +123,5 @@ class Siconos(Engine):
             "of it: both presets of the joint start it deep below."
         ),
     )
-
-    def version(self) -> str:
-        """Version of Siconos; of its Debian package where it is Debian's."""
-        return OUTSIDE.versions()["engine"]
-
-    def python(self) -> str:
-        """Version of the Python that it runs in."""
-        return OUTSIDE.versions()["python"]
-
-    def why_not_installed(self) -> str | None:
-        """Say why Siconos cannot be used here; another Python is asked once."""
-        return OUTSIDE.why_not_installed()
-
-    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        process = OUTSIDE.process()
-        return LanewiseSimulation.build(lanes, lambda lane: SiconosLane(process, lane, preset, str(formulation)))
-
-
-class SiconosLane(OutsideLane):
-    """One chain in Siconos."""
-
-    def _loads(self, start: int, steps: int) -> FloatArray:
-        """Force on cell 1 [N] as the θ-scheme takes it: (1 − θ) F(t) + θ F(t + dt); as forces, at the start."""
-        loads = self.lane.loads(start, steps + 1)
-        theta = float(self._preset["theta"]) if self._preset["springs"] == "own" else 0.0
-        weighted: FloatArray = (1 - theta) * loads[:-1] + theta * loads[1:]
-        return weighted
+    home: ClassVar[OutsideEngine] = OUTSIDE
+    lane_model: ClassVar[type[OutsideLane]] = SiconosLane

@@ -2,11 +2,10 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from types import TracebackType
-from typing import Self
 
 from engines.registry import engine
 from engines.variant import Variant
+from scenarios.closing import Closing
 from scenarios.isolation import Crew
 from scenarios.questions import Answer, Question
 from scenarios.store import ResultStore
@@ -19,7 +18,7 @@ def _no_progress(_variant: Variant, _count: int) -> None:
     return
 
 
-class Evaluator:
+class Evaluator(Closing):
     """Answers questions in parallel, and keeps every answer the moment it is there.
 
     Parameters
@@ -77,14 +76,6 @@ class Evaluator:
     def close(self) -> None:
         """End the worker processes; what they have not begun is left undone."""
         self._crew.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def _status_unasked(self, question: Question) -> str | None:
         """Give the status that needs neither the store nor a computation."""

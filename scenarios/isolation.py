@@ -12,11 +12,11 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.connection import wait as wait_for_any
 from pathlib import Path
-from types import TracebackType
-from typing import Protocol, Self
+from typing import Protocol
 
 from reference_lcp.validation import checked_count, checked_scalar
 from scenarios.answering import answer_batch
+from scenarios.closing import Closing
 from scenarios.questions import Answer, Question
 
 TIME_LIMIT = 300.0
@@ -128,7 +128,7 @@ def reason_of_death(note: str, limit: float) -> str:
     return f"the worker process crashed: {fault[1]}{where}" if fault else KILLED
 
 
-class Crew:
+class Crew(Closing):
     """A number of workers, each with one batch at a time: who dies takes nobody else's work along.
 
     Parameters
@@ -191,14 +191,6 @@ class Crew:
         for worker in self._workers.values():
             worker.close()
         self._workers.clear()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def _worker(self, place: int) -> Worker:
         if place not in self._workers:

@@ -5,10 +5,9 @@ import json
 import sqlite3
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 from reference_lcp.validation import ParameterError
+from scenarios.closing import Closing
 from scenarios.questions import Answer, Question
 
 APPLICATION_ID = 0x4D425856
@@ -21,7 +20,7 @@ SCHEMA_VERSION = 1
 """Layout of the tables."""
 
 
-class ResultStore:
+class ResultStore(Closing):
     """Answers by the hash of their questions; every answer is on disk when `keep` returns.
 
     Parameters
@@ -99,11 +98,3 @@ class ResultStore:
     def close(self) -> None:
         """Close the file."""
         self._connection.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()

@@ -20,4 +20,4 @@ def test_examples_run_in_order(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_every_command_is_one_of_the_suite() -> None:
     commands = re.findall(r"python -m (\w+)", README)
-    assert set(commands) == {"reference_lcp", "engines", "reports", "pytest"}
+    assert set(commands) == {"reference_lcp", "engines", "scenarios", "reports", "pytest"}
