@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from engines import engine, engine_names
+from engines import engine
+from engines.registry import usual_engine_names
 from engines.variant import Variant
 from reference_lcp import ParameterError
 from scenarios.agreement import EDGE_TOLERANCE, Verdict
@@ -22,7 +23,7 @@ from scenarios.isolation import LocalCrew
 from scenarios.questions import ChainRatios
 from scenarios.store import ResultStore
 
-INSTALLED = [name for name in engine_names() if engine(name).why_not_installed() is None]
+INSTALLED = [name for name in usual_engine_names() if engine(name).why_not_installed() is None]
 
 CONVERGED_LOWER_EDGES = {0.1: 0.753, 0.3: 0.637, 0.6: 0.756, 1.0: 0.999, 5.0: 1.17}
 """Of the scheme for Δt → 0, to the digits given; the frictionless edge has a closed form instead."""
@@ -40,7 +41,7 @@ SUPPORT = {
 
 @pytest.fixture(scope="module")
 def edges(tmp_path_factory):
-    """Edges of every installed engine, each friction ratio on its own few points."""
+    """Edges of every engine that comes with the suite, each friction ratio on its own few points."""
     found = {}
     with (
         ResultStore(tmp_path_factory.mktemp("store") / "results.sqlite") as store,
