@@ -162,7 +162,7 @@ def test_nothing_is_remembered_between_runs(variant: str) -> None:
 
 @both_formulations
 def test_bare_steps_leave_nothing_behind(formulation: str) -> None:
-    model = Drake().build([lane_of()], formulation)._models[0]  # type: ignore[attr-defined]
+    model = Drake().build([lane_of()], formulation).models[0]  # type: ignore[attr-defined]
     assert isinstance(model, BareStepping)
     before = model.advance(random_state(), 0, 10).positions
     model.bare_steps(100)

@@ -94,7 +94,7 @@ def test_every_variant_can_tell_what_the_engine_costs_alone(name: str) -> None:
     for variant in variants_of(name):
         simulation = variant.build([lane_of()])
         before = simulation.advance(random_state(), 0, 10)
-        model = simulation._models[0]
+        model = simulation.models[0]
         assert isinstance(model, BareStepping)
         model.bare_steps(20)
         assert np.array_equal(simulation.advance(random_state(), 0, 10).positions, before.positions)

@@ -205,7 +205,7 @@ def test_the_bare_engine_steps_in_every_formulation(variant: str) -> None:
         pytest.skip("Siconos is not installed")
     simulation = one.build([lane_of()])
     before = simulation.advance(random_state(), 0, 10)
-    simulation._models[0].bare_steps(20)
+    simulation.models[0].bare_steps(20)
     assert np.array_equal(simulation.advance(random_state(), 0, 10).positions, before.positions)
 
 

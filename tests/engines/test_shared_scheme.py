@@ -32,12 +32,16 @@ SHARING = [
     name for name in ("mujoco", "pybullet", "dart", "pinocchio", "pymunk") if engine(name).why_not_installed() is None
 ]
 
-both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
 
-
-@pytest.fixture(params=SHARING)
-def tested(request: pytest.FixtureRequest) -> Engine:
-    return engine(request.param)
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Every engine, and where a test asks for a formulation, each that the engine has."""
+    engines = [engine(name) for name in SHARING]
+    if "formulation" in metafunc.fixturenames:
+        pairs = [(one, str(formulation)) for one in engines for formulation in one.capabilities.presets]
+        labels = [f"{one.name}-{formulation}" for one, formulation in pairs]
+        metafunc.parametrize(("tested", "formulation"), pairs, ids=labels)
+    else:
+        metafunc.parametrize("tested", engines, ids=lambda one: one.name)
 
 
 def round_off(tested: Engine, formulation: str = "joint") -> float:
@@ -53,15 +57,12 @@ def assert_shares_scheme(
 
 
 def run(tested: Engine, lane: Lane, state: State, steps: int, formulation: str = "joint") -> Trajectory:
-    if formulation not in tested.capabilities.presets:
-        pytest.skip(f"{tested.name} has no {formulation} formulation")
     simulation = tested.build([lane], formulation)
     trajectory = simulation.run(state, 0, steps)[0]
     simulation.close()
     return trajectory
 
 
-@both_formulations
 @pytest.mark.parametrize("friction_ratio", [0.0, 0.1, 0.3, 0.6, 1.0, 5.0])
 def test_motion_equals_the_scheme_from_frictionless_to_locked(
     tested: Engine, friction_ratio: float, formulation: str
@@ -72,7 +73,6 @@ def test_motion_equals_the_scheme_from_frictionless_to_locked(
     assert_shares_scheme(tested, lane, state, run(tested, lane, state, STEPS, formulation), formulation)
 
 
-@both_formulations
 def test_uneven_cells_and_inner_dashpots_equal_the_scheme(tested: Engine, formulation: str) -> None:
     lane = uneven_lane()
     found = run(tested, lane, random_state(), 2 * STEPS, formulation)
@@ -96,10 +96,7 @@ def test_two_halves_equal_the_whole(tested: Engine) -> None:
     np.testing.assert_allclose(halves.positions, whole.positions, rtol=0, atol=tolerance)
 
 
-@both_formulations
 def test_nothing_is_remembered_between_runs(tested: Engine, formulation: str) -> None:
-    if formulation not in tested.capabilities.presets:
-        pytest.skip(f"{tested.name} has no {formulation} formulation")
     simulation = tested.build([lane_of(), uneven_lane()], formulation)
     first = simulation.run(random_state(2), 0, STEPS)
     simulation.run(State.at_rest(2, 7), 50, 77)
@@ -137,7 +134,6 @@ def test_a_stuck_contact_does_not_creep(tested: Engine) -> None:
     assert slip <= (1e-12 + softness) * AMPLITUDE
 
 
-@both_formulations
 @pytest.mark.parametrize(("mass", "stiffness", "length"), [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)])
 def test_units_do_not_matter(tested: Engine, mass: float, stiffness: float, length: float, formulation: str) -> None:
     """Nanometres at gigahertz pass the engine's built-in numbers in SI units, and must not here."""

@@ -269,6 +269,17 @@ class PositionsFirst(Faulty):
             return x, v, friction
 
 
+class AllCellsAlike(Faulty):
+    """Every mass is taken for the mean of all: no fault of a chain of equal masses."""
+
+    name = "faulty-alike"
+
+    class lane_model(Lane):  # noqa: N801
+        def __init__(self, lane, preset):
+            super().__init__(lane, preset)
+            self.mass = np.full_like(self.mass, np.mean(self.mass))
+
+
 class AnotherDefault(Faulty):
     """The springs of its default are given in kilogram-force a millimetre, taken for newtons a metre."""
 
