@@ -15,6 +15,7 @@ CONTACT_TUNED = Preset(
     "As in the joint formulation: steps and proportional zone small enough for a transmittance.",
     {
         **REGULARISED_TUNED.options,
+        "zone": Option(5e-4, 0.0, "As in the joint, but twice as wide: in a narrower one some orbits do not repeat."),
         "substeps": Option(4, 1, "Half as many as in the joint formulation: a step costs five times as much."),
         "discontinuous_tolerance": Option(
             1e-9, 1.0, "iterationTolerance: at 1 a disc leaves the zone at the end of a step only, and orbits stall."

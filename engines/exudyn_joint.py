@@ -26,7 +26,7 @@ REGULARISED_TUNED = Preset(
         "substeps": Option(
             8, 1, "Steps inside each dt: the trapezoidal rule rings where F h / m_red is many zones wide."
         ),
-        "zone": Option(5e-4, 0.0, "frictionProportionalZone over s ω_r, with s the displacement scale of the drive."),
+        "zone": Option(2.5e-4, 0.0, "frictionProportionalZone over s ω_r, with s the displacement scale of the drive."),
         "zone_per_kick": Option(0.15, 0.0, "Smallest frictionProportionalZone over F h / m_red, for h the substep."),
     },
     split_tolerance=1e-9,

@@ -16,7 +16,9 @@ from reference_lcp.drive import Drive, HarmonicBase, HarmonicForce
 from reference_lcp.linear_limits import frictionless_response, stuck_transmittance
 from reference_lcp.periodic import periodic_orbits
 from reference_lcp.simulation import Lane, Simulation
+from reference_lcp.steady_state import exact_steady_state
 from reference_lcp.trajectory import State, Trajectory
+from reference_lcp.transmittance import decibel, transmittance
 from reference_lcp.validation import ParameterError
 
 pytestmark = pytest.mark.skipif(ExudynBristle().why_not_installed() is not None, reason="exudyn is not installed")
@@ -299,3 +301,15 @@ def test_a_default_zone_in_metres_per_second_is_too_wide_for_small_motions() -> 
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, AMPLITUDE / 100), STEPS)
     assert largest_creep(ExudynRegularised(), lane, "tuned") < 0.01
     assert largest_creep(ExudynRegularised(), lane, "default") > 0.03
+
+
+def test_error_of_transmittance_is_in_proportion_to_the_zone() -> None:
+    """The law of regularised friction: where cells hardly move, creep within the zone is all of the error."""
+    lane = lane_of(0.1, 1.4)
+    exact = exact_steady_state(lane.chain, lane.drive).transmittance_db
+    errors = []
+    for zone in (4e-3, 2e-3, 1e-3):
+        simulation = built_with(ExudynRegularised(), lane, zone=zone)
+        errors.append(decibel(transmittance(periodic_orbits(simulation, STEPS)[0])) - exact)
+    assert errors[0] / errors[1] == pytest.approx(2, rel=0.05)
+    assert errors[1] / errors[2] == pytest.approx(2, rel=0.05)
