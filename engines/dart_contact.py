@@ -92,27 +92,24 @@ class DartContactLane(ExplicitForcesLane):
 
     def _begin(self, motion: FloatArray) -> Step:
         self._world, skeletons = self._new_world()
-        shape = (2, 2, len(skeletons))
-        now, forces = motion.reshape(shape), np.zeros((len(skeletons), 3))
-        forces[:, 2] = self._pressing()
-        # Positions and velocities of every cell: along, relative to the plate, and across.
-        places, rates = np.zeros((2, len(skeletons), 3))
-        places[:, :2], rates[:, :2] = now[0].T, now[1].T
-        for skeleton, place, rate in zip(skeletons, places, rates, strict=True):
-            skeleton.setPositions(place)
-            skeleton.setVelocities(rate)
-        loads = [(skeleton.setForces, row) for skeleton, row in zip(skeletons, forces, strict=True)]
-        reads = [(skeleton.getPositions, skeleton.getVelocities) for skeleton in skeletons]
-        along, advance = forces[:, :2], self._world.step
-        positions, velocities = now[0].T, now[1].T
+        # Degrees of freedom of a skeleton: along, relative to the plate, and across.
+        along = [skeleton.getDof(degree) for degree in (0, 1) for skeleton in skeletons]
+        for degree, place, rate in zip(along, *motion.reshape(2, -1).tolist(), strict=True):
+            degree.setPosition(place)
+            degree.setVelocity(rate)
+        # Forces stay, for a step that is told so does not clear them: these are set once.
+        for skeleton, press in zip(skeletons, self._pressing().tolist(), strict=True):
+            skeleton.getDof(2).setForce(press)
+        # Numbers go in and out in a fifth of the time of short arrays.
+        loads = [degree.setForce for degree in along]
+        reads = [degree.getPosition for degree in along] + [degree.getVelocity for degree in along]
+        advance = self._world.step
 
         def step(force: FloatArray) -> None:
-            along[:] = force.reshape(2, -1).T
-            for load, row in loads:
-                load(row)
-            advance()
-            positions[:] = [place()[:2] for place, _ in reads]
-            velocities[:] = [rate()[:2] for _, rate in reads]
+            for load, value in zip(loads, force.tolist(), strict=True):
+                load(value)
+            advance(False)
+            motion[:] = [read() for read in reads]
 
         return step
 

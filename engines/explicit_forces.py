@@ -50,6 +50,8 @@ class ExplicitForcesLane(LaneModel):
         self._chain = units.scaled(lane.chain)
         self._time_step = lane.time_step / units.time
         self._forces = np.ascontiguousarray(self._force_matrix())
+        # Of what the loop hands to a step; an engine that wants something in proportion changes both.
+        self._force_unit = units.force
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state`; see `LaneModel.run`.
@@ -57,12 +59,13 @@ class ExplicitForcesLane(LaneModel):
         A lane that diverges stops, and its last row is repeated.
         """
         motion, step = self._started(state, steps)
-        dot, forces, force, contacts = np.dot, self._forces, np.empty(motion.size // 2), self._contacts
+        # A matrix's own product goes round the dispatch of np.dot.
+        product, force, contacts = self._forces.dot, np.empty(motion.size // 2), self._contacts
         motions = np.empty((steps + 1, motion.size))
         motions[0] = motion
         read = []
         for row, load in zip(motions[1:], self._loads(start, steps, motion), strict=False):
-            dot(forces, motion, force)
+            product(motion, force)
             force[0] += load
             step(force)
             row[:] = motion
@@ -76,9 +79,9 @@ class ExplicitForcesLane(LaneModel):
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance as `run` does, without reading the contacts."""
         motion, step = self._started(state, steps)
-        dot, forces, force = np.dot, self._forces, np.empty(motion.size // 2)
+        product, force = self._forces.dot, np.empty(motion.size // 2)
         for load in self._loads(start, steps, motion):
-            dot(forces, motion, force)
+            product(motion, force)
             force[0] += load
             step(force)
         return self._state(motion[None])
@@ -133,7 +136,7 @@ class ExplicitForcesLane(LaneModel):
     def _loads(self, start: int, steps: int, motion: FloatArray) -> Iterator[float]:
         """Give the force on cell 1 at the start of each step, until the motion has diverged."""
         # Python's numbers are added faster than NumPy's.
-        loads: list[float] = (self.lane.loads(start, steps) / self._units.force).tolist()
+        loads: list[float] = (self.lane.loads(start, steps) / self._force_unit).tolist()
         for first in range(0, steps, STEPS_BETWEEN_CHECKS):
             yield from loads[first : first + STEPS_BETWEEN_CHECKS]
             if not np.max(np.abs(motion)) < LARGEST_MOTION:

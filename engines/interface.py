@@ -141,7 +141,10 @@ class BareStepping(Protocol):
     """A simulation, or the model of one lane, that can tell what the engine costs without its adapter."""
 
     def bare_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, from rest: nothing is loaded, set or read in between."""
+        """Take steps of the engine alone: nothing is loaded, set or read in between.
+
+        They start from rest, or from a motion or under constant forces that keep its contacts active.
+        """
         ...
 
 

@@ -60,6 +60,9 @@ class PinocchioJointLane(ExplicitForcesLane):
         self._preset = preset
         super().__init__(lane, Units.named(preset["units"], lane))
         self._impulses = np.zeros(lane.chain.cells)
+        # The loop gives impulses of a step in place of forces, which saves the multiplications by the time step.
+        self._forces *= self._time_step
+        self._force_unit = self._units.force / self._time_step
 
     def bare_steps(self, steps: int) -> None:
         """Make Pinocchio's calls of a step from the same state again and again, in which friction has work to do."""
@@ -83,19 +86,18 @@ class PinocchioJointLane(ExplicitForcesLane):
         half = motion.size // 2
         positions, velocities = motion[:half], motion[half:]
         gap_rates = velocities[1::2]
-        aba, integrate, time_step = pinocchio.aba, pinocchio.integrate, self._time_step
-        rate, add, multiply = 1 / time_step, np.add, np.multiply
+        aba, integrate, add, multiply = pinocchio.aba, pinocchio.integrate, np.add, np.multiply
+        # NumPy multiplies by an array in half the time that it takes for a number.
+        time_step = np.full(half, self._time_step)
         gaps, move = np.empty(half // 2), np.empty(half)
 
         def step(force: FloatArray) -> None:
-            free = aba(model, data, positions, velocities, force)
-            multiply(free[1::2], time_step, gaps)
-            add(gaps, gap_rates, gaps)
+            # Forces are impulses here, and accelerations changes of velocity: parallel sliders have no bias forces.
+            add(aba(model, data, positions, velocities, force)[1::2], gap_rates, gaps)
             self._impulses = impulses = impulses_for(gaps)
             friction = force[1::2]
-            add(friction, impulses * rate, friction)
-            multiply(aba(model, data, positions, velocities, force), time_step, move)
-            add(velocities, move, velocities)
+            add(friction, impulses, friction)
+            add(velocities, aba(model, data, positions, velocities, force), velocities)
             multiply(velocities, time_step, move)
             positions[:] = integrate(model, positions, move)
 

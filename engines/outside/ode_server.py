@@ -63,8 +63,9 @@ class Lane:
         return self._new_model(position, velocity, record).run(loads)
 
     def bare_steps(self, steps: int) -> None:
-        """Take steps from rest, without a load."""
+        """Take steps from a motion in which friction has work to do, as in a run: at rest, ODE has less of it."""
         model = self._new_model(None, None, False)
+        model.set_rubbing(steps)
         step, time_step, before = model.world.step, model.time_step, model.before_step
         for _ in range(steps):
             if before is not None:
@@ -119,8 +120,9 @@ class JointModel:
         limit = DIVERGED * float(self._given["length"])
         for load, now in zip(loads.tolist(), rows[:, : len(getters)]):
             product(now, force)
-            force[0] += load
-            for value, (push, across) in zip(force.tolist(), pushes):
+            forces = force.tolist()
+            forces[0] += load
+            for value, (push, across) in zip(forces, pushes):
                 push((value, 0.0, across))
             if before is not None:
                 before()
@@ -162,6 +164,12 @@ class JointModel:
         for body, place, speed in zip(self._bodies, position, velocity):
             body.setPosition((place, *body.getPosition()[1:]))
             body.setLinearVel((speed, 0.0, 0.0))
+
+    def set_rubbing(self, steps: int) -> None:
+        """Give inner masses the velocity that friction alone would stop in half of so many steps."""
+        mass = self._given["mass"].reshape(2, -1)
+        speed = self._bound * np.sum(1 / mass, axis=0) * self.time_step * steps / 2
+        self._set_state([0.0] * len(self._bodies), [0.0] * self._cells + speed.tolist())
 
     def _slider(self, body: Any, base: Any) -> Any:
         slider = ode.SliderJoint(self.world)
@@ -236,6 +244,11 @@ class ContactModel(JointModel):
         if np.any(np.abs(inner - outer)[:, self._bound > 0] > reach):
             raise RuntimeError("an inner mass has left the plate of its outer one")
         return rows
+
+    def set_rubbing(self, steps: int) -> None:
+        """Press inner masses on their plates by gravity, the one force that lasts: ODE clears others in a step."""
+        super().set_rubbing(steps)
+        self.world.setGravity((0.0, 0.0, -float(np.mean(self._given["normal"] / self._given["mass"][self._cells :]))))
 
     def _named(self, measured: Any) -> dict[str, Any]:
         friction, normal = np.split(measured, 2, axis=1)

@@ -1,7 +1,9 @@
 """Engines in another Python: whatever their process does, the suite says what it was, and goes on."""
 
+import io
 import os
 import signal
+import struct
 import subprocess
 import sys
 import textwrap
@@ -9,11 +11,13 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from engines.interface import Option, Preset
+from engines.outside.child import NotAMessage, read_message, write_message
 from engines.outside.interpreter import OutsideEngine
 from engines.outside.lane import OutsideLane
 from engines.outside.process import EngineProcess, EngineProcessError
@@ -115,6 +119,41 @@ def test_a_request_larger_than_a_pipe_holds_does_not_block_on_a_stopped_child(pr
     os.kill(process.pid, signal.SIGSTOP)
     with pytest.raises(EngineProcessError, match=r"within 0\.5 s"):
         process.ask("run", 0.5, number=1, **{**STILL, "loads": np.zeros(1_000_000)})
+
+
+def test_a_message_is_read_as_it_was_written() -> None:
+    written: dict[str, Any] = {
+        "columns": np.arange(6.0).reshape(2, 3).T,
+        "number": 0.1,
+        "yes": True,
+        "text": "μ λ_N",
+        "nothing": "",
+        "none": np.zeros((0, 3)),
+        "numbers": [1, 2],
+    }
+    stream = io.BytesIO()
+    write_message(stream, written)
+    write_message(stream, {})
+    stream.seek(0)
+    found = read_message(stream)
+    assert list(found) == list(written)
+    for name, value in written.items():
+        assert np.array_equal(found[name], np.asarray(value))
+        assert found[name].dtype.kind == np.asarray(value).dtype.kind
+    found["columns"][0] = 1.0
+    assert read_message(stream) == {}
+    with pytest.raises(EOFError):
+        read_message(stream)
+
+
+@pytest.mark.parametrize(
+    "array", ["1", '["a", "|O", [1]]', '["a", "<f8", [2]]', '["a", "<f8", [-2]]', '["a", "x", []]', "["]
+)
+def test_what_holds_no_arrays_is_no_message(array: str) -> None:
+    head = f"[{array}]".encode()
+    stream = io.BytesIO(struct.pack("<QQ", len(head) + 8, len(head)) + head + bytes(8))
+    with pytest.raises(NotAMessage):
+        read_message(stream)
 
 
 @pytest.mark.parametrize("trouble", ["garble", "half"])
