@@ -141,7 +141,7 @@ class BareStepping(Protocol):
     """A simulation, or the model of one lane, that can tell what the engine costs without its adapter."""
 
     def bare_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, from rest: nothing is loaded, set or read in between."""
+        """Take steps of the engine alone, of every lane and from rest: nothing is loaded, set or read in between."""
         ...
 
 
