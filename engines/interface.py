@@ -141,9 +141,9 @@ class BareStepping(Protocol):
     """A simulation, or the model of one lane, that can tell what the engine costs without its adapter."""
 
     def bare_steps(self, steps: int) -> None:
-        """Take steps of the engine alone: nothing is loaded, set or read in between.
+        """Take steps of the engine alone, of every lane: nothing is loaded, set or read in between.
 
-        They start from rest, or from a motion or under constant forces that keep its contacts active.
+        They start from rest, or from a motion or under constant forces that keep contacts active.
         """
         ...
 

@@ -78,10 +78,11 @@ class MuJoCoSimulation:
         )
 
     def bare_steps(self, steps: int) -> None:
-        """Take steps of MuJoCo's own loop on the first lane's model, from rest."""
+        """Take steps of MuJoCo's own loop on the model of one lane after the other, from rest."""
         import mujoco
 
-        mujoco.mj_step(self._models[0], mujoco.MjData(self._models[0]), steps)
+        for model in self._models:
+            mujoco.mj_step(model, mujoco.MjData(model), steps)
 
     def close(self) -> None:
         """Nothing to do: memory is all that MuJoCo holds, and it goes with the last reference."""

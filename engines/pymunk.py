@@ -5,8 +5,9 @@ from importlib.metadata import version
 from typing import ClassVar
 
 from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
-from engines.pymunk_contact import CONTACT_DEFAULT, CONTACT_TUNED, PymunkContactLane
-from engines.pymunk_joint import JOINT_DEFAULT, JOINT_TUNED, PymunkJointLane
+from engines.pymunk_contact import CONTACT_DEFAULT, CONTACT_TUNED, PymunkBoxes
+from engines.pymunk_joint import JOINT_DEFAULT, JOINT_TUNED, PymunkJoints
+from engines.pymunk_simulation import PymunkLane, PymunkSimulation
 from reference_lcp.simulation import Lane, Simulation
 
 
@@ -24,6 +25,7 @@ class Pymunk(Engine):
             Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
             Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
         },
+        batch_lanes=16,
         notes=(
             "Coulomb's law, exact in stick: a joint that holds two bodies together with bounded force, or boxes "
             "pressed on plates. Positions are advanced before velocities; the tuned presets evaluate forces in "
@@ -43,5 +45,8 @@ class Pymunk(Engine):
         return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        model = PymunkJointLane if formulation is Formulation.JOINT else PymunkContactLane
-        return LanewiseSimulation.build(lanes, lambda lane: model(lane, preset))
+        kind = PymunkJoints if formulation is Formulation.JOINT else PymunkBoxes
+        if preset["units"] == "lane":
+            return PymunkSimulation(kind, lanes, preset)
+        # In SI units time steps differ, and with them what one space can take.
+        return LanewiseSimulation.build(lanes, lambda lane: PymunkLane(kind, lane, preset))

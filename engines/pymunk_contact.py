@@ -1,13 +1,14 @@
 """pymunk's contact formulation: in every cell a box, the inner mass, pressed on a plate, the outer one."""
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from engines.explicit_forces import Step
 from engines.interface import Option, Preset
 from engines.pressed_boxes import PressedBoxes
-from engines.pymunk_bodies import PymunkLane
+from engines.pymunk_bodies import PymunkBodies, World
+from reference_lcp.chain import Chain
 from reference_lcp.simulation import Lane
 from reference_lcp.trajectory import State
 from reference_lcp.validation import FloatArray
@@ -43,60 +44,61 @@ DEPTH = 2.0**-7
 """Depth of a box in its plate over half its edge: at zero, round-off would lose a contact now and then."""
 
 
-class PymunkContactLane(PymunkLane):
-    """One chain with a box on a plate in every cell."""
+class PymunkBoxes(PymunkBodies):
+    """Lanes with a box on a plate in every cell, side by side across the motion."""
 
-    def __init__(self, lane: Lane, preset: Preset):
-        """Take the lane's parameters in its units."""
-        super().__init__(lane, preset)
-        self._sizes = PressedBoxes.of(lane, self._units)
-        cells = self._sizes.spacing * np.arange(lane.chain.cells)
-        self._heights = np.concatenate([cells, cells - DEPTH * self._sizes.box])
-        self._pressing = np.concatenate([self._chain.normal_force, -self._chain.normal_force])
+    def __init__(self, lanes: Sequence[Lane], preset: Preset):
+        """Take the lanes' parameters in their units."""
+        super().__init__(lanes, preset)
+        self._sizes = [PressedBoxes.of(lane, units) for lane, units in zip(lanes, self.units, strict=True)]
+        for index, (sizes, chain) in enumerate(zip(self._sizes, self.chains, strict=True)):
+            cells = sizes.spacing * np.arange(index * self.cells, (index + 1) * self.cells)
+            self._heights[index] = np.concatenate([cells, cells - DEPTH * sizes.box])
+            self._pressing[index] = np.concatenate([chain.normal_force, -chain.normal_force])
 
-    def _hold(self, space: Any, outer: list[Any], inner: list[Any]) -> None:
+    def _hold(self, space: Any, chain: Chain, outer: list[Any], inner: list[Any]) -> list[Any]:
         import pymunk
 
-        box, plate = self._sizes.box, self._sizes.plate
-        for below, above, friction in zip(outer, inner, self._chain.friction_coefficient, strict=True):
-            shapes = (
-                pymunk.Poly(below, [(-plate, -box), (plate, -box), (plate, 0.0), (-plate, 0.0)]),
-                pymunk.Poly(above, [(-box, 0.0), (box, 0.0), (box, 2 * box), (-box, 2 * box)]),
-            )
+        sizes = self._sizes[len(space.bodies) // (2 * self.cells) - 1]
+        box, plate, shapes = sizes.box, sizes.plate, []
+        for below, above, friction in zip(outer, inner, chain.friction_coefficient, strict=True):
+            lower = pymunk.Poly(below, [(-plate, -box), (plate, -box), (plate, 0.0), (-plate, 0.0)])
+            upper = pymunk.Poly(above, [(-box, 0.0), (box, 0.0), (box, 2 * box), (-box, 2 * box)])
             # Chipmunk multiplies the coefficients of the two shapes.
-            shapes[0].friction, shapes[1].friction = 1.0, float(friction)
-            space.add(*shapes)
+            lower.friction, upper.friction = 1.0, float(friction)
+            shapes += [lower, upper]
+        space.add(*shapes)
+        return []
 
-    def _begin(self, motion: FloatArray) -> Step:
+    def reader(self, world: World) -> Callable[[], FloatArray]:
+        """Give what reads friction and normal impulse of every cell, shape (2, lanes, n)."""
         from pymunk import batch
 
-        step = super()._begin(motion)
         # Of each pair of bodies that touch, pymunk tells the impulse on the first and the normal away from it.
         fields = batch.ArbiterFields
-        self._cells = {body.id: index % self._chain.cells for index, body in enumerate(self._bodies)}
-        self._pairs = fields.BODY_A_ID | fields.TOTAL_IMPULSE | fields.NORMAL
-        self._buffer = batch.Buffer()
-        return step
+        pairs, buffer = fields.BODY_A_ID | fields.TOTAL_IMPULSE | fields.NORMAL, batch.Buffer()
+        cells, space = self.cells, world.space
+        places = {
+            body.id: index // (2 * cells) * cells + index % cells for index, body in enumerate(world.bodies)
+        }  # fmt: skip
 
-    def _contacts(self) -> FloatArray:
-        """Read friction and normal impulse of every cell, shape (2, n)."""
-        from pymunk import batch
+        def contacts() -> FloatArray:
+            buffer.clear()
+            batch.get_space_arbiters(space, pairs, buffer)
+            found = np.zeros((len(self.lanes) * cells, 2))
+            touching = [places[body] for body in memoryview(buffer.int_buf()).cast("P").tolist()]
+            values = np.frombuffer(buffer.float_buf()).reshape(-1, 4)
+            # The normal points down from the box, and up from the plate.
+            found[touching] = values[:, :2] * -values[:, 3:]
+            return found.T.reshape(2, len(self.lanes), cells)
 
-        buffer = self._buffer
-        buffer.clear()
-        batch.get_space_arbiters(self._space, self._pairs, buffer)
-        found = np.zeros((self._chain.cells, 2))
-        places = [self._cells[body] for body in memoryview(buffer.int_buf()).cast("P").tolist()]
-        values = np.frombuffer(buffer.float_buf()).reshape(-1, 4)
-        # The normal points down from the box, and up from the plate.
-        found[places] = values[:, :2] * -values[:, 3:]
-        return found.T
+        return contacts
 
-    def _contact_forces(self, read: FloatArray, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
-        forces = read / self._time_step * self._units.force
-        return forces[:, 0], forces[:, 1]
+    def contact_forces(self, read: list[FloatArray], motions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Turn impulses into forces."""
+        friction, normal = np.stack(read, axis=1) / self.time_step
+        return friction, normal
 
-    def _state(self, motions: FloatArray) -> State:
-        end = super()._state(motions)
-        self._sizes.check_reach(end, self._units)
-        return end
+    def check_end(self, lane: int, positions: FloatArray) -> None:
+        """Refuse a motion in which a box has left its plate."""
+        self._sizes[lane].check_reach(State(positions[None], np.zeros((1, positions.size))), self.units[lane])

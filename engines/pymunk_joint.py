@@ -1,11 +1,14 @@
 """pymunk's joint formulation: in every cell a pivot joint of bounded force, without its pull on positions."""
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from engines.interface import Option, Preset, constant_normal_force
-from engines.pymunk_bodies import PymunkLane
+from engines.interface import Option, Preset
+from engines.pymunk_bodies import PymunkBodies, World
+from reference_lcp.chain import Chain
+from reference_lcp.simulation import Lane
 from reference_lcp.validation import FloatArray
 
 JOINT_TUNED = Preset(
@@ -36,30 +39,59 @@ JOINT_DEFAULT = Preset(
 )
 
 
-class PymunkJointLane(PymunkLane):
-    """One chain with a joint in every cell; what it did is read as the size of its impulse."""
+class PymunkJoints(PymunkBodies):
+    """Lanes with a joint in every cell; what it did is read as the size of its impulse."""
 
-    def _hold(self, space: Any, outer: list[Any], inner: list[Any]) -> None:
+    def __init__(self, lanes: Sequence[Lane], preset: Preset):
+        """Take the lanes' parameters in their units."""
+        super().__init__(lanes, preset)
+        self._bounds = np.concatenate([chain.friction_bound for chain in self.chains]).tolist()
+        self._kept: World | None = None
+
+    def fresh(self) -> World:
+        """Give the space of the run before, if its joints can be made to forget: to make it anew takes longer."""
+        if self._kept is None or not self._forgotten(self._kept):
+            self._kept = super().fresh()
+        return self._kept
+
+    def _hold(self, space: Any, chain: Chain, outer: list[Any], inner: list[Any]) -> list[Any]:
         import pymunk
 
-        self._joints = []
-        for left, right, bound in zip(outer, inner, self._chain.friction_bound, strict=True):
+        joints = []
+        for left, right, bound in zip(outer, inner, chain.friction_bound, strict=True):
             joint = pymunk.PivotJoint(left, right, (0.0, 0.0), (0.0, 0.0))
             joint.max_force, joint.max_bias = float(bound), self._preset["max_bias"]
-            self._joints.append(joint)
-        space.add(*self._joints)
+            joints.append(joint)
+        space.add(*joints)
+        return joints
 
-    def _contacts(self) -> list[float]:
-        return [joint.impulse for joint in self._joints]
+    def _forgotten(self, world: World) -> bool:
+        """Take a step without any friction, after which no joint has an impulse to begin the next one with."""
+        joints = world.holds
+        self.place(world, np.zeros((len(self.lanes), 4 * self.cells)))
+        for joint in joints:
+            joint.max_force = 0.0
+        world.space.step(self.time_step)
+        for joint, bound in zip(joints, self._bounds, strict=True):
+            joint.max_force = bound
+        return not any(joint.impulse for joint in joints)
 
-    def _contact_forces(self, read: FloatArray, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def reader(self, world: World) -> Callable[[], list[float]]:
+        """Give what reads the sizes of all impulses."""
+        joints = world.holds
+        return lambda: [joint.impulse for joint in joints]
+
+    def contact_forces(self, read: list[list[float]], motions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give the sizes of impulses the sign of the momentum that the other forces do not explain."""
-        cells = self._chain.cells
-        before, velocity = motions[:-1].copy(), motions[:, 3 * cells :]
-        if self._own_springs:
+        cells, lanes = self.cells, len(self.lanes)
+        before, velocity = motions[:-1].copy(), motions[..., 3 * cells :]
+        if self.own_springs:
             # They act at the positions that a step ends with.
-            before[:, : 2 * cells] = motions[1:, : 2 * cells]
-        gained = self._chain.inner_mass * np.diff(velocity, axis=0) / self._time_step
-        unexplained = gained - before @ self._spring_matrix()[cells:].T
-        friction = np.copysign(read / self._time_step, unexplained)
-        return friction * self._units.force, constant_normal_force(self.lane, len(read))
+            before[..., : 2 * cells] = motions[1:, :, : 2 * cells]
+        inner_mass = np.stack([chain.inner_mass for chain in self.chains])
+        gained = inner_mass * np.diff(velocity, axis=0) / self.time_step
+        # One product a lane: it must not depend on what other lanes there are.
+        explained = [before[:, lane] @ matrix[cells:].T for lane, matrix in enumerate(self.spring_matrix())]
+        sizes = np.reshape(read, (len(read), lanes, cells)) / self.time_step
+        given = np.stack([chain.normal_force for chain in self.chains])
+        return np.copysign(sizes, gained - np.stack(explained, axis=1)), np.broadcast_to(given, sizes.shape)

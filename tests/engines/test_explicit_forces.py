@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from engines.bench import bare_stepping
 from engines.chain_coordinates import ChainCoordinates
 from engines.explicit_forces import LARGEST_MOTION, ExplicitForcesLane, Step
-from engines.interface import BareStepping
 from engines.registry import engine
 from engines.units import Units
 from engines.variant import variants_of
@@ -94,7 +94,7 @@ def test_every_variant_can_tell_what_the_engine_costs_alone(name: str) -> None:
     for variant in variants_of(name):
         simulation = variant.build([lane_of()])
         before = simulation.advance(random_state(), 0, 10)
-        model = simulation.models[0]
-        assert isinstance(model, BareStepping)
-        model.bare_steps(20)
+        bare = bare_stepping(simulation)
+        assert bare is not None
+        bare.bare_steps(20)
         assert np.array_equal(simulation.advance(random_state(), 0, 10).positions, before.positions)
