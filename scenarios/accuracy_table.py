@@ -66,8 +66,8 @@ state: *six points* at 400 and {ORDER_STEPS[1]} steps a period; *map*: 4 frictio
 error of its transitions between stick and slip, in percent of the period; transitions that are *missed* and those
 that are *spurious*, out of how many. *Creep* is the largest velocity within a stick. *Order* is that of the error in
 the time step, from {", ".join(map(str, ORDER_STEPS))} steps. *Certified*: points whose steady state repeats to the
-engine's residual. *µs a step*: of a chain of seven cells on one core, without a record, in the batch that the suite runs; *× bare*: over the engine's
-own loop in the same run.
+engine's residual. *µs a step*: of a chain of seven cells on one core, without a record, in the batch that the suite
+runs; *× bare*: over the engine's own loop in the same run.
 """
 
 
