@@ -71,3 +71,14 @@ def variants_of(name: str) -> list[Variant]:
     """
     presets = engine(name).capabilities.presets
     return [Variant(name, str(formulation), preset) for formulation, names in presets.items() for preset in names]
+
+
+def variants_named(text: str) -> list[Variant]:
+    """Give every variant of ``ENGINE``, or the one that ``ENGINE:FORMULATION[:PRESET]`` names.
+
+    Raises
+    ------
+    ParameterError
+        If no engine of this name is registered, or it has no such formulation or preset.
+    """
+    return [Variant.parse(text)] if ":" in text else variants_of(text)

@@ -18,7 +18,7 @@ from rich.table import Table
 
 from engines.bench import step_cost
 from engines.registry import engine, engine_names
-from engines.variant import Variant, variants_of
+from engines.variant import Variant, variants_named
 from reference_lcp.console import INTERRUPTED, checked_output_file, run_command
 from reference_lcp.validation import ParameterError
 from scenarios.accuracy import PLACES, Accuracy, Place, accuracies, accuracy_questions, exact_answer
@@ -192,8 +192,7 @@ def _sweep(asked: Sweep, kept: ResultStore, crew: Crew, store: Path) -> None:
 def _variants(chosen: list[str] | None) -> list[Variant]:
     """Read what is to be run: whole engines by name, or single variants."""
     names = engine_names() if not chosen or "all" in chosen else chosen
-    found = [v for name in names for v in ([Variant.parse(name)] if ":" in name else variants_of(name))]
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(variant for name in names for variant in variants_named(name)))
 
 
 def _accuracies(variants: list[Variant], store: Path | None, crew: Crew, workers: int | None) -> list[Accuracy]:

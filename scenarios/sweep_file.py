@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from engines.variant import Variant, variants_of
+from engines.variant import variants_named
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import ParameterError
 from scenarios.questions import ChainRatios
@@ -102,7 +102,7 @@ def _sweep(read: _File) -> Sweep:
     axes = {name: tuple(_values(values)) for name, values in read.grid.items()}
     varied = {name: tuple(int(v) if v == int(v) else v for v in axes[name]) for name in _WHOLE if name in axes}
     return Sweep(
-        variants=tuple(dict.fromkeys(variant for name in read.engines for variant in _variants(name))),
+        variants=tuple(dict.fromkeys(variant for name in read.engines for variant in variants_named(name))),
         axes=axes | varied,
         ratios=ChainRatios(**read.chain.model_dump()),
         steps_per_period=read.steps_per_period,
@@ -116,10 +116,6 @@ def _values(values: list[float] | _Range) -> list[float]:
     if isinstance(values, _Range):
         return [float(value) for value in np.linspace(values.first, values.last, values.points)]
     return [float(value) for value in values]
-
-
-def _variants(name: str) -> list[Variant]:
-    return [Variant.parse(name)] if ":" in name else variants_of(name)
 
 
 def _first(problem: ValidationError) -> str:

@@ -2,6 +2,9 @@
 
 import pytest
 
+from engines.registry import engine
+from reference_lcp.validation import ParameterError
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add ``--engine``."""
@@ -19,10 +22,6 @@ def pytest_configure(config: pytest.Config) -> None:
     """Refuse engines that are unknown or not installed, before any test is collected."""
     asked: list[str] = config.getoption("--engine")
     for name in asked:
-        # not above: this module is imported by every run of pytest
-        from engines.registry import engine
-        from reference_lcp.validation import ParameterError
-
         try:
             missing = engine(name).why_not_installed()
         except ParameterError as problem:

@@ -19,6 +19,7 @@ from tests.engines.scheme_oracle import (
     ROUND_OFF,
     STEPS,
     assert_equals_scheme,
+    bounded_impulses,
     lane_of,
     random_state,
     scheme,
@@ -52,11 +53,7 @@ def implicit_euler(lane: Lane, state: State, steps: int) -> np.ndarray:
         force[0] += load
         free = inverse @ (chain.mass_matrix @ velocity + dt * force)
         slip = directions.T @ free
-        for _ in range(60):
-            for cell in range(chain.cells):
-                bound = chain.friction_bound[cell] * dt
-                change = slip[cell] + delassus[cell] @ impulse
-                impulse[cell] = np.clip(impulse[cell] - change / delassus[cell, cell], -bound, bound)
+        bounded_impulses(impulse, delassus, slip, chain.friction_bound * dt)
         velocity = free + inverse @ directions @ impulse
         position = position + dt * velocity
         rows.append(position)

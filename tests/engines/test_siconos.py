@@ -19,6 +19,7 @@ from tests.engines.scheme_oracle import (
     ROUND_OFF,
     STEPS,
     assert_equals_scheme,
+    bounded_impulses,
     lane_of,
     random_state,
     uneven_lane,
@@ -58,11 +59,7 @@ def trapezoidal_rule(lane: Lane, state: State, steps: int) -> np.ndarray:
         force[0] += (before + after) / 2
         free = velocity + inverse @ (dt * force)
         slip = directions.T @ free
-        for _ in range(60):
-            for cell in range(chain.cells):
-                bound = chain.friction_bound[cell] * dt
-                change = slip[cell] + delassus[cell] @ impulse
-                impulse[cell] = np.clip(impulse[cell] - change / delassus[cell, cell], -bound, bound)
+        bounded_impulses(impulse, delassus, slip, chain.friction_bound * dt)
         new = free + inverse @ directions @ impulse
         position, velocity = position + dt / 2 * (velocity + new), new
         rows.append(position)
