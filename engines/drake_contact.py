@@ -26,6 +26,10 @@ from engines.units import power_of_two
 from reference_lcp.trajectory import State
 from reference_lcp.validation import FloatArray
 
+SMOOTH_LAW_MARGIN = 1e-3
+"""Drake's friction is μ λ_N v / √(v² + v_s²): at 22 v_s it has come to within a thousandth of its bound, never nearer
+than (v_s / v)² / 2. Read with the margin of laws that reach the bound, a contact would stick up to 700 v_s."""
+
 _TUNED_OPTIONS = {
     **SHARED_TUNED_OPTIONS,
     "contact_model": Option("kPoint", "kHydroelasticWithFallback", "The same points; shapes are not asked for more."),
@@ -49,6 +53,7 @@ CONTACT_TUNED = Preset(
         "approximation": Option("kLagged", "kLagged", "The others press and lift a sliding sphere; see their presets."),
     },
     split_tolerance=1e-12,
+    stick_margin=SMOOTH_LAW_MARGIN,
 )
 
 CONTACT_SIMILAR = Preset(
@@ -62,6 +67,7 @@ CONTACT_SIMILAR = Preset(
         ),
     },
     split_tolerance=1e-12,
+    stick_margin=SMOOTH_LAW_MARGIN,
 )
 
 CONTACT_SAP = Preset(
@@ -76,6 +82,7 @@ CONTACT_SAP = Preset(
         ),
     },
     split_tolerance=1e-12,
+    stick_margin=SMOOTH_LAW_MARGIN,
 )
 
 CONTACT_DEFAULT = Preset(
@@ -89,6 +96,7 @@ CONTACT_DEFAULT = Preset(
         "hunt_crossley_dissipation": Option(50.0, 50.0, "[s/m] Drake's own; nothing moves across the plane."),
     },
     split_tolerance=1e-12,
+    stick_margin=SMOOTH_LAW_MARGIN,
 )
 
 RADIUS = 4.0

@@ -12,6 +12,7 @@ import numpy as np
 from reference_lcp.lanewise import LaneModel, LanewiseSimulation
 from reference_lcp.periodic import DEFAULT_RESIDUAL
 from reference_lcp.simulation import Lane, Simulation, common_cells
+from reference_lcp.stick_slip import STICK_MARGIN
 from reference_lcp.validation import FloatArray, checked_choice
 
 __all__ = [
@@ -81,6 +82,9 @@ class Preset:
     softness
         Part of the relative velocity which a contact would gain in a step without its forces, along it when it
         sticks or across it, that is left to it, where the engine cannot be told to leave none.
+    stick_margin
+        Part of the bound that the friction of a stick leaves at least, as `contact_modes` reads it: wider where the
+        friction of a sliding contact only tends to its bound.
     """
 
     description: str
@@ -88,6 +92,7 @@ class Preset:
     shares_scheme: bool = False
     split_tolerance: float = 0.0
     softness: float = 0.0
+    stick_margin: float = STICK_MARGIN
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value

@@ -19,7 +19,7 @@ from reference_lcp.exact_period import ExactPeriod
 from reference_lcp.monodromy import polished
 from reference_lcp.periodic import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, Simulation, steps_per_period_for
-from reference_lcp.stick_slip import Transition, stuck_fraction, transitions
+from reference_lcp.stick_slip import STICK_MARGIN, Transition, stuck_fraction, transitions
 from reference_lcp.trajectory import State, Trajectory
 from reference_lcp.transmittance import decibel, transmittance
 from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_choice, checked_count
@@ -61,9 +61,10 @@ class SteadyState:
     exact_db: float | None = None
 
     @classmethod
-    def of(cls, orbit: PeriodicOrbit) -> "SteadyState":
-        """Read the observables of an orbit."""
-        return cls(orbit, decibel(transmittance(orbit)), stuck_fraction(orbit), transitions(orbit))
+    def of(cls, orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> "SteadyState":
+        """Read the observables of an orbit; for `stick_margin` see `contact_modes`."""
+        stuck, changes = stuck_fraction(orbit, stick_margin), transitions(orbit, stick_margin)
+        return cls(orbit, decibel(transmittance(orbit)), stuck, changes)
 
     @classmethod
     def of_exact(cls, orbit: PeriodicOrbit, period: ExactPeriod) -> "SteadyState":

@@ -13,7 +13,8 @@ STICK_MARGIN = 1e-6
 """A contact sticks while |λ_T| < (1 − STICK_MARGIN) μ λ_N.
 
 Equation (1) has a strict inequality; the margin is far above the round-off with which engines hold
-the force at its bound, and far below any stick that matters.
+the force at its bound, and far below any stick that matters. A friction law that only tends to the
+bound, with no velocity at which it is reached, is read with a wider margin.
 """
 
 SHORTEST_STICK = 2
@@ -61,15 +62,22 @@ class Transition:
     kind: Mode
 
 
-def contact_modes(orbit: PeriodicOrbit) -> NDArray[np.int8]:
+def contact_modes(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> NDArray[np.int8]:
     """Mode of every contact in every step: −1 backward slip, 0 stick, +1 forward slip; shape (steps, n).
 
     The force decides (equation 1), so that exact and regularised friction laws are read alike. A
     contact without friction never sticks; the sign of its relative velocity gives its direction.
+
+    Parameters
+    ----------
+    orbit
+        One period.
+    stick_margin
+        Part of the bound that the friction of a stick leaves at least, in (0, 1).
     """
     trajectory = orbit.trajectory
     bound = orbit.lane.chain.friction_coefficient * trajectory.normal_force
-    sticks = np.abs(trajectory.friction) < (1 - STICK_MARGIN) * bound
+    sticks = np.abs(trajectory.friction) < (1 - stick_margin) * bound
     slip = np.where(bound > 0, -np.sign(trajectory.friction), np.sign(trajectory.relative_velocity))
     modes = np.where(sticks, 0, slip).astype(np.int8)
     rubs = orbit.lane.chain.friction_bound > 0
@@ -82,13 +90,13 @@ def contact_modes(orbit: PeriodicOrbit) -> NDArray[np.int8]:
     return modes
 
 
-def transitions(orbit: PeriodicOrbit) -> list[Transition]:
+def transitions(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> list[Transition]:
     """Changes of mode over one period, by cell and then by time.
 
     The period is cyclic: a mode that begins with the first step is a transition at time zero if the
-    last step had another one. Contacts without friction have none.
+    last step had another one. Contacts without friction have none. Parameters as in `contact_modes`.
     """
-    modes = contact_modes(orbit)
+    modes = contact_modes(orbit, stick_margin)
     rubbing = orbit.lane.chain.friction_bound > 0
     cells, steps = np.nonzero(((modes != np.roll(modes, 1, axis=0)) & rubbing).T)
     return [
@@ -97,17 +105,18 @@ def transitions(orbit: PeriodicOrbit) -> list[Transition]:
     ]
 
 
-def stuck_fraction(orbit: PeriodicOrbit) -> FloatArray:
-    """Part of the period that each contact sticks, shape (n,)."""
-    return np.mean(contact_modes(orbit) == 0, axis=0)
+def stuck_fraction(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> FloatArray:
+    """Part of the period that each contact sticks, shape (n,). Parameters as in `contact_modes`."""
+    return np.mean(contact_modes(orbit, stick_margin) == 0, axis=0)
 
 
-def creep_velocity(orbit: PeriodicOrbit) -> FloatArray:
+def creep_velocity(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> FloatArray:
     """Largest |ġ_T| of each contact while it sticks [m/s], shape (n,); zero if it never does.
 
-    Steps next to a slip are left out: in them even an exact contact still comes to rest.
+    Steps next to a slip are left out: in them even an exact contact still comes to rest. Parameters as in
+    `contact_modes`.
     """
-    stuck = contact_modes(orbit) == 0
+    stuck = contact_modes(orbit, stick_margin) == 0
     inside = stuck & np.roll(stuck, 1, axis=0) & np.roll(stuck, -1, axis=0)
     return np.max(np.abs(orbit.trajectory.relative_velocity), axis=0, where=inside, initial=0.0)
 

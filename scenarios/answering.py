@@ -49,7 +49,7 @@ def _answer_lanes(asked: Question, lanes: list[Lane], steps: int) -> list[Answer
         kind = "cannot be represented" if isinstance(problem, ParameterError) else type(problem).__name__
         return [Answer.blocked(f"{kind}: {problem}")]
     seconds = (time.perf_counter() - begin) / len(lanes)
-    return [_answer(orbit, seconds) for orbit in orbits]
+    return [_answer(orbit, asked.variant.options.stick_margin, seconds) for orbit in orbits]
 
 
 def _orbits(variant: Variant, lanes: list[Lane], steps: int) -> list[PeriodicOrbit]:
@@ -61,13 +61,13 @@ def _orbits(variant: Variant, lanes: list[Lane], steps: int) -> list[PeriodicOrb
         simulation.close()
 
 
-def _answer(orbit: PeriodicOrbit, seconds: float) -> Answer:
+def _answer(orbit: PeriodicOrbit, stick_margin: float, seconds: float) -> Answer:
     """Read an orbit; one that has diverged has no numbers."""
     if not math.isfinite(orbit.residual):
         return Answer.blocked(f"the engine's numbers are not finite, in period {orbit.periods} of the search")
     if orbit.status is OrbitStatus.DIVERGED:
         return Answer(status=str(orbit.status), periods=orbit.periods, seconds=seconds)
-    found = SteadyState.of(orbit)
+    found = SteadyState.of(orbit, stick_margin)
     drive: Any = orbit.lane.drive
     speed = drive.angular_frequency * drive.displacement_scale(orbit.lane.chain)
     return Answer(
@@ -79,6 +79,6 @@ def _answer(orbit: PeriodicOrbit, seconds: float) -> Answer:
         period=orbit.lane.time_step * orbit.trajectory.steps,
         stuck_fraction=tuple(found.stuck_fraction.tolist()),
         transitions=tuple((change.cell, change.time, str(change.kind)) for change in found.transitions),
-        creep=tuple((creep_velocity(orbit) / speed).tolist()),
+        creep=tuple((creep_velocity(orbit, stick_margin) / speed).tolist()),
         seconds=seconds,
     )

@@ -13,6 +13,7 @@ from engines.variant import Variant
 from reference_lcp.chain import Chain
 from reference_lcp.drive import HarmonicBase
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.stick_slip import STICK_MARGIN
 
 ANSWER_FORMAT = 2
 """Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
@@ -141,11 +142,12 @@ class Answer:
 def _identity(variant: Variant) -> dict[str, Any]:
     """Version and options that a variant's answers depend on."""
     asked = engine(variant.engine)
-    options = asked.preset(variant.formulation, variant.preset).options
-    return {
+    preset = asked.preset(variant.formulation, variant.preset)
+    identity: dict[str, Any] = {
         "version": asked.version(),
-        "options": {name: repr(option.value) for name, option in sorted(options.items())},
+        "options": {name: repr(option.value) for name, option in sorted(preset.options.items())},
     }
+    return identity if preset.stick_margin == STICK_MARGIN else identity | {"stick_margin": preset.stick_margin}
 
 
 def _is_nan(value: object) -> bool:
