@@ -1,5 +1,6 @@
 """pymunk: what only its joints, its springs and its order of integration do."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 from engines.interface import Formulation, Option, Preset
 from engines.pymunk import Pymunk
+from reference_lcp.simulation import Lane
 from reference_lcp.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, uneven_lane
 
@@ -101,3 +103,36 @@ def test_a_box_that_leaves_its_plate_is_reported() -> None:
     state = State(np.concatenate([np.zeros(7), np.full(7, 1e6 * AMPLITUDE)])[None], np.zeros((1, 14)))
     with pytest.raises(RuntimeError, match="its plate ends at"):
         Pymunk().build([lane_of(0.0)], "contact").advance(state, 0, 1)
+
+
+SHARED_FRICTION = [0.0, 0.3, 0.3, 1.0] * 4
+"""Of sixteen lanes in one space, equal ones among them."""
+
+
+def shared_lanes() -> list[Lane]:
+    return [lane_of(friction, 0.5 + 0.05 * index) for index, friction in enumerate(SHARED_FRICTION)]
+
+
+@pytest.mark.parametrize("formulation", ["joint", "contact"])
+def test_chains_in_one_space_move_as_each_alone(formulation: str) -> None:
+    """Bodies of different chains lie in one another, and must not touch."""
+    lanes, state = shared_lanes(), random_state(16)
+    together = Pymunk().build(lanes, formulation).run(state, 0, STEPS)
+    for index, lane in enumerate(lanes):
+        alone = Pymunk().build([lane], formulation).run(state.subset([index]), 0, STEPS)[0]
+        np.testing.assert_allclose(together[index].positions, alone.positions, rtol=0, atol=1e-11 * AMPLITUDE)
+        np.testing.assert_allclose(
+            together[index].friction, alone.friction, rtol=0, atol=1e-9 * max(np.max(lane.chain.friction_bound), 1e-3)
+        )
+
+
+def test_a_chain_that_diverges_leaves_its_neighbours_alone() -> None:
+    """Steps far beyond the limit of stability send one chain to infinity within the run."""
+    stiff = lane_of(0.0, 0.6, stiffness_ratio=1e6)
+    unstable = dataclasses.replace(stiff, time_step=lane_of(0.0).time_step)
+    lanes, state = [lane_of(0.3), unstable, lane_of(1.0, 0.9)], random_state(3)
+    found = Pymunk().build(lanes).run(state, 0, STEPS)
+    assert np.max(np.abs(found[1].positions)) > 1e12 * AMPLITUDE
+    for index in (0, 2):
+        alone = Pymunk().build([lanes[index]]).run(state.subset([index]), 0, STEPS)[0]
+        np.testing.assert_allclose(found[index].positions, alone.positions, rtol=0, atol=1e-11 * AMPLITUDE)

@@ -179,6 +179,15 @@ def frictional_step(rng, n):
     return M, np.concatenate([gaps, 1e-5 * rng.normal(size=contacts), np.zeros(contacts)])
 
 
+def jams(M):
+    """Whether pressing a sliding contact lets it approach all the more (Painlevé 1895).
+
+    Then M is of no class for which Lemke's method is complete: 2 of 30,000 problems end on a ray beside a solution.
+    """
+    contacts = len(M) // 3
+    return np.min(np.diagonal(M)[:contacts]) < 0
+
+
 def ill_conditioned(rng, n):
     """Positive definite, condition numbers from 1e8 to 1e10."""
     M = rotated(rng, np.logspace(0, -rng.uniform(8, 10), n))
@@ -301,7 +310,7 @@ def assert_rightly_answered(family, seed, n) -> None:
     result = checked(M, q)
     if family in ALWAYS_SOLVABLE:
         assert result.solved
-    elif not result.solved:
+    elif not result.solved and not (family == "equation 7" and jams(M)):
         assert_unsolvable(M, q, result)
 
 
@@ -319,6 +328,15 @@ def test_random_problem_is_solved_or_has_no_solution(family, seed, n) -> None:
 @given(**problems)
 def test_ten_thousand_random_problems_are_solved_or_have_no_solution(family, seed, n) -> None:
     assert_rightly_answered(family, seed, n)
+
+
+def test_painleve_configuration_is_the_one_that_lemke_may_leave_unsolved() -> None:
+    """Its path ends on a ray, and says so; another covering vector leads to the solution."""
+    M, q = frictional_step(np.random.default_rng([10, 100748]), 1)
+    assert jams(M)
+    assert solvable_by_enumeration(M, q)
+    assert checked(M, q).status is LemkeStatus.RAY_TERMINATION
+    assert lemke(M, q, covering=np.ones(3)).solved
 
 
 @settings(max_examples=500, deadline=None)
