@@ -82,6 +82,9 @@ class Preset:
     softness
         Part of the relative velocity which a contact would gain in a step without its forces, along it when it
         sticks or across it, that is left to it, where the engine cannot be told to leave none.
+    departure
+        The law of the engine by which its motion departs from Coulomb's with these options, by more than its time
+        step explains; empty where there is none. Reports print it beside a disagreement.
     stick_margin
         Part of the bound that the friction of a stick leaves at least, as `contact_modes` reads it: wider where the
         friction of a sliding contact only tends to its bound.
@@ -92,6 +95,7 @@ class Preset:
     shares_scheme: bool = False
     split_tolerance: float = 0.0
     softness: float = 0.0
+    departure: str = ""
     stick_margin: float = STICK_MARGIN
 
     def __getitem__(self, name: str) -> Any:

@@ -172,6 +172,7 @@ def transmittance_error_db(answer: Answer, exact: Answer) -> float:
 
 
 def _place(question: Question) -> Place:
+    assert isinstance(question.friction_ratio, float)
     return question.friction_ratio, question.frequency_ratio
 
 

@@ -17,6 +17,10 @@ EDGE_TOLERANCE = 0.005
 """Largest difference of a band edge from the converged reference in η_r, five times the resolution of the edges."""
 
 
+SAFETY = 1.25
+"""Factor on estimated errors, that of `reference_lcp.error_bar`: its calibration on random chains is the reason."""
+
+
 class Verdict(StrEnum):
     """The outcome of a comparison."""
 
@@ -92,3 +96,58 @@ def compare_edge(edge: float | None, converged: float | None) -> Comparison:
     return Comparison(
         verdict, f"difference {difference:+.4f} in η_r, allowed {EDGE_TOLERANCE:g}", difference, EDGE_TOLERANCE
     )
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How far two answers may be apart, derived from how far either may be from the truth.
+
+    Parameters
+    ----------
+    reference
+        Error bar of the expected value, in the value's unit, >= 0; zero for a closed form.
+    engine
+        Estimated error of the engine's value, from its answers with two step sizes, >= 0.
+    resolution
+        What neither can resolve (a step of time, the residual of a steady state, round-off), >= 0.
+    """
+
+    reference: float
+    engine: float
+    resolution: float = 0.0
+
+    @property
+    def allowed(self) -> float:
+        """Largest difference that counts as agreement."""
+        return self.reference + self.engine + self.resolution
+
+    def __str__(self) -> str:
+        larger = max(("reference", "engine", "resolution"), key=lambda name: getattr(self, name))
+        what = {"reference": "the reference's error bar", "engine": "the engine's own step", "resolution": "resolution"}
+        return f"{self.allowed:.2g}, mostly {what[larger]} ({getattr(self, larger):.2g})"
+
+
+def step_estimate(coarse: float, fine: float) -> float:
+    """Error of the finer of two values, the step of the coarser one being twice as long, of a first-order scheme."""
+    return SAFETY * abs(fine - coarse)
+
+
+def compare(value: float, expected: float, tolerance: Tolerance, unit: str = "") -> Comparison:
+    """Compare a value with what is expected of it; NaN on either side is inconclusive.
+
+    Parameters
+    ----------
+    value, expected
+        Of the engine, and of whom it is compared with.
+    tolerance
+        How far they may be apart.
+    unit
+        Printed after the numbers; empty for none.
+    """
+    difference = value - expected
+    if math.isnan(difference) or math.isnan(tolerance.allowed):
+        return Comparison(Verdict.INCONCLUSIVE, "there is no number to compare", difference)
+    verdict = Verdict.AGREE if abs(difference) <= tolerance.allowed else Verdict.DISAGREE
+    space = f" {unit}" if unit else ""
+    reason = f"difference {difference:+.2g}{space}, allowed {tolerance}"
+    return Comparison(verdict, reason, difference, tolerance.allowed)

@@ -19,24 +19,31 @@ ANSWER_FORMAT = 2
 """Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
 
 
+Ratio = float | tuple[float, ...]
+"""One number for all cells, or one a cell."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ChainRatios:
-    """The chain but for its friction, non-dimensional; the defaults are the canonical case of figure 3."""
+    """The chain but for its friction, non-dimensional; the defaults are the canonical case of figure 3.
+
+    The parameters are those of `Chain.from_ratios`; every ratio is a number, or one a cell.
+    """
 
     cells: int = 7
-    mass_ratio: float = 1.0
-    stiffness_ratio: float = 1.0
-    damping_ratio: float = 0.01
-    inner_damping_ratio: float = 0.0
+    mass_ratio: Ratio = 1.0
+    stiffness_ratio: Ratio = 1.0
+    damping_ratio: Ratio = 0.01
+    inner_damping_ratio: Ratio = 0.0
 
-    def chain(self, friction_ratio: float) -> Chain:
+    def chain(self, friction_ratio: Ratio) -> Chain:
         """Build the chain with this friction ratio μ λ_N / (k_c U0)."""
         return Chain.from_ratios(friction_ratio=friction_ratio, **dataclasses.asdict(self))
 
 
 @dataclass(frozen=True, kw_only=True)
-class Question:
-    """The steady state of one chain under one harmonic base motion, by one variant.
+class Asked:
+    """What every question says: who is asked, and about which chain.
 
     Parameters
     ----------
@@ -44,22 +51,18 @@ class Question:
         Who is asked.
     ratios
         The chain but for its friction.
-    friction_ratio, frequency_ratio
-        μ λ_N / (k_c U0) and ω / ω_r.
-    steps_per_period
-        Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.
+    friction_ratio
+        μ λ_N / (k_c U0), a number or one a cell.
     """
 
     variant: Variant
-    friction_ratio: float
-    frequency_ratio: float
+    friction_ratio: Ratio
     ratios: ChainRatios = field(default_factory=ChainRatios)
-    steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
 
-    def setting(self) -> tuple[Chain, HarmonicBase]:
-        """Build the chain and its drive."""
-        chain = self.ratios.chain(self.friction_ratio)
-        return chain, HarmonicBase.from_ratio(chain, self.frequency_ratio)
+    @property
+    def chain(self) -> Chain:
+        """Build the chain."""
+        return self.ratios.chain(self.friction_ratio)
 
     def content(self) -> dict[str, Any]:
         """Everything that the answer depends on: the question, the engine's version and its options."""
@@ -68,6 +71,29 @@ class Question:
     def key(self) -> str:
         """Hash of the content: equal for equal questions to equal engines."""
         return hashlib.sha256(json.dumps(self.content(), sort_keys=True).encode()).hexdigest()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question(Asked):
+    """The steady state of one chain under one harmonic base motion, by one variant.
+
+    Parameters
+    ----------
+    variant, ratios, friction_ratio
+        As for `Asked`.
+    frequency_ratio
+        ω / ω_r, with ω_r of the first cell.
+    steps_per_period
+        Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.
+    """
+
+    frequency_ratio: float
+    steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
+
+    def setting(self) -> tuple[Chain, HarmonicBase]:
+        """Build the chain and its drive."""
+        chain = self.chain
+        return chain, HarmonicBase.from_ratio(chain, self.frequency_ratio)
 
 
 @dataclass(frozen=True, kw_only=True)
