@@ -31,12 +31,24 @@ def run_command(app: typer.Typer, arguments: list[str] | None = None) -> int:
         print("error: interrupted", file=sys.stderr)
         return INTERRUPTED
     except UsageError as problem:
-        print(f"error: {' '.join(problem.format_message().split())}", file=sys.stderr)
+        print(f"error: {_message(problem, sys.argv[1:] if arguments is None else arguments)}", file=sys.stderr)
         return WRONG_INPUT
     except ParameterError as problem:
         print(f"error: {problem}", file=sys.stderr)
         return WRONG_INPUT
     return result if isinstance(result, int) else 0
+
+
+def _message(problem: Any, arguments: list[str]) -> str:
+    """Say in one line what is wrong, with the value that was given for an option."""
+    message = " ".join(problem.format_message().split())
+    names = getattr(getattr(problem, "param", None), "opts", [])
+    for name, value in zip(arguments, [*arguments[1:], None], strict=True):
+        if name in names and value is not None:
+            return f"{message} (given: {value})"
+        if name.partition("=")[0] in names:
+            return f"{message} (given: {name.partition('=')[2]})"
+    return message
 
 
 def checked_output_file(name: str, file: Path) -> Path:

@@ -1,0 +1,95 @@
+"""Configuration of the documentation: `python -m sphinx -W -b html docs docs/_build`."""
+
+import re
+from html import escape
+from importlib.metadata import version as version_of
+
+import ziamath
+from docutils.nodes import SkipNode
+
+project = "multibody-xval"
+author = "the authors of multibody-xval"
+project_copyright = author
+version = release = version_of("multibody-xval")
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "numpydoc",
+    "sphinx.ext.viewcode",
+    "sphinx_copybutton",
+]
+exclude_patterns = ["_build", "jupyter_execute"]
+html_theme = "furo"
+html_title = "multibody-xval"
+html_static_path = ["_static"]
+html_css_files = ["page.css"]
+html_math_renderer = "svg"
+
+myst_enable_extensions = ["amsmath", "colon_fence", "dollarmath"]
+myst_heading_anchors = 3
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
+nb_merge_streams = True
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+default_role = "py:obj"
+numpydoc_show_class_members = False
+suppress_warnings = ["myst.header"]
+
+MATH_SIZE = 17
+"""Pixels: as high as the text beside it."""
+
+_LITERAL = re.compile(r"(``.+?``|`.+?`)")
+_FLOAT_ARRAY = "numpy.ndarray[tuple[~typing.Any, ...], ~numpy.dtype[~numpy.float64]]"
+_ARRAY_LIKE = re.compile(r"~?\S*_Buffer \|.*?_NestedSequence\[(?:~?[\w.]+ \| )*~?[\w.]+\]")
+
+
+def bars_are_absolute_values(_app, _what, _name, _object, _options, lines):
+    """Escape |x| in docstrings, which reStructuredText would take for a substitution."""
+    for index, line in enumerate(lines):
+        parts = _LITERAL.split(line)
+        lines[index] = "".join(part if part.startswith("`") else part.replace("|", r"\|") for part in parts)
+
+
+def short_types(_app, _what, _name, _object, _options, signature, returned):
+    """Give types of arrays the names that the code gives them."""
+
+    def shortened(text):
+        if text is None:
+            return None
+        text = text.replace("~" + _FLOAT_ARRAY, "FloatArray").replace(_FLOAT_ARRAY, "FloatArray")
+        return _ARRAY_LIKE.sub("ArrayLike", text)
+
+    return shortened(signature), shortened(returned)
+
+
+def drawn(source, inline):
+    """Draw an equation as SVG, which browsers show without a script or a network."""
+    equation = ziamath.Latex(source, size=MATH_SIZE, inline=inline)
+    drop = equation.getyofst()
+    svg = equation.svg().replace("<svg ", f'<svg role="img" style="vertical-align:{drop:.2f}px" ', 1)
+    # a title is what a screen reader reads; names of glyphs are equal in all equations, and so are the glyphs
+    return re.sub(r"(<svg [^>]*>)", lambda tag: f"{tag[1]}<title>{escape(source)}</title>", svg, count=1)
+
+
+def visit_inline_math(writer, node):
+    """Write an equation within a line."""
+    writer.body.append(f'<span class="math">{drawn(node.astext(), inline=True)}</span>')
+    raise SkipNode
+
+
+def visit_display_math(writer, node):
+    """Write an equation of its own."""
+    writer.body.append(f'<div class="math">{drawn(node.astext(), inline=False)}</div>')
+    raise SkipNode
+
+
+def setup(app):
+    """Connect what is above."""
+    app.add_html_math_renderer("svg", (visit_inline_math, None), (visit_display_math, None))
+    app.connect("autodoc-process-docstring", bars_are_absolute_values, priority=900)
+    app.connect("autodoc-process-signature", short_types)

@@ -1,0 +1,127 @@
+"""Mistakes that people make at the command line: each is refused before any work, with the value and what to do."""
+
+import re
+import sqlite3
+from pathlib import Path
+
+import pytest
+
+import engines.__main__
+import reference_lcp.__main__
+import reports.__main__
+import scenarios.__main__
+from reference_lcp.console import WRONG_INPUT, run_command
+
+APPS = {
+    "reference_lcp": reference_lcp.__main__.app,
+    "engines": engines.__main__.app,
+    "scenarios": scenarios.__main__.app,
+    "reports": reports.__main__.app,
+}
+
+COMMAND_LINES = [
+    ("reference_lcp --friction-ratio -0.1", r"friction_ratio = -0.1.*>= 0"),
+    ("reference_lcp --frequency-ratio 0", r"frequency_ratio = 0.*> 0"),
+    ("reference_lcp --frequency-ratio nan", r"frequency_ratio = nan.*finite"),
+    ("reference_lcp --friction-ratio inf", r"friction_ratio = inf.*finite"),
+    ("reference_lcp --cells 0", r"cells = 0.*>= 1"),
+    ("reference_lcp --cells 2.5", r"--cells.*valid integer.*given: 2.5"),
+    ("reference_lcp --mass-ratio 0", r"mass_ratio = 0.*> 0"),
+    ("reference_lcp --stiffness-ratio -1", r"stiffness_ratio = -1.*> 0"),
+    ("reference_lcp --damping-ratio -0.01", r"damping_ratio = -0.01.*>= 0"),
+    ("reference_lcp --base-amplitude 0", r"base_amplitude = 0.*> 0"),
+    ("reference_lcp --steps-per-period 2", r"steps_per_period = 2.*>= 3"),
+    ("reference_lcp --tolerance 0", r"tolerance = 0.*> 0"),
+    ("reference_lcp --max-periods 0", r"max_periods = 0.*>= 1"),
+    ("reference_lcp --solver newton", r"solver = 'newton' is unknown; allowed: compiled, lemke, exact"),
+    ("reference_lcp --friction 0.3", r"No such option.*--friction-ratio"),
+    ("reference_lcp --friction-ratio lots", r"--friction-ratio.*valid number.*given: lots"),
+    ("reference_lcp --plot missing/period.png", r"the folder missing does not exist"),
+    ("engines --jason", r"No such option.*--json"),
+    ("scenarios run accuracy --engine mujocko", r"engine = 'mujocko' is unknown; allowed: .*mujoco"),
+    (
+        "scenarios run accuracy --engine mujoco:glue",
+        r"formulation of mujoco = 'glue' is unknown; allowed: joint, contact",
+    ),
+    ("scenarios run accuracy --engine mujoco:joint:best", r"preset of mujoco = 'best' is unknown; allowed: .*tuned"),
+    ("scenarios run accuracy --engine a:b:c:d", r"has 4 parts; allowed: ENGINE"),
+    ("scenarios run accuracy --out table.doc", r"ending '.doc'; allowed: .md or .csv"),
+    ("scenarios run accuracy --workers 0", r"workers = 0.*>= 1"),
+    ("scenarios run accuracy --time-limit 0", r"time_limit = 0.*> 0"),
+    ("scenarios run acuracy", r"No such command 'acuracy'"),
+    ("scenarios sweep missing.toml", r"missing.toml cannot be read"),
+    ("scenarios sweep folder", r"folder cannot be read"),
+    ("scenarios sweep sweep.toml --out sweep.xls", r"ending '.xls'; allowed: .nc or .csv"),
+    ("scenarios sweep sweep.toml --store other.sqlite", r"other.sqlite belongs to another program"),
+    ("scenarios sweep sweep.toml --store text.sqlite", r"text.sqlite cannot be used"),
+    ("scenarios sweep sweep.toml --scheduler nowhere", r"scheduler = 'nowhere'"),
+    ("scenarios sweep", r"Missing argument 'file'"),
+    ("reports --engine mujocko --quick", r"engine = 'mujocko' is unknown"),
+    ("reports --quick --out text.sqlite", r"--out = text.sqlite cannot be made"),
+    ("reports --quick --workers -2", r"workers = -2.*>= 1"),
+]
+
+SWEEP = """
+engines = ["reference:joint"]
+[grid]
+friction_ratio = [0.3]
+frequency_ratio = [0.9]
+"""
+
+SWEEP_FILES = [
+    ("engines = [", r"is no TOML"),
+    ('engines = ["reference"]', r"grid is missing"),
+    (SWEEP.replace('"reference:joint"', ""), r"engines"),
+    (SWEEP.replace('"reference:joint"', "1"), r"engines.0 = 1"),
+    (SWEEP.replace("reference:joint", "referenz"), r"engine = 'referenz' is unknown"),
+    (SWEEP.replace("frequency_ratio", "frequenzy_ratio"), r"frequenzy_ratio"),
+    (SWEEP.replace("[0.9]", "[]"), r"grid.frequency_ratio"),
+    (SWEEP.replace("[0.9]", "[0.9, 0.9]"), r"grid.frequency_ratio.*twice"),
+    (SWEEP.replace("[0.9]", "[-0.9]"), r"grid.frequency_ratio = -0.9.*> 0"),
+    (SWEEP.replace("[0.9]", "{ first = 0.3, last = 1.6 }"), r"grid.frequency_ratio.*points is missing"),
+    (SWEEP.replace("[0.9]", '["0.9"]'), r"grid.frequency_ratio"),
+    (SWEEP + "[chain]\ncells = 0\n", r"chain.cells = 0"),
+    (SWEEP + "[chain]\nmass_ratio = -1.0\n", r"chain.mass_ratio = -1.0"),
+    (SWEEP + "[chain]\nfriction = 1.0\n", r"chain.friction is unknown; allowed: .*example"),
+    ("steps_per_period = 2\n" + SWEEP, r"steps_per_period = 2"),
+]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a sweep, a database of another program and a text file that is called a store."""
+    (tmp_path / "sweep.toml").write_text(SWEEP)
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "text.sqlite").write_text("no database, but long enough to be looked at as one " * 40)
+    connection = sqlite3.connect(tmp_path / "other.sqlite")
+    connection.execute("CREATE TABLE addresses (name TEXT)")
+    connection.close()
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_at_least_thirty_mistakes_are_tried() -> None:
+    assert len(COMMAND_LINES) + len(SWEEP_FILES) >= 30
+
+
+@pytest.mark.parametrize(("line", "message"), COMMAND_LINES, ids=[line for line, _ in COMMAND_LINES])
+def test_wrong_command_line_is_refused_with_its_value(folder, capsys, line, message) -> None:
+    before = {file: file.stat().st_mtime_ns for file in folder.iterdir()}
+    name, *arguments = line.split()
+    assert run_command(APPS[name], arguments) == WRONG_INPUT
+    printed = capsys.readouterr()
+    assert printed.err.startswith("error: ")
+    assert len(printed.err.splitlines()) == 1
+    assert re.search(message, printed.err), printed.err
+    assert not printed.out
+    assert {file: before.get(file) for file in before} == {file: file.stat().st_mtime_ns for file in before}
+
+
+@pytest.mark.parametrize(("content", "message"), SWEEP_FILES, ids=[message for _, message in SWEEP_FILES])
+def test_wrong_sweep_file_is_refused_with_file_key_and_value(folder, capsys, content, message) -> None:
+    (folder / "mine.toml").write_text(content)
+    assert run_command(APPS["scenarios"], ["sweep", "mine.toml"]) == WRONG_INPUT
+    printed = capsys.readouterr().err
+    assert printed.startswith("error: mine.toml")
+    assert re.search(message, printed), printed
+    assert not (folder / "sweep.sqlite").exists()
