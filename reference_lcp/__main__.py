@@ -33,7 +33,7 @@ def run(
     damping_ratio: Annotated[float, typer.Option(help="c_c / (2 √(k_c m_o)) of the chain dashpots.")] = 0.01,
     inner_damping_ratio: Annotated[float, typer.Option(help="c_i / (2 √(k_i m_i)) inside the cells.")] = 0.0,
     cells: Annotated[int, typer.Option(help="Number of cells.")] = 7,
-    base_amplitude: Annotated[float, typer.Option(help="U0 of the base [m].")] = 0.01,
+    base_amplitude: Annotated[float, typer.Option(help="U0 of the base, in metres.")] = 0.01,
     steps_per_period: Annotated[
         int, typer.Option(help="Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.")
     ] = MINIMUM_STEPS_PER_PERIOD,
@@ -91,7 +91,10 @@ def print_bench(
     cells: Annotated[bool, typer.Option("--cells", help="Cost of chains of 7 to 100,000 cells instead.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Measure the speed of the reference on this machine."""
+    """Measure the speed of the reference on this machine.
+
+    Example: python -m reference_lcp bench --cells
+    """
     if cells:
         lengths = bench_cells()
         print(json.dumps(lengths, indent=2)) if as_json else _print_lengths(lengths)
@@ -108,6 +111,8 @@ def print_convergence(
     """Halve the time step six times from 400 steps a period, and compare with the exact solver.
 
     Canonical chain, at the stick-slip points (friction ratio, frequency ratio) of the test suite.
+
+    Example: python -m reference_lcp convergence --plot convergence.png
     """
     if plot is not None:
         checked_picture_format(checked_output_file("plot file", plot))

@@ -1,0 +1,51 @@
+"""Every command explains itself: what it does, each option, and an example that can be typed."""
+
+import pytest
+import typer
+
+from tests.test_mistakes import APPS
+
+
+def commands():
+    """Every command of the suite, with its path as it is typed."""
+    for name, app in APPS.items():
+        yield from below(f"python -m {name}", typer.main.get_command(app))
+
+
+def below(path, command):
+    yield path, command
+    for name, child in getattr(command, "commands", {}).items():
+        yield from below(f"{path} {name}", child)
+
+
+COMMANDS = dict(commands())
+
+
+def test_suite_has_its_commands() -> None:
+    expected = {
+        "reference_lcp",
+        "reference_lcp bench",
+        "engines",
+        "scenarios sweep",
+        "scenarios run accuracy",
+        "reports",
+    }
+    assert {f"python -m {name}" for name in expected} <= set(COMMANDS)
+
+
+@pytest.mark.parametrize("path", COMMANDS)
+def test_help_says_what_the_command_does_with_an_example(path) -> None:
+    command = COMMANDS[path]
+    assert command.help
+    if not hasattr(command, "commands") or command.invoke_without_command:
+        assert f"Example: {path}" in " ".join(command.help.split())
+
+
+@pytest.mark.parametrize("path", COMMANDS)
+def test_every_option_has_a_help_that_is_a_sentence(path) -> None:
+    for option in COMMANDS[path].params:
+        text = getattr(option, "help", None)
+        assert text, f"{path} {option.name}"
+        assert text[0].isupper() or text.startswith("c_"), text
+        assert text.rstrip().endswith((".", ")"))
+        assert "[" not in text.replace("[default", ""), "rich would take it for markup"
