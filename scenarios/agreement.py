@@ -152,10 +152,12 @@ def step_estimate(coarse: float, fine: float) -> float:
 def scheme_bar(coarse: float, middle: float, fine: float) -> float:
     """Error bar of the middle one of three values of a first-order scheme, whose steps are 1, 1/2 and 1/4.
 
-    As `reference_lcp.error_bar` for the coarse one: the errors are e, e/2, e/4, so that either difference gives e/2;
-    the larger is taken, lest one of them vanishes by chance.
+    As in `reference_lcp.error_bar`: if the errors are e, e/2, e/4, either difference gives e/2. Where the first-order
+    part is small and the second-order part is not, both may be too small; extrapolation with both parts then gives
+    the error. The largest of the three is taken, lest one of them vanishes by chance.
     """
-    return SAFETY * max(abs(middle - coarse), 2 * abs(fine - middle))
+    first, second = middle - coarse, fine - middle
+    return SAFETY * max(abs(first), 2 * abs(second), abs(8 * second - first) / 3)
 
 
 def compare(value: float, expected: float, tolerance: Tolerance, unit: str = "") -> Comparison:

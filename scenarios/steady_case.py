@@ -113,6 +113,8 @@ class Evidence:
         The reference's answers with once, twice and four times the fewest steps.
     expected
         What the answer should be.
+    refusal
+        Why the variant was not asked; ``None`` if it was.
     """
 
     variant: Variant
@@ -121,10 +123,13 @@ class Evidence:
     fine: Answer
     scheme: tuple[Answer, Answer, Answer]
     expected: Expected
+    refusal: Comparison | None = None
 
     @property
     def missing(self) -> Comparison | None:
         """Say why nothing can be compared; ``None`` where every steady state is certified."""
+        if self.refusal is not None:
+            return self.refusal
         for whose, answers in (("engine", (self.fine, self.coarse)), ("reference", self.scheme)):
             for answer in answers:
                 gap = missing_steady_state(f"{whose} at {answer.steps_per_period} steps a period", answer)
@@ -166,10 +171,23 @@ def questions_of(variant: Variant, case: Case) -> list[Question]:
     return [case.question(variant, refinement) for refinement in refinements]
 
 
-def evidence(variant: Variant, case: Case, expected: Expected, answers: Mapping[Question, Answer]) -> Evidence:
+def evidence(
+    variant: Variant,
+    case: Case,
+    expected: Expected,
+    answers: Mapping[Question, Answer],
+    refusal: Comparison | None = None,
+) -> Evidence:
     """Collect what is known of a variant in a case, from the answers to `questions_of` it and of the reference."""
-    own = [answers[question] for question in questions_of(variant, case)]
+    nothing = Answer(status="not asked")
+    own = [answers.get(question, nothing) for question in questions_of(variant, case)]
     coarse, middle, finest = (answers[question] for question in questions_of(REFERENCE, case))
     return Evidence(
-        variant=variant, case=case, coarse=own[0], fine=own[1], scheme=(coarse, middle, finest), expected=expected
+        variant=variant,
+        case=case,
+        coarse=own[0],
+        fine=own[1],
+        scheme=(coarse, middle, finest),
+        expected=expected,
+        refusal=refusal,
     )

@@ -1,10 +1,11 @@
 """The driven friction oscillator, against the closed form of Den Hartog."""
 
 import math
+from collections.abc import Mapping
 
 from reference_lcp.den_hartog import SlidingMotion
 from reference_lcp.stick_slip import Mode
-from scenarios.questions import ChainRatios
+from scenarios.questions import Answer, ChainRatios, Question
 from scenarios.steady_case import Case, Expected
 from scenarios.steady_scenario import SteadyScenario
 
@@ -46,7 +47,7 @@ class DenHartog(SteadyScenario):
     cases = tuple(_case(*point) for point in POINTS)
     with_stick_slip = True
 
-    def expected(self, case: Case) -> Expected:
+    def expected(self, case: Case, answers: Mapping[Question, Answer]) -> Expected:
         """Give the closed form."""
         return expected_motion(*POINTS[self.cases.index(case)])
 

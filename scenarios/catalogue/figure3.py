@@ -4,12 +4,11 @@ import dataclasses
 import math
 from collections.abc import Mapping
 
-from engines.variant import Variant
 from scenarios.agreement import Comparison, Tolerance, Verdict, compare, scheme_bar, step_estimate
 from scenarios.attenuation_band import BandDefinition
-from scenarios.questions import Answer, Question
+from scenarios.questions import Answer
 from scenarios.scenario import Finding, Metric
-from scenarios.steady_case import Case, Evidence, Expected, amplitude_in_db, evidence
+from scenarios.steady_case import Case, Evidence, Expected, amplitude_in_db
 from scenarios.steady_scenario import SAME_STEP, TRANSMITTANCE, SteadyScenario
 
 EDGE = Metric(
@@ -20,14 +19,14 @@ EDGE = Metric(
 )
 
 HALF_WIDTH = 0.004
-"""Distance in η_r of the two points from the edge: the line between them crosses the threshold within 0.001 of where
-the curve does."""
+"""Distance in η_r of the two points from the edge: the line between them crosses the threshold within 0.0003 of
+where the exact curve does."""
 
 FARTHEST = 0.05
 """Distance in η_r up to which the line through the two points tells where the edge is."""
 
 LOWER_EDGES = {0.3: 0.637, 1.0: 0.999}
-"""Friction ratios and, to the digits given, the lower edges of the exact motion: the widest band, and the locked one."""
+"""Friction ratios of the widest band and of cells that nearly lock; its lower edges, to three digits."""
 
 
 def _case(friction_ratio: float, frequency_ratio: float) -> Case:
@@ -39,6 +38,9 @@ def _edge_cases(friction_ratio: float, edge: float) -> tuple[Case, Case]:
     return _case(friction_ratio, edge - HALF_WIDTH), _case(friction_ratio, edge + HALF_WIDTH)
 
 
+EDGE_CASES = {friction: _edge_cases(friction, edge) for friction, edge in LOWER_EDGES.items()}
+
+
 class Figure3Points(SteadyScenario):
     """The canonical chain at points of figure 3."""
 
@@ -46,19 +48,16 @@ class Figure3Points(SteadyScenario):
     question = "How much of the base's motion reaches the end of seven cells, and where does attenuation begin?"
     source = "Sethi, Banerjee, Manna, figure 3: mass and stiffness ratio 1, ζ = 0.01, seven cells"
     expects = "the event-driven solver, exact to round-off"
-    edges = {friction: _edge_cases(friction, edge) for friction, edge in LOWER_EDGES.items()}
-    cases = (*(case for pair in edges.values() for case in pair), _case(0.6, 0.9), _case(0.1, 0.6))
+    cases = (*(case for pair in EDGE_CASES.values() for case in pair), _case(0.6, 0.9), _case(0.1, 0.6))
     metrics = (TRANSMITTANCE, SAME_STEP, EDGE)
 
-    def judged(
-        self, variant: Variant, expected: Mapping[Case, Expected], answers: Mapping[Question, Answer]
-    ) -> list[Finding]:
+    def judged(self, found: Mapping[Case, Evidence]) -> list[Finding]:
         """Judge transmittance point by point, then the edges."""
-        findings = super().judged(variant, expected, answers)
-        for friction, pair in self.edges.items():
-            both = [evidence(variant, case, expected[case], answers) for case in pair]
-            findings.append(edge_finding(f"friction {friction:g}", *both))
-        return findings
+        edges = [
+            edge_finding(f"friction {friction:g}", found[below], found[above])
+            for friction, (below, above) in EDGE_CASES.items()
+        ]
+        return [*super().judged(found), *edges]
 
 
 def edge_finding(label: str, below: Evidence, above: Evidence) -> Finding:
@@ -66,27 +65,23 @@ def edge_finding(label: str, below: Evidence, above: Evidence) -> Finding:
     missing = below.missing or above.missing
     if missing is not None:
         return Finding(below.variant, label, EDGE, math.nan, math.nan, missing)
-    pairs = {
-        "expected": (below.expected, above.expected),
-        "coarse": (below.coarse, above.coarse),
-        "fine": (below.fine, above.fine),
-    }
-    edge = {name: crossing(below.case, above.case, *pair) for name, pair in pairs.items()}
+    expected, coarse, fine = (
+        crossing(below.case, above.case, getattr(below, name), getattr(above, name))
+        for name in ("expected", "coarse", "fine")
+    )
     scheme = [crossing(below.case, above.case, *pair) for pair in zip(below.scheme, above.scheme, strict=True)]
-    if math.isnan(edge["fine"]):
-        reason = f"no edge within {FARTHEST:g} of {edge['expected']:.3f} in η_r"
-        return Finding(
-            below.variant, label, EDGE, math.nan, edge["expected"], Comparison(Verdict.DISAGREE, reason)
-        )
+    if math.isnan(fine):
+        reason = f"no edge within {FARTHEST:g} of {expected:.3f} in η_r"
+        return Finding(below.variant, label, EDGE, math.nan, expected, Comparison(Verdict.DISAGREE, reason))
     shifted = crossing(below.case, above.case, *(_shifted(one) for one in (below, above)))
     tolerance = Tolerance(
         reference=0.0,
-        engine=step_estimate(edge["coarse"], edge["fine"]),
-        resolution=abs(shifted - edge["expected"]),
+        engine=step_estimate(coarse, fine),
+        resolution=abs(shifted - expected),
         scheme=scheme_bar(*scheme),
     )
-    comparison = compare(edge["fine"], edge["expected"], tolerance, EDGE.unit)
-    return Finding(below.variant, label, EDGE, edge["fine"], edge["expected"], comparison)
+    comparison = compare(fine, expected, tolerance, EDGE.unit)
+    return Finding(below.variant, label, EDGE, fine, expected, comparison)
 
 
 def crossing(below: Case, above: Case, low: Answer | Expected, high: Answer | Expected) -> float:

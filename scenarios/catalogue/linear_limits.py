@@ -1,8 +1,10 @@
 """The two limits that linear theory knows: contacts that slide freely, and contacts that never slide."""
 
+from collections.abc import Mapping
+
 from reference_lcp.linear_limits import frictionless_transmittance, stuck_transmittance
 from reference_lcp.transmittance import decibel
-from scenarios.questions import ChainRatios
+from scenarios.questions import Answer, ChainRatios, Question
 from scenarios.steady_case import Case, Expected
 from scenarios.steady_scenario import SteadyScenario
 
@@ -30,7 +32,7 @@ class FrictionlessLimit(SteadyScenario):
     expects = "closed form"
     cases = _cases(0.0, (0.9, 0.5))
 
-    def expected(self, case: Case) -> Expected:
+    def expected(self, case: Case, answers: Mapping[Question, Answer]) -> Expected:
         """Solve the linear chain."""
         return Expected(transmittance_db=decibel(frictionless_transmittance(*case.setting())))
 
@@ -44,6 +46,6 @@ class LockedLimit(SteadyScenario):
     expects = "closed form"
     cases = _cases(LOCKING_FRICTION, (1.1, 0.7))
 
-    def expected(self, case: Case) -> Expected:
+    def expected(self, case: Case, answers: Mapping[Question, Answer]) -> Expected:
         """Solve the linear chain of locked cells."""
         return Expected(transmittance_db=decibel(stuck_transmittance(*case.setting())))
