@@ -51,7 +51,7 @@ def test_an_integrator_of_its_own_may_err_as_the_scheme_does_at_the_same_step() 
 def test_an_error_that_halves_with_the_step_is_its_own() -> None:
     found = judged(OWN, -9.5, half=answer(-9.0, 200))
     assert found.verdict is Verdict.AGREE
-    assert "mostly the engine's own step (0.63" in found.reason
+    assert "mostly the engine's own step (0.62" in found.reason
     # where stability asks for 300 steps instead of half of 400, the same difference tells of three times the error
     assert judged(OWN, -9.0, half=answer(-8.7, 300)).verdict is Verdict.AGREE
     assert judged(OWN, -9.0, half=answer(-8.7, 200)).verdict is Verdict.DISAGREE
