@@ -9,7 +9,6 @@ taken to be no less than the error of the reference at this point and step, whic
 import math
 from dataclasses import dataclass
 
-from engines.contract.tolerances import CREEP
 from engines.reference import CONVERGED_SUBSTEPS
 from engines.variant import Variant
 from scenarios.agreement import (
@@ -21,8 +20,8 @@ from scenarios.agreement import (
     missing_steady_state,
 )
 from scenarios.questions import Answer
+from scenarios.steady_case import REFERENCE, resolution_db
 
-REFERENCE = Variant("reference")
 CONVERGED = Variant("reference", preset="converged")
 
 
@@ -85,9 +84,7 @@ def difference_db(answer: Answer, other: Answer, level_db: float) -> float:
 
 def _tolerance(known: PointAnswers, level_db: float) -> Tolerance:
     """Derive how far the point may be from its ruler [dB]."""
-    capabilities, preset = known.variant.capabilities, known.variant.options
-    amplitude = capabilities.residual + CREEP * preset.softness
-    resolution = 20 * math.log10(1 + amplitude * 10 ** (-max(level_db, FLOOR_DB) / 20))
+    resolution = resolution_db(known.variant, known.answer.steps_per_period, max(level_db, FLOOR_DB))
     if ruler(known.variant) == REFERENCE:
         return Tolerance(reference=0.0, engine=0.0, resolution=resolution)
     scheme = abs(difference_db(known.reference, known.converged, level_db)) if known.reference.converged else 0.0

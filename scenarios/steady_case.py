@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from engines.contract.tolerances import CREEP
+from engines.contract.tolerances import CREEP, STEPS, TRAJECTORY_TOLERANCE
 from engines.variant import Variant
 from reference_lcp.chain import Chain
 from reference_lcp.drive import HarmonicBase
@@ -140,14 +140,9 @@ class Evidence:
             return Comparison(Verdict.INCONCLUSIVE, f"the engine took {taken} steps a period, not twice as many")
         return None
 
-    @property
-    def amplitude_resolution(self) -> float:
-        """What a displacement of the variant's steady state leaves open, over U0.
-
-        It is certified to repeat within the engine's residual, and no closer than the engine computes. A contact that
-        the engine cannot be told to make harder gives way by up to `CREEP` times its softness, as in the contract.
-        """
-        return self.variant.capabilities.residual + CREEP * self.variant.options.softness
+    def resolution_db(self, transmittance_db: float) -> float:
+        """What the judged answer leaves open of a transmittance near this one [dB]."""
+        return resolution_db(self.variant, self.fine.steps_per_period, transmittance_db)
 
     @property
     def transmittance_tolerance(self) -> Tolerance:
@@ -155,9 +150,22 @@ class Evidence:
         return Tolerance(
             reference=self.expected.bar_db,
             engine=step_estimate(self.coarse.transmittance_db, self.fine.transmittance_db),
-            resolution=amplitude_in_db(self.amplitude_resolution, self.expected.transmittance_db),
+            resolution=self.resolution_db(self.expected.transmittance_db),
             scheme=scheme_bar(*(answer.transmittance_db for answer in self.scheme)),
         )
+
+
+def resolution_db(variant: Variant, steps_per_period: int, transmittance_db: float) -> float:
+    """What a variant's steady state leaves open of a transmittance near this one [dB].
+
+    It is certified to repeat within the engine's residual. A contact that the engine cannot be told to make harder
+    gives way by up to `CREEP` times its softness. Round-off adds up as the contract derives it for the motion of a
+    base of amplitude U0 with `STEPS` steps a period: in proportion to the motion, and to the root of the steps.
+    """
+    capabilities, softness = variant.capabilities, variant.options.softness
+    motion = max(1.0, 10 ** (transmittance_db / 20))
+    round_off = TRAJECTORY_TOLERANCE[capabilities.precision] * math.sqrt(steps_per_period / STEPS) * motion
+    return amplitude_in_db(capabilities.residual + CREEP * softness + round_off, transmittance_db)
 
 
 def amplitude_in_db(amplitude: float, transmittance_db: float) -> float:

@@ -14,7 +14,6 @@ from scenarios.steady_case import (
     Case,
     Evidence,
     Expected,
-    amplitude_in_db,
     evidence,
     exact_expected,
     questions_of,
@@ -154,6 +153,5 @@ def same_step_findings(found: Evidence) -> list[Finding]:
     value, expected = found.fine.transmittance_db, found.scheme[1].transmittance_db
     missing = found.missing
     if missing is None:
-        resolution = amplitude_in_db(found.amplitude_resolution, expected)
-        missing = compare(value, expected, Tolerance(0.0, 0.0, resolution), SAME_STEP.unit)
+        missing = compare(value, expected, Tolerance(0.0, 0.0, found.resolution_db(expected)), SAME_STEP.unit)
     return [Finding(found.variant, found.case.label, SAME_STEP, value, expected, missing)]

@@ -8,7 +8,7 @@ from scenarios.agreement import Comparison, Tolerance, Verdict, compare, scheme_
 from scenarios.attenuation_band import BandDefinition
 from scenarios.questions import Answer
 from scenarios.scenario import Finding, Metric
-from scenarios.steady_case import Case, Evidence, Expected, amplitude_in_db
+from scenarios.steady_case import Case, Evidence, Expected
 from scenarios.steady_scenario import SAME_STEP, TRANSMITTANCE, SteadyScenario
 
 EDGE = Metric(
@@ -98,5 +98,5 @@ def crossing(below: Case, above: Case, low: Answer | Expected, high: Answer | Ex
 
 def _shifted(found: Evidence) -> Expected:
     """Give what is expected, raised by what the engine cannot resolve."""
-    rise = amplitude_in_db(found.amplitude_resolution, found.expected.transmittance_db)
+    rise = found.resolution_db(found.expected.transmittance_db)
     return dataclasses.replace(found.expected, transmittance_db=found.expected.transmittance_db + rise)

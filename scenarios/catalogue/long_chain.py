@@ -3,13 +3,11 @@
 import math
 from collections.abc import Mapping, Sequence
 
-from engines.variant import Variant
 from scenarios.agreement import scheme_bar, step_estimate
+from scenarios.figure3_comparison import CONVERGED
 from scenarios.questions import Answer, ChainRatios, Question
 from scenarios.steady_case import COARSE, FINE, FINEST, Case, Expected
 from scenarios.steady_scenario import SteadyScenario
-
-CONVERGED = Variant("reference", preset="converged")
 
 LENGTHS = (7, 15, 30, 50)
 
