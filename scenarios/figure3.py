@@ -26,8 +26,9 @@ from scenarios.attenuation_band import (
     unresolved,
 )
 from scenarios.evaluation import Evaluator
-from scenarios.figure3_comparison import CONVERGED, REFERENCE, PointAnswers, compare_point, needs_half_the_steps
+from scenarios.figure3_comparison import CONVERGED, PointAnswers, compare_point, needs_half_the_steps
 from scenarios.questions import Answer, ChainRatios, Question
+from scenarios.steady_case import REFERENCE
 
 __all__ = [
     "CONVERGED",
