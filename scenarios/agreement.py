@@ -87,6 +87,14 @@ def allowed_difference_db(reference_db: float, tolerance_db: float) -> float:
     return 20 * math.log10(1 + (10 ** (tolerance_db / 20) - 1) * 10 ** (below / 20))
 
 
+def difference_db(found_db: float, other_db: float, level_db: float) -> float:
+    """Difference of two transmittances [dB] near a level; below `FLOOR_DB`, what that of amplitudes is at the floor."""
+    if level_db >= FLOOR_DB:
+        return found_db - other_db
+    found, other, floor = (10 ** (db / 20) for db in (found_db, other_db, FLOOR_DB))
+    return math.copysign(20 * math.log10(1 + abs(found - other) / floor), found - other)
+
+
 def compare_edge(edge: float | None, converged: float | None) -> Comparison:
     """Compare a band edge with the converged reference's; ``None`` is an edge outside the grid."""
     if edge is None and converged is None:

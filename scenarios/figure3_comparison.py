@@ -6,7 +6,6 @@ with the converged reference. They are asked with half as many steps too, so tha
 taken to be no less than the error of the reference at this point and step, which is known from the converged one.
 """
 
-import math
 from dataclasses import dataclass
 
 from engines.reference import CONVERGED_SUBSTEPS
@@ -17,6 +16,7 @@ from scenarios.agreement import (
     Comparison,
     Tolerance,
     Verdict,
+    difference_db,
     missing_steady_state,
 )
 from scenarios.questions import Answer
@@ -65,7 +65,7 @@ def compare_point(known: PointAnswers) -> Comparison:
     if missing is not None:
         return missing
     level = expected.transmittance_db
-    difference = difference_db(known.answer, expected, level)
+    difference = difference_db(known.answer.transmittance_db, level, level)
     tolerance = _tolerance(known, level)
     reason = f"difference {difference:+.4f} dB, allowed {tolerance}"
     verdict = Verdict.AGREE if abs(difference) <= tolerance.allowed else Verdict.DISAGREE
@@ -74,25 +74,21 @@ def compare_point(known: PointAnswers) -> Comparison:
     return Comparison(verdict, reason, difference, tolerance.allowed)
 
 
-def difference_db(answer: Answer, other: Answer, level_db: float) -> float:
-    """Difference of two transmittances [dB] near a level; below `FLOOR_DB`, what that of amplitudes is at the floor."""
-    if level_db >= FLOOR_DB:
-        return answer.transmittance_db - other.transmittance_db
-    amplitude, another, floor = (10 ** (db / 20) for db in (answer.transmittance_db, other.transmittance_db, FLOOR_DB))
-    return math.copysign(20 * math.log10(1 + abs(amplitude - another) / floor), amplitude - another)
-
-
 def _tolerance(known: PointAnswers, level_db: float) -> Tolerance:
     """Derive how far the point may be from its ruler [dB]."""
     resolution = resolution_db(known.variant, known.answer.steps_per_period, max(level_db, FLOOR_DB))
     if ruler(known.variant) == REFERENCE:
         return Tolerance(reference=0.0, engine=0.0, resolution=resolution)
-    scheme = abs(difference_db(known.reference, known.converged, level_db)) if known.reference.converged else 0.0
+    scheme = (
+        abs(difference_db(known.reference.transmittance_db, known.converged.transmittance_db, level_db))
+        if known.reference.converged
+        else 0.0
+    )
     own = 0.0
     if known.half is not None and known.half.converged and known.half.steps_per_period < known.answer.steps_per_period:
         # of a first-order scheme with n and m < n steps the difference is the error of the finer one times n / m − 1
         finer = known.answer.steps_per_period / known.half.steps_per_period - 1
-        own = abs(difference_db(known.half, known.answer, level_db)) / finer
+        own = abs(difference_db(known.half.transmittance_db, known.answer.transmittance_db, level_db)) / finer
     return Tolerance(
         # the converged reference is the same scheme with so many times the steps
         reference=SAFETY * scheme / (CONVERGED_SUBSTEPS - 1),
