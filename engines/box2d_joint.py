@@ -33,6 +33,10 @@ JOINT_DEFAULT = Preset(
         "AllowSleeping": Option(True, True, "Box2D's own."),
     },
     # Sweeps that have not converged go on from the last impulses, which a state does not hold.
+    departure=(
+        "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
+        "the error is of first order, but not yet in proportion to the step"
+    ),
     split_tolerance=1e-5,
 )
 

@@ -40,6 +40,10 @@ JOINT_DEFAULT = Preset(
         "deactivation": Option(True, True, "DART's own."),
         "constraint force mixing": Option(SOFTNESS, SOFTNESS, "DART's own."),
     },
+    departure=(
+        "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
+        "the error is of first order, but not yet in proportion to the step"
+    ),
     split_tolerance=1e-12,
     softness=SOFTNESS,
 )

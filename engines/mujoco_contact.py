@@ -40,6 +40,10 @@ CONTACT_DEFAULT = Preset(
             0.02, 0.02, "MuJoCo's own damping 2 / 0.02 s; the stiffness beside it is needed to make N = λ_N."
         ),
     },
+    departure=(
+        "friction has a time constant of 0.02 s, whatever the time step, so that a stuck contact creeps; the "
+        "edges of the pyramidal cone let friction press, and keep it below the bound"
+    ),
     split_tolerance=1e-9,
 )
 

@@ -47,6 +47,10 @@ JOINT_STOPS = Preset(
             "stops", "stops", "Stiffness and damping as ERP and CFM, as the manual says: implicit Euler."
         ),
     },
+    departure=(
+        "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
+        "the error is of first order, but not yet in proportion to the step"
+    ),
     split_tolerance=1e-12,
 )
 
@@ -87,6 +91,10 @@ CONTACT_DEFAULT = Preset(
         "surface_layer": Option(0.0, 0.0, "ODE's own."),
         "depth": Option(0.0, 0.0, "The boxes touch their plates."),
     },
+    departure=(
+        "four points of contact are soft (CFM 1e-10), so that a box beside a much heavier mass tilts: its normal force "
+        "swings by up to 1e-4, and friction that slides is read as below its bound"
+    ),
     split_tolerance=1e-8,
 )
 

@@ -46,6 +46,10 @@ JOINT_ADMM = Preset(
         "tolerance": Option(_TOLERANCE, _TOLERANCE, "Pinocchio's own: absolute."),
         "max_iterations": Option(1000, 1000, "Pinocchio's own."),
     },
+    departure=(
+        "the solver's tolerance of 1e-6 N s is absolute: impulses of friction, F dt, are the less exact the finer"
+        " the step"
+    ),
     split_tolerance=1e-12,
 )
 

@@ -32,6 +32,9 @@ CONTACT_DEFAULT = Preset(
         "linearDamping": Option(0.04, 0.04, "Bullet's own; it slows every body down, against the ground."),
         "solverResidualThreshold": Option(1e-7, 1e-7, "Bullet's own; below it the solver stops."),
     },
+    departure=(
+        "Bullet's linear damping, 0.04 a second, slows every mass down against the ground, whatever the time step"
+    ),
     split_tolerance=1e-12,
 )
 

@@ -32,6 +32,9 @@ JOINT_DEFAULT = Preset(
         "linearDamping": Option(0.04, 0.04, "Bullet's own; it slows every body down, against the ground."),
         "maxJointVelocity": Option(100.0, 100.0, "Bullet's own."),
     },
+    departure=(
+        "Bullet's linear damping, 0.04 a second, slows every mass down against the ground, whatever the time step"
+    ),
     split_tolerance=1e-12,
 )
 

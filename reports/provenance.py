@@ -5,7 +5,6 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import Any
 
-from engines.contract.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
 from engines.registry import engine
 from engines.variant import Variant
 from reference_lcp.periodic import DEFAULT_RESIDUAL
@@ -52,8 +51,6 @@ def provenance(result: Figure3Result, command: str) -> dict[str, Any]:
         ),
         "tolerances": {
             "residual": DEFAULT_RESIDUAL,
-            "scheme_db": SCHEME_TOLERANCE_DB,
-            "converged_db": CONVERGED_TOLERANCE_DB,
             "floor_db": FLOOR_DB,
             "edge": EDGE_TOLERANCE,
         },

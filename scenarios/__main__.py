@@ -3,27 +3,35 @@
 import shlex
 import sys
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import nullcontext
 from multiprocessing import get_context
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import typer
-from rich import box
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import track
-from rich.table import Table
 
 from engines.bench import step_cost
-from engines.registry import engine, engine_names
-from engines.variant import Variant, variants_named
-from reference_lcp.console import INTERRUPTED, checked_output_file, run_command
-from reference_lcp.validation import ParameterError
+from engines.registry import engine
+from engines.variant import Variant
+from reference_lcp.console import INTERRUPTED, run_command
 from scenarios.accuracy import PLACES, Accuracy, Place, accuracies, accuracy_questions, exact_answer
 from scenarios.accuracy_table import COLUMNS, Row, csv_table, markdown, remark
+from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue_command import add_scenarios
 from scenarios.cluster import crew_of
+from scenarios.command_line import (
+    Chosen,
+    Limit,
+    Scheduler,
+    Store,
+    Workers,
+    check_out,
+    chosen_variants,
+    plain_table,
+    store_of_run,
+)
 from scenarios.evaluation import Evaluator
 from scenarios.isolation import TIME_LIMIT, Crew
 from scenarios.progress import Bars, CountingEvaluator
@@ -38,38 +46,19 @@ EXPERIMENTS = {
 }
 
 app = typer.Typer(name="python -m scenarios", add_completion=False, pretty_exceptions_enable=False)
-run = typer.Typer(help="Run an experiment.", no_args_is_help=True)
+run = typer.Typer(help="Run a scenario of the catalogue, all of them, or a measurement.", no_args_is_help=True)
 app.add_typer(run, name="run")
-
-Chosen = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--engine",
-        metavar="NAME[:FORMULATION[:PRESET]]",
-        help="An engine in all its formulations and presets, or the one that is named; may be repeated. "
-        "Without it, or with all: every engine.",
-    ),
-]
-
-
-Workers = Annotated[int | None, typer.Option(help="Worker processes; without it, one a processor.")]
-Limit = Annotated[
-    float, typer.Option(help="Seconds that a batch of points may take; an engine that hangs is stopped then.")
-]
-Scheduler = Annotated[
-    str | None, typer.Option(help="Address of a dask scheduler whose workers compute, instead of this machine's.")
-]
+add_scenarios(run)
 
 
 @app.callback(invoke_without_command=True)
 def catalogue(context: typer.Context) -> None:
-    """List the experiments; `python -m scenarios run NAME` runs one.
+    """List scenarios and measurements; `python -m scenarios run NAME` runs one, `run all` every scenario.
 
-    Example: python -m scenarios run accuracy --engine mujoco --engine pybullet:joint
+    Example: python -m scenarios run unit-cell --engine mujoco --engine pybullet:joint
     """
     if context.invoked_subcommand is None:
-        for name, question in EXPERIMENTS.items():
-            print(f"{name:10} {question}")
+        _print_catalogue()
 
 
 @app.command()
@@ -102,7 +91,7 @@ def sweep(
     Example: python -m scenarios sweep sweep.toml --out sweep.nc
     """
     asked = read_sweep(file)
-    _check_out(out, (".nc", ".csv"))
+    check_out(out, (".nc", ".csv"))
     crew = crew_of(workers, time_limit, scheduler)
     with ResultStore(store) as kept:
         if ask:
@@ -114,9 +103,7 @@ def sweep(
 @run.command()
 def accuracy(
     chosen: Chosen = None,
-    store: Annotated[
-        Path | None, typer.Option(help="File that keeps every answer, so that a stopped run goes on; none without it.")
-    ] = None,
+    store: Store = None,
     out: Annotated[
         Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")
     ] = None,
@@ -133,8 +120,8 @@ def accuracy(
 
     Example: python -m scenarios run accuracy --store accuracy.sqlite --out accuracy.md
     """
-    variants = _variants(chosen)
-    _check_out(out, (".md", ".csv"))
+    variants = chosen_variants(chosen)
+    check_out(out, (".md", ".csv"))
     found = _accuracies(variants, store, crew_of(workers, time_limit, scheduler), workers)
     rows: list[Row] = [(one, step_cost(one.variant) if cost and one.certified else None) for one in found]
     _print_accuracy(rows)
@@ -149,8 +136,10 @@ def cost(chosen: Chosen = None) -> None:
 
     Example: python -m scenarios run cost --engine pybullet
     """
-    table = _table("engine:formulation:preset", "advance [µs]", "run [µs]", "bare [µs]", "advance / bare", "run / bare")
-    for variant in _variants(chosen):
+    table = plain_table(
+        "engine:formulation:preset", "advance [µs]", "run [µs]", "bare [µs]", "advance / bare", "run / bare"
+    )
+    for variant in chosen_variants(chosen):
         missing = engine(variant.engine).why_not_installed()
         if missing is not None:
             print(f"{variant}: {missing}", file=sys.stderr)
@@ -163,13 +152,17 @@ def cost(chosen: Chosen = None) -> None:
     Console().print(table)
 
 
-def _check_out(out: Path | None, endings: tuple[str, ...]) -> None:
-    """Refuse a file that cannot be written, or whose ending names no format."""
-    if out is None:
-        return
-    if out.suffix not in endings:
-        raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(endings)}")
-    checked_output_file("--out", out)
+def _print_catalogue() -> None:
+    """Print what there is to run."""
+    table = plain_table("scenario", "question", "compared with")
+    for scenario in CATALOGUE.values():
+        table.add_row(scenario.name, escape(scenario.question), escape(scenario.expects))
+    Console().print(table)
+    table = plain_table("measurement", "question")
+    for name, question in EXPERIMENTS.items():
+        table.add_row(name, escape(question))
+    Console().print(table)
+    print("python -m scenarios run NAME runs one, python -m scenarios run all every scenario.")
 
 
 def _sweep(asked: Sweep, kept: ResultStore, crew: Crew, store: Path) -> None:
@@ -183,35 +176,22 @@ def _sweep(asked: Sweep, kept: ResultStore, crew: Crew, store: Path) -> None:
         except KeyboardInterrupt:
             print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
-    table = _table("engine:formulation:preset", *STATUSES[:-1])
+    table = plain_table("engine:formulation:preset", *STATUSES[:-1])
     for variant in asked.variants:
         table.add_row(str(variant), *(str(counted[variant, status]) for status in STATUSES[:-1]))
     Console().print(table)
-
-
-def _variants(chosen: list[str] | None) -> list[Variant]:
-    """Read what is to be run: whole engines by name, or single variants."""
-    names = engine_names() if not chosen or "all" in chosen else chosen
-    return list(dict.fromkeys(variant for name in names for variant in variants_named(name)))
 
 
 def _accuracies(variants: list[Variant], store: Path | None, crew: Crew, workers: int | None) -> list[Accuracy]:
     """Ask everything, with bars on the way."""
     expected = [question for variant in variants for question in accuracy_questions(variant)]
     exact = _exact_answers(workers)
-    with TemporaryDirectory() if store is None else nullcontext() as folder:
-        file = store if store is not None else Path(str(folder)) / "results.sqlite"
-        with (
-            ResultStore(file) as kept,
-            Bars(variants) as bars,
-            CountingEvaluator(kept, crew, expected, bars) as evaluator,
-        ):
-            try:
-                return accuracies(variants, exact, evaluator)
-            except KeyboardInterrupt:
-                where = f"answers are kept in {store}" if store is not None else "nothing is kept without --store"
-                print(f"interrupted: {where}", file=sys.stderr)
-                raise typer.Exit(INTERRUPTED) from None
+    with (
+        store_of_run(store) as kept,
+        Bars(variants) as bars,
+        CountingEvaluator(kept, crew, expected, bars) as evaluator,
+    ):
+        return accuracies(variants, exact, evaluator)
 
 
 def _exact_answers(workers: int | None) -> dict[Place, Answer]:
@@ -225,7 +205,7 @@ def _exact_answers(workers: int | None) -> dict[Place, Answer]:
 
 def _print_accuracy(rows: list[Row]) -> None:
     """Print the table and what it leaves out."""
-    table = _table(*(column.heading for column in COLUMNS))
+    table = plain_table(*(column.heading for column in COLUMNS))
     for row in rows:
         table.add_row(*(column.text(row) for column in COLUMNS))
     console = Console(width=max(Console().width, 200))
@@ -233,13 +213,6 @@ def _print_accuracy(rows: list[Row]) -> None:
     for row in rows:
         if row[0].certified < row[0].points:
             print(remark(row[0]))
-
-
-def _table(*headings: str) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    for heading in headings:
-        table.add_column(escape(heading), no_wrap=":" in heading)
-    return table
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from engines.variant import Variant
 from reference_lcp.convergence import STICK_SLIP_POINTS
 from reference_lcp.steady_state import exact_steady_state
 from reference_lcp.transition_matching import match_transitions
-from scenarios.agreement import FLOOR_DB
+from scenarios.agreement import difference_db
 from scenarios.evaluation import Evaluator
 from scenarios.questions import Answer, Question
 
@@ -165,10 +165,7 @@ def exact_answer(place: Place) -> Answer:
 
 def transmittance_error_db(answer: Answer, exact: Answer) -> float:
     """|Difference| of transmittance [dB]; below `FLOOR_DB`, what the difference of amplitudes makes at the floor."""
-    if exact.transmittance_db >= FLOOR_DB:
-        return abs(answer.transmittance_db - exact.transmittance_db)
-    found, expected, floor = (10 ** (db / 20) for db in (answer.transmittance_db, exact.transmittance_db, FLOOR_DB))
-    return 20 * math.log10(1 + abs(found - expected) / floor)
+    return abs(difference_db(answer.transmittance_db, exact.transmittance_db, exact.transmittance_db))
 
 
 def _place(question: Question) -> Place:

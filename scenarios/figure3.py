@@ -12,13 +12,12 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from engines.contract.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
 from engines.registry import engine
 from engines.variant import Variant
 from reference_lcp.chain import Chain
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_count
-from scenarios.agreement import Comparison, Verdict, compare_edge, compare_transmittance
+from scenarios.agreement import Comparison, Verdict, compare_edge
 from scenarios.attenuation_band import (
     BandDefinition,
     Edge,
@@ -27,7 +26,26 @@ from scenarios.attenuation_band import (
     unresolved,
 )
 from scenarios.evaluation import Evaluator
+from scenarios.figure3_comparison import CONVERGED, PointAnswers, compare_point, needs_half_the_steps
 from scenarios.questions import Answer, ChainRatios, Question
+from scenarios.steady_case import REFERENCE
+
+__all__ = [
+    "CONVERGED",
+    "DENSE_FREQUENCY_RATIOS",
+    "EDGE_RESIDUAL",
+    "FRICTION_RATIOS",
+    "QUICK_FRICTION_RATIOS",
+    "REFERENCE",
+    "BandEdge",
+    "Figure3",
+    "Figure3Result",
+    "Point",
+    "default_frequency_ratios",
+    "quick_frequency_ratios",
+    "resonances",
+    "run",
+]
 
 FRICTION_RATIOS = (0.0, 0.1, 0.3, 0.6, 1.0, 5.0)
 QUICK_FRICTION_RATIOS = (0.0, 0.3, 1.0)
@@ -42,9 +60,6 @@ An engine whose period map jumps (a bristle that sticks at the end of a step onl
 than some 1e-4 of the base's motion. At the edge the response is as large as that motion, and curves
 fall by more than 10 dB in 0.1: what such a residual leaves open is below the resolution of the edge.
 """
-
-REFERENCE = Variant("reference")
-CONVERGED = Variant("reference", preset="converged")
 
 
 def resonances(ratios: ChainRatios) -> FloatArray:
@@ -135,22 +150,23 @@ class Figure3:
 
     @property
     def grid(self) -> list[Question]:
-        """Every variant at every point of the grid."""
+        """Every variant at every point of the grid, and with half the steps where its own error is needed."""
         return [
-            self.question(variant, friction, eta)
+            self.question(variant, friction, eta, divisor)
             for variant in self.all_variants
+            for divisor in ((1, 2) if needs_half_the_steps(variant) else (1,))
             for friction in self.friction_ratios
             for eta in self.frequency_ratios
         ]
 
-    def question(self, variant: Variant, friction_ratio: float, frequency_ratio: float) -> Question:
-        """Ask one variant about one point."""
+    def question(self, variant: Variant, friction_ratio: float, frequency_ratio: float, divisor: int = 1) -> Question:
+        """Ask one variant about one point, with the steps a period divided by `divisor`."""
         return Question(
             variant=variant,
             friction_ratio=friction_ratio,
             frequency_ratio=frequency_ratio,
             ratios=self.ratios,
-            steps_per_period=self.steps_per_period,
+            steps_per_period=max(self.steps_per_period // divisor, 3),
         )
 
 
@@ -214,8 +230,13 @@ def run(asked: Figure3, evaluator: Evaluator) -> Figure3Result:
     places = [
         (variant, friction, eta) for variant in asked.all_variants for friction in grids for eta in grids[friction]
     ]
-    answers = dict(zip(places, evaluator.evaluate([asked.question(*place) for place in places]), strict=True))
-    points = tuple(Point(*place, answer, _compare(place, answers)) for place, answer in answers.items())
+    halved = [place for place in places if needs_half_the_steps(place[0])]
+    found = evaluator.evaluate(
+        [*(asked.question(*place) for place in places), *(asked.question(*place, 2) for place in halved)]
+    )
+    answers = dict(zip(places, found, strict=False))
+    halves = dict(zip(halved, found[len(places) :], strict=True))
+    points = tuple(Point(*place, answer, _compare(place, answers, halves)) for place, answer in answers.items())
     edges = tuple(_edges(asked, grids, answers, evaluator))
     return Figure3Result(asked, points, edges, _dense_reference(asked, evaluator))
 
@@ -244,23 +265,17 @@ def _dense_reference(asked: Figure3, evaluator: Evaluator) -> dict[float, tuple[
 _Place = tuple[Variant, float, float]
 
 
-def ruler(variant: Variant) -> tuple[Variant, float]:
-    """Give whom a variant is compared with, and the tolerance [dB].
-
-    Presets that share the Euler scheme share its error: they are compared with the reference at equal
-    step. All others, the reference itself among them, are compared with the converged reference.
-    """
-    preset = engine(variant.engine).preset(variant.formulation, variant.preset)
-    if variant.engine != REFERENCE.engine and preset.shares_scheme:
-        return REFERENCE, SCHEME_TOLERANCE_DB
-    return CONVERGED, CONVERGED_TOLERANCE_DB
-
-
-def _compare(place: _Place, answers: dict[_Place, Answer]) -> Comparison:
+def _compare(place: _Place, answers: Mapping[_Place, Answer], halves: Mapping[_Place, Answer]) -> Comparison:
     """Compare a point with its ruler."""
     variant, friction, eta = place
-    other, tolerance = ruler(variant)
-    return compare_transmittance(answers[place], answers[other, friction, eta], tolerance)
+    known = PointAnswers(
+        variant=variant,
+        answer=answers[place],
+        half=halves.get(place),
+        reference=answers[REFERENCE, friction, eta],
+        converged=answers[CONVERGED, friction, eta],
+    )
+    return compare_point(known)
 
 
 def _edges(

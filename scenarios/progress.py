@@ -37,12 +37,18 @@ class Bars:
 
     def expect(self, variant: Variant, count: int) -> None:
         """Add to what a variant has to answer."""
-        task = self._tasks[variant]
+        task = self._task(variant)
         self._bars.update(task, total=(self._bars.tasks[task].total or 0) + count)
 
     def advance(self, variant: Variant, count: int) -> None:
         """Add to what a variant has answered."""
-        self._bars.advance(self._tasks[variant], count)
+        self._bars.advance(self._task(variant), count)
+
+    def _task(self, variant: Variant) -> TaskID:
+        """Give the bar of a variant; one that is asked for the sake of others gets its own when it is."""
+        if variant not in self._tasks:
+            self._tasks[variant] = self._bars.add_task(variant.title, total=0)
+        return self._tasks[variant]
 
     def __enter__(self) -> Self:
         self._bars.start()

@@ -11,11 +11,13 @@ from reference_lcp import (
     HarmonicForce,
     Lane,
     Mode,
+    ParameterError,
     State,
     StillBase,
     simulate,
     steady_state,
 )
+from reference_lcp.den_hartog import SlidingMotion, largest_sliding_force_ratio
 from tests.reference_lcp.cases import STANDING
 
 
@@ -35,20 +37,6 @@ def test_free_decay_loses_four_bounds_over_stiffness_a_cycle_and_rests_in_the_de
     assert abs(turns[-1]) <= friction / stiffness
 
 
-def den_hartog(frequency_ratio, force_ratio) -> tuple[float, float]:
-    """Amplitude over P0 / k, and phase of the turn, of the sliding friction oscillator.
-
-    J. P. Den Hartog, "Forced vibrations with combined Coulomb and viscous friction", Trans. ASME 53
-    (1931): m ẍ + k x + F sgn ẋ = P0 cos(ωt + φ) with x = x0 at its turn t = 0 has, while it never stops,
-    x0 = (P0/k) √(V² − (F/P0)² U²) and tan φ = −(F / k) U / x0, where V = 1 / (1 − r²),
-    U = sin(π/r) / (r (1 + cos(π/r))).
-    """
-    r = frequency_ratio
-    v, u = 1 / (1 - r**2), np.sin(np.pi / r) / (r * (1 + np.cos(np.pi / r)))
-    amplitude = np.sqrt(v**2 - (force_ratio * u) ** 2)
-    return amplitude, float(np.arctan2(-force_ratio * u / v, amplitude / v))
-
-
 @pytest.mark.parametrize(("frequency_ratio", "force_ratio"), [(0.8, 0.3), (0.8, 0.6), (1.3, 0.4), (0.6, 0.2)])
 def test_sliding_friction_oscillator_moves_as_den_hartog_found(frequency_ratio, force_ratio) -> None:
     """The outer mass slides on an inner one that stands still; it turns at x0 in Den Hartog's phase."""
@@ -59,9 +47,8 @@ def test_sliding_friction_oscillator_moves_as_den_hartog_found(frequency_ratio, 
         friction_coefficient=np.asarray(1.0),
     )  # fmt: skip
     drive = HarmonicForce(load, frequency_ratio * np.sqrt(stiffness))
-    amplitude, phase = den_hartog(frequency_ratio, force_ratio)
-    # P0 cos(ωt + φ) at the turn is P0 sin of the phase φ + π/2.
-    turn = (phase + np.pi / 2) % (2 * np.pi) / drive.angular_frequency
+    sliding = SlidingMotion.of(frequency_ratio, force_ratio)
+    amplitude, turn = sliding.amplitude, sliding.turn * drive.period
     state = State(np.array([[amplitude * load / stiffness, 0.0]]), np.zeros((1, 2)))
     segments = list(EventDrivenChain(Lane(chain, drive, 1.0)).segments(state, turn, turn + 3 * drive.period))
     assert all(segment.modes[0] != 0 for segment in segments)
@@ -71,18 +58,6 @@ def test_sliding_friction_oscillator_moves_as_den_hartog_found(frequency_ratio, 
         assert segment.start == pytest.approx(turn + k * drive.period / 2, abs=1e-10 * drive.period)
         expected = (-1) ** k * amplitude * load / stiffness
         assert segment.coefficients[0, 0] == pytest.approx(expected, abs=1e-10)
-
-
-def largest_force_ratio_without_stops(frequency_ratio) -> float:
-    """Den Hartog's limit of sliding: F/P0 = √(V² / (U² + (S/r²)²)).
-
-    S is the maximum of [r sin τ + U r² (cos rτ − cos τ)] / sin rτ over 0 < τ < π/r, from turn to turn.
-    """
-    r = frequency_ratio
-    v, u = 1 / (1 - r**2), np.sin(np.pi / r) / (r * (1 + np.cos(np.pi / r)))
-    tau = np.linspace(1e-6, np.pi / r - 1e-6, 200_001)
-    s = np.max((r * np.sin(tau) + u * r**2 * (np.cos(r * tau) - np.cos(tau))) / np.sin(r * tau))
-    return float(np.sqrt(v**2 / (u**2 + (s / r**2) ** 2)))
 
 
 def modes_over_a_period(frequency_ratio, force_ratio, **how) -> list[Mode]:
@@ -98,7 +73,7 @@ def modes_over_a_period(frequency_ratio, force_ratio, **how) -> list[Mode]:
 
 @pytest.mark.parametrize("frequency_ratio", [0.45, 0.6, 0.8, 1.3])
 def test_oscillator_begins_to_stop_twice_a_cycle_at_den_hartogs_limit(frequency_ratio) -> None:
-    limit = largest_force_ratio_without_stops(frequency_ratio)
+    limit = largest_sliding_force_ratio(frequency_ratio)
     assert modes_over_a_period(frequency_ratio, 0.99 * limit, solver="exact").count(Mode.STICK) == 0
     assert modes_over_a_period(frequency_ratio, 1.01 * limit, solver="exact").count(Mode.STICK) == 2
 
@@ -119,3 +94,24 @@ def test_stops_of_the_oscillator_come_in_pairs_and_more_of_them_at_low_frequency
         cyclic = [*modes, modes[0]]
         assert modes.count(Mode.STICK) == stops
         assert sum(Mode.STICK not in pair for pair in pairwise(cyclic)) == turns
+
+
+@pytest.mark.parametrize(("frequency_ratio", "force_ratio"), [(0.8, 0.3), (1.3, 0.4), (0.6, 0.2), (0.35, 0.03)])
+def test_fundamental_of_the_sliding_motion_is_that_of_the_event_driven_one(frequency_ratio, force_ratio) -> None:
+    chain = Chain(
+        cells=1, outer_mass=np.asarray(1.0), inner_mass=STANDING, chain_stiffness=np.asarray(60.0),
+        inner_stiffness=np.asarray(40.0), normal_force=np.asarray(force_ratio * 10.0),
+        friction_coefficient=np.asarray(1.0),
+    )  # fmt: skip
+    found = steady_state(chain, HarmonicForce(10.0, frequency_ratio * 10.0), solver="exact")
+    # displacements are over P0 / k_c here and over P0 / (k_c + k_i) in Den Hartog's formula
+    expected = 0.6 * abs(SlidingMotion.of(frequency_ratio, force_ratio).fundamental)
+    assert 10 ** (found.transmittance_db / 20) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("frequency_ratio", "force_ratio"), [(1.0, 0.1), (0.5, 0.1), (0.8, 0.99), (0.8, -0.1), (-1, 0.1)]
+)
+def test_motion_that_den_hartog_does_not_describe_is_refused(frequency_ratio, force_ratio) -> None:
+    with pytest.raises(ParameterError, match="allowed"):
+        SlidingMotion.of(frequency_ratio, force_ratio)

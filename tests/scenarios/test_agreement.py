@@ -6,10 +6,14 @@ import pytest
 
 from scenarios.agreement import (
     EDGE_TOLERANCE,
+    Tolerance,
     Verdict,
     allowed_difference_db,
+    compare,
     compare_edge,
     compare_transmittance,
+    scheme_bar,
+    step_estimate,
 )
 from scenarios.questions import Answer
 
@@ -63,3 +67,36 @@ def test_missing_engine_is_blocked_with_its_reason() -> None:
 )
 def test_edges_are_compared_with_the_converged_reference(edge, converged, verdict) -> None:
     assert compare_edge(edge, converged).verdict is verdict
+
+
+def values(first, second, steps=(1.0, 0.5, 0.25)):
+    """A scheme whose error has parts of the first and of the second order."""
+    return [-3.0 + first * step + second * step**2 for step in steps]
+
+
+@pytest.mark.parametrize(("first", "second"), [(0.1, 0.0), (0.0, 0.1), (0.1, -0.1), (0.1, -0.2), (-0.1, 0.3)])
+def test_bar_of_three_steps_covers_the_error_of_the_middle_one(first, second) -> None:
+    """For (0.1, −0.2) the two middle values are both off by nothing or by little."""
+    _, middle, _ = found = values(first, second)
+    assert scheme_bar(*found) >= abs(middle + 3.0)
+
+
+def test_estimate_from_two_steps_covers_a_first_order_error() -> None:
+    coarse, fine, _ = values(0.1, 0.0)
+    assert abs(fine + 3.0) < step_estimate(coarse, fine) < 1.3 * abs(fine + 3.0)
+
+
+def test_verdict_names_the_largest_part_of_what_is_allowed() -> None:
+    tolerance = Tolerance(reference=0.1, engine=0.2, resolution=0.05, scheme=0.15)
+    assert tolerance.allowed == pytest.approx(0.35)
+    assert compare(1.34, 1.0, tolerance, "dB").verdict is Verdict.AGREE
+    found = compare(0.64, 1.0, tolerance, "dB")
+    assert found.verdict is Verdict.DISAGREE
+    assert found.reason == "difference -0.36 dB, allowed 0.35, mostly the engine's own step (0.2)"
+    lucky = Tolerance(reference=0.1, engine=0.0, resolution=0.05, scheme=0.15)
+    assert "mostly the error of the reference's scheme at this step (0.15)" in str(lucky)
+
+
+def test_nothing_to_compare_is_inconclusive() -> None:
+    assert compare(math.nan, 1.0, Tolerance(0.1, 0.1)).verdict is Verdict.INCONCLUSIVE
+    assert compare(1.0, 1.0, Tolerance(math.nan, 0.1)).verdict is Verdict.INCONCLUSIVE

@@ -1,0 +1,26 @@
+"""The catalogue: every scenario by its name."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from scenarios.catalogue.den_hartog import DenHartog
+from scenarios.catalogue.figure3 import Figure3Points
+from scenarios.catalogue.linear_limits import FrictionlessLimit, LockedLimit
+from scenarios.catalogue.long_chain import LongChain
+from scenarios.catalogue.unequal_cells import DisorderedChain, GradedChain
+from scenarios.catalogue.unit_cell import UnitCell
+from scenarios.scenario import Scenario
+
+SCENARIOS: tuple[Scenario, ...] = (
+    UnitCell(),
+    Figure3Points(),
+    DenHartog(),
+    FrictionlessLimit(),
+    LockedLimit(),
+    DisorderedChain(),
+    GradedChain(),
+    LongChain(),
+)
+
+CATALOGUE: Mapping[str, Scenario] = MappingProxyType({scenario.name: scenario for scenario in SCENARIOS})
+"""Every scenario by its name, in the order in which they are listed and run."""

@@ -1,0 +1,69 @@
+"""The driven friction oscillator, against the closed form of Den Hartog."""
+
+import math
+from collections.abc import Mapping
+
+from reference_lcp.den_hartog import SlidingMotion
+from reference_lcp.stick_slip import Mode
+from scenarios.questions import Answer, ChainRatios, Question
+from scenarios.steady_case import Case, Expected
+from scenarios.steady_scenario import SteadyScenario
+
+STANDING_RATIO = 1e6
+"""Mass ratio of the cell: its inner mass moves by a millionth of what the outer one does."""
+
+STIFFNESS_RATIO = 1.0
+
+POINTS = ((0.8, 0.3), (1.3, 0.4), (0.6, 0.2))
+"""Frequency over the oscillator's own, and friction over the amplitude of the force; the mass never stops."""
+
+OSCILLATOR = ChainRatios(
+    cells=1, mass_ratio=STANDING_RATIO, stiffness_ratio=STIFFNESS_RATIO, damping_ratio=0.0, inner_damping_ratio=0.0
+)
+
+
+def _case(frequency_ratio: float, force_ratio: float) -> Case:
+    # The oscillator's frequency is √((k_c + k_i) / m_o), the cell's unit of frequency √(k_i / m_i).
+    unit = math.sqrt((1 + 1 / STIFFNESS_RATIO) * STANDING_RATIO)
+    return Case(
+        label=f"r {frequency_ratio:g}, F/P0 {force_ratio:g}",
+        friction_ratio=force_ratio,
+        frequency_ratio=frequency_ratio * unit,
+        ratios=OSCILLATOR,
+    )
+
+
+class DenHartog(SteadyScenario):
+    """The outer mass slides on an inner one that stands still, as heavy as a million of it.
+
+    The base moves it through the chain's spring, without a dashpot: a force P0 = k_c U0 on an oscillator of the
+    stiffness k_c + k_i, so that F/P0 is the friction ratio.
+    """
+
+    name = "den-hartog"
+    question = "How does a mass move that slides under dry friction and a harmonic force, and when does it turn?"
+    source = "J. P. Den Hartog, Trans. ASME 53 (1931)"
+    expects = "the closed form; its error bar is the motion of the mass that stands"
+    cases = tuple(_case(*point) for point in POINTS)
+    with_stick_slip = True
+
+    def expected(self, case: Case, answers: Mapping[Question, Answer]) -> Expected:
+        """Give the closed form."""
+        return expected_motion(*POINTS[self.cases.index(case)])
+
+
+def expected_motion(frequency_ratio: float, force_ratio: float) -> Expected:
+    """Give transmittance and turns of the sliding motion."""
+    motion = SlidingMotion.of(frequency_ratio, force_ratio)
+    transmittance = abs(motion.fundamental) / (1 + STIFFNESS_RATIO)
+    # k_i x0 and the friction, with the fundamental 4F/π, accelerate the standing mass m_i; over x0 that is
+    spring = STIFFNESS_RATIO / (1 + STIFFNESS_RATIO)
+    standing = (spring + 4 / math.pi * force_ratio / motion.amplitude) / (STANDING_RATIO * frequency_ratio**2)
+    chain, drive = _case(frequency_ratio, force_ratio).setting()
+    turns = ((motion.turn, Mode.FORWARD), ((motion.turn + 0.5) % 1.0, Mode.BACKWARD))
+    return Expected(
+        transmittance_db=20 * math.log10(transmittance),
+        bar_db=20 * math.log10(1 + standing),
+        transitions=tuple(sorted((1, time * drive.period, str(kind)) for time, kind in turns)),
+        stuck_fraction=(0.0,) * chain.cells,
+    )

@@ -1,0 +1,102 @@
+"""Figure 3 of the paper: transmittance of the seven cells, and where the attenuation band begins."""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+
+from scenarios.agreement import Comparison, Tolerance, Verdict, compare, scheme_bar, step_estimate
+from scenarios.attenuation_band import BandDefinition
+from scenarios.questions import Answer
+from scenarios.scenario import Finding, Metric
+from scenarios.steady_case import Case, Evidence, Expected
+from scenarios.steady_scenario import SAME_STEP, TRANSMITTANCE, SteadyScenario
+
+EDGE = Metric(
+    "lower edge",
+    "η_r",
+    f"of the low-frequency attenuation band ({BandDefinition()}): where the straight line through two points of the "
+    "curve, one on either side, crosses the threshold; read alike from the exact curve",
+)
+
+HALF_WIDTH = 0.004
+"""Distance in η_r of the two points from the edge: the line between them crosses the threshold within 0.0003 of
+where the exact curve does."""
+
+FARTHEST = 0.05
+"""Distance in η_r up to which the line through the two points tells where the edge is."""
+
+LOWER_EDGES = {0.3: 0.637, 1.0: 0.999}
+"""Friction ratios of the widest band and of cells that nearly lock; its lower edges, to three digits."""
+
+
+def _case(friction_ratio: float, frequency_ratio: float) -> Case:
+    label = f"friction {friction_ratio:g}, η_r {frequency_ratio:g}"
+    return Case(label=label, friction_ratio=friction_ratio, frequency_ratio=round(frequency_ratio, 6))
+
+
+def _edge_cases(friction_ratio: float, edge: float) -> tuple[Case, Case]:
+    return _case(friction_ratio, edge - HALF_WIDTH), _case(friction_ratio, edge + HALF_WIDTH)
+
+
+EDGE_CASES = {friction: _edge_cases(friction, edge) for friction, edge in LOWER_EDGES.items()}
+
+
+class Figure3Points(SteadyScenario):
+    """The canonical chain at points of figure 3."""
+
+    name = "figure3"
+    question = "How much of the base's motion reaches the end of seven cells, and where does attenuation begin?"
+    source = "Sethi, Banerjee, Manna, figure 3: mass and stiffness ratio 1, ζ = 0.01, seven cells"
+    expects = "the event-driven solver, exact to round-off"
+    cases = (*(case for pair in EDGE_CASES.values() for case in pair), _case(0.6, 0.9), _case(0.1, 0.6))
+    metrics = (TRANSMITTANCE, SAME_STEP, EDGE)
+
+    def judged(self, found: Mapping[Case, Evidence]) -> list[Finding]:
+        """Judge transmittance point by point, then the edges."""
+        edges = [
+            edge_finding(f"friction {friction:g}", found[below], found[above])
+            for friction, (below, above) in EDGE_CASES.items()
+        ]
+        return [*super().judged(found), *edges]
+
+
+def edge_finding(label: str, below: Evidence, above: Evidence) -> Finding:
+    """Compare a lower edge, from the evidence at a point on either side of it."""
+    missing = below.missing or above.missing
+    if missing is not None:
+        return Finding(below.variant, label, EDGE, math.nan, math.nan, missing)
+    expected, coarse, fine = (
+        crossing(below.case, above.case, getattr(below, name), getattr(above, name))
+        for name in ("expected", "coarse", "fine")
+    )
+    scheme = [crossing(below.case, above.case, *pair) for pair in zip(below.scheme, above.scheme, strict=True)]
+    if math.isnan(fine):
+        reason = f"no edge within {FARTHEST:g} of {expected:.3f} in η_r"
+        return Finding(below.variant, label, EDGE, math.nan, expected, Comparison(Verdict.DISAGREE, reason))
+    shifted = crossing(below.case, above.case, *(_shifted(one) for one in (below, above)))
+    tolerance = Tolerance(
+        reference=0.0,
+        engine=step_estimate(coarse, fine),
+        resolution=abs(shifted - expected),
+        scheme=scheme_bar(*scheme),
+    )
+    comparison = compare(fine, expected, tolerance, EDGE.unit)
+    return Finding(below.variant, label, EDGE, fine, expected, comparison)
+
+
+def crossing(below: Case, above: Case, low: Answer | Expected, high: Answer | Expected) -> float:
+    """Give η_r where the straight line through two points crosses the threshold; NaN where it does not nearby."""
+    threshold = BandDefinition().threshold_db
+    fall = low.transmittance_db - high.transmittance_db
+    if fall <= 0:
+        return math.nan
+    width = above.frequency_ratio - below.frequency_ratio
+    place = below.frequency_ratio + width * (low.transmittance_db - threshold) / fall
+    middle = (below.frequency_ratio + above.frequency_ratio) / 2
+    return place if abs(place - middle) <= FARTHEST else math.nan
+
+
+def _shifted(found: Evidence) -> Expected:
+    """Give what is expected, raised by what the engine cannot resolve."""
+    rise = found.resolution_db(found.expected.transmittance_db)
+    return dataclasses.replace(found.expected, transmittance_db=found.expected.transmittance_db + rise)

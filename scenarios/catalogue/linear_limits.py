@@ -1,0 +1,51 @@
+"""The two limits that linear theory knows: contacts that slide freely, and contacts that never slide."""
+
+from collections.abc import Mapping
+
+from reference_lcp.linear_limits import frictionless_transmittance, stuck_transmittance
+from reference_lcp.transmittance import decibel
+from scenarios.questions import Answer, ChainRatios, Question
+from scenarios.steady_case import Case, Expected
+from scenarios.steady_scenario import SteadyScenario
+
+THREE_CELLS = ChainRatios(cells=3)
+"""Enough cells for pass band and stop band, few enough for engines that are slow."""
+
+LOCKING_FRICTION = 5.0
+"""Friction ratio, the largest of figure 3, at which no contact slips: at the cases' frequencies the bound is more than
+four times the force that holds the inner masses."""
+
+
+def _cases(friction_ratio: float, frequency_ratios: tuple[float, ...]) -> tuple[Case, ...]:
+    return tuple(
+        Case(label=f"η_r {eta:g}", friction_ratio=friction_ratio, frequency_ratio=eta, ratios=THREE_CELLS)
+        for eta in frequency_ratios
+    )
+
+
+class FrictionlessLimit(SteadyScenario):
+    """No friction: the resonators move freely."""
+
+    name = "frictionless-limit"
+    question = "Is the chain without friction the linear one: masses, springs, dashpots, drive, time step?"
+    source = "linear theory: (K + iωC − ω²M) x = f"
+    expects = "closed form"
+    cases = _cases(0.0, (0.9, 0.5))
+
+    def expected(self, case: Case, answers: Mapping[Question, Answer]) -> Expected:
+        """Solve the linear chain."""
+        return Expected(transmittance_db=decibel(frictionless_transmittance(*case.setting())))
+
+
+class LockedLimit(SteadyScenario):
+    """So much friction that every cell moves as one mass."""
+
+    name = "locked-limit"
+    question = "Does a contact that must not slip hold?"
+    source = "linear theory with v = u + const in every cell"
+    expects = "closed form"
+    cases = _cases(LOCKING_FRICTION, (1.1, 0.7))
+
+    def expected(self, case: Case, answers: Mapping[Question, Answer]) -> Expected:
+        """Solve the linear chain of locked cells."""
+        return Expected(transmittance_db=decibel(stuck_transmittance(*case.setting())))

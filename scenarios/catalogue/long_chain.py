@@ -1,0 +1,68 @@
+"""Longer chains: 7 to 50 cells."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+from scenarios.agreement import scheme_bar, step_estimate
+from scenarios.figure3_comparison import CONVERGED
+from scenarios.questions import Answer, ChainRatios, Question
+from scenarios.steady_case import COARSE, FINE, FINEST, Case, Expected
+from scenarios.steady_scenario import SteadyScenario
+
+LENGTHS = (7, 15, 30, 50)
+
+FRICTION_RATIO, FREQUENCY_RATIO = 0.1, 0.5
+"""In the pass band, where friction takes most of the motion from the longest chain and hardly any from the shortest."""
+
+GROWTH = 2.0
+"""Power of the length by which seconds grow: a step costs as much more as there are more cells, and the longer a
+chain is, the more periods its steady state takes."""
+
+
+def _case(cells: int) -> Case:
+    return Case(
+        label=f"{cells} cells",
+        friction_ratio=FRICTION_RATIO,
+        frequency_ratio=FREQUENCY_RATIO,
+        ratios=ChainRatios(cells=cells),
+    )
+
+
+class LongChain(SteadyScenario):
+    """The canonical chain with more and more cells."""
+
+    name = "long-chain"
+    question = "How many cells can an engine take, and is it as right with fifty as with seven?"
+    source = "the canonical case with more cells, at friction ratio 0.1 and η_r 0.5"
+    expects = "the reference with 32 times the steps, and its error bar"
+    cases = tuple(_case(cells) for cells in LENGTHS)
+
+    def rounds(self) -> list[tuple[Case, ...]]:
+        """Ask length after length."""
+        return [(case,) for case in self.cases]
+
+    def growth(self, case: Case) -> float:
+        """Give by how much longer this length takes than the one before."""
+        place = self.cases.index(case)
+        return (case.ratios.cells / self.cases[max(place - 1, 0)].ratios.cells) ** GROWTH
+
+    def ruler(self) -> list[Question]:
+        """Give what the reference is asked: at equal step, and converged."""
+        return [*super().ruler(), *(question for case in self.cases for question in _refined(case))]
+
+    def expected(self, case: Case, answers: Mapping[Question, Answer]) -> Expected:
+        """Give the converged reference and its error bar."""
+        return expected_of([answers[question] for question in _refined(case)])
+
+
+def _refined(case: Case) -> list[Question]:
+    """Ask the converged reference with three step sizes."""
+    return [case.question(CONVERGED, refinement) for refinement in (COARSE, FINE, FINEST)]
+
+
+def expected_of(refined: Sequence[Answer]) -> Expected:
+    """Give the converged reference's transmittance and its error bar, from three step sizes."""
+    coarse, fine, finest = (answer.transmittance_db if answer.converged else math.nan for answer in refined)
+    # half of what three steps say of the middle one; no less than what the last two say of the finest
+    bar = max(scheme_bar(coarse, fine, finest) / 2, step_estimate(fine, finest))
+    return Expected(transmittance_db=finest, bar_db=bar)

@@ -1,0 +1,83 @@
+"""Chains whose cells all differ: at random, and by a gradient."""
+
+import dataclasses
+from typing import ClassVar
+
+import numpy as np
+
+from scenarios.questions import ChainRatios, Ratio
+from scenarios.steady_case import Case
+from scenarios.steady_scenario import SteadyScenario
+
+SEED = 1
+"""Of the disordered chain: at η_r = 0.6 six of its seven contacts slip, in 28 transitions a period."""
+
+SPREAD = (0.7, 1.3)
+"""Range of the mass and stiffness ratios, 30 % to either side of the canonical case."""
+
+FRICTION = (0.1, 0.5)
+"""Range of the friction ratios, around the one with the widest band."""
+
+CELLS = 7
+
+
+def disordered() -> tuple[ChainRatios, Ratio]:
+    """Draw mass, stiffness, dashpot and friction of each cell, to two digits."""
+    draw = np.random.default_rng(SEED)
+    mass, stiffness, friction = (_numbers(draw.uniform(*span, CELLS)) for span in (SPREAD, SPREAD, FRICTION))
+    damping = _numbers(draw.uniform(0.5, 1.5, CELLS), 0.01)
+    return ChainRatios(cells=CELLS, mass_ratio=mass, stiffness_ratio=stiffness, damping_ratio=damping), friction
+
+
+def graded() -> tuple[ChainRatios, Ratio]:
+    """Let resonators become heavier and softer, and friction stronger, along the chain."""
+    low, high = SPREAD
+    mass, stiffness = _numbers(np.linspace(low, high, CELLS)), _numbers(np.linspace(high, low, CELLS))
+    ratios = ChainRatios(cells=CELLS, mass_ratio=mass, stiffness_ratio=stiffness)
+    return ratios, _numbers(np.linspace(*FRICTION, CELLS))
+
+
+def _numbers(values: np.ndarray, scale: float = 1.0) -> tuple[float, ...]:
+    return tuple(float(np.round(scale * np.round(value, 2), 6)) for value in values)
+
+
+def _cases(ratios: ChainRatios, friction: Ratio, frequency_ratios: tuple[float, ...]) -> tuple[Case, ...]:
+    return tuple(
+        Case(label=f"η_r {eta:g}", ratios=ratios, friction_ratio=friction, frequency_ratio=eta)
+        for eta in frequency_ratios
+    )
+
+
+class UnequalCells(SteadyScenario):
+    """What the two chains have in common."""
+
+    expects = "the event-driven solver, exact to round-off"
+    with_stick_slip = True
+    cases: ClassVar[tuple[Case, ...]] = ()
+
+    def parameters(self) -> list[str]:
+        """Give the ratios cell by cell."""
+        numbers = {**dataclasses.asdict(self.cases[0].ratios), "friction_ratio": self.cases[0].friction_ratio}
+        return [
+            f"{name} = {', '.join(f'{value:g}' for value in values)}"
+            for name, values in numbers.items()
+            if isinstance(values, tuple)
+        ]
+
+
+class DisorderedChain(UnequalCells):
+    """Every cell has its own inner mass, inner spring, chain dashpot and friction, drawn at random."""
+
+    name = "disordered-chain"
+    question = "Does each cell have its own parameters, and its own stick and slip?"
+    source = f"ratios drawn from even distributions, seed {SEED}"
+    cases = _cases(*disordered(), (0.6, 0.9))
+
+
+class GradedChain(UnequalCells):
+    """Resonators tuned lower and lower along the chain (a rainbow trap), with more and more friction."""
+
+    name = "graded-chain"
+    question = "Where along a graded chain do the contacts stick?"
+    source = "graded resonators (rainbow trapping), linear in the cell's number"
+    cases = _cases(*graded(), (0.6, 0.8))

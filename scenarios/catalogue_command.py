@@ -1,0 +1,146 @@
+"""``python -m scenarios run NAME``: a scenario of the catalogue, or all of them."""
+
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+
+from engines.variant import Variant
+from scenarios.catalogue import CATALOGUE
+from scenarios.cluster import crew_of
+from scenarios.command_line import (
+    Chosen,
+    Limit,
+    Scheduler,
+    Store,
+    Workers,
+    check_out,
+    chosen_variants,
+    plain_table,
+    store_of_run,
+)
+from scenarios.isolation import TIME_LIMIT, Crew
+from scenarios.progress import Bars, CountingEvaluator
+from scenarios.scenario import Finding, Scenario
+from scenarios.verdict_table import (
+    HEADINGS,
+    Results,
+    csv_table,
+    details,
+    explained,
+    json_text,
+    law,
+    markdown,
+    matrix,
+    rows_of,
+    unexplained,
+)
+
+EVERY = "all"
+
+UNEXPLAINED = 1
+"""Exit code where a disagreement has no law of the engine for its reason."""
+
+WIDEST = 200
+"""Columns that tables may take where the output is no terminal."""
+
+Out = Annotated[
+    Path | None, typer.Option(help="Write the verdicts here: a document as .md, every number as .csv or .json.")
+]
+
+
+@dataclass(frozen=True)
+class _Run:
+    """What a command was asked to run."""
+
+    scenarios: Sequence[Scenario]
+    variants: Sequence[Variant]
+    command: str
+
+
+def add_scenarios(run: typer.Typer) -> None:
+    """Add a command for every scenario of the catalogue, and one for all of them."""
+    for scenario in CATALOGUE.values():
+        _add(run, scenario.name, [scenario], f"{scenario.question} Compared with: {scenario.expects}.")
+    _add(run, EVERY, list(CATALOGUE.values()), "Every scenario of the catalogue; prints scenarios × variants.")
+
+
+def _add(run: typer.Typer, name: str, scenarios: Sequence[Scenario], question: str) -> None:
+    """Add one command."""
+    ending = (
+        "Exit code 0: no disagreement without a law of the engine that explains it; 1: some; 2: wrong input; "
+        f"130: interrupted.\n\nExample: python -m scenarios run {name} --engine mujoco --out verdicts.md"
+    )
+
+    @run.command(name, help=f"{question}\n\n{ending}")
+    def command(
+        chosen: Chosen = None,
+        store: Store = None,
+        out: Out = None,
+        workers: Workers = None,
+        time_limit: Limit = TIME_LIMIT,
+        scheduler: Scheduler = None,
+    ) -> None:
+        variants = chosen_variants(chosen)
+        check_out(out, (".md", ".csv", ".json"))
+        typed = shlex.join(["python", "-m", "scenarios", "run", name, *(f"--engine={c}" for c in chosen or [])])
+        asked = _Run(scenarios, variants, typed)
+        results = _results(asked, store, crew_of(workers, time_limit, scheduler))
+        print_results(results)
+        if out is not None:
+            out.write_text(_text(results, typed, out.suffix))
+        if any(unexplained(found) for found in results.values()):
+            raise typer.Exit(UNEXPLAINED)
+
+
+def _results(asked: _Run, store: Path | None, crew: Crew) -> dict[Scenario, list[Finding]]:
+    """Run the scenarios one after the other, with bars on the way."""
+    with (
+        store_of_run(store) as kept,
+        Bars(asked.variants) as bars,
+        CountingEvaluator(kept, crew, [], bars) as evaluator,
+    ):
+        return {scenario: scenario.run(asked.variants, evaluator) for scenario in asked.scenarios}
+
+
+def print_results(results: Results) -> None:
+    """Print the table of each scenario and what does not agree, and the matrix of several."""
+    console = Console(width=max(Console().width, WIDEST))
+    for scenario, found in results.items():
+        console.print(f"\n[bold]{scenario.name}[/bold]: {escape(scenario.question)}")
+        console.print(escape("\n".join([f"compared with {scenario.expects}", *scenario.parameters()])))
+        table = plain_table(*HEADINGS)
+        for row in rows_of(found):
+            table.add_row(*(escape(cell) for cell in row.cells()))
+        console.print(table)
+        for variant, remarks in details(found):
+            console.print(escape("\n".join([f"{variant}:", *(f"  {remark}" for remark in remarks)])), soft_wrap=True)
+    if len(results) > 1:
+        heading, *lines = matrix(results)
+        table = plain_table(*heading)
+        for line in lines:
+            table.add_row(*(escape(cell) for cell in line))
+        console.print(table)
+    _print_laws(console, [one for found in results.values() for one in found])
+
+
+def _print_laws(console: Console, findings: Sequence[Finding]) -> None:
+    """Print the laws that explain disagreements, and how many have none."""
+    for variant in dict.fromkeys(one.variant for one in findings if explained(one)):
+        console.print(escape(f"explained, {variant}: {law(variant)}"), soft_wrap=True)
+    left = unexplained(findings)
+    if left:
+        names = ", ".join(dict.fromkeys(str(one.variant) for one in left))
+        console.print(escape(f"unexplained: {len(left)} disagreements, of {names}"), soft_wrap=True)
+
+
+def _text(results: Results, command: str, ending: str) -> str:
+    """Give the verdicts in the format of a file."""
+    if ending == ".md":
+        return markdown(results, command)
+    return csv_table(results) if ending == ".csv" else json_text(results, command)

@@ -1,0 +1,43 @@
+"""Asking scenarios in this process: no workers, no store, and an engine that is as wrong as a test wants it."""
+
+import dataclasses
+import itertools
+
+import pytest
+
+from engines.variant import Variant
+from scenarios.answering import answer_batch
+from scenarios.questions import Question
+
+WRONG = Variant("mujoco")
+"""Whose answers are falsified: any variant that shares the scheme, for the reference answers in its place."""
+
+
+class InProcess:
+    """Answers by the reference; questions to `WRONG` as `falsified` makes them."""
+
+    def __init__(self, falsified):
+        self.falsified = falsified
+        self.known = {}
+
+    def evaluate(self, questions):
+        missing = [question for question in dict.fromkeys(questions) if question not in self.known]
+        for _, group in itertools.groupby(missing, key=lambda q: (q.variant, q.ratios.cells)):
+            asked = list(group)
+            self.known.update(zip(asked, answer_batch([self.really(question) for question in asked]), strict=True))
+        return [self.known[question] for question in questions]
+
+    def really(self, question: Question) -> Question:
+        if question.variant != WRONG:
+            return question
+        return dataclasses.replace(self.falsified(question), variant=Variant("reference"))
+
+
+@pytest.fixture
+def verdicts():
+    """Run a scenario on an engine that is right but for what `falsified` makes of its questions."""
+
+    def run(scenario, falsified=lambda question: question, variant=WRONG):
+        return scenario.run([variant], InProcess(falsified))
+
+    return run
