@@ -33,6 +33,9 @@ DEFAULT_PERIODS = 400
 DEPENDENT = 1e-6
 """A difference whose part outside the span of newer ones is smaller than this is left out."""
 
+CANCELLED = 0.7
+"""A difference of which less is left is made orthogonal once more: about 1/√2, as Daniel et al. advise."""
+
 PATIENCE = 25
 """Periods without a better residual after which a lane starts again from its best iterate.
 
@@ -84,6 +87,22 @@ class PeriodicOrbit:
         return self.status is OrbitStatus.CONVERGED
 
 
+@numba.njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
+def _dot(a: Any, b: Any) -> float:
+    """Scalar product; written out, since vectors this short cost less than a call of BLAS."""
+    total = 0.0
+    for k in range(a.shape[0]):
+        total += a[k] * b[k]
+    return total
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _subtract(factor: float, a: Any, b: Any) -> None:
+    """b −= factor · a, in place."""
+    for k in range(a.shape[0]):
+        b[k] -= factor * a[k]
+
+
 @numba.njit(cache=True, error_model="numpy")
 def _mixed(x: Any, f: Any, newest: int, kept: int) -> Any:
     """Next iterate from the history of one lane.
@@ -92,6 +111,7 @@ def _mixed(x: Any, f: Any, newest: int, kept: int) -> Any:
     of the last one and `kept` the number of older rows to use. The differences of f are made
     orthogonal, newest first, and those of g take part in the same operations: then the iterate
     needs no triangular solve, and dependent differences (cells that stay stuck) simply drop out.
+    A second pass follows where the first one cancelled more than `CANCELLED` (Daniel et al. 1976).
     """
     rows, d = x.shape
     q = np.empty((kept, d))
@@ -104,19 +124,23 @@ def _mixed(x: Any, f: Any, newest: int, kept: int) -> Any:
         earlier = (newest - back - 1) % rows
         direction = f[later] - f[earlier]
         partner = direction + x[later] - x[earlier]
-        size = np.sqrt(np.dot(direction, direction))
+        size = np.sqrt(_dot(direction, direction))
+        left = size
         for _ in range(2):
+            before = left
             for j in range(used):
-                overlap = np.dot(q[j], direction)
-                direction -= overlap * q[j]
-                partner -= overlap * p[j]
-        left = np.sqrt(np.dot(direction, direction))
+                overlap = _dot(q[j], direction)
+                _subtract(overlap, q[j], direction)
+                _subtract(overlap, p[j], partner)
+            left = np.sqrt(_dot(direction, direction))
+            if left > CANCELLED * before:
+                break
         if left > DEPENDENT * size and left > 0.0:
             q[used] = direction / left
             p[used] = partner / left
-            weight = np.dot(q[used], rest)
-            rest -= weight * q[used]
-            following -= weight * p[used]
+            weight = _dot(q[used], rest)
+            _subtract(weight, q[used], rest)
+            _subtract(weight, p[used], following)
             used += 1
     return following
 

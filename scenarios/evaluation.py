@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache
 
 from engines.registry import engine
 from engines.variant import Variant
@@ -57,8 +58,9 @@ class Evaluator(Closing):
         However many questions there are, their answers are never in memory together.
         """
         missing = []
+        why = cache(why_not_installed)  # asked once a variant: the answer for 100,000 points takes no time
         for question, status in self._store.statuses(questions):
-            known = status or self._status_unasked(question)
+            known = status or ("blocked" if why(question.variant) else None)
             if known is None:
                 missing.append(question)
             else:
@@ -77,14 +79,15 @@ class Evaluator(Closing):
         """End the worker processes; what they have not begun is left undone."""
         self._crew.close()
 
-    def _status_unasked(self, question: Question) -> str | None:
-        """Give the status that needs neither the store nor a computation."""
-        return None if engine(question.variant.engine).why_not_installed() is None else "blocked"
-
     def _known(self, question: Question) -> Answer | None:
         """Give the answer that needs no computation: a kept one, or that the engine is missing."""
-        missing = engine(question.variant.engine).why_not_installed()
+        missing = why_not_installed(question.variant)
         return self._store.find(question) if missing is None else Answer.blocked(f"not installed: {missing}")
+
+
+def why_not_installed(variant: Variant) -> str | None:
+    """Say why a variant's engine cannot be used here; ``None`` if it can."""
+    return engine(variant.engine).why_not_installed()
 
 
 def _batches(questions: list[Question]) -> Iterator[list[Question]]:

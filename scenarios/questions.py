@@ -41,6 +41,15 @@ class ChainRatios:
         return Chain.from_ratios(friction_ratio=friction_ratio, **dataclasses.asdict(self))
 
 
+_COMPACT = json.JSONEncoder(separators=(",", ":"))
+_SORTED = json.JSONEncoder(sort_keys=True)
+
+
+def key_of(text: str) -> str:
+    """Hash of a question's text, under which its answer is kept."""
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
 @dataclass(frozen=True, kw_only=True)
 class Asked:
     """What every question says: who is asked, and about which chain.
@@ -66,11 +75,15 @@ class Asked:
 
     def content(self) -> dict[str, Any]:
         """Everything that the answer depends on: the question, the engine's version and its options."""
-        return {"format": ANSWER_FORMAT, "question": dataclasses.asdict(self), **_identity(self.variant)}
+        return {"format": ANSWER_FORMAT, "question": _plain(self), **_identity(self.variant)}
 
     def key(self) -> str:
         """Hash of the content: equal for equal questions to equal engines."""
-        return hashlib.sha256(json.dumps(self.content(), sort_keys=True).encode()).hexdigest()
+        return key_of(self.text())
+
+    def text(self) -> str:
+        """Give the content as JSON, one text for equal contents."""
+        return _SORTED.encode(self.content())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,8 +163,7 @@ class Answer:
 
     def to_json(self) -> str:
         """Give the answer as JSON; NaN becomes null."""
-        numbers = dataclasses.asdict(self)
-        return json.dumps({name: None if _is_nan(value) else value for name, value in numbers.items()})
+        return _COMPACT.encode({name: None if _is_nan(value) else value for name, value in vars(self).items()})
 
     @classmethod
     def from_json(cls, text: str) -> Self:
@@ -174,6 +186,13 @@ def _identity(variant: Variant) -> dict[str, Any]:
         "options": {name: repr(option.value) for name, option in sorted(preset.options.items())},
     }
     return identity if preset.stick_margin == STICK_MARGIN else identity | {"stick_margin": preset.stick_margin}
+
+
+def _plain(value: Any) -> Any:
+    """Give a dataclass as dictionaries; unlike `dataclasses.asdict` without copies, which took most of a key's time."""
+    if not dataclasses.is_dataclass(value):
+        return value
+    return {name: _plain(part) for name, part in vars(value).items()}
 
 
 def _is_nan(value: object) -> bool:
