@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
+from reference_lcp.subharmonics import LONGEST_MULTIPLE
 from scenarios.questions import Answer
 
 FLOOR_DB = -60.0
@@ -68,12 +69,19 @@ def compare_transmittance(answer: Answer, reference: Answer, tolerance_db: float
         if not one.converged:
             return Comparison(
                 Verdict.INCONCLUSIVE,
-                f"{name}: {one.status} after {one.periods} periods, residual {one.residual:.1e}",
+                f"{name}: {one.status} after {one.periods} periods, residual {one.residual:.1e}{repetition(one)}",
             )
     difference = answer.transmittance_db - reference.transmittance_db
     allowed = allowed_difference_db(reference.transmittance_db, tolerance_db)
     verdict = Verdict.AGREE if abs(difference) <= allowed else Verdict.DISAGREE
     return Comparison(verdict, f"difference {difference:+.4f} dB, allowed {allowed:.3g} dB", difference, allowed)
+
+
+def repetition(answer: Answer) -> str:
+    """Say of an answer without a steady state after how many periods it repeats; empty if nobody has looked."""
+    if answer.multiple == 0:
+        return f", no period up to {LONGEST_MULTIPLE}"
+    return f", period {answer.multiple}" if answer.multiple > 1 else ""
 
 
 def allowed_difference_db(reference_db: float, tolerance_db: float) -> float:

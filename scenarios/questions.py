@@ -125,6 +125,9 @@ class Answer:
         Periodicity residual of the orbit; NaN where there is none.
     periods
         Periods simulated.
+    multiple
+        Periods of the drive after which the motion repeats, where one was looked for: more than one for a
+        subharmonic response, 0 where no repetition was found.
     steps_per_period
         Steps a period that were taken.
     period
@@ -144,6 +147,7 @@ class Answer:
     transmittance_db: float = math.nan
     residual: float = math.nan
     periods: int = 0
+    multiple: int = 1
     steps_per_period: int = 0
     period: float = math.nan
     stuck_fraction: tuple[float, ...] = ()
