@@ -4,8 +4,7 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
-from reference_lcp.subharmonics import LONGEST_MULTIPLE
-from scenarios.questions import Answer
+from scenarios.questions import Answer, repetition
 
 FLOOR_DB = -60.0
 """Below this transmittance the tolerance is absolute: what it is, as an amplitude, at the floor.
@@ -67,21 +66,12 @@ def compare_transmittance(answer: Answer, reference: Answer, tolerance_db: float
         return Comparison(Verdict.BLOCKED, answer.reason)
     for name, one in (("engine", answer), ("reference", reference)):
         if not one.converged:
-            return Comparison(
-                Verdict.INCONCLUSIVE,
-                f"{name}: {one.status} after {one.periods} periods, residual {one.residual:.1e}{repetition(one)}",
-            )
+            what = f"{one.status} after {one.periods} periods, residual {one.residual:.1e}{repetition(one.multiple)}"
+            return Comparison(Verdict.INCONCLUSIVE, f"{name}: {what}")
     difference = answer.transmittance_db - reference.transmittance_db
     allowed = allowed_difference_db(reference.transmittance_db, tolerance_db)
     verdict = Verdict.AGREE if abs(difference) <= allowed else Verdict.DISAGREE
     return Comparison(verdict, f"difference {difference:+.4f} dB, allowed {allowed:.3g} dB", difference, allowed)
-
-
-def repetition(answer: Answer) -> str:
-    """Say of an answer without a steady state after how many periods it repeats; empty if nobody has looked."""
-    if answer.multiple == 0:
-        return f", no period up to {LONGEST_MULTIPLE}"
-    return f", period {answer.multiple}" if answer.multiple > 1 else ""
 
 
 def allowed_difference_db(reference_db: float, tolerance_db: float) -> float:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from reference_lcp.validation import ParameterError
 from scenarios.closing import Closing
-from scenarios.questions import Answer, Question, key_of
+from scenarios.questions import Answer, Outcome, Question, key_of
 
 APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""
@@ -71,9 +71,10 @@ class ResultStore(Closing):
         for _, text in self._texts(questions, "answer"):
             yield None if text is None else Answer.from_json(text)
 
-    def statuses(self, questions: Iterable[Question]) -> Iterator[tuple[Question, str | None]]:
-        """Give each question, in order, with the status of its answer, or ``None``."""
-        return self._texts(questions, "json_extract(answer, '$.status')")
+    def outcomes(self, questions: Iterable[Question]) -> Iterator[tuple[Question, Outcome | None]]:
+        """Give each question, in order, with how it ended, or ``None``; numbers are left unread."""
+        for question, text in self._texts(questions, "json_extract(answer, '$.status', '$.periods', '$.multiple')"):
+            yield question, None if text is None else Outcome.from_json(text)
 
     def _texts(self, questions: Iterable[Question], column: str) -> Iterator[tuple[Question, str | None]]:
         """Look up an expression of SQL for each question, many at a time."""

@@ -28,6 +28,8 @@ class CountedBars(Bars):
     def advance(self, variant: Variant, count: int) -> None:
         self.done[variant] = self.done.get(variant, 0) + count
 
+    recall = advance
+
 
 def answer_everything(batch: Sequence[Question]) -> list[Answer]:
     return [Answer(status="converged", transmittance_db=question.frequency_ratio) for question in batch]

@@ -113,7 +113,7 @@ def test_what_is_not_answered_is_missing_and_the_rest_is_shown(file: Path) -> No
     part = Sweep(asked.variants[:1], {**asked.axes, "mass_ratio": (0.5,)}, asked.ratios, asked.steps_per_period)
     with ResultStore(file.with_suffix(".sqlite")) as store:
         with Evaluator(store, LocalCrew(1)) as evaluator:
-            assert run_sweep(part, evaluator) == {(Variant("reference"), "converged"): 6}
+            assert run_sweep(part, evaluator).statuses == {(Variant("reference"), "converged"): 6}
         found = dataset(asked, store)
     missing = found.status == STATUSES.index("missing")
     assert int(missing.sum()) == 18

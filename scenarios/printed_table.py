@@ -1,0 +1,13 @@
+"""Tables in a terminal."""
+
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+
+def printed_table(*headings: str) -> Table:
+    """Give an empty table; columns of names (with a colon in the heading) are not wrapped."""
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for heading in headings:
+        table.add_column(escape(heading), no_wrap=":" in heading)
+    return table
