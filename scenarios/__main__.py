@@ -25,7 +25,7 @@ from scenarios.cost import COLUMNS as COST_COLUMNS
 from scenarios.cost import REFERENCE, SECONDS, cost, cost_csv, cost_markdown, cost_rows
 from scenarios.evaluation import why_not_installed
 from scenarios.isolation import TIME_LIMIT, Crew
-from scenarios.printed_table import printed_table
+from scenarios.printed_table import print_table, printed_table
 from scenarios.progress import Bars, CountingEvaluator
 from scenarios.questions import Answer
 from scenarios.store import ResultStore
@@ -179,7 +179,7 @@ def costs(
     table = printed_table("engine:formulation:preset", *(heading for heading, _, _ in COST_COLUMNS))
     for row in cost_rows(found, reference):
         table.add_row(*row)
-    Console(width=max(Console().width, 200)).print(table)
+    print_table(table)
     if out is not None:
         out.write_text(cost_markdown(found, reference) if out.suffix == ".md" else cost_csv(found, reference))
 
@@ -232,8 +232,7 @@ def _print_accuracy(rows: list[Row]) -> None:
     table = printed_table(*(column.heading for column in COLUMNS))
     for row in rows:
         table.add_row(*(column.text(row) for column in COLUMNS))
-    console = Console(width=max(Console().width, 200))
-    console.print(table)
+    print_table(table)
     for row in rows:
         if row[0].certified < row[0].points:
             print(remark(row[0]))

@@ -62,11 +62,11 @@ class Sweep:
     def __post_init__(self) -> None:
         if not self.variants:
             raise ParameterError("engines = [] names nobody; allowed: at least one")
+        for name, values in self.axes.items():
+            check_axis(name, values)
         for name in ("friction_ratio", "frequency_ratio"):
             if name not in self.axes:
                 raise ParameterError(f"grid.{name} is missing; allowed: at least one value")
-        for name, values in self.axes.items():
-            check_axis(name, values)
 
     @property
     def points(self) -> int:

@@ -1,15 +1,13 @@
 """What the command ``sweep`` does: answer what is missing, print how it ended, write what the store knows."""
 
-
 import xarray as xr
-from rich.console import Console
 
 from engines.variant import Variant
 from scenarios.adaptive_sweep import AdaptiveSweep, run_adaptive_sweep
 from scenarios.agreement import Verdict
 from scenarios.evaluation import Evaluator
 from scenarios.isolation import Crew
-from scenarios.printed_table import printed_table
+from scenarios.printed_table import print_table, printed_table
 from scenarios.progress import Bars, CountingEvaluator
 from scenarios.store import ResultStore
 from scenarios.sweep import STATUSES, Sweep, dataset, run_sweep
@@ -50,16 +48,15 @@ def dataset_of(asked: SweepFile, kept: ResultStore) -> xr.Dataset:
 
 def print_summary(asked: SweepFile, summary: SweepSummary) -> None:
     """Print how the points of every variant ended, the periods that they took, and every reason once."""
-    table = printed_table(
-        "engine:formulation:preset", *STATUSES[:-1], "periods: median", "99 %", "most", "curves unresolved"
-    )
+    headings = ["periods: median, 99 %, most", *(["curves unresolved"] if asked.frequencies is not None else [])]
+    table = printed_table("engine:formulation:preset", *STATUSES[:-1], *headings)
     for variant in asked.sweep.variants:
         statuses = [str(summary.statuses[variant, status]) for status in STATUSES[:-1]]
         periods = [summary.quantile_of_periods(variant, part) for part in PARTS]
-        numbers = ["–" if number is None else str(number) for number in periods]
-        unresolved = str(summary.unresolved[variant]) if asked.frequencies is not None else "–"
-        table.add_row(str(variant), *statuses, *numbers, unresolved)
-    Console().print(table)
+        numbers = ", ".join("–" if number is None else str(number) for number in periods)
+        unresolved = [str(summary.unresolved[variant])] if asked.frequencies is not None else []
+        table.add_row(str(variant), *statuses, numbers, *unresolved)
+    print_table(table)
     for (variant, reason), count in sorted(summary.reasons.items(), key=_by_variant):
         print(f"{variant}: {count} point{'s' if count > 1 else ''}: {reason}")
 
@@ -68,19 +65,19 @@ def print_verdicts(asked: SweepFile, kept: ResultStore) -> None:
     """Print how every variant compares with the reference, if the file has a tolerance for it."""
     if asked.tolerance_db is None:
         return
-    table = printed_table("engine:formulation:preset", *Verdict, "largest difference [dB]", "friction", "frequency")
+    table = printed_table("engine:formulation:preset", *Verdict, "largest [dB]", "at friction, frequency")
     for variant, found in verdicts(grid_of(asked, kept), kept, asked.tolerance_db).items():
         counts = [str(found.counts[verdict]) for verdict in Verdict]
         table.add_row(str(variant), *counts, *_worst(found))
-    Console().print(table)
+    print_table(table)
 
 
 def _worst(found: Verdicts) -> list[str]:
     """Largest difference and its place, as text."""
     if found.largest is None:
-        return ["–"] * 3
+        return ["–", "–"]
     difference, question = found.largest
-    return [f"{difference:.3g}", f"{question.friction_ratio:g}", f"{question.frequency_ratio:.4g}"]
+    return [f"{difference:.3g}", f"{question.friction_ratio:g}, {question.frequency_ratio:.4g}"]
 
 
 def _by_variant(item: tuple[tuple[Variant, str], int]) -> tuple[Variant, int]:

@@ -202,7 +202,7 @@ def _variants_of(name: str, presets: Sequence[str] | None) -> list[Variant]:
         return variants_named(name)
     engine, _, formulation = name.partition(":")
     if formulation:
-        Variant.parse(f"{name}:{presets[0]}")
+        Variant.parse(name)
     every = [variant for variant in variants_of(engine) if formulation in ("", variant.formulation)]
     for preset in presets:
         checked_choice(f"presets: preset of {name}", preset, sorted({variant.preset for variant in every}))
