@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 
 from reference_lcp.console import run_command
+from scenarios import isolation
 from scenarios.__main__ import app
+from tests.scenarios.here import Here
 
 
 def test_experiments_are_listed_with_their_questions(capsys) -> None:
@@ -16,7 +18,10 @@ def test_experiments_are_listed_with_their_questions(capsys) -> None:
     assert "cost" in printed
 
 
-def test_cost_is_that_of_steps_and_of_steady_states_beside_the_reference(tmp_path: Path) -> None:
+def test_cost_is_that_of_steps_and_of_steady_states_beside_the_reference(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(isolation, "ProcessPoolExecutor", Here)
     out = tmp_path / "cost.csv"
     assert run_command(app, ["run", "cost", "--engine", "mujoco:joint", "--seconds", "0.1", "--out", str(out)]) == 0
     row = {

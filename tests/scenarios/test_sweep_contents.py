@@ -2,8 +2,6 @@
 
 import csv
 import dataclasses
-from collections.abc import Sequence
-from concurrent.futures import Future
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +15,6 @@ from scenarios import isolation
 from scenarios.__main__ import app
 from scenarios.adaptive_grid import level
 from scenarios.adaptive_sweep import AdaptiveSweep, refined
-from scenarios.answering import answer_batch
 from scenarios.evaluation import Evaluator
 from scenarios.isolation import LocalCrew
 from scenarios.questions import Answer, ChainRatios, Excitation, Outcome, Question
@@ -27,6 +24,7 @@ from scenarios.sweep_command import answer_sweep, dataset_of
 from scenarios.sweep_file import SweepFile, read_sweep
 from scenarios.sweep_summary import SweepSummary
 from scenarios.sweep_verdicts import verdicts
+from tests.scenarios.here import Here
 
 CONTENT = """\
 engines = ["reference:joint", "mujoco:joint"]
@@ -41,19 +39,6 @@ amplitude = 5.0
 [tolerances]
 transmittance_db = 0.01
 """
-
-
-class Here:
-    """A worker that answers in this process: nothing has to be started."""
-
-    def __init__(self, *_arguments: object, **_options: object) -> None: ...
-
-    def submit(self, _function: object, batch: Sequence[Question], *_rest: object) -> Future[list[Answer]]:
-        done: Future[list[Answer]] = Future()
-        done.set_result(answer_batch(batch))
-        return done
-
-    def shutdown(self, **_options: object) -> None: ...
 
 
 @pytest.fixture
