@@ -55,9 +55,9 @@ def repetitions(
 ) -> Repetitions:
     """Find after how many periods of the drive each lane's motion repeats.
 
-    The plain motion is followed for `SETTLING_PERIODS`, and x(t + mT) compared with x(t). An m that is nearly a
-    repetition is tried on its own: a fixed point of the m-fold map is searched for with Anderson acceleration. It
-    costs `SETTLING_PERIODS` + `longest` periods a lane, and at most `SEARCHED` · m for every m that is tried.
+    The plain motion is followed for `SETTLING_PERIODS`, and x(t + mT) compared with x(t). The m that comes closest to
+    a repetition is tried on its own: a fixed point of the m-fold map is searched for with Anderson acceleration. It
+    costs `SETTLING_PERIODS` + `longest` periods a lane, and at most `SEARCHED` · m where an m is tried.
 
     Parameters
     ----------
@@ -77,10 +77,11 @@ def repetitions(
     distances = _distances(simulation, scales, end, steps_per_period, longest)
     found = [_smallest(row <= tolerance) for row in distances]
     for lane in [lane for lane, m in enumerate(found) if m == 0]:
-        alone, own, state = simulation.subset([lane]), scales.subset([lane]), end.subset([lane])
-        hints = np.flatnonzero(distances[lane] < HINT * distances[lane, 0]) + 1
-        tried = (_searched(alone, own, state, steps_per_period, m, tolerance) for m in hints.tolist())
-        found[lane] = next((m for m in tried if m > 1), 0)
+        m = int(np.argmin(distances[lane])) + 1
+        if distances[lane, m - 1] < HINT * distances[lane, 0]:
+            alone, own, state = simulation.subset([lane]), scales.subset([lane]), end.subset([lane])
+            repeated = _searched(alone, own, state, steps_per_period, m, tolerance)
+            found[lane] = repeated if repeated > 1 else 0
     return Repetitions(found, end, distances, SETTLING_PERIODS + longest)
 
 
