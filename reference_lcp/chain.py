@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike
 from reference_lcp.natural_frequency import highest_square
 from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_count, checked_scalar
 
+CHAIN_STIFFNESS = 1000.0
+"""k_c [N/m] of chains that are made from ratios, unless one is given."""
+
 _REQUIREMENTS = {
     "outer_mass": "> 0",
     "inner_mass": "> 0",
@@ -85,7 +88,7 @@ class Chain:
         inner_damping_ratio: ArrayLike = 0.0,
         base_amplitude: float = 0.01,
         outer_mass: float = 1.0,
-        chain_stiffness: float = 1000.0,
+        chain_stiffness: float = CHAIN_STIFFNESS,
         friction_coefficient: float = 0.5,
     ) -> Self:
         """Build a chain from non-dimensional ratios; the defaults are the canonical frictionless case.

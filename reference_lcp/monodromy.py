@@ -80,7 +80,9 @@ def polished(orbit: PeriodicOrbit, steps_per_period: int, tolerance: float) -> P
     best, state = orbit, orbit.trajectory.end
     for _ in range(NEWTON_STEPS):
         state = _newton_step(EventDrivenChain(orbit.lane), state, steps_per_period * orbit.lane.time_step)
-        found = periodic_orbits(simulation, steps_per_period, start=state, tolerance=tolerance, max_periods=1)[0]
+        found = periodic_orbits(
+            simulation, steps_per_period, start=state, tolerance=tolerance, max_periods=1, longest_multiple=1
+        )[0]
         periods += 1 + found.periods
         if not found.residual < best.residual:
             break

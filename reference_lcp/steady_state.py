@@ -173,7 +173,7 @@ def exact_steady_state(
         If an argument is outside its range, or the drive is not harmonic.
     """
     simulation = EventDrivenSimulation([Lane.periodic(chain, drive, steps_per_period)])
-    search = partial(periodic_orbits, simulation, steps_per_period)
+    search = partial(periodic_orbits, simulation, steps_per_period, longest_multiple=1)
     orbit = polished(search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0], steps_per_period, tolerance)
     if not orbit.converged and orbit.periods < max_periods:
         again = search(start=orbit.trajectory.end, tolerance=tolerance, max_periods=max_periods - orbit.periods)[0]

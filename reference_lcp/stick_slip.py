@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -83,10 +85,7 @@ def contact_modes(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> N
     rubs = orbit.lane.chain.friction_bound > 0
     travel = trajectory.relative_velocity * orbit.lane.time_step
     shortest = UNREPEATED_SLIP * orbit.residual * orbit.lane.drive.displacement_scale(orbit.lane.chain)
-    for cell in range(modes.shape[1]):
-        _drop_short_sticks(modes[:, cell])
-        if rubs[cell]:
-            _drop_short_slips(modes[:, cell], travel[:, cell], shortest)
+    _resolve(modes, travel, rubs, shortest)
     return modes
 
 
@@ -127,25 +126,54 @@ def dissipated_energy(orbit: PeriodicOrbit) -> FloatArray:
     return -np.sum(power, axis=0) * orbit.lane.time_step
 
 
-def _drop_short_sticks(column: NDArray[np.int8]) -> None:
+@numba.njit(cache=True, error_model="numpy")
+def _resolve(modes: Any, travel: Any, rubs: Any, shortest: float) -> None:
+    """Leave out of every column, in place, the sticks and the slips that the step and the residual do not resolve."""
+    for cell in range(modes.shape[1]):
+        column = modes[:, cell].copy()
+        _drop_short_sticks(column)
+        if rubs[cell]:
+            _drop_short_slips(column, travel[:, cell], shortest)
+        modes[:, cell] = column
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _drop_short_sticks(column: Any) -> None:
     """Turn sticks of fewer than `SHORTEST_STICK` steps into the slip that follows, in place."""
-    for steps, following in _phases(column):
-        if column[steps[0]] == 0 and steps.size < SHORTEST_STICK:
-            column[steps] = following
+    before = column.copy()
+    starts = _starts(before)
+    for phase in range(starts.size):
+        first, following = starts[phase], starts[(phase + 1) % starts.size]
+        length = (following - first - 1) % column.size + 1
+        if before[first] == 0 and length < SHORTEST_STICK:
+            for k in range(first, first + length):
+                column[k % column.size] = before[following]
 
 
-def _drop_short_slips(column: NDArray[np.int8], travel: FloatArray, shortest: float) -> None:
+@numba.njit(cache=True, error_model="numpy")
+def _drop_short_slips(column: Any, travel: Any, shortest: float) -> None:
     """Turn slips into stick that travel less than `shortest` [m], in place."""
-    for steps, _ in _phases(column):
-        if column[steps[0]] != 0 and abs(np.sum(travel[steps])) < shortest:
-            column[steps] = 0
+    starts = _starts(column)
+    for phase in range(starts.size):
+        first, following = starts[phase], starts[(phase + 1) % starts.size]
+        length = (following - first - 1) % column.size + 1
+        if column[first] == 0:
+            continue
+        way = 0.0
+        for k in range(first, first + length):
+            way += travel[k % column.size]
+        if abs(way) < shortest:
+            for k in range(first, first + length):
+                column[k % column.size] = 0
 
 
-def _phases(column: NDArray[np.int8]) -> list[tuple[NDArray[np.intp], np.int8]]:
-    """Give the steps of each uninterrupted mode of a cyclic period, and the mode that follows."""
-    starts = np.flatnonzero(column != np.roll(column, 1))
-    lengths = (np.roll(starts, -1) - starts - 1) % column.size + 1
-    return [
-        (np.arange(first, first + length) % column.size, column[(first + length) % column.size])
-        for first, length in zip(starts, lengths, strict=True)
-    ]
+@numba.njit(cache=True, error_model="numpy")
+def _starts(column: Any) -> Any:
+    """First steps of the uninterrupted modes of a cyclic period; none if the mode never changes."""
+    found = np.empty(column.size, dtype=np.int64)
+    count = 0
+    for k in range(column.size):
+        if column[k] != column[k - 1]:
+            found[count] = k
+            count += 1
+    return found[:count]

@@ -13,9 +13,9 @@ from rich.markup import escape
 from rich.progress import track
 
 from engines.bench import step_cost
-from engines.registry import engine
 from engines.variant import Variant
 from reference_lcp.console import INTERRUPTED, run_command
+from reference_lcp.validation import checked_scalar
 from scenarios.accuracy import PLACES, Accuracy, Place, accuracies, accuracy_questions, exact_answer
 from scenarios.accuracy_table import COLUMNS, Row, csv_table, markdown, remark
 from scenarios.catalogue import CATALOGUE
@@ -29,20 +29,23 @@ from scenarios.command_line import (
     Workers,
     check_out,
     chosen_variants,
-    plain_table,
     store_of_run,
 )
-from scenarios.evaluation import Evaluator
+from scenarios.cost import COLUMNS as COST_COLUMNS
+from scenarios.cost import REFERENCE, SECONDS, cost, cost_csv, cost_markdown, cost_rows
+from scenarios.evaluation import why_not_installed
 from scenarios.isolation import TIME_LIMIT, Crew
+from scenarios.printed_table import print_table, printed_table
 from scenarios.progress import Bars, CountingEvaluator
 from scenarios.questions import Answer
 from scenarios.store import ResultStore
-from scenarios.sweep import STATUSES, Sweep, dataset, run_sweep, write_dataset
+from scenarios.sweep import write_dataset
+from scenarios.sweep_command import answer_sweep, dataset_of, print_summary, print_verdicts
 from scenarios.sweep_file import EXAMPLE, read_sweep
 
 EXPERIMENTS = {
     "accuracy": "How wrong is the friction of each engine, formulation and preset? Against the exact motion.",
-    "cost": "What does a step cost in each engine, and how much of it is the adapter's?",
+    "cost": "What do a step and a steady state cost in each engine, and what is gained by two workers?",
 }
 
 app = typer.Typer(name="python -m scenarios", add_completion=False, pretty_exceptions_enable=False)
@@ -95,9 +98,14 @@ def sweep(
     crew = crew_of(workers, time_limit, scheduler)
     with ResultStore(store) as kept:
         if ask:
-            _sweep(asked, kept, crew, store)
+            try:
+                print_summary(asked, answer_sweep(asked, kept, crew))
+            except KeyboardInterrupt:
+                print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
+                raise typer.Exit(INTERRUPTED) from None
+        print_verdicts(asked, kept)
         if out is not None:
-            write_dataset(dataset(asked, kept), out)
+            write_dataset(dataset_of(asked, kept), out)
 
 
 @run.command()
@@ -130,56 +138,52 @@ def accuracy(
         out.write_text(markdown(rows, command) if out.suffix == ".md" else csv_table(rows))
 
 
-@run.command()
-def cost(chosen: Chosen = None) -> None:
-    """Time a step of each variant in the adapter and in the engine's own bare loop, on one core.
+@run.command(name="cost")
+def costs(
+    chosen: Chosen = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")
+    ] = None,
+    seconds: Annotated[
+        float, typer.Option(help="Length of a measurement of steady states that is aimed at; there are two a row.")
+    ] = SECONDS,
+) -> None:
+    """Time steps and steady states of each variant, with one and with two worker processes, beside the reference.
 
-    Example: python -m scenarios run cost --engine pybullet
+    A step: in the adapter, without (advance) and with a record (run), and in the engine's own bare loop.
+
+    Example: python -m scenarios run cost --engine mujoco:joint
     """
-    table = plain_table(
-        "engine:formulation:preset", "advance [µs]", "run [µs]", "bare [µs]", "advance / bare", "run / bare"
-    )
-    for variant in chosen_variants(chosen):
-        missing = engine(variant.engine).why_not_installed()
+    check_out(out, (".md", ".csv"))
+    checked_scalar("seconds", seconds, "> 0")
+    reference = cost(REFERENCE, seconds)
+    found = []
+    variants = chosen_variants(chosen)
+    for variant in track(variants, "cost", console=Console(stderr=True), transient=True):
+        missing = why_not_installed(variant)
         if missing is not None:
             print(f"{variant}: {missing}", file=sys.stderr)
-            continue
-        found = step_cost(variant)
-        times = (found.advance, found.run, found.bare)
-        ratios = (found.ratio, found.run / found.bare)
-        cells = [f"{1e6 * time:.2f}" for time in times] + [f"{ratio:.2f}" for ratio in ratios]
-        table.add_row(str(variant), *(cell.replace("nan", "–") for cell in cells))
-    Console().print(table)
+        else:
+            found.append(reference if variant == REFERENCE else cost(variant, seconds))
+    table = printed_table("engine:formulation:preset", *(heading for heading, _, _ in COST_COLUMNS))
+    for row in cost_rows(found, reference):
+        table.add_row(*row)
+    print_table(table)
+    if out is not None:
+        out.write_text(cost_markdown(found, reference) if out.suffix == ".md" else cost_csv(found, reference))
 
 
 def _print_catalogue() -> None:
     """Print what there is to run."""
-    table = plain_table("scenario", "question", "compared with")
+    table = printed_table("scenario", "question", "compared with")
     for scenario in CATALOGUE.values():
         table.add_row(scenario.name, escape(scenario.question), escape(scenario.expects))
-    Console().print(table)
-    table = plain_table("measurement", "question")
+    print_table(table)
+    table = printed_table("measurement", "question")
     for name, question in EXPERIMENTS.items():
         table.add_row(name, escape(question))
-    Console().print(table)
+    print_table(table)
     print("python -m scenarios run NAME runs one, python -m scenarios run all every scenario.")
-
-
-def _sweep(asked: Sweep, kept: ResultStore, crew: Crew, store: Path) -> None:
-    """Answer a sweep, with bars on the way, and print how its points ended."""
-    with Bars(asked.variants) as bars, Evaluator(kept, crew) as evaluator:
-        for variant in asked.variants:
-            bars.expect(variant, asked.points // len(asked.variants))
-        evaluator.progress = bars.advance
-        try:
-            counted = run_sweep(asked, evaluator)
-        except KeyboardInterrupt:
-            print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
-            raise typer.Exit(INTERRUPTED) from None
-    table = plain_table("engine:formulation:preset", *STATUSES[:-1])
-    for variant in asked.variants:
-        table.add_row(str(variant), *(str(counted[variant, status]) for status in STATUSES[:-1]))
-    Console().print(table)
 
 
 def _accuracies(variants: list[Variant], store: Path | None, crew: Crew, workers: int | None) -> list[Accuracy]:
@@ -205,11 +209,10 @@ def _exact_answers(workers: int | None) -> dict[Place, Answer]:
 
 def _print_accuracy(rows: list[Row]) -> None:
     """Print the table and what it leaves out."""
-    table = plain_table(*(column.heading for column in COLUMNS))
+    table = printed_table(*(column.heading for column in COLUMNS))
     for row in rows:
         table.add_row(*(column.text(row) for column in COLUMNS))
-    console = Console(width=max(Console().width, 200))
-    console.print(table)
+    print_table(table)
     for row in rows:
         if row[0].certified < row[0].points:
             print(remark(row[0]))

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
-from scenarios.questions import Answer
+from scenarios.questions import Answer, repetition
 
 FLOOR_DB = -60.0
 """Below this transmittance the tolerance is absolute: what it is, as an amplitude, at the floor.
@@ -78,6 +78,7 @@ def missing_steady_state(whose: str, answer: Answer) -> Comparison | None:
     if answer.converged:
         return None
     reason = f"{whose}: {answer.status} after {answer.periods} periods, residual {answer.residual:.1e}"
+    reason += repetition(answer.multiple)
     return Comparison(Verdict.INCONCLUSIVE, reason)
 
 

@@ -75,6 +75,7 @@ def _answer(orbit: PeriodicOrbit, stick_margin: float, seconds: float) -> Answer
         transmittance_db=found.transmittance_db,
         residual=orbit.residual,
         periods=orbit.periods,
+        multiple=orbit.multiple,
         steps_per_period=orbit.trajectory.steps,
         period=orbit.lane.time_step * orbit.trajectory.steps,
         stuck_fraction=tuple(found.stuck_fraction.tolist()),

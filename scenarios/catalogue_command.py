@@ -21,10 +21,10 @@ from scenarios.command_line import (
     Workers,
     check_out,
     chosen_variants,
-    plain_table,
     store_of_run,
 )
 from scenarios.isolation import TIME_LIMIT, Crew
+from scenarios.printed_table import printed_table
 from scenarios.progress import Bars, CountingEvaluator
 from scenarios.scenario import Finding, Scenario
 from scenarios.verdict_table import (
@@ -114,7 +114,7 @@ def print_results(results: Results) -> None:
     for scenario, found in results.items():
         console.print(f"\n[bold]{scenario.name}[/bold]: {escape(scenario.question)}")
         console.print(escape("\n".join([f"compared with {scenario.expects}", *scenario.parameters()])))
-        table = plain_table(*HEADINGS)
+        table = printed_table(*HEADINGS)
         for row in rows_of(found):
             table.add_row(*(escape(cell) for cell in row.cells()))
         console.print(table)
@@ -122,7 +122,7 @@ def print_results(results: Results) -> None:
             console.print(escape("\n".join([f"{variant}:", *(f"  {remark}" for remark in remarks)])), soft_wrap=True)
     if len(results) > 1:
         heading, *lines = matrix(results)
-        table = plain_table(*heading)
+        table = printed_table(*heading)
         for line in lines:
             table.add_row(*(escape(cell) for cell in line))
         console.print(table)

@@ -1,4 +1,4 @@
-"""What the commands of ``python -m scenarios`` have in common: options, checks, tables, a store for the run."""
+"""What the commands of ``python -m scenarios`` have in common: options, checks, a store for the run."""
 
 import sys
 from collections.abc import Iterator
@@ -8,9 +8,6 @@ from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import typer
-from rich import box
-from rich.markup import escape
-from rich.table import Table
 
 from engines.registry import engine_names
 from engines.variant import Variant, variants_named
@@ -87,11 +84,3 @@ def store_of_run(store: Path | None) -> Iterator[ResultStore]:
                 where = f"answers are kept in {store}; the same command goes on from there"
             print(f"interrupted: {where}", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
-
-
-def plain_table(*headings: str) -> Table:
-    """Give an empty table; columns whose heading has a colon are not wrapped."""
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    for heading in headings:
-        table.add_column(escape(heading), no_wrap=":" in heading)
-    return table

@@ -2,16 +2,17 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache
 
 from engines.registry import engine
 from engines.variant import Variant
 from scenarios.closing import Closing
 from scenarios.isolation import Crew
-from scenarios.questions import Answer, Question
+from scenarios.questions import Answer, Outcome, Question
 from scenarios.store import ResultStore
 
 Progress = Callable[[Variant, int], None]
-"""Told how many answers a variant has just got."""
+"""Told how many answers a variant has just got: computed ones, or such as need no computation."""
 
 
 def _no_progress(_variant: Variant, _count: int) -> None:
@@ -27,6 +28,11 @@ class Evaluator(Closing):
         Where answers are looked up and kept.
     crew
         Who computes; it goes when the evaluator does.
+
+    Attributes
+    ----------
+    progress, recalled
+        Told of answers that have been computed, and of those that needed no computation.
     """
 
     def __init__(self, store: ResultStore, crew: Crew):
@@ -34,6 +40,7 @@ class Evaluator(Closing):
         self._crew = crew
         self._answered: dict[Question, Answer] = {}
         self.progress: Progress = _no_progress
+        self.recalled: Progress = _no_progress
 
     def evaluate(self, questions: Sequence[Question]) -> list[Answer]:
         """Answer all questions, in order; one that comes again is answered from memory, blocked or not."""
@@ -44,30 +51,32 @@ class Evaluator(Closing):
                 missing.append(question)
             else:
                 self._answered[question] = known
-                self.progress(question.variant, 1)
+                self.recalled(question.variant, 1)
         for batch, found in self._crew.answers(list(_batches(missing))):
             self._store.keep(zip(batch, found, strict=True))
             self._answered.update(zip(batch, found, strict=True))
             self.progress(batch[0].variant, len(batch))
         return [self._answered[question] for question in questions]
 
-    def complete(self, questions: Iterable[Question]) -> Iterator[tuple[Question, str]]:
-        """Answer whatever the store does not know, and forget it once it is kept; gives each question's status.
+    def complete(self, questions: Iterable[Question]) -> Iterator[tuple[Question, Outcome]]:
+        """Answer whatever the store does not know, and forget it once it is kept; gives how each question ended.
 
         However many questions there are, their answers are never in memory together.
         """
         missing = []
-        for question, status in self._store.statuses(questions):
-            known = status or self._status_unasked(question)
+        why = cache(why_not_installed)  # asked once a variant: the answer for 100,000 points takes no time
+        for question, kept in self._store.outcomes(questions):
+            reason = None if kept else why(question.variant)
+            known = kept if reason is None else Outcome("blocked", reason=f"not installed: {reason}")
             if known is None:
                 missing.append(question)
             else:
-                self.progress(question.variant, 1)
+                self.recalled(question.variant, 1)
                 yield question, known
         for batch, found in self._crew.answers(list(_batches(missing))):
             self._store.keep(zip(batch, found, strict=True))
             self.progress(batch[0].variant, len(batch))
-            yield from ((question, answer.status) for question, answer in zip(batch, found, strict=True))
+            yield from ((question, Outcome.of(answer)) for question, answer in zip(batch, found, strict=True))
 
     def unanswered(self, questions: Sequence[Question]) -> list[Question]:
         """Give the questions that this evaluator has not answered so far, each once."""
@@ -77,14 +86,15 @@ class Evaluator(Closing):
         """End the worker processes; what they have not begun is left undone."""
         self._crew.close()
 
-    def _status_unasked(self, question: Question) -> str | None:
-        """Give the status that needs neither the store nor a computation."""
-        return None if engine(question.variant.engine).why_not_installed() is None else "blocked"
-
     def _known(self, question: Question) -> Answer | None:
         """Give the answer that needs no computation: a kept one, or that the engine is missing."""
-        missing = engine(question.variant.engine).why_not_installed()
+        missing = why_not_installed(question.variant)
         return self._store.find(question) if missing is None else Answer.blocked(f"not installed: {missing}")
+
+
+def why_not_installed(variant: Variant) -> str | None:
+    """Say why a variant's engine cannot be used here; ``None`` if it can."""
+    return engine(variant.engine).why_not_installed()
 
 
 def _batches(questions: list[Question]) -> Iterator[list[Question]]:

@@ -162,14 +162,7 @@ class Crew(Closing):
         failures: dict[str, list[str]] = {}
         running: dict[Future[list[Answer]], tuple[int, Batch]] = {}
         while waiting or running:
-            while waiting and self._idle:
-                batch = waiting.popleft()
-                seen = failures.get(str(batch[0].variant), [])
-                if len(seen) >= MOST_FAILURES:
-                    yield batch, [Answer.blocked(f"not asked: {len(seen)} points before, {seen[-1]}")] * len(batch)
-                    continue
-                place = self._idle.popleft()
-                running[self._worker(place).submit(batch, self._limit)] = place, batch
+            yield from self._start(waiting, running, failures)
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 place, batch = running.pop(future)
                 try:
@@ -183,8 +176,26 @@ class Crew(Closing):
                         failures.setdefault(str(batch[0].variant), []).append(str(death))
                         found = [Answer.blocked(str(death))]
                 self._idle.append(place)
+                # the worker has its next batch before the answers of this one are written
+                yield from self._start(waiting, running, failures)
                 if found:
                     yield batch, found
+
+    def _start(
+        self,
+        waiting: deque[Batch],
+        running: dict[Future[list[Answer]], tuple[int, Batch]],
+        failures: dict[str, list[str]],
+    ) -> Iterator[tuple[Batch, list[Answer]]]:
+        """Give every idle worker a batch; gives back those of engines that are not asked any more, blocked."""
+        while waiting and self._idle:
+            batch = waiting.popleft()
+            seen = failures.get(str(batch[0].variant), [])
+            if len(seen) >= MOST_FAILURES:
+                yield batch, [Answer.blocked(f"not asked: {len(seen)} points before, {seen[-1]}")] * len(batch)
+                continue
+            place = self._idle.popleft()
+            running[self._worker(place).submit(batch, self._limit)] = place, batch
 
     def close(self) -> None:
         """End every process; what they have not begun is left undone."""

@@ -1,18 +1,64 @@
-"""Progress bars: one a variant, each question counted once."""
+"""Progress bars: one a variant, each question counted once, with an estimate of the time that remains."""
 
+import time
 from collections import Counter
 from collections.abc import Sequence
+from datetime import timedelta
 from types import TracebackType
 from typing import Self
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+)
+from rich.text import Text
 
 from engines.variant import Variant
 from scenarios.evaluation import Evaluator
 from scenarios.isolation import Crew
 from scenarios.questions import Answer, Question
 from scenarios.store import ResultStore
+
+
+class Pace:
+    """How fast points are computed, from those of this run alone: what a store knew takes no time.
+
+    Parameters
+    ----------
+    begin
+        When the first of them was begun [s].
+    """
+
+    def __init__(self, begin: float):
+        self._begin = begin
+        self._last = begin
+        self._computed = 0
+
+    def add(self, count: int, now: float) -> None:
+        """Note that so many points have been computed by `now` [s]."""
+        self._computed += count
+        self._last = now
+
+    def remaining(self, points: int) -> float | None:
+        """Seconds that so many more points will take at this pace; ``None`` before the first one is there."""
+        return points * (self._last - self._begin) / self._computed if self._computed else None
+
+
+class _Remaining(ProgressColumn):
+    """The estimate, such as ``0:01:23 left``."""
+
+    def render(self, task: Task) -> Text:
+        """Give the estimate of one bar."""
+        pace: Pace | None = task.fields.get("pace")
+        seconds = None if pace is None or task.finished else pace.remaining(int((task.total or 0) - task.completed))
+        return Text("" if seconds is None else f"{timedelta(seconds=round(seconds))} left")
 
 
 class Bars:
@@ -31,8 +77,11 @@ class Bars:
             MofNCompleteColumn(),
             TextColumn("points"),
             TimeElapsedColumn(),
+            _Remaining(),
             console=Console(stderr=True),
         )
+        self._paces: dict[Variant, Pace] = {}
+        self._last = time.monotonic()
         self._tasks: dict[Variant, TaskID] = {v: self._bars.add_task(v.title, total=0) for v in variants}
 
     def expect(self, variant: Variant, count: int) -> None:
@@ -41,8 +90,18 @@ class Bars:
         self._bars.update(task, total=(self._bars.tasks[task].total or 0) + count)
 
     def advance(self, variant: Variant, count: int) -> None:
-        """Add to what a variant has answered."""
+        """Add to what a variant has computed."""
+        now = time.monotonic()
+        if variant not in self._paces:  # variants are asked one after the other: it began when the last one came
+            self._paces[variant] = Pace(self._last)
+        self._paces[variant].add(count, now)
+        self._last = now
+        self._bars.update(self._task(variant), advance=count, pace=self._paces[variant])
+
+    def recall(self, variant: Variant, count: int) -> None:
+        """Add to what a variant has answered without a computation."""
         self._bars.advance(self._task(variant), count)
+        self._last = time.monotonic()
 
     def _task(self, variant: Variant) -> TaskID:
         """Give the bar of a variant; one that is asked for the sake of others gets its own when it is."""
@@ -80,7 +139,7 @@ class CountingEvaluator(Evaluator):
         super().__init__(store, crew)
         self._bars = bars
         self._expected: set[Question] = set()
-        self.progress = bars.advance
+        self.progress, self.recalled = bars.advance, bars.recall
         self._expect(expected)
 
     def evaluate(self, questions: Sequence[Question]) -> list[Answer]:

@@ -6,14 +6,16 @@ import json
 import math
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 from engines.registry import engine
 from engines.variant import Variant
-from reference_lcp.chain import Chain
-from reference_lcp.drive import HarmonicBase
+from reference_lcp.chain import CHAIN_STIFFNESS, Chain
+from reference_lcp.drive import HarmonicBase, HarmonicForce, PeriodicDrive
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.stick_slip import STICK_MARGIN
+from reference_lcp.subharmonics import LONGEST_MULTIPLE
+from reference_lcp.validation import checked_choice, checked_scalar
 
 ANSWER_FORMAT = 2
 """Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
@@ -21,6 +23,51 @@ ANSWER_FORMAT = 2
 
 Ratio = float | tuple[float, ...]
 """One number for all cells, or one a cell."""
+
+
+BASE_AMPLITUDE = 0.01
+"""U0 [m] of a base motion unless an amplitude is given; with friction given as a ratio it changes no answer."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Excitation:
+    """What drives the chain at the frequency of a question.
+
+    Parameters
+    ----------
+    kind
+        ``base``: the base moves; ``force``: a force acts on the outer mass of cell 1.
+    amplitude
+        Of the base U0 [m], or of the force P0 [N]; > 0.
+
+    Raises
+    ------
+    ParameterError
+        If the kind is unknown or the amplitude is not > 0.
+    """
+
+    kind: str = "base"
+    amplitude: float = BASE_AMPLITUDE
+
+    def __post_init__(self) -> None:
+        checked_choice("drive.kind", self.kind, EXCITATIONS)
+        checked_scalar("drive.amplitude", self.amplitude, "> 0")
+
+    @property
+    def displacement(self) -> float:
+        """Length [m] that friction and displacements are referred to: U0, or P0 / k_c."""
+        return self.amplitude if self.kind == "base" else self.amplitude / CHAIN_STIFFNESS
+
+    def drive(self, chain: Chain, frequency_ratio: float) -> PeriodicDrive:
+        """Drive a chain at η_r = ω / ω_r."""
+        base = HarmonicBase.from_ratio(chain, frequency_ratio, self.displacement)
+        return base if self.kind == "base" else HarmonicForce(self.amplitude, base.angular_frequency)
+
+
+USUAL_AMPLITUDE = {"base": BASE_AMPLITUDE, "force": CHAIN_STIFFNESS * BASE_AMPLITUDE}
+"""U0 [m] or P0 [N] by kind: the same displacement scale for both."""
+
+EXCITATIONS = tuple(USUAL_AMPLITUDE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,9 +83,18 @@ class ChainRatios:
     damping_ratio: Ratio = 0.01
     inner_damping_ratio: Ratio = 0.0
 
-    def chain(self, friction_ratio: Ratio) -> Chain:
-        """Build the chain with this friction ratio μ λ_N / (k_c U0)."""
-        return Chain.from_ratios(friction_ratio=friction_ratio, **dataclasses.asdict(self))
+    def chain(self, friction_ratio: Ratio, base_amplitude: float = BASE_AMPLITUDE) -> Chain:
+        """Build the chain with this friction ratio μ λ_N / (k_c U0), U0 [m] being the amplitude of the base."""
+        return Chain.from_ratios(friction_ratio=friction_ratio, base_amplitude=base_amplitude, **vars(self))
+
+
+_COMPACT = json.JSONEncoder(separators=(",", ":"))
+_SORTED = json.JSONEncoder(sort_keys=True)
+
+
+def key_of(text: str) -> str:
+    """Hash of a question's text, under which its answer is kept."""
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,16 +122,25 @@ class Asked:
 
     def content(self) -> dict[str, Any]:
         """Everything that the answer depends on: the question, the engine's version and its options."""
-        return {"format": ANSWER_FORMAT, "question": dataclasses.asdict(self), **_identity(self.variant)}
+        return {"format": ANSWER_FORMAT, "question": self.as_data(), **_identity(self.variant)}
+
+    def as_data(self) -> dict[str, Any]:
+        """Give the question as plain data, ready for JSON."""
+        data: dict[str, Any] = _plain(self)
+        return data
 
     def key(self) -> str:
         """Hash of the content: equal for equal questions to equal engines."""
-        return hashlib.sha256(json.dumps(self.content(), sort_keys=True).encode()).hexdigest()
+        return key_of(self.text())
+
+    def text(self) -> str:
+        """Give the content as JSON, one text for equal contents."""
+        return _SORTED.encode(self.content())
 
 
 @dataclass(frozen=True, kw_only=True)
 class Question(Asked):
-    """The steady state of one chain under one harmonic base motion, by one variant.
+    """The steady state of one chain under one harmonic excitation, by one variant.
 
     Parameters
     ----------
@@ -85,15 +150,33 @@ class Question(Asked):
         ω / ω_r, with ω_r of the first cell.
     steps_per_period
         Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.
+    excitation
+        What drives the chain; a moving base unless something else is given.
     """
 
     frequency_ratio: float
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
+    excitation: Excitation = field(default_factory=Excitation)
 
-    def setting(self) -> tuple[Chain, HarmonicBase]:
+    @property
+    def chain(self) -> Chain:
+        """Build the chain, whose friction is referred to this excitation."""
+        return self.ratios.chain(self.friction_ratio, self.excitation.displacement)
+
+    def as_data(self) -> dict[str, Any]:
+        """Give the question as plain data; the usual excitation is left out, as answers of old know no other."""
+        data = super().as_data()
+        if self.excitation == _USUAL_EXCITATION:
+            del data["excitation"]
+        return data
+
+    def setting(self) -> tuple[Chain, PeriodicDrive]:
         """Build the chain and its drive."""
         chain = self.chain
-        return chain, HarmonicBase.from_ratio(chain, self.frequency_ratio)
+        return chain, self.excitation.drive(chain, self.frequency_ratio)
+
+
+_USUAL_EXCITATION = Excitation()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,6 +195,9 @@ class Answer:
         Periodicity residual of the orbit; NaN where there is none.
     periods
         Periods simulated.
+    multiple
+        Periods of the drive after which the motion repeats, where one was looked for: more than one for a
+        subharmonic response, 0 where no repetition was found.
     steps_per_period
         Steps a period that were taken.
     period
@@ -131,6 +217,7 @@ class Answer:
     transmittance_db: float = math.nan
     residual: float = math.nan
     periods: int = 0
+    multiple: int = 1
     steps_per_period: int = 0
     period: float = math.nan
     stuck_fraction: tuple[float, ...] = ()
@@ -150,8 +237,7 @@ class Answer:
 
     def to_json(self) -> str:
         """Give the answer as JSON; NaN becomes null."""
-        numbers = dataclasses.asdict(self)
-        return json.dumps({name: None if _is_nan(value) else value for name, value in numbers.items()})
+        return _COMPACT.encode({name: None if _is_nan(value) else value for name, value in vars(self).items()})
 
     @classmethod
     def from_json(cls, text: str) -> Self:
@@ -164,6 +250,39 @@ class Answer:
         return cls(**numbers)
 
 
+class Outcome(NamedTuple):
+    """How a question ended: its answer without the numbers.
+
+    Parameters
+    ----------
+    status, periods, multiple, reason
+        As of `Answer`.
+    """
+
+    status: str
+    periods: int = 0
+    multiple: int = 1
+    reason: str = ""
+
+    @classmethod
+    def of(cls, answer: Answer) -> Self:
+        """Take it from an answer."""
+        return cls(answer.status, answer.periods, answer.multiple, answer.reason)
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """Read the list [status, periods, multiple]; answers of old have no multiple."""
+        status, periods, multiple = json.loads(text)
+        return cls(status, periods, 1 if multiple is None else multiple)
+
+
+def repetition(multiple: int) -> str:
+    """Say after how many periods a motion without a steady state repeats; empty if nobody has looked."""
+    if multiple == 0:
+        return f", no period up to {LONGEST_MULTIPLE}"
+    return f", period {multiple}" if multiple > 1 else ""
+
+
 @cache
 def _identity(variant: Variant) -> dict[str, Any]:
     """Version and options that a variant's answers depend on."""
@@ -174,6 +293,13 @@ def _identity(variant: Variant) -> dict[str, Any]:
         "options": {name: repr(option.value) for name, option in sorted(preset.options.items())},
     }
     return identity if preset.stick_margin == STICK_MARGIN else identity | {"stick_margin": preset.stick_margin}
+
+
+def _plain(value: Any) -> Any:
+    """Give a dataclass as dictionaries, without the copies of `dataclasses.asdict` that took most of a key's time."""
+    if not dataclasses.is_dataclass(value):
+        return value
+    return {name: _plain(part) for name, part in vars(value).items()}
 
 
 def _is_nan(value: object) -> bool:

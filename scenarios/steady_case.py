@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from engines.contract.tolerances import CREEP, STEPS, TRAJECTORY_TOLERANCE
 from engines.variant import Variant
 from reference_lcp.chain import Chain
-from reference_lcp.drive import HarmonicBase
+from reference_lcp.drive import PeriodicDrive
 from reference_lcp.simulation import steps_per_period_for
 from reference_lcp.steady_state import exact_steady_state
 from reference_lcp.transition_matching import TimedTransition
@@ -45,7 +45,7 @@ class Case:
     frequency_ratio: float
     ratios: ChainRatios = field(default_factory=ChainRatios)
 
-    def setting(self) -> tuple[Chain, HarmonicBase]:
+    def setting(self) -> tuple[Chain, PeriodicDrive]:
         """Build the chain and its drive."""
         return self.question(REFERENCE).setting()
 

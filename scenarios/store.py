@@ -1,14 +1,13 @@
 """Answers kept in one SQLite file: what has been computed once is never computed again."""
 
 import itertools
-import json
 import sqlite3
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from reference_lcp.validation import ParameterError
 from scenarios.closing import Closing
-from scenarios.questions import Answer, Question
+from scenarios.questions import Answer, Outcome, Question, key_of
 
 APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""
@@ -72,9 +71,10 @@ class ResultStore(Closing):
         for _, text in self._texts(questions, "answer"):
             yield None if text is None else Answer.from_json(text)
 
-    def statuses(self, questions: Iterable[Question]) -> Iterator[tuple[Question, str | None]]:
-        """Give each question, in order, with the status of its answer, or ``None``."""
-        return self._texts(questions, "json_extract(answer, '$.status')")
+    def outcomes(self, questions: Iterable[Question]) -> Iterator[tuple[Question, Outcome | None]]:
+        """Give each question, in order, with how it ended, or ``None``; numbers are left unread."""
+        for question, text in self._texts(questions, "json_extract(answer, '$.status', '$.periods', '$.multiple')"):
+            yield question, None if text is None else Outcome.from_json(text)
 
     def _texts(self, questions: Iterable[Question], column: str) -> Iterator[tuple[Question, str | None]]:
         """Look up an expression of SQL for each question, many at a time."""
@@ -87,11 +87,8 @@ class ResultStore(Closing):
 
     def keep(self, answered: Iterable[tuple[Question, Answer]]) -> None:
         """Write answers in one transaction; blocked ones are not kept, so that they are tried again."""
-        rows = [
-            (question.key(), json.dumps(question.content(), sort_keys=True), answer.to_json())
-            for question, answer in answered
-            if answer.status != "blocked"
-        ]
+        texts = [(question.text(), answer.to_json()) for question, answer in answered if answer.status != "blocked"]
+        rows = [(key_of(text), text, answer) for text, answer in texts]
         with self._connection:
             self._connection.executemany("INSERT OR REPLACE INTO answers VALUES (?, ?, ?)", rows)
 

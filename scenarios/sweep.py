@@ -2,7 +2,6 @@
 
 import csv
 import itertools
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -15,8 +14,9 @@ from engines.variant import Variant
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import ParameterError, checked_count, checked_scalar
 from scenarios.evaluation import Evaluator
-from scenarios.questions import ChainRatios, Question
+from scenarios.questions import ChainRatios, Excitation, Question
 from scenarios.store import ResultStore
+from scenarios.sweep_summary import SweepSummary
 
 CHAIN_AXES = tuple(one.name for one in fields(ChainRatios))
 AXES = ("friction_ratio", "frequency_ratio", *CHAIN_AXES, "steps_per_period")
@@ -44,6 +44,8 @@ class Sweep:
         The chain where it is not varied.
     steps_per_period
         Fewest steps a period where they are not varied.
+    excitation
+        What drives the chain.
 
     Raises
     ------
@@ -55,15 +57,16 @@ class Sweep:
     axes: Mapping[str, tuple[float, ...]]
     ratios: ChainRatios = field(default_factory=ChainRatios)
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
+    excitation: Excitation = field(default_factory=Excitation)
 
     def __post_init__(self) -> None:
         if not self.variants:
             raise ParameterError("engines = [] names nobody; allowed: at least one")
+        for name, values in self.axes.items():
+            check_axis(name, values)
         for name in ("friction_ratio", "frequency_ratio"):
             if name not in self.axes:
                 raise ParameterError(f"grid.{name} is missing; allowed: at least one value")
-        for name, values in self.axes.items():
-            check_axis(name, values)
 
     @property
     def points(self) -> int:
@@ -84,6 +87,7 @@ class Sweep:
             frequency_ratio=place["frequency_ratio"],
             ratios=ChainRatios(**chain),
             steps_per_period=place.get("steps_per_period", self.steps_per_period),
+            excitation=self.excitation,
         )
 
 
@@ -100,18 +104,12 @@ def check_axis(name: str, values: tuple[float, ...]) -> None:
             checked_scalar(f"grid.{name}", value, "> 0" if name in _POSITIVE else ">= 0")
 
 
-def run_sweep(sweep: Sweep, evaluator: Evaluator) -> Counter[tuple[Variant, str]]:
-    """Answer whatever the store does not know yet; every answer is on disk the moment it is there.
-
-    Returns
-    -------
-    Counter
-        Number of points by variant and status.
-    """
-    counted: Counter[tuple[Variant, str]] = Counter()
-    for question, status in evaluator.complete(sweep.questions()):
-        counted[question.variant, status] += 1
-    return counted
+def run_sweep(sweep: Sweep, evaluator: Evaluator) -> SweepSummary:
+    """Answer whatever the store does not know yet; every answer is on disk the moment it is there."""
+    summary = SweepSummary()
+    for question, outcome in evaluator.complete(sweep.questions()):
+        summary.add(question.variant, outcome)
+    return summary
 
 
 def dataset(sweep: Sweep, store: ResultStore) -> xr.Dataset:

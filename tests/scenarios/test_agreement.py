@@ -48,6 +48,14 @@ def test_no_steady_state_is_inconclusive_and_says_whose() -> None:
         assert comparison.reason.startswith(f"{whose}: period limit after 30 periods")
 
 
+@pytest.mark.parametrize(
+    ("multiple", "ending"), [(1, "residual 1.0e-09"), (3, ", period 3"), (0, ", no period up to 8")]
+)
+def test_motion_without_a_steady_state_is_named_by_its_own_period(multiple: int, ending: str) -> None:
+    late = answer(-10.0, status="period limit", multiple=multiple)
+    assert compare_transmittance(late, answer(-10.0), 0.02).reason.endswith(ending)
+
+
 def test_missing_engine_is_blocked_with_its_reason() -> None:
     comparison = compare_transmittance(Answer.blocked("not installed:\n no wheel"), answer(-10.0), 0.02)
     assert comparison.verdict is Verdict.BLOCKED

@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 
 from reference_lcp.console import run_command
+from scenarios import isolation
 from scenarios.__main__ import app
+from tests.scenarios.here import Here
 
 
 def test_experiments_are_listed_with_their_questions(capsys) -> None:
@@ -16,12 +18,24 @@ def test_experiments_are_listed_with_their_questions(capsys) -> None:
     assert "cost" in printed
 
 
-def test_cost_names_adapter_and_bare_loop(capsys) -> None:
-    assert run_command(app, ["run", "cost", "--engine", "mujoco:joint"]) == 0
-    row = next(line for line in capsys.readouterr().out.splitlines() if line.strip().startswith("mujoco"))
-    advance, run, bare, ratio, _ = (float(cell) for cell in row.split()[1:])
-    assert ratio == pytest.approx(advance / bare, rel=0.02)
-    assert min(advance, run, bare) > 0
+def test_cost_is_that_of_steps_and_of_steady_states_beside_the_reference(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(isolation, "ProcessPoolExecutor", Here)
+    out = tmp_path / "cost.csv"
+    assert run_command(app, ["run", "cost", "--engine", "mujoco:joint", "--seconds", "0.1", "--out", str(out)]) == 0
+    row = {
+        name: value for name, value in next(csv.DictReader(out.read_text().splitlines())).items() if name != "variant"
+    }
+    cost = {name: float(value) for name, value in row.items()}
+    assert min(cost.values()) > 0
+    assert cost["advance / bare"] == pytest.approx(cost["advance [µs]"] / cost["bare [µs]"])
+    assert cost["cell-step [ns]"] == pytest.approx(1000 * cost["advance [µs]"] / 7)
+    assert cost["speed-up"] == pytest.approx(cost["point [ms]"] / cost["two workers [ms]"])
+    assert cost["certified"] == cost["points"] >= 4
+    # a point takes its periods' steps, and no engine's step is as cheap as the reference's in SIMD lanes
+    assert cost["point [ms]"] > 0.5e-3 * cost["periods"] * 400 * cost["advance [µs]"]
+    assert cost["step / reference"] > 1
 
 
 @pytest.mark.parametrize(

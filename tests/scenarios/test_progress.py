@@ -10,7 +10,7 @@ from engines.variant import Variant
 from scenarios import isolation
 from scenarios.figure3 import CONVERGED, REFERENCE, Figure3
 from scenarios.isolation import LocalCrew
-from scenarios.progress import Bars, CountingEvaluator
+from scenarios.progress import Bars, CountingEvaluator, Pace
 from scenarios.questions import Answer, Question
 from scenarios.store import ResultStore
 
@@ -27,6 +27,8 @@ class CountedBars(Bars):
 
     def advance(self, variant: Variant, count: int) -> None:
         self.done[variant] = self.done.get(variant, 0) + count
+
+    recall = advance
 
 
 def answer_everything(batch: Sequence[Question]) -> list[Answer]:
@@ -64,3 +66,38 @@ def test_the_grid_is_expected_from_the_start_and_a_question_counts_once(
     assert [answer.transmittance_db for answer in answers] == [0.5, 0.6, 0.5]
     assert bars.total[REFERENCE] == 5
     assert bars.done == {REFERENCE: 2}
+
+
+def test_remaining_time_is_that_of_the_points_computed_in_this_run() -> None:
+    """Ten points in five seconds; the thousand that the store knew do not count, nor does the time since."""
+    pace = Pace(begin=100.0)
+    assert pace.remaining(40) is None
+    pace.add(4, now=102.0)
+    pace.add(6, now=105.0)
+    assert pace.remaining(40) == pytest.approx(20.0)
+
+
+def test_bar_begins_its_pace_when_the_variant_before_has_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter([0.0, 10.0, 11.0, 21.0])
+    monkeypatch.setattr("scenarios.progress.time.monotonic", lambda: next(clock))
+    first, second = Variant("reference"), Variant("mujoco")
+    monkeypatch.setattr("scenarios.progress.Progress", _Silent)
+    bars = Bars([first, second])
+    bars.advance(first, 5)
+    bars.recall(second, 100)
+    bars.advance(second, 2)
+    assert bars._paces[first].remaining(1) == pytest.approx(2.0)
+    assert bars._paces[second].remaining(1) == pytest.approx(5.0)
+
+
+class _Silent:
+    """Bars that are not drawn."""
+
+    def __init__(self, *_columns: object, **_options: object) -> None: ...
+
+    def add_task(self, _title: str, total: int) -> int:
+        return total
+
+    def advance(self, _task: int, _count: int) -> None: ...
+
+    def update(self, _task: int, **_fields: object) -> None: ...

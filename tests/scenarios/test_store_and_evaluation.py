@@ -86,7 +86,7 @@ def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
     monkeypatch.setattr(isolation, "ProcessPoolExecutor", None)
     counted = []
     with Evaluator(store, LocalCrew(1)) as evaluator:
-        evaluator.progress = lambda _variant, count: counted.append(count)
+        evaluator.recalled = lambda _variant, count: counted.append(count)
         assert evaluator.evaluate(asked) == first
     assert sum(counted) == 2
     assert first[0] == first[2]

@@ -51,7 +51,7 @@ def test_printed_example_is_read_as_its_comments_say(tmp_path: Path, capsys) -> 
     file = tmp_path / "sweep.toml"
     file.write_text(capsys.readouterr().out)
     assert file.read_text() == EXAMPLE
-    asked = read_sweep(file)
+    asked = read_sweep(file).sweep
     assert asked.points == 3 * 3 * 14
     assert asked.axes["frequency_ratio"][:2] == pytest.approx((0.3, 0.4))
     assert [str(variant) for variant in asked.variants] == ["reference", "mujoco", "mujoco:contact"]
@@ -109,11 +109,11 @@ def test_points_are_the_steady_states_at_their_places_in_netcdf_and_csv(file: Pa
 
 
 def test_what_is_not_answered_is_missing_and_the_rest_is_shown(file: Path) -> None:
-    asked = read_sweep(file)
+    asked = read_sweep(file).sweep
     part = Sweep(asked.variants[:1], {**asked.axes, "mass_ratio": (0.5,)}, asked.ratios, asked.steps_per_period)
     with ResultStore(file.with_suffix(".sqlite")) as store:
         with Evaluator(store, LocalCrew(1)) as evaluator:
-            assert run_sweep(part, evaluator) == {(Variant("reference"), "converged"): 6}
+            assert run_sweep(part, evaluator).statuses == {(Variant("reference"), "converged"): 6}
         found = dataset(asked, store)
     missing = found.status == STATUSES.index("missing")
     assert int(missing.sum()) == 18
@@ -122,7 +122,7 @@ def test_what_is_not_answered_is_missing_and_the_rest_is_shown(file: Path) -> No
 
 def test_written_csv_of_a_dataset_has_one_line_a_point(file: Path, tmp_path: Path) -> None:
     with ResultStore(tmp_path / "empty.sqlite") as store:
-        write_dataset(dataset(read_sweep(file), store), tmp_path / "empty.csv")
+        write_dataset(dataset(read_sweep(file).sweep, store), tmp_path / "empty.csv")
     assert len((tmp_path / "empty.csv").read_text().splitlines()) == 1 + 24
 
 
@@ -160,7 +160,7 @@ def interrupted_sweep(folder: Path, rows: int, kills: int) -> None:
             assert kept.execute("PRAGMA integrity_check").fetchone() == ("ok",)
         kept.close()
     assert subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode == 0
-    asked = read_sweep(file)
+    asked = read_sweep(file).sweep
     with ResultStore(store) as broken, ResultStore(folder / "whole.sqlite") as whole:
         with Evaluator(whole, LocalCrew(2)) as evaluator:
             run_sweep(asked, evaluator)
