@@ -12,8 +12,10 @@ from engines.registry import engine
 from engines.variant import Variant
 from reference_lcp.chain import Chain
 from reference_lcp.drive import HarmonicBase
-from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.preload import Preload
+from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, steps_per_period_for
 from reference_lcp.stick_slip import STICK_MARGIN
+from reference_lcp.validation import checked_count, checked_scalar
 
 ANSWER_FORMAT = 2
 """Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
@@ -39,6 +41,34 @@ class ChainRatios:
     def chain(self, friction_ratio: Ratio) -> Chain:
         """Build the chain with this friction ratio μ λ_N / (k_c U0)."""
         return Chain.from_ratios(friction_ratio=friction_ratio, **dataclasses.asdict(self))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Modulation:
+    """A preload that changes in step with the drive, non-dimensional.
+
+    Parameters
+    ----------
+    modulation
+        a >= 0, of N = N0 (1 + a sin(Ω t + φ)); above 1 contacts open.
+    multiple
+        Ω / ω, a whole number, so that the motion may have the drive's period.
+    phase
+        φ [rad].
+    """
+
+    modulation: float
+    multiple: int = 1
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        checked_scalar("modulation", self.modulation, ">= 0")
+        checked_count("modulation_multiple", self.multiple)
+        checked_scalar("modulation_phase", self.phase)
+
+    def preload(self, drive: HarmonicBase) -> Preload:
+        """Give the preload under this drive."""
+        return Preload.at_multiple(drive, self.modulation, self.multiple, self.phase)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,15 +115,34 @@ class Question(Asked):
         ω / ω_r, with ω_r of the first cell.
     steps_per_period
         Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.
+    modulation
+        How the normal force changes over the period; ``None`` where it is constant.
     """
 
     frequency_ratio: float
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
+    modulation: Modulation | None = None
 
     def setting(self) -> tuple[Chain, HarmonicBase]:
         """Build the chain and its drive."""
         chain = self.chain
         return chain, HarmonicBase.from_ratio(chain, self.frequency_ratio)
+
+    def lane(self) -> tuple[Lane, int]:
+        """Build the lane, and give its number of steps a period."""
+        chain, drive = self.setting()
+        steps = steps_per_period_for(chain, drive, self.steps_per_period)
+        preload = None if self.modulation is None else self.modulation.preload(drive)
+        return Lane.periodic(chain, drive, steps, preload), steps
+
+    def content(self) -> dict[str, Any]:
+        """Everything that the answer depends on; a constant normal force is not mentioned."""
+        content = super().content()
+        if self.modulation is None:
+            del content["question"]["modulation"]
+            return content
+        options = self.variant.options.modulated().options
+        return content | {"options": {name: repr(option.value) for name, option in sorted(options.items())}}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,6 +171,10 @@ class Answer:
         Changes of mode as (cell from 1, time [s], new mode).
     creep
         Largest |ġ_T| of each contact within a stick, over ω and the displacement scale.
+    air_fraction
+        Part of the period that each contact is open; empty where the normal force is constant.
+    largest_gap
+        Largest g_N of each contact over the displacement scale; likewise.
     seconds
         Wall-clock time that the point took, an even share of its batch.
     """
@@ -136,6 +189,8 @@ class Answer:
     stuck_fraction: tuple[float, ...] = ()
     transitions: tuple[tuple[int, float, str], ...] = ()
     creep: tuple[float, ...] = ()
+    air_fraction: tuple[float, ...] = ()
+    largest_gap: tuple[float, ...] = ()
     seconds: float = math.nan
 
     @property
@@ -159,7 +214,8 @@ class Answer:
         numbers: dict[str, Any] = {
             name: math.nan if value is None else value for name, value in json.loads(text).items()
         }
-        numbers["stuck_fraction"], numbers["creep"] = tuple(numbers["stuck_fraction"]), tuple(numbers["creep"])
+        for name in ("stuck_fraction", "creep", "air_fraction", "largest_gap"):
+            numbers[name] = tuple(numbers.get(name, ()))
         numbers["transitions"] = tuple((cell, time, kind) for cell, time, kind in numbers["transitions"])
         return cls(**numbers)
 
