@@ -81,9 +81,12 @@ CASES = tuple(
     Case(modulation, multiple, frequency)
     for modulation in (0.5, 1.5)
     for multiple in (1, 2)
-    for frequency in (0.6, 0.9)
+    for frequency in (0.5, 0.7)
 )
-"""Below and above lift-off, at the drive's frequency and at twice it."""
+"""Below and above lift-off, at the drive's frequency and at twice it; in the pass band, where the error bar is small.
+
+At (1.5, 2 ω, 0.9), deep in the stop band, responses cancel to −37 dB, and 800 steps leave an error bar of 8 dB.
+"""
 
 
 class ModulatedNormalForce(Scenario):
