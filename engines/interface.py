@@ -108,6 +108,8 @@ class Preset:
         How the normal force may change in time.
     modulated_options
         What it sets otherwise where it does.
+    modulated_softness
+        The softness where it does.
     """
 
     description: str
@@ -119,13 +121,15 @@ class Preset:
     stick_margin: float = STICK_MARGIN
     normal_force: NormalForce = NormalForce.CONSTANT
     modulated_options: Mapping[str, Option] = field(default_factory=dict)
+    modulated_softness: float = 0.0
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value
 
     def modulated(self) -> "Preset":
-        """Give the options that hold where the normal force changes in time."""
-        return replace(self, options={**self.options, **self.modulated_options})
+        """Give the options, and the softness, that hold where the normal force changes in time."""
+        options = {**self.options, **self.modulated_options}
+        return replace(self, options=options, softness=max(self.softness, self.modulated_softness))
 
     def represents(self, needed: NormalForce) -> bool:
         """Say whether the normal force may change like this."""

@@ -43,6 +43,7 @@ CONTACT_TUNED = Preset(
             "sphere out of the plate.",
         ),
     },
+    modulated_softness=1e-4,
 )
 
 CONTACT_DEFAULT = Preset(

@@ -64,12 +64,15 @@ class PyBulletJointLane(LaneModel):
         cells, units = self._chain.cells, self._units
         rows = self._rows(state, start, steps)
         position, velocity, friction = np.split(rows, [2 * cells, 4 * cells], axis=1)
+        normal = self.lane.preloads(start, steps)
+        # Of a motor that may do nothing in a step Bullet reports what it did in an earlier one.
+        friction[normal == 0] = 0.0
         return Trajectory(
             self.lane.times(start, steps),
             ChainCoordinates.CELLS.absolute(position) * units.length,
             ChainCoordinates.CELLS.absolute(velocity) * units.velocity,
             friction * units.force,
-            self.lane.preloads(start, steps),
+            normal,
         )
 
     def bare_steps(self, steps: int) -> None:
