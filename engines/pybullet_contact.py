@@ -235,7 +235,9 @@ class PyBulletContactLane(LaneModel):
         for body, velocity, rise, speed in zip(bodies, velocities.tolist(), rises, speeds, strict=True):
             if self.lane.opens:
                 (along, aside, rest), turned = bullet.getBasePositionAndOrientation(body, physicsClientId=client)
-                bullet.resetBasePositionAndOrientation(body, [along, aside, rest + rise], turned, physicsClientId=client)
+                bullet.resetBasePositionAndOrientation(
+                    body, [along, aside, rest + rise], turned, physicsClientId=client
+                )
             bullet.resetBaseVelocity(body, [velocity, 0.0, speed], [0.0] * 3, physicsClientId=client)
         return bodies
 

@@ -158,9 +158,7 @@ class PymunkBodies(ABC):
         """Give what reads, after a step, what pymunk says of the contacts of all lanes."""
 
     @abstractmethod
-    def contact_forces(
-        self, read: list[Any], motions: FloatArray, given: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Turn what was read into friction on the inner masses and normal force, shape (steps, lanes, n) each.
 
         Parameters

@@ -149,7 +149,7 @@ class PymunkSimulation:
     def _presser(self, world: World, start: int, steps: int) -> Callable[[int], None]:
         """Give what sets the press of every cell before a step; it does nothing where that is constant."""
         if not self._modulated:
-            return lambda row: None
+            return lambda _: None
         presses = self._preloads(start, steps)
         return lambda row: self._bodies.press(world, presses[row])
 

@@ -65,7 +65,7 @@ class Lane:
         model = self._new_model(position, velocity, record)
         if press is not None:
             model.modulate(press)
-        return model.run(loads) if across is None else model.run_open(loads, across.reshape(2, -1))
+        return model.run(loads, across)
 
     def bare_steps(self, steps: int) -> None:
         """Take steps from a motion in which friction has work to do, as in a run: at rest, ODE has less of it."""
@@ -100,7 +100,7 @@ class JointModel:
         if position is not None:
             self._set_state(position.tolist(), velocity.tolist())
 
-    def run(self, loads: Any) -> dict[str, Any]:
+    def run(self, loads: Any, across: Any = None) -> dict[str, Any]:
         """Take a step for every load; a motion that diverges ends, and its last row is repeated."""
         self._getters = [body.getPosition for body in self._bodies] + [body.getLinearVel for body in self._bodies]
         coordinates = len(self._getters)
@@ -251,9 +251,15 @@ class ContactModel(JointModel):
         super().__init__(given, position, velocity, record)
         self.world.setContactSurfaceLayer(float(given["surface_layer"]) * self._scale)
 
-    def run(self, loads: Any) -> dict[str, Any]:
-        """Take a step for every load, as long as every inner mass is on its plate."""
+    def run(self, loads: Any, across: Any = None) -> dict[str, Any]:
+        """Take a step for every load, as long as every inner mass is on its plate.
+
+        Where contacts may open, `across` holds their gaps at the start and, below, the rates of these.
+        """
+        gaps = None if across is None else self._record_gaps(across.reshape(2, -1))
         rows = super().run(loads)
+        if gaps is not None:
+            rows["gap"], rows["gap_rate"] = gaps(len(loads))
         self._drop_contacts()
         outer, inner = np.split(rows["position"], 2, axis=1)
         reach = (PLATE - BOX) * self._scale
@@ -261,31 +267,32 @@ class ContactModel(JointModel):
             raise RuntimeError("an inner mass has left the plate of its outer one")
         return rows
 
-    def run_open(self, loads: Any, across: Any) -> dict[str, Any]:
-        """Run with contacts that may open; they begin with these gaps and, below, their rates, shape (2, n)."""
+    def _record_gaps(self, across: Any) -> Any:
+        """Open the contacts, and note their gaps before every step; gives what turns the notes into rows."""
         inner = self._bodies[self._cells :]
-        for body, gap, rate in zip(inner, *across.tolist()):
-            along, aside, height = body.getPosition()
+        rest = [place[1] for place in self._places()][self._cells :]
+        for body, height, gap, rate in zip(inner, rest, *across.tolist()):
+            along, aside, _ = body.getPosition()
             body.setPosition((along, aside, height + gap))
             body.setLinearVel((body.getLinearVel()[0], 0.0, rate))
-        rest = [place[1] for place in self._places()][self._cells :]
-        gaps: list[Any] = []
+        notes: list[Any] = []
         press = self.before_step
 
-        def read() -> None:
-            heights = [body.getPosition()[2] - height for body, height in zip(inner, rest)]
-            gaps.append((heights, [body.getLinearVel()[2] for body in inner]))
+        def note() -> None:
+            gaps = [body.getPosition()[2] - height for body, height in zip(inner, rest)]
+            notes.append((gaps, [body.getLinearVel()[2] for body in inner]))
 
         def before() -> None:
-            read()
+            note()
             press()
 
+        def rows(steps: int) -> Any:
+            note()
+            every = notes[1:] + notes[-1:] * (steps + 1 - len(notes))
+            return np.array(every).swapaxes(0, 1)
+
         self.before_step = before
-        rows = self.run(loads)
-        read()
-        gaps += gaps[-1:] * (len(loads) + 1 - len(gaps))
-        gap, rate = np.array(gaps[1:]).swapaxes(0, 1)
-        return {**rows, "gap": gap, "gap_rate": rate}
+        return rows
 
     def modulate(self, press: Any) -> None:
         """Let every step begin with pressing the masses of every cell together, in place of the constant force."""

@@ -9,6 +9,7 @@ For a > 1 they open: the inner mass flies, lands without rebound, and its impact
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import ClassVar
 
 from engines.variant import Variant
@@ -20,7 +21,11 @@ from scenarios.questions import Answer, Modulation, Question
 from scenarios.scenario import Finding, Metric, Scenario
 
 STEPS = (400, 800, 1600)
-"""Steps a period: engines answer with the first two, the reference with all three; compared are those with 800."""
+"""Steps a period of three answers to every case; compared are those with 800.
+
+An impact falls anywhere in a step, so that the difference of two steps may vanish where the error does not: it takes
+a third one, as in `reference_lcp.error_bar`.
+"""
 
 FRICTION_RATIO = 0.3
 """Of the mean normal force: where contacts of figure 3 stick and slip most."""
@@ -101,13 +106,12 @@ class ModulatedNormalForce(Scenario):
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Put every case to every variant; see `Scenario.run`."""
         reference = Variant("reference")
-        asked = [case.question(reference, steps) for case in CASES for steps in STEPS]
-        asked += [case.question(variant, steps) for variant in variants for case in CASES for steps in STEPS[:2]]
+        asked = [case.question(one, steps) for one in (reference, *variants) for case in CASES for steps in STEPS]
         answers = dict(zip(asked, evaluator.evaluate(asked), strict=True))
         findings = []
         for variant in variants:
             for case in CASES:
-                own = [answers[case.question(variant, steps)] for steps in STEPS[:2]]
+                own = [answers[case.question(variant, steps)] for steps in STEPS]
                 expected = [answers[case.question(reference, steps)] for steps in STEPS]
                 findings += _findings(variant, case, own, expected)
         return findings
@@ -115,6 +119,20 @@ class ModulatedNormalForce(Scenario):
 
 def _findings(variant: Variant, case: Case, own: list[Answer], expected: list[Answer]) -> list[Finding]:
     """Compare the answers of one variant to one case with the reference's."""
+    found = []
+    missing = _missing(own, expected)
+    for metric, read in _readings(variant, case).items():
+        if missing is not None:
+            found.append(Finding(variant, str(case), metric, math.nan, math.nan, missing))
+            continue
+        reading = read(own, expected)
+        comparison = _explained(compare(reading.value, reading.expected, reading.tolerance, metric.unit), variant)
+        found.append(Finding(variant, str(case), metric, reading.value, reading.expected, comparison))
+    return found
+
+
+def _readings(variant: Variant, case: Case) -> dict[Metric, Callable[[list[Answer], list[Answer]], "Reading"]]:
+    """Say how each metric of a case is read from the answers of a variant and of the reference."""
     readings: dict[Metric, Callable[[list[Answer], list[Answer]], Reading]] = {
         TRANSMITTANCE: _transmittance,
         STUCK: _stuck_fraction,
@@ -128,16 +146,7 @@ def _findings(variant: Variant, case: Case, own: list[Answer], expected: list[An
         met = 2 * case.multiple / STEPS[1]
         readings[AIR] = lambda engine, _: _flown([answer.air_fraction for answer in engine], air, met)
         readings[GAP] = lambda engine, _: _flown([answer.largest_gap for answer in engine], highest, fall)
-    missing = _missing(own, expected)
-    found = []
-    for metric, read in readings.items():
-        if missing is not None:
-            found.append(Finding(variant, str(case), metric, math.nan, math.nan, missing))
-            continue
-        reading = read(own, expected)
-        comparison = compare(reading.value, reading.expected, reading.tolerance, metric.unit)
-        found.append(Finding(variant, str(case), metric, reading.value, reading.expected, _explained(comparison, variant)))
-    return found
+    return readings
 
 
 @dataclass(frozen=True)
@@ -160,7 +169,7 @@ def _explained(comparison: Comparison, variant: Variant) -> Comparison:
 def _missing(own: list[Answer], expected: list[Answer]) -> Comparison | None:
     """Say what is missing for a comparison, if anything is."""
     for whose, answers in (("engine", own), ("reference", expected)):
-        for steps, answer in zip(STEPS, answers, strict=False):
+        for steps, answer in zip(STEPS, answers, strict=True):
             if answer.status == "blocked":
                 return Comparison(Verdict.BLOCKED, answer.reason)
             if not answer.converged:
@@ -170,32 +179,34 @@ def _missing(own: list[Answer], expected: list[Answer]) -> Comparison | None:
 
 
 def _transmittance(own: list[Answer], expected: list[Answer]) -> Reading:
-    values, bars = [one.transmittance_db for one in own], [one.transmittance_db for one in expected]
+    values, rulers = [one.transmittance_db for one in own], [one.transmittance_db for one in expected]
     # Either amplitude is known to the residual of its steady state.
     residual = (own[1].residual + expected[1].residual) / 10 ** (expected[1].transmittance_db / 20)
-    return Reading(values[1], bars[1], _tolerance(values, bars, 20 * math.log10(1 + residual)))
+    return Reading(values[1], rulers[1], _tolerance(values, rulers, 20 * math.log10(1 + residual)))
 
 
 def _stuck_fraction(own: list[Answer], expected: list[Answer]) -> Reading:
     readings = []
     for cell in range(len(own[1].stuck_fraction)):
-        values, bars = ([one.stuck_fraction[cell] for one in answers] for answers in (own, expected))
+        values, rulers = ([one.stuck_fraction[cell] for one in answers] for answers in (own, expected))
         # A stick begins and ends to a step.
         changes = sum(number == cell + 1 for number, _, _ in expected[1].transitions)
-        readings.append(Reading(values[1], bars[1], _tolerance(values, bars, (changes + 1) / STEPS[1])))
+        readings.append(Reading(values[1], rulers[1], _tolerance(values, rulers, (changes + 1) / STEPS[1])))
     return _worst(readings)
 
 
 def _unmatched(own: list[Answer], expected: list[Answer]) -> Reading:
     """Those that only one has; the reference misses some of its own at another step, and so may an engine."""
-    allowed = Tolerance(_apart(expected[1], expected[2])[0], _apart(own[0], own[1])[0])
-    return Reading(_apart(own[1], expected[1])[0], 0.0, allowed)
+    reference, engine = (max(_apart(*pair)[0] for pair in pairwise(answers)) for answers in (expected, own))
+    return Reading(_apart(own[1], expected[1])[0], 0.0, Tolerance(reference, engine))
 
 
 def _transition_times(own: list[Answer], expected: list[Answer]) -> Reading:
-    bar, engine = (SAFETY * _apart(*pair)[1] for pair in ((expected[1], expected[2]), own))
-    # The reference's own error at this step is twice what the next one changes.
-    return Reading(_apart(own[1], expected[1])[1], 0.0, Tolerance(2 * bar, max(engine, 2 * bar), 1 / STEPS[1]))
+    # What the steps of 400 and 800 differ by is the error of the latter; what those of 800 and 1600 do, half of it.
+    reference, engine = (
+        SAFETY * max(_apart(*answers[:2])[1], 2 * _apart(*answers[1:])[1]) for answers in (expected, own)
+    )
+    return Reading(_apart(own[1], expected[1])[1], 0.0, Tolerance(reference, engine, 1 / STEPS[1]))
 
 
 def _apart(one: Answer, other: Answer) -> tuple[int, float]:
@@ -207,23 +218,19 @@ def _apart(one: Answer, other: Answer) -> tuple[int, float]:
 
 def _flown(values: list[tuple[float, ...]], exact: float, resolution: float) -> Reading:
     """Compare with the exact flight, which is that of every cell."""
-    return _worst(
-        [
-            Reading(fine, exact, Tolerance(0.0, step_estimate(coarse, fine), resolution))
-            for coarse, fine in zip(*values, strict=True)
-        ]
-    )
+    cells = zip(*values, strict=True)
+    return _worst([Reading(one[1], exact, Tolerance(0.0, _bar(one), resolution)) for one in cells])
 
 
-def _tolerance(own: list[float], expected: list[float], resolution: float) -> Tolerance:
-    """Derive it from two steps of the engine and three of the reference, both of first order.
+def _tolerance(own: Sequence[float], expected: Sequence[float], resolution: float) -> Tolerance:
+    """Derive it from three steps of either."""
+    return Tolerance(_bar(expected), _bar(own), resolution)
 
-    An impact falls anywhere in a step, so that the difference of two steps may vanish where the error does not: no
-    engine is asked to be better than the scheme at this step.
-    """
-    coarse, fine = abs(expected[1] - expected[0]), abs(expected[2] - expected[1])
-    bar = SAFETY * max(coarse, 2 * fine)
-    return Tolerance(bar, max(step_estimate(*own), bar), resolution)
+
+def _bar(values: Sequence[float]) -> float:
+    """Error bar of the middle one of three answers of first order, whose steps are 1, 1/2 and 1/4."""
+    coarse, middle, fine = values
+    return max(step_estimate(coarse, middle), 2 * step_estimate(middle, fine))
 
 
 def _worst(readings: list[Reading]) -> Reading:
