@@ -34,7 +34,7 @@ CONTACT_TUNED = Preset(
     normal_force=NormalForce.LIFTING,
     modulated_options={
         "solimp": Option(
-            (0.9999, 0.9999), (0.9, 0.95), "MuJoCo's hardest: a sphere sinks in by a ten-thousandth of N δt² / m or so."
+            (0.9999, 0.9999), (0.9, 0.95), "MuJoCo's hardest: a sphere sinks in by a thousandth of N δt² / m or so."
         ),
         "solref": Option(
             (-0.1, -1.0),

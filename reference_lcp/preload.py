@@ -14,10 +14,10 @@ cycle; it flies, falls back, and lands without rebound.
 
 import math
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
+import numba
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from reference_lcp.drive import PeriodicDrive
@@ -164,11 +164,26 @@ def normal_motion(
     gap, speed
         g_N >= 0 [m] and its rate [m/s] at the start, shape (...).
     """
-    force, gaps = np.empty_like(press), np.empty_like(press)
-    for row, pressing in enumerate(press):
-        needed = pressing - mass * (speed + gap / time_step) / time_step
-        closed: NDArray[np.bool_] = needed > 0
-        force[row] = np.where(closed, needed, 0.0)
-        speed = np.where(closed, -gap / time_step, speed - time_step * pressing / mass)
-        gap = gaps[row] = np.where(closed, 0.0, gap + time_step * speed)
-    return NormalMotion(force, gaps, speed)
+    steps, shape = press.shape[0], press.shape[1:]
+    flat = [np.broadcast_to(part, shape).ravel() for part in (mass, time_step, gap, speed)]
+    rows, gaps, rate = _advance_normal(np.ascontiguousarray(press).reshape(steps, -1), *flat)
+    return NormalMotion(rows.reshape(press.shape), gaps.reshape(press.shape), rate.reshape(shape))
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _advance_normal(press: Any, mass: Any, time_step: Any, start: Any, rate: Any) -> Any:
+    """Advance contacts, shape (k,), through the rows of `press`; gives forces and gaps of every step, final rates."""
+    force, gaps, gap, speed = np.zeros_like(press), np.zeros_like(press), start.copy(), rate.copy()
+    for step in range(press.shape[0]):
+        for k in range(press.shape[1]):
+            dt, pressing = time_step[k], press[step, k]
+            needed = pressing - mass[k] * (speed[k] + gap[k] / dt) / dt
+            if needed > 0.0:
+                force[step, k] = needed
+                speed[k] = -gap[k] / dt
+                gap[k] = 0.0
+            else:
+                speed[k] -= dt * pressing / mass[k]
+                gap[k] += dt * speed[k]
+            gaps[step, k] = gap[k]
+    return force, gaps, speed

@@ -56,12 +56,20 @@ class State:
 
     @classmethod
     def stack(cls, states: Sequence[Self]) -> Self:
-        """Join batches along their lanes."""
-        memories = [state.memory for state in states if state.memory is not None]
+        """Join batches along their lanes.
+
+        Lanes without memory among others with one remember zeros: closed contacts among some that may be open.
+        """
+        widths = {state.memory.shape[1] for state in states if state.memory is not None}
+        joined = [
+            np.zeros((state.positions.shape[0], width)) if state.memory is None else state.memory
+            for width in widths
+            for state in states
+        ]
         return cls(
             np.concatenate([state.positions for state in states]),
             np.concatenate([state.velocities for state in states]),
-            np.concatenate(memories) if len(memories) == len(states) else None,
+            np.concatenate(joined) if joined else None,
         )
 
     def check_fits(self, lanes: int, cells: int) -> None:

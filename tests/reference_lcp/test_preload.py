@@ -50,10 +50,16 @@ def equation_7(lane, steps):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(("modulation", "multiple"), [(0.5, 1), (0.5, 2), (1.0, 2), (1.5, 1), (2.5, 2)])
-@pytest.mark.parametrize("solver", [CompiledSimulation, LemkeSimulation])
+@pytest.mark.parametrize(
+    ("modulation", "multiple", "solver"),
+    [
+        *((*case, CompiledSimulation) for case in [(0.5, 1), (0.5, 2), (1.0, 2), (1.5, 1), (2.5, 2)]),
+        *((*case, LemkeSimulation) for case in [(0.5, 2), (1.5, 1)]),
+    ],
+)
 def test_modulated_chain_equals_equation_7_with_the_normal_direction_resolved(modulation, multiple, solver) -> None:
-    lane, steps = lane_of(modulation, multiple, phase=0.4), 2 * STEPS
+    steps = 2 * 200
+    lane = lane_of(modulation, multiple, phase=0.4, steps=steps // 2)
     full, found = equation_7(lane, steps), solver([lane]).run(State.at_rest(1, 7), 0, steps)[0]
     speed = AMPLITUDE * lane.drive.angular_frequency
     force = lane.chain.normal_force[0] * 4 / lane.time_step / lane.drive.angular_frequency  # of an impact
@@ -120,19 +126,17 @@ def test_transitions_of_a_chain_that_lifts_off_do_not_depend_on_the_time_step(mu
     assert counts[0] == counts[1] == counts[2]
 
 
-def test_runs_split_in_flight_equal_the_whole_bit_by_bit() -> None:
-    lanes = [lane_of(1.5), lane_of(0.5, 2), lane_of(2.5)]
-    for solver in (CompiledSimulation, LemkeSimulation):
-        simulation = solver(lanes)
-        whole = simulation.run(State.at_rest(3, 7), 0, STEPS)
-        half = simulation.advance(State.at_rest(3, 7), 0, 300)
-        if solver is CompiledSimulation:
-            assert np.all(half.memory[0, :7] > 0), "the split is in a flight"
-            second = simulation.run(half, 300, 100)
-            for one, other in zip(whole, second, strict=True):
-                assert np.array_equal(one.positions[300:], other.positions)
-                assert np.array_equal(one.normal_force[300:], other.normal_force)
-                assert np.array_equal(simulation.advance(half, 300, 100).positions, [s.positions[-1] for s in second])
+@pytest.mark.parametrize("solver", [CompiledSimulation, LemkeSimulation])
+def test_runs_split_in_flight_equal_the_whole_bit_by_bit(solver) -> None:
+    simulation = solver([lane_of(1.5, steps=100), lane_of(0.5, 2, steps=100), lane_of(2.5, steps=100)])
+    whole = simulation.run(State.at_rest(3, 7), 0, 100)
+    half = simulation.advance(State.at_rest(3, 7), 0, 75)
+    assert np.all(half.memory[0, :7] > 0), "the split is in a flight"
+    second = simulation.run(half, 75, 25)
+    for one, other in zip(whole, second, strict=True):
+        assert np.array_equal(one.positions[75:], other.positions)
+        assert np.array_equal(one.normal_force[75:], other.normal_force)
+    assert np.array_equal(simulation.advance(half, 75, 25).positions, [one.positions[-1] for one in second])
 
 
 def test_two_motions_under_one_modulated_preload_never_drift_apart() -> None:
