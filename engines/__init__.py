@@ -6,6 +6,7 @@ from engines.interface import (
     EngineNotInstalled,
     Formulation,
     FrictionLaw,
+    NormalForce,
     Option,
     Preset,
 )
@@ -18,6 +19,7 @@ __all__ = [
     "EngineNotInstalled",
     "Formulation",
     "FrictionLaw",
+    "NormalForce",
     "Option",
     "Preset",
     "Variant",

@@ -58,6 +58,10 @@ def described(name: str) -> dict[str, Any]:
         "python": described_engine.python() if missing is None else None,
         "friction_law": str(abilities.friction_law),
         "presets": {str(formulation): list(presets) for formulation, presets in abilities.presets.items()},
+        "normal_force": {
+            str(formulation): {name: str(preset.normal_force) for name, preset in presets.items()}
+            for formulation, presets in abilities.presets.items()
+        },
         "precision": abilities.precision,
         "deterministic": abilities.deterministic,
         "missing": missing,

@@ -94,7 +94,9 @@ class Box2DContactLane(Box2DLane):
             found[1, cell] += point.normalImpulse
         return found
 
-    def _contact_forces(self, read: FloatArray, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _contact_forces(
+        self, read: FloatArray, motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         forces = read / self._time_step * self._units.force
         return forces[:, 0], forces[:, 1]
 

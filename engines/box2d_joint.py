@@ -3,8 +3,9 @@
 from typing import Any
 
 from engines.box2d_bodies import Box2DLane
-from engines.interface import Option, Preset
+from engines.interface import NormalForce, Option, Preset
 from reference_lcp.simulation import Lane
+from reference_lcp.validation import FloatArray
 
 JOINT_TUNED = Preset(
     "Motors of bounded force in prismatic joints; springs, dashpots and drive as forces at the start of the step.",
@@ -19,6 +20,7 @@ JOINT_TUNED = Preset(
     },
     shares_scheme=True,
     split_tolerance=0.0,
+    normal_force=NormalForce.MODULATED,
 )
 
 JOINT_DEFAULT = Preset(
@@ -38,6 +40,7 @@ JOINT_DEFAULT = Preset(
         "the error is of first order, but not yet in proportion to the step"
     ),
     split_tolerance=1e-5,
+    normal_force=NormalForce.MODULATED,
 )
 
 FINENESS = 2.0**20
@@ -61,6 +64,11 @@ class Box2DJointLane(Box2DLane):
                 self._joints.append(world.CreatePrismaticJoint(localAxisA=(1.0, 0.0), **ends, **motor))
             else:
                 self._joints.append(world.CreateFrictionJoint(maxForce=bound, maxTorque=0.0, **ends))
+
+    def _press(self, press: FloatArray) -> None:
+        name = "maxMotorForce" if self._by_motor else "maxForce"
+        for joint, bound in zip(self._joints, (self._chain.friction_coefficient * press).tolist(), strict=True):
+            setattr(joint, name, bound)
 
     def _contacts(self) -> list[float]:
         """Read impulses over the time step, which act on the inner mass."""

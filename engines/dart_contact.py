@@ -7,7 +7,7 @@ import numpy as np
 from engines.chain_coordinates import ChainCoordinates
 from engines.dart_world import new_world
 from engines.explicit_forces import ExplicitForcesLane, Step
-from engines.interface import Option, Preset, constant_normal_force
+from engines.interface import NormalForce, Option, Preset
 from engines.pressed_boxes import PressedBoxes
 from engines.units import Units
 from reference_lcp.simulation import Lane
@@ -29,6 +29,7 @@ CONTACT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-6,
     softness=SOFTNESS / 4,
+    normal_force=NormalForce.LIFTING,
 )
 
 CONTACT_DEFAULT = Preset(
@@ -40,6 +41,7 @@ CONTACT_DEFAULT = Preset(
     },
     split_tolerance=1e-6,
     softness=SOFTNESS / 4,
+    normal_force=NormalForce.LIFTING,
 )
 
 CONTACT_SPHERE = Preset(
@@ -50,6 +52,7 @@ CONTACT_SPHERE = Preset(
     },
     split_tolerance=1e-5,
     softness=SOFTNESS,
+    normal_force=NormalForce.LIFTING,
 )
 
 DEPTH = 2.0**-40
@@ -97,9 +100,13 @@ class DartContactLane(ExplicitForcesLane):
         for degree, place, rate in zip(along, *motion.reshape(2, -1).tolist(), strict=True):
             degree.setPosition(place)
             degree.setVelocity(rate)
+        self._aside = [skeleton.getDof(2) for skeleton in skeletons]
+        for degree, gap, rate in zip(self._aside, *self._across.tolist(), strict=True):
+            degree.setPosition(gap)
+            degree.setVelocity(rate)
         # Forces stay, for a step that is told so does not clear them: these are set once.
-        for skeleton, press in zip(skeletons, self._pressing().tolist(), strict=True):
-            skeleton.getDof(2).setForce(press)
+        for degree, press in zip(self._aside, self._pressing().tolist(), strict=True):
+            degree.setForce(press)
         # Numbers go in and out in a fifth of the time of short arrays.
         loads = [degree.setForce for degree in along]
         reads = [degree.getPosition for degree in along] + [degree.getVelocity for degree in along]
@@ -126,9 +133,19 @@ class DartContactLane(ExplicitForcesLane):
         count = self._chain.cells
         return np.array([np.bincount(cells, forces[:, axis], count) for axis in (0, 1)])
 
-    def _contact_forces(self, read: FloatArray, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _press(self, press: FloatArray) -> None:
+        for degree, value in zip(self._aside, np.where(self._rubbing, -press, 0.0).tolist(), strict=True):
+            degree.setForce(value)
+
+    def _gaps(self) -> FloatArray:
+        # At the coordinate zero a body is in its plate by less than anything that is measured.
+        degrees = self._aside
+        return np.array([[one.getPosition() for one in degrees], [one.getVelocity() for one in degrees]])
+
+    def _contact_forces(
+        self, read: FloatArray, motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         forces = read * self._units.force
-        given = constant_normal_force(self.lane, len(read))
         return forces[:, 0], np.where(self._rubbing, forces[:, 1], given)
 
     def _state(self, motions: FloatArray) -> State:

@@ -7,7 +7,7 @@ import numpy as np
 from engines.chain_coordinates import ChainCoordinates
 from engines.dart_world import new_world
 from engines.explicit_forces import ExplicitForcesLane, Step
-from engines.interface import Option, Preset
+from engines.interface import NormalForce, Option, Preset
 from engines.units import Units
 from reference_lcp.simulation import Lane
 from reference_lcp.validation import FloatArray
@@ -30,6 +30,7 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     softness=SOFTNESS,
+    normal_force=NormalForce.MODULATED,
 )
 
 JOINT_DEFAULT = Preset(
@@ -46,6 +47,7 @@ JOINT_DEFAULT = Preset(
     ),
     split_tolerance=1e-12,
     softness=SOFTNESS,
+    normal_force=NormalForce.MODULATED,
 )
 
 
@@ -90,6 +92,11 @@ class DartJointLane(ExplicitForcesLane):
             velocities[:] = read_velocities()
 
         return step
+
+    def _press(self, press: FloatArray) -> None:
+        first = self._chain.cells
+        for cell, bound in enumerate((self._chain.friction_coefficient * press).tolist()):
+            self._skeleton.getJoint(first + cell).setCoulombFriction(0, bound)
 
     def _contacts(self) -> FloatArray:
         """Read the impulses of all joints: getConstraintForces divides them by the time step anew at every call."""

@@ -6,11 +6,12 @@ bodies get a state, how they take a step under given forces, and how contacts ar
 
 from abc import abstractmethod
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from engines.chain_coordinates import ChainCoordinates
-from engines.interface import LaneModel, constant_normal_force
+from engines.interface import LaneModel
 from engines.units import Units
 from reference_lcp.simulation import Lane
 from reference_lcp.trajectory import State, Trajectory
@@ -58,33 +59,37 @@ class ExplicitForcesLane(LaneModel):
 
         A lane that diverges stops, and its last row is repeated.
         """
-        motion, step = self._started(state, steps)
+        motion, step = self._started(state, start, steps)
         # A matrix's own product goes round the dispatch of np.dot.
         product, force, contacts = self._forces.dot, np.empty(motion.size // 2), self._contacts
         motions = np.empty((steps + 1, motion.size))
         motions[0] = motion
-        read = []
+        read, gaps = [], []
         for row, load in zip(motions[1:], self._loads(start, steps, motion), strict=False):
             product(motion, force)
             force[0] += load
             step(force)
             row[:] = motion
             read.append(contacts())
+            if self.lane.opens:
+                gaps.append(self._gaps()[0])
         motions[len(read) + 1 :] = motion
-        read += read[-1:] * (steps - len(read))
-        friction, normal = self._contact_forces(np.array(read), motions)
+        read, gaps = (rows + rows[-1:] * (steps - len(rows)) for rows in (read, gaps))
+        friction, normal = self._contact_forces(np.array(read), motions, self.lane.preloads(start, steps))
         end = self._state(motions[1:])
-        return Trajectory(self.lane.times(start, steps), end.positions, end.velocities, friction, normal)
+        across = (self._memory(), np.array(gaps) * self._units.length) if gaps else (None, None)
+        return Trajectory(self.lane.times(start, steps), end.positions, end.velocities, friction, normal, *across)
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance as `run` does, without reading the contacts."""
-        motion, step = self._started(state, steps)
+        motion, step = self._started(state, start, steps)
         product, force = self._forces.dot, np.empty(motion.size // 2)
         for load in self._loads(start, steps, motion):
             product(motion, force)
             force[0] += load
             step(force)
-        return self._state(motion[None])
+        end, memory = self._state(motion[None]), self._memory()
+        return end if memory is None else replace(end, memory=memory[None])
 
     @abstractmethod
     def bare_steps(self, steps: int) -> None:
@@ -98,7 +103,17 @@ class ExplicitForcesLane(LaneModel):
     def _contacts(self) -> FloatArray | list[float]:
         """Read what the engine says of the contacts after a step."""
 
-    def _contact_forces(self, read: FloatArray, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _press(self, press: FloatArray) -> None:
+        """Set what presses every cell in the next step, in the lane's units, shape (n,), where that changes in time."""
+        raise NotImplementedError(f"{type(self).__name__} has a constant normal force")
+
+    def _gaps(self) -> FloatArray:
+        """Read the gap of every contact, and its rate, in the lane's units, shape (2, n), where contacts open."""
+        raise NotImplementedError(f"{type(self).__name__} has contacts that stay closed")
+
+    def _contact_forces(
+        self, read: FloatArray, motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Turn what was read into friction on the inner masses and normal force [N], shape (steps, n) each.
 
         Parameters
@@ -107,8 +122,10 @@ class ExplicitForcesLane(LaneModel):
             What `_contacts` gave, one row a step; here the friction itself, in the lane's units.
         motions
             The motion at the start, and at the end of each step, shape (steps + 1, 4n).
+        given
+            What presses the contacts in each step [N], shape (steps, n).
         """
-        return read * self._units.force, constant_normal_force(self.lane, len(read))
+        return read * self._units.force, given
 
     def _force_matrix(self) -> FloatArray:
         """Give the matrix that turns a motion into generalised forces, shape (2n, 4n)."""
@@ -127,11 +144,34 @@ class ExplicitForcesLane(LaneModel):
             self.coordinates.absolute(velocity) * self._units.velocity,
         )
 
-    def _started(self, state: State, steps: int) -> tuple[FloatArray, Step]:
+    def _started(self, state: State, start: int, steps: int) -> tuple[FloatArray, Step]:
         """Give the motion of `state` and the function that advances it."""
         checked_count("steps", steps)
         motion = self._motion(state)
-        return motion, self._begin(motion)
+        # Gaps and their rates, which `_begin` gives the bodies too where contacts open.
+        self._across = np.zeros((2, self._chain.cells))
+        if self.lane.opens:
+            gap, speed = state.normal_state(self._chain.cells)
+            self._across[:] = gap[0] / self._units.length, speed[0] / self._units.velocity
+        step = self._begin(motion)
+        return motion, step if self.lane.preload is None else self._pressed(step, start, steps)
+
+    def _pressed(self, step: Step, start: int, steps: int) -> Step:
+        """Let every step begin with setting what presses the cells."""
+        presses, press = iter(self.lane.preloads(start, steps) / self._units.force), self._press
+
+        def pressed(force: FloatArray) -> None:
+            press(next(presses))
+            step(force)
+
+        return pressed
+
+    def _memory(self) -> FloatArray | None:
+        """Give what a state remembers of gaps, as `State.normal_state` reads it; ``None`` where none opens."""
+        if not self.lane.opens:
+            return None
+        gap, speed = self._gaps()
+        return np.concatenate([gap * self._units.length, speed * self._units.velocity])
 
     def _loads(self, start: int, steps: int, motion: FloatArray) -> Iterator[float]:
         """Give the force on cell 1 at the start of each step, until the motion has diverged."""

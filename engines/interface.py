@@ -3,7 +3,7 @@
 import platform
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
@@ -13,7 +13,7 @@ from reference_lcp.lanewise import LaneModel, LanewiseSimulation
 from reference_lcp.periodic import DEFAULT_RESIDUAL
 from reference_lcp.simulation import Lane, Simulation, common_cells
 from reference_lcp.stick_slip import STICK_MARGIN
-from reference_lcp.validation import FloatArray, checked_choice
+from reference_lcp.validation import FloatArray, ParameterError, checked_choice
 
 __all__ = [
     "BareStepping",
@@ -24,6 +24,7 @@ __all__ = [
     "FrictionLaw",
     "LaneModel",
     "LanewiseSimulation",
+    "NormalForce",
     "Option",
     "Preset",
     "constant_normal_force",
@@ -43,6 +44,21 @@ class Formulation(StrEnum):
 
     JOINT = "joint"
     CONTACT = "contact"
+
+
+class NormalForce(StrEnum):
+    """How a normal force may change in time, from the least that a preset can represent to the most."""
+
+    CONSTANT = "constant"
+    MODULATED = "modulated"
+    LIFTING = "modulated until contacts open"
+
+    @classmethod
+    def of(cls, lane: Lane) -> "NormalForce":
+        """Give what a lane asks for."""
+        if lane.preload is None:
+            return cls.CONSTANT
+        return cls.LIFTING if lane.opens else cls.MODULATED
 
 
 @dataclass(frozen=True)
@@ -88,6 +104,12 @@ class Preset:
     stick_margin
         Part of the bound that the friction of a stick leaves at least, as `contact_modes` reads it: wider where the
         friction of a sliding contact only tends to its bound.
+    normal_force
+        How the normal force may change in time.
+    modulated_options
+        What it sets otherwise where it does.
+    modulated_softness
+        The softness where it does.
     """
 
     description: str
@@ -97,9 +119,22 @@ class Preset:
     softness: float = 0.0
     departure: str = ""
     stick_margin: float = STICK_MARGIN
+    normal_force: NormalForce = NormalForce.CONSTANT
+    modulated_options: Mapping[str, Option] = field(default_factory=dict)
+    modulated_softness: float = 0.0
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value
+
+    def modulated(self) -> "Preset":
+        """Give the options, and the softness, that hold where the normal force changes in time."""
+        options = {**self.options, **self.modulated_options}
+        return replace(self, options=options, softness=max(self.softness, self.modulated_softness))
+
+    def represents(self, needed: NormalForce) -> bool:
+        """Say whether the normal force may change like this."""
+        order = list(NormalForce)
+        return order.index(needed) <= order.index(self.normal_force)
 
 
 @dataclass(frozen=True)
@@ -206,12 +241,14 @@ class Engine(ABC):
         Raises
         ------
         ParameterError
-            If lanes, formulation or preset are not what the engine takes.
+            If lanes, formulation or preset are not what the engine takes; for one, if a normal force changes in time
+            and the preset cannot represent that.
         EngineNotInstalled
             If the engine cannot be used on this machine.
         """
         chosen = self.preset(formulation, preset)
         common_cells(lanes)
+        _check_normal_forces(lanes, f"{self.name}:{formulation}:{preset}", chosen)
         reason = self.why_not_installed()
         if reason is not None:
             raise EngineNotInstalled(f"{self.name}: {reason}")
@@ -220,6 +257,21 @@ class Engine(ABC):
 
 class EngineNotInstalled(RuntimeError):
     """The engine's own package is missing; the message says which and why."""
+
+
+def _check_normal_forces(lanes: Sequence[Lane], name: str, preset: Preset) -> None:
+    """Refuse lanes whose normal force changes in a way that the preset cannot represent."""
+    for lane in lanes:
+        if lane.preload is None or preset.represents(NormalForce.of(lane)):
+            continue
+        allowed = {
+            NormalForce.CONSTANT: "a constant one, without a preload",
+            NormalForce.MODULATED: "up to 1, where contacts stay closed",
+        }[preset.normal_force]
+        raise ParameterError(
+            f"modulation = {lane.preload.modulation:g}: {name} cannot represent a modulated normal force like this; "
+            f"allowed: {allowed}"
+        )
 
 
 def constant_normal_force(lane: Lane, steps: int) -> FloatArray:

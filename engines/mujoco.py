@@ -5,9 +5,9 @@ from importlib.metadata import version
 from typing import ClassVar
 
 from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, Preset
-from engines.mujoco_contact import CONTACT_DEFAULT, CONTACT_TUNED, contact_model, contact_units
+from engines.mujoco_contact import CONTACT_DEFAULT, CONTACT_TUNED, contact_model, contact_units, lifting_model
 from engines.mujoco_joint import JOINT_DEFAULT, JOINT_TUNED, joint_model
-from engines.mujoco_simulation import MuJoCoSimulation
+from engines.mujoco_simulation import ModulatedJointSimulation, MuJoCoSimulation
 from engines.units import Units
 from reference_lcp.simulation import Lane, Simulation
 
@@ -45,11 +45,15 @@ class MuJoCo(Engine):
         return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        modulated = any(lane.preload is not None for lane in lanes)
+        options = preset.modulated() if modulated else preset
         if formulation is Formulation.JOINT:
             units = [Units.named(preset["units"], lane) for lane in lanes]
             compiled = joint_model
         else:
             units = [contact_units(lane, preset) for lane in lanes]
-            compiled = contact_model
-        models = [compiled(lane, unit, preset) for lane, unit in zip(lanes, units, strict=True)]
+            compiled = lifting_model if modulated else contact_model
+        models = [compiled(lane, unit, options) for lane, unit in zip(lanes, units, strict=True)]
+        if modulated and formulation is Formulation.JOINT:
+            return ModulatedJointSimulation(lanes, units, models)
         return MuJoCoSimulation(lanes, units, models)

@@ -2,13 +2,15 @@
 
 The depth is fixed, and the stiffness of the contact chosen so that it presses with λ_N. Nothing moves across
 the plate, and so the normal force stays what it is.
+
+Where it changes in time the sphere is free across the plate, and an actuator presses it, or pulls it off.
 """
 
 from typing import Any
 
 import numpy as np
 
-from engines.interface import Option, Preset
+from engines.interface import NormalForce, Option, Preset
 from engines.mujoco_parts import DEFAULT_OPTIONS, TUNED_OPTIONS, add_chain, add_slider, set_options
 from engines.units import Units, power_of_two
 from reference_lcp.chain import Chain
@@ -29,6 +31,19 @@ CONTACT_TUNED = Preset(
     },
     shares_scheme=True,
     split_tolerance=1e-12,
+    normal_force=NormalForce.LIFTING,
+    modulated_options={
+        "solimp": Option(
+            (0.9999, 0.9999), (0.9, 0.95), "MuJoCo's hardest: a sphere sinks in by a thousandth of N δt² / m or so."
+        ),
+        "solref": Option(
+            (-0.1, -1.0),
+            (0.02, 1.0),
+            "Direct form, in units of d_width² / δt² and d_width / δt: a landing stops in one step, and ten take the "
+            "sphere out of the plate.",
+        ),
+    },
+    modulated_softness=1e-4,
 )
 
 CONTACT_DEFAULT = Preset(
@@ -45,6 +60,11 @@ CONTACT_DEFAULT = Preset(
         "edges of the pyramidal cone let friction press, and keep it below the bound"
     ),
     split_tolerance=1e-9,
+    normal_force=NormalForce.LIFTING,
+    modulated_options={
+        "solimp": Option((0.9, 0.95), (0.9, 0.95), "MuJoCo's own: contacts are soft."),
+        "solref": Option((0.02, 1.0), (0.02, 1.0), "MuJoCo's own: a landing takes 0.02 s, whatever the time step."),
+    },
 )
 
 RADIUS = 4.0
@@ -52,6 +72,9 @@ RADIUS = 4.0
 
 DEPTH = 1.0
 """Depth of a sphere in its plate over the displacement scale."""
+
+TOUCH = 2.0**-30
+"""Depth of a sphere that may leave its plate, over the displacement scale: at none it would begin without contact."""
 
 PLATE = 2.0**20
 """Half of a plate's length over the displacement scale; beyond, spheres would fall off."""
@@ -97,26 +120,62 @@ def contact_model(lane: Lane, units: Units, preset: Preset) -> Any:
     spec = mujoco.MjSpec()
     set_options(spec.option, time_step, preset)
     for cell in range(chain.cells):
-        outer = add_slider(spec.worldbody, f"outer {cell}", chain.outer_mass[cell], 4 * RADIUS * scale * cell)
-        inner = add_slider(outer, f"inner {cell}", chain.inner_mass[cell])
-        inner.joints[0].stiffness = [chain.inner_stiffness[cell], 0, 0]
-        inner.joints[0].damping = [chain.inner_damping[cell], 0, 0]
-        # MuJoCo solves for friction in the plane: without inertia across it, the problem is singular.
-        inner.add_joint(name=f"across {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 1, 0])
-        _add_geometry(outer, inner, cell, scale)
-        _add_contact(spec, chain, cell, preset, units.time, time_step, scale)
+        outer, inner = _add_masses(spec, chain, cell, scale)
+        _add_geometry(outer, inner, cell, scale, DEPTH)
+        pair = _add_contact(spec, chain, cell, preset, time_step)
+        # In its direct form, negative, a solref holds stiffness and damping; this is the damping of a time constant.
+        pair.solref = [-1.0, -2 * units.time / preset["normal time constant"]]
+        if chain.friction_bound[cell] == 0:
+            pair.margin = -2 * DEPTH * scale
     add_chain(spec, chain)
     model = spec.compile()
     _press(model, chain)
     return model
 
 
-def _add_geometry(outer: Any, inner: Any, cell: int, scale: float) -> None:
+def lifting_model(lane: Lane, units: Units, preset: Preset) -> Any:
+    """Compile a lane as `contact_model` does, but with spheres that rest on their plates and may leave them."""
+    import mujoco
+
+    chain, time_step = units.scaled(lane.chain), lane.time_step / units.time
+    scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
+    spec = mujoco.MjSpec()
+    set_options(spec.option, time_step, preset)
+    for cell in range(chain.cells):
+        outer, inner = _add_masses(spec, chain, cell, scale)
+        inner.add_joint(name=f"above {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
+        _add_geometry(outer, inner, cell, scale, TOUCH)
+        pair = _add_contact(spec, chain, cell, preset, time_step)
+        stiffness, damping = preset["solref"]
+        # MuJoCo divides a direct solref by powers of d_width; a positive one is a time constant and a damping ratio.
+        width = pair.solimp[1]
+        direct = [stiffness * (width / time_step) ** 2, damping * width / time_step]
+        pair.solref = direct if stiffness < 0 else [stiffness / units.time, damping]
+    add_chain(spec, chain)
+    for cell in range(chain.cells):
+        spec.add_actuator(target=f"above {cell}", trntype=mujoco.mjtTrn.mjTRN_JOINT).set_to_motor()
+    return spec.compile()
+
+
+def _add_masses(spec: Any, chain: Chain, cell: int, scale: float) -> tuple[Any, Any]:
+    """Add an outer mass that slides in the world, and on it an inner one with its spring and its dashpot."""
+    import mujoco
+
+    outer = add_slider(spec.worldbody, f"outer {cell}", chain.outer_mass[cell], 4 * RADIUS * scale * cell)
+    inner = add_slider(outer, f"inner {cell}", chain.inner_mass[cell])
+    inner.joints[0].stiffness = [chain.inner_stiffness[cell], 0, 0]
+    inner.joints[0].damping = [chain.inner_damping[cell], 0, 0]
+    # MuJoCo solves for friction in the plane: without inertia across it, the problem is singular.
+    inner.add_joint(name=f"across {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 1, 0])
+    return outer, inner
+
+
+def _add_geometry(outer: Any, inner: Any, cell: int, scale: float, depth: float) -> None:
     """Add a plate to the outer mass, and to the inner one a sphere that dips into it; others do not touch them."""
     import mujoco
 
     radius = RADIUS * scale
-    height = 2 * radius - DEPTH * scale
+    height = 2 * radius - depth * scale
     for body, name, kind, size, place in (
         (outer, "plate", mujoco.mjtGeom.mjGEOM_BOX, [PLATE * scale, radius, radius], [0, 0, 0]),
         (inner, "sphere", mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0, 0], [0, 0, height]),
@@ -124,10 +183,8 @@ def _add_geometry(outer: Any, inner: Any, cell: int, scale: float) -> None:
         body.add_geom(name=f"{name} {cell}", type=kind, size=size, pos=place, contype=0, conaffinity=0)
 
 
-def _add_contact(
-    spec: Any, chain: Chain, cell: int, preset: Preset, time_unit: float, time_step: float, scale: float
-) -> None:
-    """Pair plate and sphere, and measure the force between them; without friction they do not meet."""
+def _add_contact(spec: Any, chain: Chain, cell: int, preset: Preset, time_step: float) -> Any:
+    """Pair plate and sphere, and measure the force between them; gives the pair."""
     import mujoco
 
     plate, sphere = f"plate {cell}", f"sphere {cell}"
@@ -135,15 +192,14 @@ def _add_contact(
     coefficient = max(float(chain.friction_coefficient[cell]), LEAST_COEFFICIENT)
     pair = spec.add_pair(name=f"contact {cell}", geomname1=plate, geomname2=sphere, condim=3)
     pair.friction = [coefficient, coefficient, 0, 0, 0]
-    # In its direct form, negative, a solref holds stiffness and damping; this is the damping of a time constant.
-    pair.solref = [-1.0, -2 * time_unit / preset["normal time constant"]]
+    if "solimp" in preset.options:
+        pair.solimp[:2] = preset["solimp"]
     pair.solreffriction = np.array(preset["solreffriction"]) * pair.solimp[1] / time_step
-    if chain.friction_bound[cell] == 0:
-        pair.margin = -2 * DEPTH * scale
     spec.add_sensor(
         name=f"force {cell}", type=mujoco.mjtSensor.mjSENS_CONTACT, objtype=mujoco.mjtObj.mjOBJ_GEOM, objname=plate,
         reftype=mujoco.mjtObj.mjOBJ_GEOM, refname=sphere, intprm=[force, 0, 1],
     )  # fmt: skip
+    return pair
 
 
 def _press(model: Any, chain: Chain) -> None:

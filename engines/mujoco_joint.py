@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface import Option, Preset
+from engines.interface import NormalForce, Option, Preset
 from engines.mujoco_parts import DEFAULT_OPTIONS, TUNED_OPTIONS, add_chain, add_slider, set_options
 from engines.units import Units
 from reference_lcp.simulation import Lane
@@ -22,6 +22,7 @@ JOINT_TUNED = Preset(
     },
     shares_scheme=True,
     split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
 )
 
 JOINT_DEFAULT = Preset(
@@ -37,6 +38,7 @@ JOINT_DEFAULT = Preset(
         " does not help"
     ),
     split_tolerance=1e-9,
+    normal_force=NormalForce.MODULATED,
 )
 
 

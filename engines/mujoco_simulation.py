@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface import constant_normal_force
 from engines.units import Units
 from reference_lcp.simulation import Lane, common_cells
 from reference_lcp.trajectory import State, Trajectory
@@ -28,7 +27,8 @@ class MuJoCoSimulation:
         The units of each lane's model.
     models
         A compiled `mujoco.MjModel` a lane: in each cell, the joints of the outer mass and of the inner one
-        relative to it come first. Where contacts have sensors, these give the contact force, its normal part first.
+        relative to it come first, and that across the plate last where a mass can leave it; then an actuator a cell
+        presses it. Where contacts have sensors, these give the contact force, its normal part first.
     """
 
     def __init__(self, lanes: Sequence[Lane], units: Sequence[Units], models: Sequence[Any]):
@@ -39,6 +39,7 @@ class MuJoCoSimulation:
         self._models = tuple(models)
         self._units = tuple(units)
         self._joints = self._models[0].nq // common_cells(lanes)
+        self._presses = self._models[0].nu > 1
         self._recorded = ("qpos", "qvel", "qfrc_constraint") + ("sensordata",) * (self._models[0].nsensor > 0)
         self._length = np.array([[unit.length] for unit in units])
         self._velocity = np.array([[unit.velocity] for unit in units])
@@ -57,7 +58,9 @@ class MuJoCoSimulation:
                 self._absolute(record["qpos"][index]) * units.length,
                 self._absolute(record["qvel"][index]) * units.velocity,
                 record["qfrc_constraint"][index, :, 1 :: self._joints] * units.force,
-                self._normal_force(index, record, steps),
+                self._normal_force(index, record, start, steps),
+                self._normal_state(record["qpos"][index, -1], record["qvel"][index, -1], units),
+                record["qpos"][index, :, 3 :: self._joints] * units.length if self._presses else None,
             )
             for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
         ]
@@ -65,9 +68,12 @@ class MuJoCoSimulation:
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state; see `Simulation.advance`."""
         self._rollout(state, start, steps, ())
-        position = self._absolute(self._batch.bind("qpos"))
-        velocity = self._absolute(self._batch.bind("qvel"))
-        return State(position * self._length, velocity * self._velocity)
+        qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
+        position, velocity = self._absolute(qpos) * self._length, self._absolute(qvel) * self._velocity
+        if not self._presses:
+            return State(position, velocity)
+        across = (qpos[:, 3 :: self._joints] * self._length, qvel[:, 3 :: self._joints] * self._velocity)
+        return State(position, velocity, np.hstack(across))
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "MuJoCoSimulation":
         """Give the lanes of these indices; they share the models."""
@@ -90,22 +96,43 @@ class MuJoCoSimulation:
 
     def _rollout(self, state: State, start: int, steps: int, record: Sequence[str]) -> dict[str, FloatArray]:
         """Set the state and take `steps` steps, with the load of each step as its control."""
-        import mujoco
-
         checked_count("steps", steps)
         state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
-        self._batch.bind("qpos")[:] = self._checked("positions", state.positions, self._length)
-        self._batch.bind("qvel")[:] = self._checked("velocities", state.velocities, self._velocity)
+        qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
+        qpos[:] = self._checked("positions", state.positions, self._length)
+        qvel[:] = self._checked("velocities", state.velocities, self._velocity)
+        if self._presses:
+            gap, speed = state.normal_state(self.lanes[0].chain.cells)
+            qpos[:, 3 :: self._joints], qvel[:, 3 :: self._joints] = gap / self._length, speed / self._velocity
         self._batch.bind("qacc_warmstart")[:] = 0
-        loads = [lane.loads(start, steps) / units.force for lane, units in zip(self.lanes, self._units, strict=True)]
         with _no_warning_file():
-            rows: dict[str, FloatArray] = self._batch.rollout(
-                steps,
-                control=np.stack(loads)[:, :, None],
-                control_spec=mujoco.mjtState.mjSTATE_CTRL,
-                record=record,
-            )
+            return self._rolled(self._controls(start, steps), start, record)
+
+    def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
+        """Take a step for each control, shape (lanes, steps, nu)."""
+        import mujoco
+
+        rows: dict[str, FloatArray] = self._batch.rollout(
+            controls.shape[1], control=controls, control_spec=mujoco.mjtState.mjSTATE_CTRL, record=record
+        )
         return rows
+
+    def _controls(self, start: int, steps: int) -> FloatArray:
+        """Give the force on cell 1, and what presses every cell where one can leave its plate, for every step."""
+        controls = []
+        for lane, units in zip(self.lanes, self._units, strict=True):
+            columns = [lane.loads(start, steps)[:, None]]
+            if self._presses:
+                columns.append(-lane.preloads(start, steps))
+            controls.append(np.hstack(columns) / units.force)
+        return np.stack(controls)
+
+    def _normal_state(self, position: FloatArray, velocity: FloatArray, units: Units) -> FloatArray | None:
+        """Give gaps and their rates, as a state carries them, of joint coordinates and velocities."""
+        if not self._presses:
+            return None
+        across = position[3 :: self._joints] * units.length, velocity[3 :: self._joints] * units.velocity
+        return np.concatenate(across)
 
     def _checked(self, name: str, values: FloatArray, units: FloatArray) -> FloatArray:
         """Give the joint coordinates of a state, or say that MuJoCo would stop there without a word."""
@@ -116,10 +143,10 @@ class MuJoCoSimulation:
             raise ParameterError(f"initial {name} reach {largest:g}; allowed by MuJoCo: {largest / excess.max():g}")
         return coordinates
 
-    def _normal_force(self, index: int, record: Mapping[str, FloatArray], steps: int) -> FloatArray:
+    def _normal_force(self, index: int, record: Mapping[str, FloatArray], start: int, steps: int) -> FloatArray:
         """λ_N as the sensors of the contacts measured it; cells without friction have no contact."""
         lane = self.lanes[index]
-        given = constant_normal_force(lane, steps)
+        given = lane.preloads(start, steps)
         if "sensordata" not in record:
             return given
         measured = record["sensordata"][index, :, ::3] * self._units[index].force
@@ -136,6 +163,28 @@ class MuJoCoSimulation:
         """Turn (u_1, v_1 - u_1, ..., u_2, ...) into (u, v); velocities likewise."""
         outer, relative = coordinates[..., 0 :: self._joints], coordinates[..., 1 :: self._joints]
         return np.concatenate([outer, outer + relative], axis=-1)
+
+
+class ModulatedJointSimulation(MuJoCoSimulation):
+    """Lanes whose joints rub harder and softer: a bound is a part of the model, and set before every step."""
+
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "ModulatedJointSimulation":
+        """Give the lanes of these indices; they share the models."""
+        part = super().subset(lanes)
+        return ModulatedJointSimulation(part.lanes, part._units, part._models)
+
+    def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
+        steps = controls.shape[1]
+        bounds = [
+            lane.chain.friction_coefficient * lane.preloads(start, steps) / units.force
+            for lane, units in zip(self.lanes, self._units, strict=True)
+        ]
+        rows = []
+        for step in range(steps):
+            for model, bound in zip(self._models, bounds, strict=True):
+                model.dof_frictionloss[1::2] = bound[step]
+            rows.append(super()._rolled(controls[:, step : step + 1], start + step, record))
+        return {name: np.concatenate([row[name] for row in rows], axis=1) for name in record}
 
 
 @contextlib.contextmanager

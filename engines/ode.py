@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import ClassVar
 
-from engines.interface import Capabilities, Formulation, FrictionLaw, Option, Preset
+from engines.interface import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
 from engines.outside import child
 from engines.outside.engine import EngineOutside
 from engines.outside.interpreter import OutsideEngine
@@ -25,6 +25,7 @@ JOINT_TUNED = Preset(
     },
     shares_scheme=True,
     split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
 )
 
 JOINT_DEFAULT = Preset(
@@ -37,6 +38,7 @@ JOINT_DEFAULT = Preset(
         "fmax": Option(5, 3, "Needed: pyode's constant is that of another parameter, and no friction acts."),
     },
     split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
 )
 
 JOINT_STOPS = Preset(
@@ -52,6 +54,7 @@ JOINT_STOPS = Preset(
         "the error is of first order, but not yet in proportion to the step"
     ),
     split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
 )
 
 BOUNCE, APPROXIMATION = 0x004, 0x7000
@@ -77,6 +80,7 @@ CONTACT_TUNED = Preset(
     },
     shares_scheme=True,
     split_tolerance=1e-12,
+    normal_force=NormalForce.LIFTING,
 )
 
 CONTACT_DEFAULT = Preset(
@@ -96,6 +100,7 @@ CONTACT_DEFAULT = Preset(
         "swings by up to 1e-4, and friction that slides is read as below its bound"
     ),
     split_tolerance=1e-8,
+    normal_force=NormalForce.LIFTING,
 )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from engines.chain_coordinates import ChainCoordinates
 from engines.explicit_forces import ExplicitForcesLane, Step
-from engines.interface import Option, Preset
+from engines.interface import NormalForce, Option, Preset
 from engines.units import Units
 from reference_lcp.simulation import Lane
 from reference_lcp.validation import FloatArray
@@ -25,6 +25,7 @@ JOINT_TUNED = Preset(
     },
     shares_scheme=True,
     split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
 )
 
 JOINT_DEFAULT = Preset(
@@ -36,6 +37,7 @@ JOINT_DEFAULT = Preset(
         "max_iterations": Option(1000, 1000, "Pinocchio's own."),
     },
     split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
 )
 
 JOINT_ADMM = Preset(
@@ -51,6 +53,7 @@ JOINT_ADMM = Preset(
         " the step"
     ),
     split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
 )
 
 
@@ -107,6 +110,16 @@ class PinocchioJointLane(ExplicitForcesLane):
 
         return step
 
+    def _press(self, press: FloatArray) -> None:
+        import pinocchio
+
+        limits = self._chain.friction_coefficient * press
+        self._friction.setFrictionUpperLimit(limits)
+        self._friction.setFrictionLowerLimit(-limits)
+        # The solver's list holds a copy, and its data what the last calculation has read from it.
+        self._models[0] = pinocchio.ConstraintModel(self._friction)
+        self._models[0].calc(*self._arguments)
+
     def _contacts(self) -> FloatArray:
         return self._impulses / self._time_step
 
@@ -125,6 +138,7 @@ class PinocchioJointLane(ExplicitForcesLane):
         models.append(pinocchio.ConstraintModel(friction))
         datas.append(models[0].createData())
         models[0].calc(model, data, datas[0])
+        self._friction, self._models, self._arguments = friction, models, (model, data, datas[0])
         # Of parallel sliders, the same in every configuration.
         inverse_mass = np.array(pinocchio.computeMinverse(model, data, np.zeros(model.nq)))
         delassus = pinocchio.DelassusOperatorDense(inverse_mass[1::2, 1::2].copy())

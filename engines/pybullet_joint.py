@@ -1,9 +1,11 @@
 """PyBullet's joint formulation: one tree of sliders, with a velocity motor of bounded force as dry friction."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from engines.chain_coordinates import ChainCoordinates
-from engines.interface import LaneModel, Option, Preset, constant_normal_force
+from engines.interface import LaneModel, NormalForce, Option, Preset
 from engines.pybullet_world import World, import_pybullet
 from engines.units import Units
 from reference_lcp.simulation import Lane
@@ -21,6 +23,7 @@ JOINT_TUNED = Preset(
     },
     shares_scheme=True,
     split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
 )
 
 JOINT_DEFAULT = Preset(
@@ -36,6 +39,7 @@ JOINT_DEFAULT = Preset(
         "Bullet's linear damping, 0.04 a second, slows every mass down against the ground, whatever the time step"
     ),
     split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
 )
 
 MOST_CELLS = 63
@@ -61,14 +65,17 @@ class PyBulletJointLane(LaneModel):
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state`; see `LaneModel.run`."""
         cells, units = self._chain.cells, self._units
-        rows = self._rows(state, self.lane.loads(start, steps) / units.force)
+        rows = self._rows(state, start, steps)
         position, velocity, friction = np.split(rows, [2 * cells, 4 * cells], axis=1)
+        normal = self.lane.preloads(start, steps)
+        # Of a motor that may do nothing in a step Bullet reports what it did in an earlier one.
+        friction[normal == 0] = 0.0
         return Trajectory(
             self.lane.times(start, steps),
             ChainCoordinates.CELLS.absolute(position) * units.length,
             ChainCoordinates.CELLS.absolute(velocity) * units.velocity,
             friction * units.force,
-            constant_normal_force(self.lane, steps),
+            normal,
         )
 
     def bare_steps(self, steps: int) -> None:
@@ -81,8 +88,8 @@ class PyBulletJointLane(LaneModel):
         """Close the world that this lane shares with the others of its simulation."""
         self._world.close()
 
-    def _rows(self, state: State, loads: FloatArray) -> FloatArray:
-        """Step through `loads`; give coordinates, their velocities and friction, shape (steps, 5n)."""
+    def _rows(self, state: State, start: int, steps: int) -> FloatArray:
+        """Give coordinates, their velocities and friction of every step, shape (steps, 5n)."""
         bullet, client = import_pybullet(), self._world.client
         coordinates = ChainCoordinates.CELLS.of(state.positions[0] / self._units.length)
         velocities = ChainCoordinates.CELLS.of(state.velocities[0] / self._units.velocity)
@@ -92,7 +99,10 @@ class PyBulletJointLane(LaneModel):
         rows: list[list[float]] = []
         now = np.concatenate([coordinates, velocities])
         torque = np.empty(2 * cells)
-        for load in loads:
+        bounds = self._changing_bounds(start, steps)
+        for load in self.lane.loads(start, steps) / self._units.force:
+            if bounds is not None:
+                self._set_bounds(body, links[cells:], next(bounds))
             np.dot(self._forces, now, out=torque)
             torque[0] += load
             bullet.setJointMotorControlArray(
@@ -105,6 +115,21 @@ class PyBulletJointLane(LaneModel):
             rows.append(after + [joint[3] for joint in joints[cells:]])
         bullet.removeBody(body, physicsClientId=client)
         return np.array(rows)
+
+    def _changing_bounds(self, start: int, steps: int) -> Iterator[list[float]] | None:
+        """Give the friction bounds of every step where they change."""
+        if self.lane.preload is None:
+            return None
+        bounds = self.lane.chain.friction_coefficient * self.lane.preloads(start, steps) / self._units.force
+        return iter(bounds.tolist())
+
+    def _set_bounds(self, body: int, links: list[int], bounds: list[float]) -> None:
+        """Set what the motors of these links can do at most."""
+        bullet, still = import_pybullet(), [0.0] * len(links)
+        bullet.setJointMotorControlArray(
+            body, links, bullet.VELOCITY_CONTROL, targetVelocities=still, forces=bounds,
+            velocityGains=[self._preset["velocityGain"]] * len(links), physicsClientId=self._world.client,
+        )  # fmt: skip
 
     def _new_body(self, coordinates: FloatArray, velocities: FloatArray) -> int:
         """Make the chain and set its state; motors last, for Bullet stores their bounds times the time step."""
@@ -121,11 +146,7 @@ class PyBulletJointLane(LaneModel):
         bullet.resetJointStatesMultiDof(
             body, links, coordinates[:, None].tolist(), velocities[:, None].tolist(), physicsClientId=client
         )
-        bounds = [preset["outer motor force"]] * cells + self._chain.friction_bound.tolist()
-        bullet.setJointMotorControlArray(
-            body, links, bullet.VELOCITY_CONTROL, targetVelocities=[0.0] * (2 * cells), forces=bounds,
-            velocityGains=[preset["velocityGain"]] * (2 * cells), physicsClientId=client,
-        )  # fmt: skip
+        self._set_bounds(body, links, [preset["outer motor force"]] * cells + self._chain.friction_bound.tolist())
         return body
 
 

@@ -149,12 +149,16 @@ class PymunkBodies(ABC):
 
         return step
 
+    def press(self, world: World, press: FloatArray) -> None:
+        """Set what presses every cell in the next step, shape (lanes, n), where that changes in time."""
+        raise NotImplementedError(f"{type(self).__name__} have a constant normal force")
+
     @abstractmethod
     def reader(self, world: World) -> Callable[[], Any]:
         """Give what reads, after a step, what pymunk says of the contacts of all lanes."""
 
     @abstractmethod
-    def contact_forces(self, read: list[Any], motions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Turn what was read into friction on the inner masses and normal force, shape (steps, lanes, n) each.
 
         Parameters
@@ -163,6 +167,8 @@ class PymunkBodies(ABC):
             What the reader gave, one item a step.
         motions
             The motion at the start, and at the end of each step, shape (steps + 1, lanes, 4n).
+        given
+            What presses the contacts in each step, shape (steps, lanes, n).
         """
 
     def spring_matrix(self) -> FloatArray:

@@ -94,7 +94,9 @@ class PymunkBoxes(PymunkBodies):
 
         return contacts
 
-    def contact_forces(self, read: list[FloatArray], motions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def contact_forces(
+        self, read: list[FloatArray], motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Turn impulses into forces."""
         friction, normal = np.stack(read, axis=1) / self.time_step
         return friction, normal

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface import Option, Preset
+from engines.interface import NormalForce, Option, Preset
 from engines.pymunk_bodies import PymunkBodies, World
 from reference_lcp.chain import Chain
 from reference_lcp.simulation import Lane
@@ -24,6 +24,7 @@ JOINT_TUNED = Preset(
     },
     shares_scheme=True,
     split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
 )
 
 JOINT_DEFAULT = Preset(
@@ -36,6 +37,7 @@ JOINT_DEFAULT = Preset(
         "iterations": Option(10, 10, "pymunk's own."),
     },
     split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
 )
 
 
@@ -76,12 +78,20 @@ class PymunkJoints(PymunkBodies):
             joint.max_force = bound
         return not any(joint.impulse for joint in joints)
 
+    def press(self, world: World, press: FloatArray) -> None:
+        """Set the bounds; see `PymunkBodies.press`."""
+        bounds = [chain.friction_coefficient * row for chain, row in zip(self.chains, press, strict=True)]
+        for joint, bound in zip(world.holds, np.concatenate(bounds).tolist(), strict=True):
+            joint.max_force = bound
+
     def reader(self, world: World) -> Callable[[], list[float]]:
         """Give what reads the sizes of all impulses."""
         joints = world.holds
         return lambda: [joint.impulse for joint in joints]
 
-    def contact_forces(self, read: list[list[float]], motions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def contact_forces(
+        self, read: list[list[float]], motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Give the sizes of impulses the sign of the momentum that the other forces do not explain."""
         cells, lanes = self.cells, len(self.lanes)
         before, velocity = motions[:-1].copy(), motions[..., 3 * cells :]
@@ -93,5 +103,4 @@ class PymunkJoints(PymunkBodies):
         # One product a lane: it must not depend on what other lanes there are.
         explained = [before[:, lane] @ matrix[cells:].T for lane, matrix in enumerate(self.spring_matrix())]
         sizes = np.reshape(read, (len(read), lanes, cells)) / self.time_step
-        given = np.stack([chain.normal_force for chain in self.chains])
-        return np.copysign(sizes, gained - np.stack(explained, axis=1)), np.broadcast_to(given, sizes.shape)
+        return np.copysign(sizes, gained - np.stack(explained, axis=1)), given

@@ -1,6 +1,6 @@
 """Lanes of pymunk as a simulation: springs, dashpots and drive of all are computed at once at the start of a step."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,7 @@ class PymunkSimulation:
             [(units.length, units.velocity, units.force) for units in bodies.units]
         ).T[:, :, None]
         self._idle: World | None = None
+        self._modulated = any(lane.preload is not None for lane in self.lanes)
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         """Advance every lane; see `Simulation.run`.
@@ -55,7 +56,8 @@ class PymunkSimulation:
         friction, normal = np.zeros((2, steps, len(self.lanes), self._bodies.cells))
         taken = len(read)
         if taken:
-            friction[:taken], normal[:taken] = self._bodies.contact_forces(read, motions[: taken + 1])
+            given = self._preloads(start, steps)[:taken]
+            friction[:taken], normal[:taken] = self._bodies.contact_forces(read, motions[: taken + 1], given)
         for lane in np.flatnonzero(stopped < steps):
             last = stopped[lane]
             motions[last + 1 :, lane] = motions[last, lane]
@@ -113,6 +115,7 @@ class PymunkSimulation:
         last = motion.copy()
         # Drives act on cell 1 alone: room for the forces on all of them, for the steps between two checks.
         given, loads = self._loads(start, steps), np.zeros((STEPS_BETWEEN_CHECKS, *force.shape))
+        press = self._presser(world, start, steps)
         for first in range(0, steps, STEPS_BETWEEN_CHECKS):
             self._rest_the_diverged(world, motion, last, stopped, first)
             going = stopped > first
@@ -123,6 +126,7 @@ class PymunkSimulation:
             for row, load in enumerate(loads[: len(piece)], first):
                 matmul(matrix, column, forces)
                 add(force, load, force)
+                press(row)
                 step(force)
                 yield row
         motion[stopped < steps] = last[stopped < steps]
@@ -141,6 +145,17 @@ class PymunkSimulation:
     def _loads(self, start: int, steps: int) -> FloatArray:
         """Give the force on cell 1 of every lane at the start of each step, shape (steps, lanes)."""
         return np.stack([lane.loads(start, steps) for lane in self.lanes], axis=1) / self._force[:, 0]
+
+    def _presser(self, world: World, start: int, steps: int) -> Callable[[int], None]:
+        """Give what sets the press of every cell before a step; it does nothing where that is constant."""
+        if not self._modulated:
+            return lambda _: None
+        presses = self._preloads(start, steps)
+        return lambda row: self._bodies.press(world, presses[row])
+
+    def _preloads(self, start: int, steps: int) -> FloatArray:
+        """Give what presses every cell of every lane in each step, shape (steps, lanes, n)."""
+        return np.stack([lane.preloads(start, steps) for lane in self.lanes], axis=1) / self._force
 
     def _trajectories(
         self, motions: FloatArray, friction: FloatArray, normal: FloatArray, start: int

@@ -1,12 +1,13 @@
 """The reference as an engine: the Euler scheme of equation (5), compiled."""
 
+import dataclasses
 import importlib.metadata
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, Option, Preset
+from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, NormalForce, Option, Preset
 from reference_lcp.compiled import CompiledSimulation
 from reference_lcp.simulation import Lane, Simulation
 from reference_lcp.trajectory import State, Trajectory
@@ -31,7 +32,11 @@ class Reference(Engine):
         friction_law=FrictionLaw.COULOMB,
         presets={
             Formulation.JOINT: {
-                "tuned": Preset("The scheme of equation (5), one Euler step a time step.", shares_scheme=True),
+                "tuned": Preset(
+                    "The scheme of equation (5), one Euler step a time step.",
+                    shares_scheme=True,
+                    normal_force=NormalForce.LIFTING,
+                ),
                 "converged": Preset(
                     "The same scheme with a finer Euler step: the ruler for every engine.",
                     {
@@ -39,6 +44,7 @@ class Reference(Engine):
                             CONVERGED_SUBSTEPS, 1, "brings the scheme's own first-order error below 0.01 dB"
                         )
                     },
+                    normal_force=NormalForce.LIFTING,
                 ),
             }
         },
@@ -75,7 +81,7 @@ class RefinedSimulation:
         self.lanes = tuple(lanes)
         self._substeps = checked_count("substeps", substeps)
         self._fine = CompiledSimulation(
-            [Lane(lane.chain, lane.drive, lane.time_step / substeps) for lane in self.lanes]
+            [dataclasses.replace(lane, time_step=lane.time_step / substeps) for lane in self.lanes]
         )
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
@@ -111,4 +117,6 @@ class RefinedSimulation:
             fine.velocities[kept].copy(),
             fine.friction[kept].copy(),
             fine.normal_force[kept].copy(),
+            fine.memory,
+            None if fine.normal_gap is None else fine.normal_gap[kept].copy(),
         )

@@ -28,15 +28,18 @@ from reference_lcp.linear_limits import (
     stuck_transmittance,
 )
 from reference_lcp.periodic import OrbitStatus, PeriodicOrbit, periodic_orbits
+from reference_lcp.preload import Flight, Preload
 from reference_lcp.preloaded_chain import PreloadedChain
 from reference_lcp.simulation import Lane, Simulation, steps_per_period_for
 from reference_lcp.steady_state import SOLVERS, SteadyState, exact_steady_state, simulate, steady_state
 from reference_lcp.stick_slip import (
     Mode,
     Transition,
+    air_fraction,
     contact_modes,
     creep_velocity,
     dissipated_energy,
+    largest_gap,
     stuck_fraction,
     transitions,
 )
@@ -56,6 +59,7 @@ __all__ = [
     "EventDrivenSimulation",
     "EventsAccumulate",
     "ExactPeriod",
+    "Flight",
     "FrictionalStep",
     "FrictionalSystem",
     "HarmonicBase",
@@ -69,6 +73,7 @@ __all__ = [
     "ParameterError",
     "PeriodicDrive",
     "PeriodicOrbit",
+    "Preload",
     "PreloadedChain",
     "Simulation",
     "State",
@@ -79,6 +84,7 @@ __all__ = [
     "Trajectory",
     "Transition",
     "advanced",
+    "air_fraction",
     "assemble",
     "assemble_given_normal_force",
     "chain_step",
@@ -90,6 +96,7 @@ __all__ = [
     "frictionless_response",
     "frictionless_transmittance",
     "fundamental",
+    "largest_gap",
     "lemke",
     "lemke_compiled",
     "measured_error_bar",

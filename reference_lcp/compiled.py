@@ -5,7 +5,8 @@ only the two masses of its own cell. The LCP then splits cell by cell, and each 
 
     Λ_T = clip(−ġ_free / (1/m_o + 1/m_i), −μ λ_N Δt, μ λ_N Δt),
 
-with ġ_free the relative velocity that the step would end with if the contact were frictionless.
+with ġ_free the relative velocity that the step would end with if the contact were frictionless. Where the
+normal force changes in time, the normal direction is advanced first: it does not depend on the row's motion.
 """
 
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from reference_lcp.preload import NormalMotion, normal_motion
 from reference_lcp.simulation import Lane, common_cells
 from reference_lcp.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray, checked_count
@@ -65,17 +67,20 @@ def _step(u: Any, du: Any, v: Any, dv: Any, friction: Any, pull: Any, p: Any, dt
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
-def _advance_block(x: Any, p: Any, dt: Any, loads: Any, record: Any) -> Any:
+def _advance_block(x: Any, p: Any, dt: Any, loads: Any, bounds: Any, record: Any) -> Any:
     """Advance one block of lanes and give its final state.
 
     `x` is the state (4n, lanes): u, v, u̇, v̇. `p` holds the parameters (8, n, lanes). `loads` is
-    (steps, lanes). `record` is (steps, 5n, lanes), or has no steps when nothing is kept.
+    (steps, lanes). `bounds` is (steps, n, lanes), or has no steps where the bounds of `p` hold all the
+    time. `record` is (steps, 5n, lanes), or has no steps when nothing is kept.
     """
     n = x.shape[0] // 4
     u, v, du, dv = x[:n].copy(), x[n : 2 * n].copy(), x[2 * n : 3 * n].copy(), x[3 * n :].copy()
     friction = np.zeros(u.shape)
     pull = np.zeros((n + 1, u.shape[1]))
     for step in range(loads.shape[0]):
+        if bounds.shape[0] > 0:
+            p[7] = bounds[step]
         _pull_of_chain(pull, u, du, p[0], p[1], loads[step])
         _step(u, du, v, dv, friction, pull, p, dt)
         if record.shape[0] > 0:
@@ -88,7 +93,7 @@ def _advance_block(x: Any, p: Any, dt: Any, loads: Any, record: Any) -> Any:
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
-def _advance(x: Any, p: Any, dt: Any, loads: Any, record: Any) -> None:
+def _advance(x: Any, p: Any, dt: Any, loads: Any, bounds: Any, record: Any) -> None:
     """Advance all lanes block by block, in place; arguments as in `_advance_block`, lanes last."""
     lanes = x.shape[1]
     for first in range(0, lanes, BLOCK_LANES):
@@ -99,6 +104,7 @@ def _advance(x: Any, p: Any, dt: Any, loads: Any, record: Any) -> None:
             p[:, :, first:last].copy(),
             dt[first:last].copy(),
             loads[:, first:last].copy(),
+            bounds[:, :, first:last].copy(),
             block_record,
         )
         if record.shape[0] > 0:
@@ -134,20 +140,28 @@ class CompiledSimulation:
         self._cells = common_cells(lanes)
         self.lanes = tuple(lanes)
         self._packed = packed if packed is not None else _Packed.of(self.lanes)
+        self._modulated = any(lane.preload is not None for lane in self.lanes)
+        self._opens = any(lane.opens for lane in self.lanes)
         self._loads: tuple[tuple[int, int], FloatArray] = ((0, 0), np.empty((0, len(self.lanes))))
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         """Advance every lane; see `Simulation.run`."""
         record = np.empty((checked_count("steps", steps), 5 * self._cells, len(self.lanes)))
-        self._integrate(state, start, steps, record)
+        normal = self._normal_motion(state, start, steps)
+        self._integrate(state, start, steps, normal, record)
         by_lane = np.ascontiguousarray(record.transpose(2, 0, 1))
-        return [self._trajectory(lane, rows, start) for lane, rows in zip(self.lanes, by_lane, strict=True)]
+        return [self._trajectory(index, rows, start, normal) for index, rows in enumerate(by_lane)]
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state; see `Simulation.advance`."""
         record = np.empty((0, 5 * self._cells, len(self.lanes)))
-        x = self._integrate(state, start, checked_count("steps", steps), record).T
-        return State(np.ascontiguousarray(x[:, : 2 * self._cells]), np.ascontiguousarray(x[:, 2 * self._cells :]))
+        normal = self._normal_motion(state, start, checked_count("steps", steps))
+        x = self._integrate(state, start, steps, normal, record).T
+        return State(
+            np.ascontiguousarray(x[:, : 2 * self._cells]),
+            np.ascontiguousarray(x[:, 2 * self._cells :]),
+            None if normal is None or not self._opens else np.vstack([normal.gap[-1], normal.speed]).T.copy(),
+        )
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "CompiledSimulation":
         """Give the lanes of these indices."""
@@ -163,12 +177,30 @@ class CompiledSimulation:
     def close(self) -> None:
         """Nothing is held outside Python."""
 
-    def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> FloatArray:
+    def _integrate(
+        self, state: State, start: int, steps: int, normal: NormalMotion | None, record: FloatArray
+    ) -> FloatArray:
         """Run the kernel; gives the final state (4n, lanes)."""
         state.check_fits(len(self.lanes), self._cells)
         x = np.ascontiguousarray(np.hstack([state.positions, state.velocities]).T)
-        _advance(x, self._packed.parameters, self._packed.time_step, self._load_table(start, steps), record)
+        bounds = np.empty((0, self._cells, len(self.lanes)))
+        if normal is not None:
+            bounds = normal.normal_force * np.stack([lane.chain.friction_coefficient for lane in self.lanes], axis=1)
+        parameters, loads = self._packed.parameters, self._load_table(start, steps)
+        _advance(x, parameters, self._packed.time_step, loads, bounds, record)
         return x
+
+    def _normal_motion(self, state: State, start: int, steps: int) -> NormalMotion | None:
+        """Advance the normal direction of all lanes, cells by lanes; nothing is to be done where λ_N is constant."""
+        if not self._modulated:
+            return None
+        press = np.stack([lane.preloads(start, steps) for lane in self.lanes], axis=2)
+        if not self._opens:
+            closed = np.zeros(press.shape[1:])
+            return NormalMotion(press, np.zeros_like(press), closed)
+        mass = np.stack([lane.chain.inner_mass for lane in self.lanes], axis=1)
+        gap, speed = (part.T for part in state.normal_state(self._cells))
+        return normal_motion(press, mass, self._packed.time_step, gap, speed)
 
     def _load_table(self, start: int, steps: int) -> FloatArray:
         """Loads (steps, lanes); the last table is kept, since a period map asks for the same again."""
@@ -177,12 +209,18 @@ class CompiledSimulation:
             self._loads = ((start, steps), np.ascontiguousarray(table))
         return self._loads[1]
 
-    def _trajectory(self, lane: Lane, rows: FloatArray, start: int) -> Trajectory:
-        n = self._cells
+    def _trajectory(self, index: int, rows: FloatArray, start: int, normal: NormalMotion | None) -> Trajectory:
+        n, lane, steps = self._cells, self.lanes[index], rows.shape[0]
+        force, memory, gap = lane.preloads(start, steps), None, None
+        if normal is not None and self._opens:
+            force, gap = normal.normal_force[:, :, index].copy(), normal.gap[:, :, index].copy()
+            memory = np.concatenate([gap[-1], normal.speed[:, index]])
         return Trajectory(
-            time=lane.times(start, rows.shape[0]),
+            time=lane.times(start, steps),
             positions=rows[:, : 2 * n],
             velocities=rows[:, 2 * n : 4 * n],
             friction=rows[:, 4 * n :],
-            normal_force=np.broadcast_to(lane.chain.normal_force, (rows.shape[0], n)),
+            normal_force=force,
+            memory=memory,
+            normal_gap=gap,
         )

@@ -5,6 +5,7 @@ import numpy as np
 from reference_lcp.chain import Chain
 from reference_lcp.frictional_lcp import FrictionalStep, advanced, solve_step_given_normal_force
 from reference_lcp.lanewise import LaneModel, LanewiseSimulation
+from reference_lcp.preload import normal_motion
 from reference_lcp.simulation import Lane, common_cells
 from reference_lcp.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray
@@ -23,7 +24,6 @@ class _LemkeLane(LaneModel):
 
     def __init__(self, lane: Lane):
         self.lane = lane
-        self._impulse = lane.chain.normal_force * lane.time_step
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state` at step index `start`."""
@@ -31,16 +31,20 @@ class _LemkeLane(LaneModel):
         u, q = state.positions[0].copy(), state.velocities[0].copy()
         positions, velocities = np.empty((steps, u.size)), np.empty((steps, u.size))
         friction = np.empty((steps, chain.cells))
-        basis = None
+        dt, basis = self.lane.time_step, None
+        # With faces along the row nothing couples the normal direction to the row's motion.
+        gap, speed = (part[0] for part in state.normal_state(chain.cells)) if self.lane.opens else np.zeros((2, 1))
+        normal = normal_motion(self.lane.preloads(start, steps), chain.inner_mass, dt, gap, speed)
         for row, load in enumerate(self.lane.loads(start, steps)):
-            step = chain_step(chain, u, q, load, self.lane.time_step)
-            impulses = solve_step_given_normal_force(step, self._impulse, warm_start=basis)
+            step = chain_step(chain, u, q, load, dt)
+            impulses = solve_step_given_normal_force(step, normal.normal_force[row] * dt, warm_start=basis)
             basis = impulses.basic
             u, q = advanced(step, impulses, u)
             positions[row], velocities[row] = u, q
-            friction[row] = impulses.tangential / self.lane.time_step
-        normal = np.broadcast_to(chain.normal_force, friction.shape)
-        return Trajectory(self.lane.times(start, steps), positions, velocities, friction, normal)
+            friction[row] = impulses.tangential / dt
+        times, memory = self.lane.times(start, steps), np.concatenate([normal.gap[-1], normal.speed])
+        own = (memory, normal.gap) if self.lane.opens else (None, None)
+        return Trajectory(times, positions, velocities, friction, normal.normal_force, *own)
 
 
 def chain_step(chain: Chain, u: FloatArray, q: FloatArray, load: float, time_step: float) -> FrictionalStep:

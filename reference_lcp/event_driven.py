@@ -31,7 +31,7 @@ from reference_lcp.lanewise import LaneModel, LanewiseSimulation
 from reference_lcp.simulation import Lane, common_cells
 from reference_lcp.stick_pattern import SERIES_ORDER, BoolArray, PiecewiseLinearChain, Segment
 from reference_lcp.trajectory import State, Trajectory
-from reference_lcp.validation import FloatArray
+from reference_lcp.validation import FloatArray, ParameterError
 
 REST_TOLERANCE = 1e-13
 """Relative velocity, over the largest velocity of the motion, at which a contact counts as at rest.
@@ -262,9 +262,11 @@ class EventDrivenSimulation(LanewiseSimulation):
     Raises
     ------
     ParameterError
-        If chains of different lengths are mixed, or a drive is neither harmonic nor still.
+        If chains of different lengths are mixed, a drive is neither harmonic nor still, or a normal force changes.
     """
 
     def __init__(self, lanes: Sequence[Lane]):
         common_cells(lanes)
+        if any(lane.preload is not None for lane in lanes):
+            raise ParameterError("the event-driven solver cannot represent a modulated normal force; allowed: constant")
         super().__init__([_EventDrivenLane(lane) for lane in lanes])

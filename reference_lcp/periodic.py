@@ -111,7 +111,8 @@ def periodic_orbits(
     Raises
     ------
     ParameterError
-        If a number is outside its range, or a lane's time step does not divide its drive's period.
+        If a number is outside its range, a lane's time step does not divide its drive's period, or that is no
+        period of its preload.
     """
     checked_scalar("tolerance", tolerance, "> 0")
     checked_count("memory", memory)
@@ -182,3 +183,7 @@ def _check_period(lane: Lane, steps_per_period: int) -> None:
     if not np.isclose(lane.time_step * steps_per_period, period, rtol=1e-12, atol=0):
         steps = period / lane.time_step
         raise ParameterError(f"the time step makes {steps:g} steps a period; allowed: {steps_per_period}")
+    if lane.preload is not None:
+        multiple = lane.preload.angular_frequency * period / (2 * np.pi)
+        if not np.isclose(multiple, max(1, round(multiple)), rtol=1e-12, atol=0):
+            raise ParameterError(f"the preload has {multiple:g} times the drive's frequency; allowed: whole multiples")

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from reference_lcp.chain import Chain
 from reference_lcp.drive import Drive, PeriodicDrive
+from reference_lcp.preload import Preload
 from reference_lcp.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray, ParameterError, checked_count, checked_scalar
 
@@ -30,20 +31,41 @@ class Lane:
         What moves, and what moves it.
     time_step
         dt [s], > 0.
+    preload
+        How the normal force changes in time; ``None`` where it is constant.
     """
 
     chain: Chain
     drive: Drive
     time_step: float
+    preload: Preload | None = None
 
     def __post_init__(self) -> None:
         checked_scalar("time_step", self.time_step, "> 0")
 
     @classmethod
-    def periodic(cls, chain: Chain, drive: PeriodicDrive, steps_per_period: int) -> Self:
+    def periodic(
+        cls, chain: Chain, drive: PeriodicDrive, steps_per_period: int, preload: Preload | None = None
+    ) -> Self:
         """Divide the period of the drive into `steps_per_period` steps."""
         checked_count("steps_per_period", steps_per_period, 3)
-        return cls(chain, drive, drive.period / steps_per_period)
+        return cls(chain, drive, drive.period / steps_per_period, preload)
+
+    @property
+    def opens(self) -> bool:
+        """Whether contacts open; then a state carries the gaps, see `State.normal_state`."""
+        return self.preload is not None and self.preload.opens
+
+    def preloads(self, start: int, steps: int) -> FloatArray:
+        """N at the *start* of each step [N], negative where contacts are pulled open, shape (steps, n).
+
+        Where contacts stay closed this is λ_N.
+        """
+        mean = self.chain.normal_force
+        if self.preload is None:
+            return np.broadcast_to(mean, (steps, self.chain.cells))
+        time = self.time_step * np.arange(start, start + steps, dtype=np.float64)
+        return self.preload.factor(time)[:, None] * mean
 
     def loads(self, start: int, steps: int) -> FloatArray:
         """Force on cell 1 at the *start* of each step [N], shape (steps,), as equation (5) takes h."""

@@ -34,6 +34,17 @@ of that size, such as the creep of a contact towards the offset at which it stic
 """
 
 
+IMPACT_STEPS = 2
+"""Steps over which a scheme spreads the impact of a landing; they count to what follows them.
+
+In the first, equation (7) lets the gap close just at the end of the step; in the second it takes the rest of the
+velocity. The large normal force of an impact is over in no time, and holds a contact for no time.
+"""
+
+OPEN = 1e-9
+"""A contact is open while λ_N is at most this part of its mean: far above round-off, far below any press."""
+
+
 class Mode(StrEnum):
     """The three cases of Coulomb's law, equation (1)."""
 
@@ -68,7 +79,8 @@ def contact_modes(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> N
     """Mode of every contact in every step: −1 backward slip, 0 stick, +1 forward slip; shape (steps, n).
 
     The force decides (equation 1), so that exact and regularised friction laws are read alike. A
-    contact without friction never sticks; the sign of its relative velocity gives its direction.
+    contact without friction never sticks; the sign of its relative velocity gives its direction. So it is
+    with a contact that is open, whose bound is zero: it slips, forward or backward, until it has landed.
 
     Parameters
     ----------
@@ -85,6 +97,9 @@ def contact_modes(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> N
     rubs = orbit.lane.chain.friction_bound > 0
     travel = trajectory.relative_velocity * orbit.lane.time_step
     shortest = UNREPEATED_SLIP * orbit.residual * orbit.lane.drive.displacement_scale(orbit.lane.chain)
+    for cell, opened in enumerate(_open(orbit).T):
+        if opened.any():
+            _pass_impacts(modes[:, cell], opened)
     _resolve(modes, travel, rubs, shortest)
     return modes
 
@@ -109,6 +124,17 @@ def stuck_fraction(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> 
     return np.mean(contact_modes(orbit, stick_margin) == 0, axis=0)
 
 
+def air_fraction(orbit: PeriodicOrbit) -> FloatArray:
+    """Part of the period that each contact is open, shape (n,); none is where there is nothing to press it."""
+    return np.mean(_open(orbit), axis=0)
+
+
+def largest_gap(orbit: PeriodicOrbit) -> FloatArray:
+    """Largest g_N of each contact over the period [m], shape (n,); zero where contacts cannot open."""
+    gap = orbit.trajectory.normal_gap
+    return np.zeros(orbit.trajectory.cells) if gap is None else np.max(gap, axis=0)
+
+
 def creep_velocity(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> FloatArray:
     """Largest |ġ_T| of each contact while it sticks [m/s], shape (n,); zero if it never does.
 
@@ -124,6 +150,19 @@ def dissipated_energy(orbit: PeriodicOrbit) -> FloatArray:
     """Energy that each contact turns into heat over one period [J], shape (n,): −Σ λ_T ġ_T Δt."""
     power = orbit.trajectory.friction * orbit.trajectory.relative_velocity
     return -np.sum(power, axis=0) * orbit.lane.time_step
+
+
+def _open(orbit: PeriodicOrbit) -> NDArray[np.bool_]:
+    """Say in which steps which contacts are open, shape (steps, n)."""
+    mean = orbit.lane.chain.normal_force
+    return (orbit.trajectory.normal_force <= OPEN * mean) & (mean > 0)
+
+
+def _pass_impacts(column: NDArray[np.int8], opened: NDArray[np.bool_]) -> None:
+    """Give the steps of an impact the mode that follows them, in place."""
+    for landing in np.flatnonzero(~opened & np.roll(opened, 1)):
+        impact = np.arange(landing, landing + IMPACT_STEPS) % column.size
+        column[impact] = column[(landing + IMPACT_STEPS) % column.size]
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -23,6 +23,7 @@ class State:
     memory
         What a history-dependent friction law carries beside positions and velocities (the anchor of
         a bristle, say), shape (lanes, k); ``None`` for laws without memory, and for a fresh start.
+        Where contacts open, the gap of every contact [m], then its rate [m/s]: see `normal_state`.
     """
 
     positions: FloatArray
@@ -39,14 +40,36 @@ class State:
         """Undeformed and still."""
         return cls(np.zeros((lanes, 2 * cells)), np.zeros((lanes, 2 * cells)))
 
+    def normal_state(self, cells: int) -> tuple[FloatArray, FloatArray]:
+        """Give g_N [m] and its rate [m/s], shape (lanes, n), where contacts open; closed and still at a fresh start.
+
+        Raises
+        ------
+        ParameterError
+            If the memory is not that of such a lane.
+        """
+        lanes = self.positions.shape[0]
+        memory = np.zeros((lanes, 2 * cells)) if self.memory is None else self.memory
+        if memory.shape != (lanes, 2 * cells):
+            raise ParameterError(f"the memory has the shape {memory.shape}; allowed: {(lanes, 2 * cells)}")
+        return memory[:, :cells].copy(), memory[:, cells:].copy()
+
     @classmethod
     def stack(cls, states: Sequence[Self]) -> Self:
-        """Join batches along their lanes."""
-        memories = [state.memory for state in states if state.memory is not None]
+        """Join batches along their lanes.
+
+        Lanes without memory among others with one remember zeros: closed contacts among some that may be open.
+        """
+        widths = {state.memory.shape[1] for state in states if state.memory is not None}
+        joined = [
+            np.zeros((state.positions.shape[0], width)) if state.memory is None else state.memory
+            for width in widths
+            for state in states
+        ]
         return cls(
             np.concatenate([state.positions for state in states]),
             np.concatenate([state.velocities for state in states]),
-            np.concatenate(memories) if len(memories) == len(states) else None,
+            np.concatenate(joined) if joined else None,
         )
 
     def check_fits(self, lanes: int, cells: int) -> None:
@@ -79,6 +102,8 @@ class Trajectory:
         λ_N during the step [N], shape (steps, n).
     memory
         Internal state of the friction law at the end, shape (k,), or ``None``.
+    normal_gap
+        g_N [m] at the end of each step, shape (steps, n); ``None`` where contacts cannot open.
     """
 
     time: FloatArray
@@ -87,6 +112,7 @@ class Trajectory:
     friction: FloatArray
     normal_force: FloatArray
     memory: FloatArray | None = None
+    normal_gap: FloatArray | None = None
 
     @property
     def cells(self) -> int:
@@ -121,6 +147,7 @@ class Trajectory:
 
     def joined(self, other: Self) -> "Trajectory":
         """Append a run that started at this one's end."""
+        gaps = [one.normal_gap for one in (self, other) if one.normal_gap is not None]
         return Trajectory(
             np.concatenate([self.time, other.time]),
             np.concatenate([self.positions, other.positions]),
@@ -128,4 +155,5 @@ class Trajectory:
             np.concatenate([self.friction, other.friction]),
             np.concatenate([self.normal_force, other.normal_force]),
             other.memory,
+            np.concatenate(gaps) if len(gaps) == 2 else None,
         )

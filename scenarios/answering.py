@@ -9,9 +9,9 @@ from typing import Any
 from engines.interface import EngineNotInstalled
 from engines.variant import Variant
 from reference_lcp.periodic import OrbitStatus, PeriodicOrbit, periodic_orbits
-from reference_lcp.simulation import Lane, steps_per_period_for
+from reference_lcp.simulation import Lane
 from reference_lcp.steady_state import SteadyState
-from reference_lcp.stick_slip import creep_velocity
+from reference_lcp.stick_slip import air_fraction, creep_velocity, largest_gap
 from reference_lcp.validation import ParameterError
 from scenarios.questions import Answer, Question
 
@@ -25,10 +25,9 @@ def answer_batch(questions: Sequence[Question]) -> list[Answer]:
     by_steps: dict[int, list[int]] = defaultdict(list)
     lanes = []
     for index, question in enumerate(questions):
-        chain, drive = question.setting()
-        steps = steps_per_period_for(chain, drive, question.steps_per_period)
+        lane, steps = question.lane()
         by_steps[steps].append(index)
-        lanes.append(Lane.periodic(chain, drive, steps))
+        lanes.append(lane)
     answers: dict[int, Answer] = {}
     for steps, indices in by_steps.items():
         found = _answer_lanes(questions[indices[0]], [lanes[index] for index in indices], steps)
@@ -69,7 +68,9 @@ def _answer(orbit: PeriodicOrbit, stick_margin: float, seconds: float) -> Answer
         return Answer(status=str(orbit.status), periods=orbit.periods, seconds=seconds)
     found = SteadyState.of(orbit, stick_margin)
     drive: Any = orbit.lane.drive
-    speed = drive.angular_frequency * drive.displacement_scale(orbit.lane.chain)
+    length = drive.displacement_scale(orbit.lane.chain)
+    speed = drive.angular_frequency * length
+    modulated = orbit.lane.preload is not None
     return Answer(
         status=str(orbit.status),
         transmittance_db=found.transmittance_db,
@@ -81,5 +82,7 @@ def _answer(orbit: PeriodicOrbit, stick_margin: float, seconds: float) -> Answer
         stuck_fraction=tuple(found.stuck_fraction.tolist()),
         transitions=tuple((change.cell, change.time, str(change.kind)) for change in found.transitions),
         creep=tuple((creep_velocity(orbit, stick_margin) / speed).tolist()),
+        air_fraction=tuple(air_fraction(orbit).tolist()) if modulated else (),
+        largest_gap=tuple((largest_gap(orbit) / length).tolist()) if modulated else (),
         seconds=seconds,
     )

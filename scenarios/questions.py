@@ -12,10 +12,11 @@ from engines.registry import engine
 from engines.variant import Variant
 from reference_lcp.chain import CHAIN_STIFFNESS, Chain
 from reference_lcp.drive import HarmonicBase, HarmonicForce, PeriodicDrive
-from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.preload import Preload
+from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, steps_per_period_for
 from reference_lcp.stick_slip import STICK_MARGIN
 from reference_lcp.subharmonics import LONGEST_MULTIPLE
-from reference_lcp.validation import checked_choice, checked_scalar
+from reference_lcp.validation import checked_choice, checked_count, checked_scalar
 
 ANSWER_FORMAT = 2
 """Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
@@ -98,6 +99,34 @@ def key_of(text: str) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Modulation:
+    """A preload that changes in step with the drive, non-dimensional.
+
+    Parameters
+    ----------
+    modulation
+        a >= 0, of N = N0 (1 + a sin(Ω t + φ)); above 1 contacts open.
+    multiple
+        Ω / ω, a whole number, so that the motion may have the drive's period.
+    phase
+        φ [rad].
+    """
+
+    modulation: float
+    multiple: int = 1
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        checked_scalar("modulation", self.modulation, ">= 0")
+        checked_count("modulation_multiple", self.multiple)
+        checked_scalar("modulation_phase", self.phase)
+
+    def preload(self, drive: PeriodicDrive) -> Preload:
+        """Give the preload under this drive."""
+        return Preload.at_multiple(drive, self.modulation, self.multiple, self.phase)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Asked:
     """What every question says: who is asked, and about which chain.
 
@@ -152,11 +181,14 @@ class Question(Asked):
         Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.
     excitation
         What drives the chain; a moving base unless something else is given.
+    modulation
+        How the normal force changes over the period; ``None`` where it is constant.
     """
 
     frequency_ratio: float
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
     excitation: Excitation = field(default_factory=Excitation)
+    modulation: Modulation | None = None
 
     @property
     def chain(self) -> Chain:
@@ -164,16 +196,33 @@ class Question(Asked):
         return self.ratios.chain(self.friction_ratio, self.excitation.displacement)
 
     def as_data(self) -> dict[str, Any]:
-        """Give the question as plain data; the usual excitation is left out, as answers of old know no other."""
+        """Give the question as plain data; what is usual (excitation, constant normal force) is left out."""
         data = super().as_data()
         if self.excitation == _USUAL_EXCITATION:
             del data["excitation"]
+        if self.modulation is None:
+            del data["modulation"]
         return data
 
     def setting(self) -> tuple[Chain, PeriodicDrive]:
         """Build the chain and its drive."""
         chain = self.chain
         return chain, self.excitation.drive(chain, self.frequency_ratio)
+
+    def lane(self) -> tuple[Lane, int]:
+        """Build the lane, and give its number of steps a period."""
+        chain, drive = self.setting()
+        steps = steps_per_period_for(chain, drive, self.steps_per_period)
+        preload = None if self.modulation is None else self.modulation.preload(drive)
+        return Lane.periodic(chain, drive, steps, preload), steps
+
+    def content(self) -> dict[str, Any]:
+        """Everything that the answer depends on: under a modulated normal force, the options for it."""
+        content = super().content()
+        if self.modulation is None:
+            return content
+        options = self.variant.options.modulated().options
+        return content | {"options": {name: repr(option.value) for name, option in sorted(options.items())}}
 
 
 _USUAL_EXCITATION = Excitation()
@@ -208,6 +257,10 @@ class Answer:
         Changes of mode as (cell from 1, time [s], new mode).
     creep
         Largest |ġ_T| of each contact within a stick, over ω and the displacement scale.
+    air_fraction
+        Part of the period that each contact is open; empty where the normal force is constant.
+    largest_gap
+        Largest g_N of each contact over the displacement scale; likewise.
     seconds
         Wall-clock time that the point took, an even share of its batch.
     """
@@ -223,6 +276,8 @@ class Answer:
     stuck_fraction: tuple[float, ...] = ()
     transitions: tuple[tuple[int, float, str], ...] = ()
     creep: tuple[float, ...] = ()
+    air_fraction: tuple[float, ...] = ()
+    largest_gap: tuple[float, ...] = ()
     seconds: float = math.nan
 
     @property
@@ -245,7 +300,8 @@ class Answer:
         numbers: dict[str, Any] = {
             name: math.nan if value is None else value for name, value in json.loads(text).items()
         }
-        numbers["stuck_fraction"], numbers["creep"] = tuple(numbers["stuck_fraction"]), tuple(numbers["creep"])
+        for name in ("stuck_fraction", "creep", "air_fraction", "largest_gap"):
+            numbers[name] = tuple(numbers.get(name, ()))
         numbers["transitions"] = tuple((cell, time, kind) for cell, time, kind in numbers["transitions"])
         return cls(**numbers)
 

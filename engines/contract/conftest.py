@@ -3,6 +3,7 @@
 import pytest
 
 from engines.contract.lanes import label
+from engines.interface import NormalForce
 from engines.registry import engine, engine_names
 from engines.variant import Variant, variants_of
 
@@ -11,7 +12,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Run a test once for everything that its argument stands for.
 
     ``tested`` is every variant, ``tuned`` the best known options, ``default`` what a newcomer gets,
-    ``sharing`` the tuned ones that claim the reference's scheme, ``installed`` the name of an engine.
+    ``sharing`` the tuned ones that claim the reference's scheme, ``following`` those whose normal force may change in
+    time, ``lifting`` the tuned ones whose contacts may open, ``installed`` the name of an engine.
     """
     names = _chosen(metafunc.config)
     variants = [variant for name in names for variant in variants_of(name)]
@@ -20,6 +22,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         "tested": variants,
         "tuned": tuned,
         "default": [variant for variant in variants if variant.preset == "default"],
+        "following": [one for one in variants if one.options.represents(NormalForce.MODULATED)],
+        "lifting": [one for one in tuned if one.options.represents(NormalForce.LIFTING)],
         "sharing": [one for one in tuned if one.options.shares_scheme and one.engine != "reference"],
     }
     for argument, chosen in cases.items():

@@ -1,11 +1,14 @@
 """The chains and the states that the contract is tested with."""
 
+import dataclasses
+
 import numpy as np
 
 from engines.contract.tolerances import STEPS
 from engines.variant import Variant
 from reference_lcp.chain import Chain
 from reference_lcp.drive import HarmonicBase, PeriodicDrive
+from reference_lcp.preload import Preload
 from reference_lcp.simulation import Lane
 from reference_lcp.trajectory import State
 
@@ -22,6 +25,12 @@ def lane_of(friction_ratio: float, frequency_ratio: float, steps: int = STEPS) -
     """Give the canonical chain of figure 3 at a point of it."""
     chain = Chain.from_ratios(friction_ratio=friction_ratio)
     return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, AMPLITUDE), steps)
+
+
+def modulated_lane(modulation: float, multiple: int = 1, steps: int = STEPS) -> Lane:
+    """Give the canonical chain in its pass band, its preload modulated at a multiple of the drive's frequency."""
+    lane = lane_of(0.3, 0.6, steps)
+    return dataclasses.replace(lane, preload=Preload.at_multiple(drive_of(lane), modulation, multiple))
 
 
 def random_state(lanes: int, seed: int = 0) -> State:

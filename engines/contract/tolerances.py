@@ -72,3 +72,9 @@ CONVERGED_TOLERANCE_DB = 0.25
 At 400 steps a period the reference's own first-order error reaches 0.2 dB on the steepest flanks;
 an engine that is no further off resolves friction as well as the scheme does.
 """
+
+MEETING_STEPS = 2
+"""Steps by which the time in the air may differ from the exact one in a cycle: lift-off and landing are met to one."""
+
+SHORT_FLIGHT = 2 * np.pi / STEPS
+"""Of the largest gap over N0 / (m Ω²): Ω Δt, as if lift-off began with the velocity N0 Δt / m of one step's press."""

@@ -5,6 +5,8 @@ It is started as ``python3 -I child.py SERVER``, where SERVER is a file that def
 - ``versions()``: a dictionary of versions, with the engine's own under ``"engine"``;
 - ``Lane(parameters)``: one chain, with ``run(position, velocity, loads, record)``, which gives a dictionary of
   arrays with one row a step (position and velocity alone where nothing is recorded), and ``bare_steps(steps)``.
+  Where the normal force changes in time, ``run`` gets ``press``, a row a step; where contacts open, also ``across``,
+  gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not.
 
 A message is two numbers of eight bytes, its length and that of its head; the head, a JSON list of name, data type
 and shape of every array; and what the arrays hold, one after the other. An ``npz`` file says the same, and takes as
@@ -34,6 +36,9 @@ LARGEST_MESSAGE = 1 << 32
 
 MOTION = ("position", "velocity")
 """What is left of the rows of a run when only its end is asked for."""
+
+PRESS, ACROSS = ("press", "across"), ("gap", "gap_rate")
+"""What a run is told, and what it tells, of a normal force that changes in time."""
 
 
 class NotAMessage(ValueError):
@@ -113,10 +118,11 @@ class Service:
     def _run(self, request: Message) -> Message:
         lane = self._lanes[int(request["number"])]
         record = bool(request["record"])
-        rows = lane.run(request["position"], request["velocity"], request["loads"], record)
+        pressed = {name: request[name] for name in PRESS if name in request}
+        rows = lane.run(request["position"], request["velocity"], request["loads"], record, **pressed)
         if record:
             return dict(rows)
-        return {name: rows[name][-1:] for name in MOTION}
+        return {name: rows[name][-1:] for name in (*MOTION, *ACROSS) if name in rows}
 
     def _bare_steps(self, request: Message) -> Message:
         self._lanes[int(request["number"])].bare_steps(int(request["steps"]))

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface import LaneModel, Preset, constant_normal_force
+from engines.interface import LaneModel, Preset
 from engines.outside.child import Message
 from engines.outside.process import EngineProcess, EngineProcessError
 from engines.units import Units
@@ -52,19 +52,27 @@ class OutsideLane(LaneModel):
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state`, in one request; see `LaneModel.run`."""
         units, rows = self._units, self._rows(state, start, steps, record=True)
-        normal = rows["normal"] * units.force if "normal" in rows else constant_normal_force(self.lane, steps)
+        given = self.lane.preloads(start, steps)
         return Trajectory(
             self.lane.times(start, steps),
             rows["position"] * units.length,
             rows["velocity"] * units.velocity,
-            rows["friction"] * units.force,
-            normal,
+            # Of a motor that may do nothing in a step an engine may report what it did in an earlier one.
+            np.where(given == 0, 0.0, rows["friction"] * units.force),
+            rows["normal"] * units.force if "normal" in rows else given,
+            self._memory(rows),
+            rows["gap"] * units.length if self.lane.opens else None,
         )
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance as `run` does; only the end is sent back."""
         rows = self._rows(state, start, steps, record=False)
-        return State(rows["position"] * self._units.length, rows["velocity"] * self._units.velocity)
+        memory = self._memory(rows)
+        return State(
+            rows["position"] * self._units.length,
+            rows["velocity"] * self._units.velocity,
+            None if memory is None else memory[None],
+        )
 
     def bare_steps(self, steps: int) -> None:
         """Take steps of the engine alone, in one request; see `engines.interface.BareStepping`."""
@@ -107,7 +115,24 @@ class OutsideLane(LaneModel):
             velocity=checked_array("initial velocities", state.velocities[0]) / self._units.velocity,
             loads=self._loads(start, steps) / self._units.force,
             record=record,
+            **self._press(state, start, steps),
         )
+
+    def _press(self, state: State, start: int, steps: int) -> Message:
+        """Give what the child has to know where the normal force changes in time."""
+        if self.lane.preload is None:
+            return {}
+        press = {"press": self.lane.preloads(start, steps) / self._units.force}
+        if not self.lane.opens:
+            return press
+        gap, speed = state.normal_state(self.lane.chain.cells)
+        return {**press, "across": np.concatenate([gap / self._units.length, speed / self._units.velocity])}
+
+    def _memory(self, rows: Message) -> FloatArray | None:
+        """Give what a state remembers of gaps; ``None`` where none opens."""
+        if not self.lane.opens:
+            return None
+        return np.concatenate([rows["gap"][-1] * self._units.length, rows["gap_rate"][-1] * self._units.velocity])
 
     def _ask(self, request: str, steps: int, /, **values: Any) -> Message:
         self._ensure_built()

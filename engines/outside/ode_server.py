@@ -58,9 +58,14 @@ class Lane:
         model = ContactModel if str(parameters["formulation"]) == "contact" else JointModel
         self._new_model = functools.partial(model, parameters)
 
-    def run(self, position: Any, velocity: Any, loads: Any, record: bool) -> dict[str, Any]:
-        """Advance; gives position, velocity, friction and, for contacts, normal force, one row a step."""
-        return self._new_model(position, velocity, record).run(loads)
+    def run(
+        self, position: Any, velocity: Any, loads: Any, record: bool, press: Any = None, across: Any = None
+    ) -> dict[str, Any]:
+        """Advance; gives position, velocity, friction and, for contacts, normal force and gaps, one row a step."""
+        model = self._new_model(position, velocity, record)
+        if press is not None:
+            model.modulate(press)
+        return model.run(loads, across)
 
     def bare_steps(self, steps: int) -> None:
         """Take steps from a motion in which friction has work to do, as in a run: at rest, ODE has less of it."""
@@ -95,7 +100,7 @@ class JointModel:
         if position is not None:
             self._set_state(position.tolist(), velocity.tolist())
 
-    def run(self, loads: Any) -> dict[str, Any]:
+    def run(self, loads: Any, across: Any = None) -> dict[str, Any]:
         """Take a step for every load; a motion that diverges ends, and its last row is repeated."""
         self._getters = [body.getPosition for body in self._bodies] + [body.getLinearVel for body in self._bodies]
         coordinates = len(self._getters)
@@ -105,6 +110,16 @@ class JointModel:
         rows[taken + 1 :] = rows[taken]
         position, velocity, measured = np.split(rows[1:], [coordinates // 2, coordinates], axis=1)
         return {"position": position, "velocity": velocity, **(self._named(measured) if self._record else {})}
+
+    def modulate(self, press: Any) -> None:
+        """Let every step begin with setting what its motors can do at most."""
+        bounds, fmax = iter((press * self._given["coefficient"]).tolist()), int(self._given["fmax"])
+
+        def before() -> None:
+            for motor, bound in zip(self._motors, next(bounds)):
+                motor.setParam(fmax, bound)
+
+        self.before_step = before
 
     def _take(self, loads: Any, rows: Any) -> int:
         """Take a step for every load, from the first row on, and fill the others; gives how many were taken."""
@@ -232,18 +247,66 @@ class ContactModel(JointModel):
     def __init__(self, given: dict[str, Any], position: Any, velocity: Any, record: bool):
         """Build a world in this state; see `JointModel`."""
         self._scale = float(given["length"])
+        self._presses_constantly = True
         super().__init__(given, position, velocity, record)
         self.world.setContactSurfaceLayer(float(given["surface_layer"]) * self._scale)
 
-    def run(self, loads: Any) -> dict[str, Any]:
-        """Take a step for every load, as long as every inner mass is on its plate."""
+    def run(self, loads: Any, across: Any = None) -> dict[str, Any]:
+        """Take a step for every load, as long as every inner mass is on its plate.
+
+        Where contacts may open, `across` holds their gaps at the start and, below, the rates of these.
+        """
+        gaps = None if across is None else self._record_gaps(across.reshape(2, -1))
         rows = super().run(loads)
+        if gaps is not None:
+            rows["gap"], rows["gap_rate"] = gaps(len(loads))
         self._drop_contacts()
         outer, inner = np.split(rows["position"], 2, axis=1)
         reach = (PLATE - BOX) * self._scale
         if np.any(np.abs(inner - outer)[:, self._bound > 0] > reach):
             raise RuntimeError("an inner mass has left the plate of its outer one")
         return rows
+
+    def _record_gaps(self, across: Any) -> Any:
+        """Open the contacts, and note their gaps before every step; gives what turns the notes into rows."""
+        inner = self._bodies[self._cells :]
+        rest = [place[1] for place in self._places()][self._cells :]
+        for body, height, gap, rate in zip(inner, rest, *across.tolist()):
+            along, aside, _ = body.getPosition()
+            body.setPosition((along, aside, height + gap))
+            body.setLinearVel((body.getLinearVel()[0], 0.0, rate))
+        notes: list[Any] = []
+        press = self.before_step
+
+        def note() -> None:
+            gaps = [body.getPosition()[2] - height for body, height in zip(inner, rest)]
+            notes.append((gaps, [body.getLinearVel()[2] for body in inner]))
+
+        def before() -> None:
+            note()
+            press()
+
+        def rows(steps: int) -> Any:
+            note()
+            every = notes[1:] + notes[-1:] * (steps + 1 - len(notes))
+            return np.array(every).swapaxes(0, 1)
+
+        self.before_step = before
+        return rows
+
+    def modulate(self, press: Any) -> None:
+        """Let every step begin with pressing the masses of every cell together, in place of the constant force."""
+        presses, find = iter(np.where(self._bound > 0, press, 0.0).tolist()), self.before_step
+        self._presses_constantly = False
+        pairs = list(zip(self._bodies[: self._cells], self._bodies[self._cells :]))
+
+        def before() -> None:
+            for (outer, inner), value in zip(pairs, next(presses)):
+                outer.addForce((0.0, 0.0, value))
+                inner.addForce((0.0, 0.0, -value))
+            find()
+
+        self.before_step = before
 
     def set_rubbing(self, steps: int) -> None:
         """Press inner masses on their plates by gravity, the one force that lasts: ODE clears others in a step."""
@@ -255,7 +318,7 @@ class ContactModel(JointModel):
         return {"friction": friction, "normal": np.where(self._bound > 0, normal, self._given["normal"])}
 
     def _pressing(self) -> list[float]:
-        pressing = np.where(self._bound > 0, self._given["normal"], 0.0)
+        pressing = np.where((self._bound > 0) & self._presses_constantly, self._given["normal"], 0.0)
         return np.concatenate([pressing, -pressing]).tolist()
 
     def _places(self) -> Iterator[tuple[float, float]]:

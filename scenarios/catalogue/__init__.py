@@ -7,6 +7,7 @@ from scenarios.catalogue.den_hartog import DenHartog
 from scenarios.catalogue.figure3 import Figure3Points
 from scenarios.catalogue.linear_limits import FrictionlessLimit, LockedLimit
 from scenarios.catalogue.long_chain import LongChain
+from scenarios.catalogue.modulated_normal_force import ModulatedNormalForce
 from scenarios.catalogue.unequal_cells import DisorderedChain, GradedChain
 from scenarios.catalogue.unit_cell import UnitCell
 from scenarios.scenario import Scenario
@@ -20,6 +21,7 @@ SCENARIOS: tuple[Scenario, ...] = (
     DisorderedChain(),
     GradedChain(),
     LongChain(),
+    ModulatedNormalForce(),
 )
 
 CATALOGUE: Mapping[str, Scenario] = MappingProxyType({scenario.name: scenario for scenario in SCENARIOS})

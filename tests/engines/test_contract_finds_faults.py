@@ -18,7 +18,7 @@ class Fault:
 
 
 STATE, FORCE, MOTION = "test_state_in_trajectory_out", "test_friction_force", "test_laws_of_motion"
-AGREEMENT, SAID = "test_agreement", "test_what_is_said"
+AGREEMENT, SAID, MODULATED = "test_agreement", "test_what_is_said", "test_modulated_normal_force"
 FAULTS = [
     Fault("forgets", STATE, "test_split_run_equals_whole_run", "the second half starts elsewhere"),
     Fault("remembers", STATE, "test_repeated_run_is_bitwise_equal", "a repeated run differs"),
@@ -54,6 +54,16 @@ FAULTS = [
     Fault(
         "shapes", SAID, "test_chains_of_different_lengths_and_states_of_another_shape_are_refused", "DID NOT RAISE", ""
     ),
+    Fault("late", MODULATED, "test_modulated_normal_force_is_followed", "the motion leaves the scheme's"),
+    Fault("rigid", MODULATED, "test_friction_stays_within_a_bound_that_changes", "friction passes its bound"),
+    Fault(
+        "grounded",
+        MODULATED,
+        "test_contact_that_is_pulled_open_flies_lands_and_carries_the_impact",
+        "time in the air off by",
+    ),
+    Fault("lands", MODULATED, "test_run_that_is_split_in_a_flight_equals_the_whole_one", "starts elsewhere"),
+    Fault("takes", MODULATED, "test_normal_force_that_cannot_be_represented_is_refused", "DID NOT RAISE", ""),
 ]
 
 
@@ -91,7 +101,7 @@ def test_every_clause_of_the_contract_has_its_fault() -> None:
 
     clauses = {
         name
-        for file in (STATE, FORCE, MOTION, AGREEMENT, SAID)
+        for file in (STATE, FORCE, MOTION, AGREEMENT, SAID, MODULATED)
         for name in vars(import_module(f"engines.contract.{file}"))
         if name.startswith("test_")
     }

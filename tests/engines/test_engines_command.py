@@ -18,6 +18,10 @@ def test_json_describes_every_registered_engine(capsys: pytest.CaptureFixture[st
         assert (row["version"] is None) == (row["missing"] is not None)
         assert "tuned" in row["presets"]["joint"]
         assert row["licence"]
+    normal_force = {row["engine"]: row["normal_force"] for row in rows}
+    assert normal_force["mujoco"]["joint"]["tuned"] == "modulated"
+    assert normal_force["mujoco"]["contact"]["tuned"] == "modulated until contacts open"
+    assert normal_force["siconos"]["joint"]["tuned"] == "constant"
 
 
 def test_missing_engine_is_listed_with_its_reason(

@@ -4,12 +4,13 @@ import dataclasses
 
 import numpy as np
 
-from engines import Capabilities, Engine, Formulation, FrictionLaw, Option, Preset
-from engines.interface import LaneModel, LanewiseSimulation, constant_normal_force
+from engines import Capabilities, Engine, Formulation, FrictionLaw, NormalForce, Option, Preset
+from engines.interface import LaneModel, LanewiseSimulation
 from reference_lcp import State, Trajectory
+from reference_lcp.preload import normal_motion
 
 PRESETS = {
-    "tuned": Preset("The scheme.", {}, shares_scheme=True),
+    "tuned": Preset("The scheme.", {}, shares_scheme=True, normal_force=NormalForce.LIFTING),
     "default": Preset("The scheme, with friction that stops a contact in four steps.", {}),
 }
 
@@ -33,12 +34,21 @@ class Lane(LaneModel):
         """Advance from `state`."""
         rows = []
         x, v = state.positions[0].copy(), state.velocities[0].copy()
-        for load in self.lane.loads(start, steps):
+        normal = self.across(state, self.lane.preloads(start, steps))
+        for load, force in zip(self.lane.loads(start, steps), normal.normal_force, strict=True):
+            if self.lane.preload is not None:
+                self.bound = self.chain.friction_coefficient * force
             x, v, friction = self.step(x, v, load)
             rows.append((x, v, friction))
         positions, velocities, friction = (np.array(column) for column in zip(*rows, strict=True))
-        times, normal = self.lane.times(start, steps), constant_normal_force(self.lane, steps)
-        return Trajectory(times, positions, velocities, friction, normal)
+        memory = np.concatenate([normal.gap[-1], normal.speed])
+        own = (memory, normal.gap) if self.lane.opens else (None, None)
+        return Trajectory(self.lane.times(start, steps), positions, velocities, friction, normal.normal_force, *own)
+
+    def across(self, state, press):
+        """Press and fly."""
+        gap, speed = state.normal_state(self.chain.cells)
+        return normal_motion(press, self.chain.inner_mass, self.lane.time_step, gap[0], speed[0])
 
     def step(self, x, v, load):
         """Velocities first, then positions."""
@@ -322,3 +332,46 @@ class TakesEveryShape(Faulty):
             model.run(State.at_rest(1, 7), start, steps) for model in simulation.models
         ]
         return simulation
+
+
+class FollowsLate(Faulty):
+    """Friction follows the normal force a step late."""
+
+    name = "faulty-late"
+
+    class lane_model(Lane):  # noqa: N801
+        def friction(self, slip):
+            late, self.last = getattr(self, "last", self.bound), self.bound
+            stop = -self.stopping * self.reduced_mass * slip / self.lane.time_step
+            return np.clip(stop, -late, late)
+
+
+class KeepsItsBound(Faulty):
+    """The normal force changes, the bound of friction does not."""
+
+    name = "faulty-rigid"
+
+    class lane_model(Lane):  # noqa: N801
+        def friction(self, slip):
+            self.bound = self.chain.friction_bound
+            return super().friction(slip)
+
+
+class NeverFlies(Faulty):
+    """A contact is closed again as soon as it is pressed, wherever the masses are."""
+
+    name = "faulty-grounded"
+
+    class lane_model(Lane):  # noqa: N801
+        def across(self, state, press):
+            return dataclasses.replace(super().across(state, press), normal_force=np.maximum(press, 0.0))
+
+
+class LandsBetweenRuns(Faulty):
+    """A run begins with closed contacts, whatever the state says."""
+
+    name = "faulty-lands"
+
+    class lane_model(Lane):  # noqa: N801
+        def across(self, state, press):
+            return super().across(dataclasses.replace(state, memory=None), press)

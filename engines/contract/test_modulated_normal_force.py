@@ -1,0 +1,105 @@
+"""A normal force that changes in time, for those that claim to follow it; and a word from those that do not."""
+
+import numpy as np
+import pytest
+
+from engines.contract.lanes import AMPLITUDE, modulated_lane
+from engines.contract.tolerances import (
+    BOUND_MARGIN,
+    CONVERGED_TOLERANCE_DB,
+    CREEP,
+    MEETING_STEPS,
+    MOMENTUM_TOLERANCE,
+    ROUND_OFF,
+    SHORT_FLIGHT,
+    STEPS,
+    TRAJECTORY_TOLERANCE,
+)
+from engines.interface import NormalForce
+from engines.registry import engine
+from engines.variant import Variant, variants_of
+from reference_lcp.periodic import periodic_orbits
+from reference_lcp.preload import Flight
+from reference_lcp.stick_slip import OPEN
+from reference_lcp.trajectory import State, Trajectory
+from reference_lcp.transmittance import decibel, transmittance
+from reference_lcp.validation import ParameterError
+
+
+def run_from_rest(variant: Variant, modulation: float, periods: int, multiple: int = 1) -> Trajectory:
+    """Run a modulated lane."""
+    return variant.build([modulated_lane(modulation, multiple)]).run(State.at_rest(1, 7), 0, periods * STEPS)[0]
+
+
+def test_modulated_normal_force_is_followed(following: Variant) -> None:
+    """Contacts that stay closed: the normal force is what presses them, and friction moves the chain accordingly."""
+    if following.preset != "tuned":
+        pytest.skip("how far a default is off is for reports to say")
+    lane = modulated_lane(0.5, 2)
+    run, expected = (run_from_rest(one, 0.5, 4, 2) for one in (following, Variant("reference")))
+    precision, softness = following.capabilities.precision, CREEP * following.options.modulated().softness
+    given = lane.preloads(0, 4 * STEPS)
+    assert np.allclose(run.normal_force, given, rtol=ROUND_OFF[precision] + softness, atol=0), "another normal force"
+    if following.options.shares_scheme:
+        motion = np.max(np.abs(run.positions - expected.positions)) / AMPLITUDE
+        assert motion <= TRAJECTORY_TOLERANCE[precision] + softness, "the motion leaves the scheme's"
+    else:
+        found = periodic_orbits(following.build([lane]), STEPS, tolerance=following.capabilities.residual)[0]
+        ruler = periodic_orbits(engine("reference").build([lane], preset="converged"), STEPS)[0]
+        difference = float(decibel(transmittance(found)) - decibel(transmittance(ruler)))
+        assert abs(difference) <= CONVERGED_TOLERANCE_DB, f"off by {difference:+.4f} dB"
+
+
+def test_friction_stays_within_a_bound_that_changes(following: Variant) -> None:
+    """|λ_T| <= μ λ_N(t) in every step; where contacts are open there is none."""
+    lifts = following.options.represents(NormalForce.LIFTING)
+    lane = modulated_lane(1.5 if lifts else 1.0)
+    run = run_from_rest(following, 1.5 if lifts else 1.0, 2)
+    bound = lane.chain.friction_coefficient * run.normal_force
+    margin = BOUND_MARGIN[following.capabilities.precision]
+    # What presses at a step's start may be rounded to nothing of the mean.
+    round_off = margin * lane.chain.friction_bound
+    assert np.all(np.abs(run.friction) <= bound * (1 + margin) + round_off), "friction passes its bound"
+    if not lifts:
+        given = lane.chain.friction_coefficient * lane.preloads(0, 2 * STEPS)
+        softness = CREEP * following.options.modulated().softness
+        assert np.all(np.abs(run.friction) <= given * (1 + margin + softness) + round_off), "friction passes its bound"
+
+
+def test_contact_that_is_pulled_open_flies_lands_and_carries_the_impact(lifting: Variant) -> None:
+    """Time in the air, largest gap and impulse of a cycle, against N(t) integrated twice."""
+    lane = modulated_lane(1.5)
+    run, flight = run_from_rest(lifting, 1.5, 3), Flight.of(lane.preload) if lane.preload else None
+    assert flight is not None
+    assert run.normal_gap is not None, "no gap is reported"
+    cycle = slice(STEPS, 2 * STEPS)
+    mean = lane.chain.normal_force
+    steps_in_air = np.sum(run.normal_force[cycle] <= OPEN * mean, axis=0)
+    late = np.abs(steps_in_air - flight.air_fraction * STEPS)
+    assert np.all(late <= MEETING_STEPS), f"time in the air off by {late.max():.1f} steps"
+    scale = mean / lane.chain.inner_mass * (lane.time_step * STEPS / (2 * np.pi)) ** 2
+    short = np.abs(np.max(run.normal_gap[cycle], axis=0) / scale - flight.highest)
+    assert np.all(short <= SHORT_FLIGHT), "the flight has another height"
+    impulse = np.sum(run.normal_force[cycle], axis=0) / (mean * STEPS)
+    assert impulse == pytest.approx(np.ones(7), abs=MOMENTUM_TOLERANCE), "the impact is not that of the flight"
+
+
+def test_run_that_is_split_in_a_flight_equals_the_whole_one(lifting: Variant) -> None:
+    """A state remembers the gaps of open contacts, and how fast they change."""
+    simulation, split = lifting.build([modulated_lane(1.5)]), 3 * STEPS // 4
+    whole = simulation.run(State.at_rest(1, 7), 0, 2 * STEPS)[0]
+    half = simulation.advance(State.at_rest(1, 7), 0, split)
+    second = simulation.run(half, split, 2 * STEPS - split)[0]
+    assert whole.normal_gap is not None
+    assert np.all(whole.normal_gap[split - 1] > 0), "there is no flight to split"
+    allowed = lifting.options.split_tolerance * AMPLITUDE
+    assert np.max(np.abs(whole.positions[split:] - second.positions)) <= allowed, "the second half starts elsewhere"
+
+
+def test_normal_force_that_cannot_be_represented_is_refused(installed: str) -> None:
+    """By those whose normal force is constant any, by those whose contacts stay closed one that opens them."""
+    for variant in variants_of(installed):
+        for modulation, needed in ((0.5, NormalForce.MODULATED), (1.5, NormalForce.LIFTING)):
+            if not variant.options.represents(needed):
+                with pytest.raises(ParameterError, match=f"modulation = {modulation:g}: .* cannot represent"):
+                    variant.build([modulated_lane(modulation)])
