@@ -4,6 +4,7 @@ import dataclasses
 import hashlib
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, Self
@@ -21,6 +22,9 @@ ANSWER_FORMAT = 2
 
 Ratio = float | tuple[float, ...]
 """One number for all cells, or one a cell."""
+
+Series = Mapping[str, tuple[float, ...]]
+"""Numbers by name: what is kept of a motion."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +70,11 @@ class Asked:
 
     def content(self) -> dict[str, Any]:
         """Everything that the answer depends on: the question, the engine's version and its options."""
-        return {"format": ANSWER_FORMAT, "question": dataclasses.asdict(self), **_identity(self.variant)}
+        return {"format": ANSWER_FORMAT, "question": self.as_data(), **_identity(self.variant)}
+
+    def as_data(self) -> dict[str, Any]:
+        """Give the question as plain data, ready for JSON."""
+        return dataclasses.asdict(self)
 
     def key(self) -> str:
         """Hash of the content: equal for equal questions to equal engines."""
@@ -103,7 +111,7 @@ class Answer:
     Parameters
     ----------
     status
-        ``converged``, ``period limit``, ``diverged`` or ``blocked``.
+        Of a steady state ``converged``, ``period limit`` or ``diverged``; of a motion ``finished``; ``blocked``.
     reason
         Why it is blocked; empty otherwise.
     transmittance_db
@@ -124,6 +132,8 @@ class Answer:
         Largest |ġ_T| of each contact within a stick, over ω and the displacement scale.
     seconds
         Wall-clock time that the point took, an even share of its batch.
+    series
+        What is kept of a motion; empty for a steady state.
     """
 
     status: str
@@ -137,6 +147,7 @@ class Answer:
     transitions: tuple[tuple[int, float, str], ...] = ()
     creep: tuple[float, ...] = ()
     seconds: float = math.nan
+    series: Series = field(default_factory=dict)
 
     @property
     def converged(self) -> bool:
@@ -161,6 +172,7 @@ class Answer:
         }
         numbers["stuck_fraction"], numbers["creep"] = tuple(numbers["stuck_fraction"]), tuple(numbers["creep"])
         numbers["transitions"] = tuple((cell, time, kind) for cell, time, kind in numbers["transitions"])
+        numbers["series"] = {name: tuple(values) for name, values in numbers.get("series", {}).items()}
         return cls(**numbers)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from reference_lcp.validation import ParameterError
 from scenarios.closing import Closing
-from scenarios.questions import Answer, Question
+from scenarios.questions import Answer, Asked
 
 APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""
@@ -62,21 +62,21 @@ class ResultStore(Closing):
                     "CREATE TABLE answers (key TEXT PRIMARY KEY, content TEXT NOT NULL, answer TEXT NOT NULL)"
                 )
 
-    def find(self, question: Question) -> Answer | None:
+    def find(self, question: Asked) -> Answer | None:
         """Give the answer to an equal question, or ``None``."""
         row = self._connection.execute("SELECT answer FROM answers WHERE key = ?", (question.key(),)).fetchone()
         return None if row is None else Answer.from_json(row[0])
 
-    def answers(self, questions: Iterable[Question]) -> Iterator[Answer | None]:
+    def answers(self, questions: Iterable[Asked]) -> Iterator[Answer | None]:
         """Give the answer to each question, in order, or ``None``."""
         for _, text in self._texts(questions, "answer"):
             yield None if text is None else Answer.from_json(text)
 
-    def statuses(self, questions: Iterable[Question]) -> Iterator[tuple[Question, str | None]]:
+    def statuses(self, questions: Iterable[Asked]) -> Iterator[tuple[Asked, str | None]]:
         """Give each question, in order, with the status of its answer, or ``None``."""
         return self._texts(questions, "json_extract(answer, '$.status')")
 
-    def _texts(self, questions: Iterable[Question], column: str) -> Iterator[tuple[Question, str | None]]:
+    def _texts(self, questions: Iterable[Asked], column: str) -> Iterator[tuple[Asked, str | None]]:
         """Look up an expression of SQL for each question, many at a time."""
         asked = iter(questions)
         while chunk := list(itertools.islice(asked, LOOKUP)):
@@ -85,7 +85,7 @@ class ResultStore(Closing):
             found = dict(self._connection.execute(f"SELECT key, {column} FROM answers WHERE key IN ({marks})", keys))
             yield from ((question, found.get(key)) for question, key in zip(chunk, keys, strict=True))
 
-    def keep(self, answered: Iterable[tuple[Question, Answer]]) -> None:
+    def keep(self, answered: Iterable[tuple[Asked, Answer]]) -> None:
         """Write answers in one transaction; blocked ones are not kept, so that they are tried again."""
         rows = [
             (question.key(), json.dumps(question.content(), sort_keys=True), answer.to_json())
