@@ -62,6 +62,13 @@ def _answers(motions: Sequence[Motion]) -> list[Answer]:
     return [Answer(status="finished", series=record.series(), seconds=seconds) for record in records]
 
 
+def kept_of(motion: Motion, run: Trajectory) -> Series:
+    """Give what an answer keeps of a motion whose trajectory is there already."""
+    record = _Record(motion.lane(), motion)
+    record.append(run)
+    return record.series()
+
+
 @dataclass(frozen=True)
 class _Heat:
     """What dashpots and contacts have turned into heat so far [J]."""

@@ -1,0 +1,44 @@
+"""Band-limited noise of the base: a stationary motion without a period."""
+
+import math
+
+from reference_lcp.base_motion import FilteredNoise
+from reference_lcp.transmissibility import Transmissibility, stationary_transmissibility
+from reference_lcp.validation import FloatArray
+from scenarios.broadband import BASE_AMPLITUDE, RATIOS, ROWS_PER_PERIOD, Broadband, Case
+
+PERIODS = 300
+"""Length of the noise in periods 2π / ω_r; it does not repeat before."""
+
+RISE, STARTED = 10, 50
+"""Periods in which the noise comes up, and after which the chain's beginning is forgotten and spectra begin."""
+
+SEGMENT = 40
+"""Periods in a segment of Welch's average: lines of η_r are 1/40 apart, and there are eleven segments."""
+
+
+class FilteredNoiseScenario(Broadband):
+    """H1, cross spectrum over the base's: what of the response follows the base; friction's own noise is left out."""
+
+    name = "filtered-noise"
+    question = "What of noise of the base, flat from 0.2 to 2.4 ω_r, arrives at the end of the chain?"
+    friction_ratios = (0.0, 0.1, 0.3)
+
+    def case(self, friction_ratio: float) -> Case:
+        """Noise throughout, from rest."""
+        omega = RATIOS.chain(friction_ratio).resonator_frequency
+        period = 2 * math.pi / omega
+        noise = FilteredNoise(
+            amplitude=BASE_AMPLITUDE,
+            lowest_frequency=0.2 * omega,
+            highest_frequency=2.4 * omega,
+            repetition=PERIODS * period,
+            rise=RISE * period,
+            seed=1,
+        )
+        return Case(friction_ratio, noise, PERIODS)
+
+    def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
+        """Average spectra over segments of the stationary part."""
+        first = STARTED * ROWS_PER_PERIOD
+        return stationary_transmissibility(base[first:], response[first:], time_step, SEGMENT * ROWS_PER_PERIOD)
