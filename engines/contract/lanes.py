@@ -4,6 +4,7 @@ import numpy as np
 
 from engines.contract.tolerances import STEPS
 from engines.variant import Variant
+from reference_lcp.base_motion import QUIET, RickerPulse
 from reference_lcp.chain import Chain
 from reference_lcp.drive import HarmonicBase, PeriodicDrive
 from reference_lcp.simulation import Lane
@@ -22,6 +23,13 @@ def lane_of(friction_ratio: float, frequency_ratio: float, steps: int = STEPS) -
     """Give the canonical chain of figure 3 at a point of it."""
     chain = Chain.from_ratios(friction_ratio=friction_ratio)
     return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, AMPLITUDE), steps)
+
+
+def pulse_lane_of(friction_ratio: float) -> Lane:
+    """Give the canonical chain under one pulse of the base, with its peak at ω_r."""
+    chain = Chain.from_ratios(friction_ratio=friction_ratio)
+    omega = chain.resonator_frequency
+    return Lane(chain, RickerPulse(AMPLITUDE, omega, QUIET / omega), 2 * np.pi / omega / STEPS)
 
 
 def random_state(lanes: int, seed: int = 0) -> State:

@@ -150,7 +150,7 @@ def _findings(variant: Variant, decay: Decay, exact: Series, evaluator: Evaluato
     found = []
     for metric in metrics:
         finest, wanted = values[-1][metric], expected[metric]
-        tolerance = Tolerance(0.0, error_of_finest([value[metric] for value in values]), _resolution(decay, metric))
+        tolerance = Tolerance(0.0, error_of_finest([value[metric] for value in values]), _resolution(metric))
         if metric is OFFSETS:
             offsets = [np.array(answer.series["offsets"]) / decay.half_width for answer in answers]
             tolerance = Tolerance(0.0, error_of_finest(offsets), tolerance.resolution)
@@ -182,11 +182,10 @@ def _expected(decay: Decay, exact: Series) -> dict[Metric, float]:
     return {**numbers, HEAT: heat, BALANCE: 0.0, GROWTH: 0.0, DEAD_BAND: 0.0, OFFSETS: 0.0, LOSS: 1.0}
 
 
-def _resolution(decay: Decay, metric: Metric) -> float:
-    """Say what rows a step apart do not show."""
-    step = 1 / STEPS_PER_PERIOD
+def _resolution(metric: Metric) -> float:
+    """Give what a number leaves open beside the step: of times, the rows; of the loss, the motion of the outer mass."""
     if metric is REST_TIME:
-        return step
+        return 1 / STEPS_PER_PERIOD
     return _OUTER_MOTION if metric is LOSS else _ROUND_OFF
 
 
