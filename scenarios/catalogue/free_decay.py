@@ -1,7 +1,7 @@
 """Free decay: a chain that is let go, and the friction that brings its contacts to rest."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,12 +16,15 @@ from scenarios.broadband import refinements, unfinished
 from scenarios.evaluation import Evaluator
 from scenarios.motion_answering import kept_of
 from scenarios.motions import Motion
-from scenarios.questions import ChainRatios, Series
+from scenarios.questions import Answer, ChainRatios, Series
 from scenarios.refinement import error_of_finest
 from scenarios.scenario import Finding, Metric, Scenario
 
 STEPS_PER_PERIOD = 100
 """Coarsest steps to a period 2π / ω_r; the finest of the three step sizes takes four times as many."""
+
+EXACT_REFINEMENT = 8
+"""Rows of the exact motion to the coarsest step: heat of dashpots is a sum over them, good to 3e-7 of the energy."""
 
 LENGTH = 0.01
 """Displacement scale [m]: the U0 of the friction ratio."""
@@ -35,7 +38,11 @@ HEAT = Metric("heat of contacts", "", "Energy that contacts have turned into hea
 LEFT = Metric("energy left", "", "Energy of the chain at the end, over the initial one.")
 BALANCE = Metric("balance", "", "Initial energy less what is left and all heat, over the initial energy.")
 GROWTH = Metric("growth", "", "Largest growth of the energy over the least so far, over the initial energy.")
+SHARES = (HEAT, LEFT, BALANCE)
 LOSS = Metric("loss a cycle", "", "Amplitude that the friction oscillator loses in a cycle, over 4 F / k_i.")
+
+
+REFERENCE = Variant("reference")
 
 
 @dataclass(frozen=True)
@@ -89,8 +96,8 @@ class Decay:
         )
 
     def exact(self) -> Series:
-        """Give the event-driven motion, at the rows of every variant."""
-        motion = self.motion(Variant("reference"))
+        """Give the event-driven motion, at the rows of every variant; heat is added up in finer rows."""
+        motion = self.motion(REFERENCE).refined(EXACT_REFINEMENT)
         run = EventDrivenSimulation([motion.lane()]).run(motion.initial_state(), 0, motion.steps)[0]
         return kept_of(motion, run)
 
@@ -116,46 +123,78 @@ class FreeDecay(Scenario):
     name = "free-decay"
     question = "When, where and with what loss of energy does a chain come to rest that is let go?"
     source = (
-        "Coulomb damping of an oscillator, 4 F / k a cycle: H. Lorenz, 1924; J. P. Den Hartog, Mechanical Vibrations, "
-        "section 1.9."
+        "Free vibration with Coulomb damping, 4 F / k a cycle: J. P. Den Hartog, Mechanical Vibrations; chain: "
+        "figure 3 of Sethi, Banerjee and Manna."
     )
-    expects = "the event-driven motion, exact to round-off; energy balance and growth: zero; loss of a cycle: 4 F / k"
+    expects = (
+        "the event-driven motion, exact to round-off; energy balance and growth: zero; loss a cycle: 4 F / k; allowed: "
+        "the reference's error at the same step, and the engine's own from three"
+    )
     metrics = (REST_TIME, OFFSETS, DEAD_BAND, HEAT, LEFT, BALANCE, GROWTH, LOSS)
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Put the question to every variant; see `Scenario.run`. The loss a cycle is the oscillator's only."""
-        exact = {decay: decay.exact() for decay in DECAYS}
         evaluator.evaluate(self.questions(variants))
+        exact = {decay: decay.exact() for decay in DECAYS}
+        scheme = {decay: evaluator.evaluate(refinements(decay.motion(REFERENCE)))[-1] for decay in DECAYS}
         return [
             finding
             for variant in variants
             for decay in DECAYS
-            for finding in _findings(variant, decay, exact[decay], evaluator)
+            for finding in _findings(variant, decay, exact[decay], scheme[decay], evaluator)
         ]
 
     def questions(self, variants: Sequence[Variant]) -> list[Motion]:
         """Everything that `run` asks."""
-        return [motion for variant in variants for decay in DECAYS for motion in refinements(decay.motion(variant))]
+        asked = dict.fromkeys((REFERENCE, *variants))
+        return [motion for variant in asked for decay in DECAYS for motion in refinements(decay.motion(variant))]
 
 
-def _findings(variant: Variant, decay: Decay, exact: Series, evaluator: Evaluator) -> list[Finding]:
+def _findings(variant: Variant, decay: Decay, exact: Series, scheme: Answer, evaluator: Evaluator) -> list[Finding]:
     """Compare one decay with the exact one."""
     answers = evaluator.evaluate(refinements(decay.motion(variant)))
     metrics = [metric for metric in FreeDecay.metrics if metric is not LOSS or decay is OSCILLATOR]
-    missing = unfinished(answers, ())
+    missing = unfinished(answers, [scheme])
     if missing is not None:
         return [Finding(variant, decay.title, metric, math.nan, math.nan, missing) for metric in metrics]
     values = [_numbers(decay, answer.series, exact) for answer in answers]
+    own = _own_errors(decay, values, answers)
     expected = _expected(decay, exact)
-    found = []
-    for metric in metrics:
-        finest, wanted = values[-1][metric], expected[metric]
-        tolerance = Tolerance(0.0, error_of_finest([value[metric] for value in values]), _resolution(metric))
-        if metric is OFFSETS:
-            offsets = [np.array(answer.series["offsets"]) / decay.half_width for answer in answers]
-            tolerance = Tolerance(0.0, error_of_finest(offsets), tolerance.resolution)
-        found.append(Finding(variant, decay.title, metric, finest, wanted, compare(finest, wanted, tolerance)))
-    return found
+    floor = _floor(variant, _numbers(decay, scheme.series, exact), expected)
+    return [
+        Finding(
+            variant, decay.title, metric, values[-1][metric], expected[metric],
+            compare(
+                values[-1][metric], expected[metric], Tolerance(floor[metric], own[metric], _resolution(metric)),
+                metric.unit,
+            ),
+        )
+        for metric in metrics
+    ]  # fmt: skip
+
+
+def _own_errors(
+    decay: Decay, values: Sequence[Mapping[Metric, float]], answers: Sequence[Answer]
+) -> dict[Metric, float]:
+    """Errors that three step sizes show.
+
+    Heat, what is left and what is missing are shares of one energy, and an error of one is an error of another:
+    the largest counts for all three, for one alone may vanish by chance. Of offsets those of all cells count.
+    """
+    own = {metric: error_of_finest([value[metric] for value in values]) for metric in values[0]}
+    own[OFFSETS] = error_of_finest([np.array(answer.series["offsets"]) / decay.half_width for answer in answers])
+    return {**own, **dict.fromkeys(SHARES, max(own[metric] for metric in SHARES))}
+
+
+def _floor(variant: Variant, scheme: Mapping[Metric, float], expected: Mapping[Metric, float]) -> dict[Metric, float]:
+    """Error of the reference at the finest step: no engine is asked to be nearer to the exact motion.
+
+    Where events fall between the steps is luck, for the reference and for an engine, and three steps may not
+    show it. The reference itself has to do with its own three.
+    """
+    if variant == REFERENCE:
+        return dict.fromkeys(expected, 0.0)
+    return {metric: abs(scheme[metric] - wanted) for metric, wanted in expected.items()}
 
 
 def _numbers(decay: Decay, series: Series, exact: Series) -> dict[Metric, float]:
@@ -177,7 +216,7 @@ def _numbers(decay: Decay, series: Series, exact: Series) -> dict[Metric, float]
 def _expected(decay: Decay, exact: Series) -> dict[Metric, float]:
     """Give the exact numbers, and the laws."""
     numbers = _numbers(decay, exact, exact)
-    # heat at the rows of the exact motion is a sum; its energy is exact, and dashpots are smooth
+    # contacts' heat is what energy and dashpots leave: dashpots are smooth, friction jumps between the rows
     heat = 1 - exact["energy"][0] - exact["energy"][1]
     return {**numbers, HEAT: heat, BALANCE: 0.0, GROWTH: 0.0, DEAD_BAND: 0.0, OFFSETS: 0.0, LOSS: 1.0}
 
@@ -192,8 +231,8 @@ def _resolution(metric: Metric) -> float:
 _OUTER_MOTION = 1e-4
 """Of the loss a cycle: the closed form's outer mass stands still; here it has 10,000 times the inner one's mass."""
 
-_ROUND_OFF = 1e-5
-"""Of energies and offsets: dashpots' heat of the exact motion is a sum over its rows, good to (ω Δt)² / 12 of 0.02."""
+_ROUND_OFF = 1e-6
+"""Of energies and offsets: the heat of the exact motion's dashpots, see `EXACT_REFINEMENT`."""
 
 
 def loss_a_cycle(swing: FloatArray) -> float:
