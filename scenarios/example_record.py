@@ -22,17 +22,17 @@ def example_samples() -> tuple[FloatArray, FloatArray]:
 
     Noise of evenly drawn phases with the spectrum of Kanai and Tajimi, (1 + 4 ζ_g² r²) / ((1 − r²)² + 4 ζ_g² r²)
     with r = ω / ω_g (H. Tajimi, Proc. 2nd World Conf. Earthquake Eng., 1960), here of the displacement, between
-    0.5 and 12 Hz, under the envelope (t/2 s) exp(1 − t/2 s), which begins at rest and dies out.
+    2 and 12 Hz, under the envelope (t/2 s) exp(1 − t/2 s) (1 − (t/T)⁴)², which begins and ends at rest. Slower
+    shaking would set the whole chain swinging, for much longer than the record lasts.
     """
     time = SPACING * np.arange(SAMPLES)
-    omega = 2 * np.pi * np.arange(0.5, 12.0, 0.05)
+    omega = 2 * np.pi * np.arange(2.0, 12.0, 0.05)
     r = omega / GROUND_FREQUENCY
     ground = (2 * GROUND_DAMPING * r) ** 2
     amplitude = np.sqrt((1 + ground) / ((1 - r**2) ** 2 + ground))
     phase = 2 * np.pi * np.random.Generator(np.random.PCG64(SEED)).random(omega.size)
-    envelope = time / 2 * np.exp(1 - time / 2)
+    envelope = time / 2 * np.exp(1 - time / 2) * (1 - (time / time[-1]) ** 4) ** 2
     shaking = envelope * (np.sin(np.outer(time, omega) + phase) @ amplitude)
-    shaking -= shaking[-1] * (time / time[-1]) ** 2
     return np.round(time, 2), np.round(PEAK * shaking / np.max(np.abs(shaking)), 8)
 
 
