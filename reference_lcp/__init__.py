@@ -1,9 +1,9 @@
 """The reference: LCP time stepping of the frictional mass-in-mass chain after Sethi, Banerjee and Manna."""
 
-from reference_lcp.base_motion import FilteredNoise, MovingBase, RickerPulse, SweptSine
+from reference_lcp.base_motion import FilteredNoise, RickerPulse, SweptSine
 from reference_lcp.chain import Chain
 from reference_lcp.compiled import CompiledSimulation
-from reference_lcp.drive import Drive, HarmonicBase, HarmonicForce, PeriodicDrive, StillBase
+from reference_lcp.drive import Drive, HarmonicBase, HarmonicForce, MovingBase, PeriodicDrive, StillBase
 from reference_lcp.error_bar import ErrorBar, measured_error_bar
 from reference_lcp.euler_lemke import LemkeSimulation, chain_step
 from reference_lcp.event_driven import EventDrivenChain, EventDrivenSimulation, EventsAccumulate

@@ -5,7 +5,6 @@ the dashpot of cell 1; both are exact at every time, so that no result depends o
 All begin at rest, up to the tail of the pulse.
 """
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
@@ -13,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.chain import Chain
+from reference_lcp.drive import MovingBase
 from reference_lcp.validation import FloatArray, ParameterError, checked_choice, checked_count, checked_scalar
 
 QUIET = 10.0
@@ -21,38 +20,6 @@ QUIET = 10.0
 
 BLOCK = 4096
 """Times at which a sum of sines is evaluated together: the powers stay in the second-level cache."""
-
-
-class MovingBase(ABC):
-    """A base that moves in a known way; a `Drive`."""
-
-    kind: ClassVar[str]
-    """As `parameters` names it."""
-    amplitude: float
-    """Displacement scale [m]."""
-
-    @abstractmethod
-    def displacement(self, time: FloatArray) -> FloatArray:
-        """Displacement of the base [m] at `time` [s], of the same shape."""
-
-    @abstractmethod
-    def velocity(self, time: FloatArray) -> FloatArray:
-        """Velocity of the base [m/s] at `time` [s], of the same shape."""
-
-    def load(self, chain: Chain, time: FloatArray) -> FloatArray:
-        """k_c u_0 + c_c u̇_0 [N]: what the moving base adds to the force on cell 1."""
-        force: FloatArray = chain.chain_stiffness[0] * self.displacement(time)
-        if chain.chain_damping[0] > 0:
-            force = force + chain.chain_damping[0] * self.velocity(time)
-        return force
-
-    def displacement_scale(self, chain: Chain) -> float:
-        """Give the amplitude [m]."""
-        return self.amplitude
-
-    @abstractmethod
-    def parameters(self) -> dict[str, Any]:
-        """Give the kind and the parameters, ready for JSON."""
 
 
 @dataclass(frozen=True)

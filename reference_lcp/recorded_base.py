@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from reference_lcp.base_motion import MovingBase
+from reference_lcp.drive import MovingBase
 from reference_lcp.validation import FloatArray, ParameterError, checked_scalar
 
 FEWEST_SAMPLES = 4

@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from engines.variant import Variant
-from reference_lcp.base_motion import MovingBase
+from reference_lcp.drive import MovingBase
 from reference_lcp.transmissibility import Transmissibility
 from reference_lcp.transmittance import decibel
 from reference_lcp.validation import FloatArray

@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from reference_lcp.base_motion import MovingBase
 from reference_lcp.chain import Chain
-from reference_lcp.drive import StillBase
+from reference_lcp.drive import MovingBase, StillBase
 from reference_lcp.recorded_base import RecordedBase
 from reference_lcp.simulation import LARGEST_PHASE_STEP, Lane
 from reference_lcp.trajectory import State
