@@ -4,6 +4,7 @@ Two motions under one drive never drift apart while the normal force is given (f
 errors of the steps before do not grow, and time series are compared as they are, over the whole motion.
 """
 
+import dataclasses
 import math
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
@@ -125,6 +126,17 @@ class Broadband(Scenario):
     @abstractmethod
     def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
         """Read the transmissibility of rows that are `time_step` [s] apart."""
+
+    def parameters(self) -> list[str]:
+        """Give chain, base and step sizes; see `Scenario.parameters`."""
+        case = self.case(self.friction_ratios[0])
+        base = ", ".join(f"{name} {value}" for name, value in case.base.parameters().items())
+        steps = ", ".join(str(STEPS_PER_PERIOD * factor) for factor in REFINEMENTS)
+        return [
+            f"chain: {', '.join(f'{name} {value}' for name, value in dataclasses.asdict(RATIOS).items())}",
+            f"base (SI): {base}",
+            f"{case.periods} periods 2π / ω_r, in {steps} steps each",
+        ]
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Put the question to every variant; see `Scenario.run`."""

@@ -69,6 +69,10 @@ class Scenario(ABC):
     metrics: ClassVar[tuple[Metric, ...]]
     """What is compared."""
 
+    def parameters(self) -> list[str]:
+        """Give what the cases are made of beyond their names (numbers cell by cell, say), in lines."""
+        return []
+
     @abstractmethod
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Put the question to every variant.

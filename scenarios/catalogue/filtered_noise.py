@@ -21,11 +21,14 @@ Shorter ones flatten the resonances: by 1 dB at 50 periods, of a chain as damped
 
 
 class FilteredNoiseScenario(Broadband):
-    """H1, cross spectrum over the base's: what of the response follows the base; friction's own noise is left out."""
+    """H1, cross spectrum over the base's: what of the response follows the base; what friction makes of it is left out.
+
+    Without friction the band 0.65–0.82 lets −2.5 dB pass; at the ratio 0.1 it is −6.3 dB, at 0.3 −0.3 dB again.
+    """
 
     name = "filtered-noise"
     question = "What of noise of the base, flat from 0.2 to 2.4 ω_r, arrives at the end of the chain?"
-    friction_ratios = (0.0, 0.1, 0.3)
+    friction_ratios = (0.1, 0.3)
 
     def case(self, friction_ratio: float) -> Case:
         """Noise throughout, from rest."""

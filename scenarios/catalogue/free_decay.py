@@ -1,5 +1,6 @@
 """Free decay: a chain that is let go, and the friction that brings its contacts to rest."""
 
+import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ from scenarios.evaluation import Evaluator
 from scenarios.motion_answering import kept_of
 from scenarios.motions import Motion
 from scenarios.questions import Answer, ChainRatios, Series
-from scenarios.refinement import error_of_finest
+from scenarios.refinement import REFINEMENTS, error_of_finest
 from scenarios.scenario import Finding, Metric, Scenario
 
 STEPS_PER_PERIOD = 100
@@ -131,6 +132,15 @@ class FreeDecay(Scenario):
         "the reference's error at the same step, and the engine's own from three"
     )
     metrics = (REST_TIME, OFFSETS, DEAD_BAND, HEAT, LEFT, BALANCE, GROWTH, LOSS)
+
+    def parameters(self) -> list[str]:
+        """Give each chain and where it starts; see `Scenario.parameters`."""
+        steps = ", ".join(str(STEPS_PER_PERIOD * factor) for factor in REFINEMENTS)
+        return [
+            f"{decay.title}: {', '.join(f'{name} {value}' for name, value in dataclasses.asdict(decay.ratios).items())}, "
+            f"friction_ratio {decay.friction_ratio:g}, {decay.shape}, {decay.periods} periods in {steps} steps each"
+            for decay in DECAYS
+        ]
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Put the question to every variant; see `Scenario.run`. The loss a cycle is the oscillator's only."""

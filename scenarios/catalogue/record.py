@@ -17,6 +17,8 @@ REST = 200
 class Record(Broadband):
     """The largest displacement of the record counts as U0: its friction ratios are those of the others.
 
+    Without friction the band 0.65–0.82 of the example lets −1.1 dB pass; at 0.03 it is −3.5 dB, at 0.3 +1.8 dB.
+
     Parameters
     ----------
     file
@@ -26,7 +28,7 @@ class Record(Broadband):
 
     name = "record"
     question = "What of a recorded motion of the base (CSV) arrives at the end of the chain?"
-    friction_ratios = (0.0, 0.03, 0.3)
+    friction_ratios = (0.03, 0.3)
 
     def __init__(self, file: Path = FILE):
         self.file = file

@@ -7,7 +7,10 @@ from scenarios.broadband import BASE_AMPLITUDE, RATIOS, Broadband, Case
 
 
 class RickerPulseScenario(Broadband):
-    """At 0.03 friction lets less of the pulse pass beneath the attenuation band; at 0.1 cells lock, and more passes."""
+    """A pulse that is strong for its friction loses more below the attenuation band; a weak one finds the cells locked.
+
+    Without friction the band 0.65–0.82 lets −2.4 dB pass; at the ratio 0.03 it is −4.8 dB, at 0.1 +0.8 dB.
+    """
 
     name = "ricker-pulse"
     question = "What of a Ricker pulse of the base, with its peak at ω_r, arrives at the end of the chain?"
