@@ -62,18 +62,23 @@ def compare_transmittance(answer: Answer, reference: Answer, tolerance_db: float
     tolerance_db
         Allowed difference [dB] above `FLOOR_DB`.
     """
-    if answer.status == "blocked":
-        return Comparison(Verdict.BLOCKED, answer.reason)
-    for name, one in (("engine", answer), ("reference", reference)):
-        if not one.converged:
-            return Comparison(
-                Verdict.INCONCLUSIVE,
-                f"{name}: {one.status} after {one.periods} periods, residual {one.residual:.1e}",
-            )
+    missing = missing_steady_state("engine", answer) or missing_steady_state("reference", reference)
+    if missing is not None:
+        return missing
     difference = answer.transmittance_db - reference.transmittance_db
     allowed = allowed_difference_db(reference.transmittance_db, tolerance_db)
     verdict = Verdict.AGREE if abs(difference) <= allowed else Verdict.DISAGREE
     return Comparison(verdict, f"difference {difference:+.4f} dB, allowed {allowed:.3g} dB", difference, allowed)
+
+
+def missing_steady_state(whose: str, answer: Answer) -> Comparison | None:
+    """Say why there is nothing to compare; ``None`` where there is a certified steady state."""
+    if answer.status == "blocked":
+        return Comparison(Verdict.BLOCKED, answer.reason)
+    if answer.converged:
+        return None
+    reason = f"{whose}: {answer.status} after {answer.periods} periods, residual {answer.residual:.1e}"
+    return Comparison(Verdict.INCONCLUSIVE, reason)
 
 
 def allowed_difference_db(reference_db: float, tolerance_db: float) -> float:
@@ -102,6 +107,10 @@ def compare_edge(edge: float | None, converged: float | None) -> Comparison:
 class Tolerance:
     """How far two answers may be apart, derived from how far either may be from the truth.
 
+    The difference of two step sizes may vanish by chance where the error does not. The error of the step is therefore
+    taken to be no smaller than that of the reference at the same step, where that is known from three of its steps:
+    no engine is asked to be better than the scheme.
+
     Parameters
     ----------
     reference
@@ -110,26 +119,45 @@ class Tolerance:
         Estimated error of the engine's value, from its answers with two step sizes, >= 0.
     resolution
         What neither can resolve (a step of time, the residual of a steady state, round-off), >= 0.
+    scheme
+        Error bar of the reference's value at the same step as the engine's, >= 0.
     """
 
     reference: float
     engine: float
     resolution: float = 0.0
+    scheme: float = 0.0
 
     @property
     def allowed(self) -> float:
         """Largest difference that counts as agreement."""
-        return self.reference + self.engine + self.resolution
+        return self.reference + max(self.engine, self.scheme) + self.resolution
 
     def __str__(self) -> str:
-        larger = max(("reference", "engine", "resolution"), key=lambda name: getattr(self, name))
-        what = {"reference": "the reference's error bar", "engine": "the engine's own step", "resolution": "resolution"}
-        return f"{self.allowed:.2g}, mostly {what[larger]} ({getattr(self, larger):.2g})"
+        parts = {
+            "the reference's error bar": self.reference,
+            "the engine's own step": self.engine,
+            "the error of the reference's scheme at this step": self.scheme,
+            "resolution": self.resolution,
+        }
+        larger = max(parts, key=lambda what: parts[what])
+        return f"{self.allowed:.2g}, mostly {larger} ({parts[larger]:.2g})"
 
 
 def step_estimate(coarse: float, fine: float) -> float:
     """Error of the finer of two values, the step of the coarser one being twice as long, of a first-order scheme."""
     return SAFETY * abs(fine - coarse)
+
+
+def scheme_bar(coarse: float, middle: float, fine: float) -> float:
+    """Error bar of the middle one of three values of a first-order scheme, whose steps are 1, 1/2 and 1/4.
+
+    As in `reference_lcp.error_bar`: if the errors are e, e/2, e/4, either difference gives e/2. Where the first-order
+    part is small and the second-order part is not, both may be too small; extrapolation with both parts then gives
+    the error. The largest of the three is taken, lest one of them vanishes by chance.
+    """
+    first, second = middle - coarse, fine - middle
+    return SAFETY * max(abs(first), 2 * abs(second), abs(8 * second - first) / 3)
 
 
 def compare(value: float, expected: float, tolerance: Tolerance, unit: str = "") -> Comparison:
