@@ -45,6 +45,8 @@ class ExudynLane(LaneModel):
             self._system = self._container.AddSystem()
             self._assemble(preset)
         self._settings = self._solver_settings(preset)
+        self._loads: list[float] = []
+        self._first_load = 0
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state`; sensors record the ends of the steps."""
@@ -75,6 +77,7 @@ class ExudynLane(LaneModel):
     def bare_steps(self, steps: int) -> None:
         """Let Exudyn's solver take steps from rest, nothing recorded; it computes the load itself."""
         settings, data = self._settings, self._system.systemData
+        self._tabulate_load(0, steps)
         settings.timeIntegration.startTime, settings.timeIntegration.endTime = 0, steps * self._time_step
         settings.timeIntegration.numberOfSteps = steps * self._substeps
         settings.solution.sensors.active = False
@@ -128,6 +131,7 @@ class ExudynLane(LaneModel):
         data.SetODE2Coordinates(self._coordinates(state.positions[0] / self._units.length), initial)
         data.SetODE2Coordinates_t(self._coordinates(state.velocities[0] / self._units.velocity), initial)
         self._set_friction_state(state, start)
+        self._tabulate_load(start, steps)
         integration = self._settings.timeIntegration
         integration.startTime = start * self._time_step
         integration.endTime = (start + steps) * self._time_step
@@ -186,16 +190,13 @@ class ExudynLane(LaneModel):
         system.Assemble()
 
     def _add_load(self, marker: Any) -> None:
-        """Load the outer mass of cell 1: harmonic drives by a compiled expression, others through Python."""
+        """Load the outer mass of cell 1: harmonic drives by a compiled expression, others from a table."""
         from exudyn import advancedUtilities, itemInterface
 
         load = self._system.AddLoad(itemInterface.LoadCoordinate(markerNumber=marker, load=0.0))
         harmonic = _harmonic_amplitudes(self.lane)
         if harmonic is None:
-            drive, chain, units = self.lane.drive, self.lane.chain, self._units
-
-            def function(_system: Any, time: float, _load: float) -> float:
-                return float(drive.load(chain, np.asarray(time * units.time))) / units.force
+            function = self._tabulated_load
         else:
             sine, cosine = (float(amplitude / self._units.force) for amplitude in harmonic[:2])
             omega = harmonic[2] * self._units.time
@@ -207,6 +208,21 @@ class ExudynLane(LaneModel):
             function = advancedUtilities.CreateSymbolicUserFunction(self._system, expression, "loadUserFunction", load)
         self._load_function = function  # Exudyn does not keep it alive
         self._system.SetLoadParameter(load, "loadUserFunction", function)
+
+    def _tabulate_load(self, start: int, steps: int) -> None:
+        """Compute a drive that is not harmonic at the ends of all substeps of a run, at once."""
+        if _harmonic_amplitudes(self.lane) is not None:
+            return
+        substeps = start * self._substeps + np.arange(steps * self._substeps + 1, dtype=np.float64)
+        loads = self.lane.drive.load(self.lane.chain, substeps * (self.lane.time_step / self._substeps))
+        self._loads, self._first_load = (loads / self._units.force).tolist(), start * self._substeps
+
+    def _tabulated_load(self, _system: Any, time: float, _load: float) -> float:
+        """Load at a time; between substeps, where the solver halves one, along a straight line."""
+        place = time / self._time_step * self._substeps - self._first_load
+        before = min(max(int(place), 0), len(self._loads) - 2)
+        part = place - before
+        return (1 - part) * self._loads[before] + part * self._loads[before + 1]
 
     def _add_sensors(self, node: Any, connectors: Sequence[Any]) -> None:
         """Record the motion of all masses and the force of each connector, in memory only."""

@@ -1,8 +1,9 @@
 """The reference: LCP time stepping of the frictional mass-in-mass chain after Sethi, Banerjee and Manna."""
 
+from reference_lcp.base_motion import FilteredNoise, RickerPulse, SweptSine
 from reference_lcp.chain import Chain
 from reference_lcp.compiled import CompiledSimulation
-from reference_lcp.drive import Drive, HarmonicBase, HarmonicForce, PeriodicDrive, StillBase
+from reference_lcp.drive import Drive, HarmonicBase, HarmonicForce, MovingBase, PeriodicDrive, StillBase
 from reference_lcp.error_bar import ErrorBar, measured_error_bar
 from reference_lcp.euler_lemke import LemkeSimulation, chain_step
 from reference_lcp.event_driven import EventDrivenChain, EventDrivenSimulation, EventsAccumulate
@@ -30,6 +31,7 @@ from reference_lcp.linear_limits import (
 from reference_lcp.periodic import OrbitStatus, PeriodicOrbit, periodic_orbits
 from reference_lcp.preload import Flight, Preload
 from reference_lcp.preloaded_chain import PreloadedChain
+from reference_lcp.recorded_base import RecordedBase
 from reference_lcp.simulation import Lane, Simulation, steps_per_period_for
 from reference_lcp.steady_state import SOLVERS, SteadyState, exact_steady_state, simulate, steady_state
 from reference_lcp.stick_slip import (
@@ -44,6 +46,7 @@ from reference_lcp.stick_slip import (
     transitions,
 )
 from reference_lcp.trajectory import State, Trajectory
+from reference_lcp.transmissibility import Transmissibility, stationary_transmissibility, transient_transmissibility
 from reference_lcp.transmittance import decibel, fundamental, rms_transmittance, transmittance
 from reference_lcp.validation import ParameterError
 
@@ -59,6 +62,7 @@ __all__ = [
     "EventDrivenSimulation",
     "EventsAccumulate",
     "ExactPeriod",
+    "FilteredNoise",
     "Flight",
     "FrictionalStep",
     "FrictionalSystem",
@@ -69,20 +73,25 @@ __all__ = [
     "LemkeSimulation",
     "LemkeStatus",
     "Mode",
+    "MovingBase",
     "OrbitStatus",
     "ParameterError",
     "PeriodicDrive",
     "PeriodicOrbit",
     "Preload",
     "PreloadedChain",
+    "RecordedBase",
+    "RickerPulse",
     "Simulation",
     "State",
     "SteadyState",
     "StepFailed",
     "StillBase",
+    "SweptSine",
     "SystemTrajectory",
     "Trajectory",
     "Transition",
+    "Transmissibility",
     "advanced",
     "air_fraction",
     "assemble",
@@ -107,11 +116,13 @@ __all__ = [
     "simulate_system",
     "solve_step",
     "solve_step_given_normal_force",
+    "stationary_transmissibility",
     "steady_state",
     "steps_per_period_for",
     "stuck_fraction",
     "stuck_response",
     "stuck_transmittance",
+    "transient_transmissibility",
     "transitions",
     "transmittance",
 ]

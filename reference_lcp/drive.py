@@ -1,7 +1,8 @@
 """What sets the chain in motion: a moving base, or a force on cell 1."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, Protocol, Self
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 
@@ -29,8 +30,40 @@ class Drive(Protocol):
         ...
 
 
+class MovingBase(ABC):
+    """A base that moves in a known way; a `Drive`."""
+
+    kind: ClassVar[str]
+    """As `parameters` names it."""
+    amplitude: float
+    """Displacement scale [m]."""
+
+    @abstractmethod
+    def displacement(self, time: FloatArray) -> FloatArray:
+        """Displacement of the base [m] at `time` [s], of the same shape."""
+
+    @abstractmethod
+    def velocity(self, time: FloatArray) -> FloatArray:
+        """Velocity of the base [m/s] at `time` [s], of the same shape."""
+
+    def load(self, chain: Chain, time: FloatArray) -> FloatArray:
+        """k_c u_0 + c_c u̇_0 [N]: what the moving base adds to the force on cell 1."""
+        force: FloatArray = chain.chain_stiffness[0] * self.displacement(time)
+        if chain.chain_damping[0] > 0:
+            force = force + chain.chain_damping[0] * self.velocity(time)
+        return force
+
+    def displacement_scale(self, chain: Chain) -> float:
+        """Give the amplitude [m]."""
+        return self.amplitude
+
+    @abstractmethod
+    def parameters(self) -> dict[str, Any]:
+        """Give the kind and the parameters, ready for JSON."""
+
+
 @dataclass(frozen=True)
-class HarmonicBase:
+class HarmonicBase(MovingBase):
     """The base moves as U0 sin ωt.
 
     Parameters
@@ -41,6 +74,7 @@ class HarmonicBase:
         ω [rad/s], > 0.
     """
 
+    kind: ClassVar[str] = "harmonic base"
     amplitude: float
     angular_frequency: float
 
@@ -73,17 +107,9 @@ class HarmonicBase:
         """Velocity of the base [m/s]."""
         return self.amplitude * self.angular_frequency * np.cos(self.angular_frequency * time)
 
-    def load(self, chain: Chain, time: FloatArray) -> FloatArray:
-        """k_c u_0 + c_c u̇_0 [N]: what the moving base adds to the force on cell 1."""
-        return chain.chain_stiffness[0] * self.displacement(time) + chain.chain_damping[0] * self.velocity(time)
-
-    def displacement_scale(self, chain: Chain) -> float:
-        """U0 [m]."""
-        return self.amplitude
-
     def parameters(self) -> dict[str, Any]:
         """Give the kind and the parameters, ready for JSON."""
-        return {"kind": "harmonic base", "amplitude": self.amplitude, "angular_frequency": self.angular_frequency}
+        return {"kind": self.kind, "amplitude": self.amplitude, "angular_frequency": self.angular_frequency}
 
 
 @dataclass(frozen=True)

@@ -1,27 +1,35 @@
-"""How a question is answered: build the chain in the engine, find the periodic orbit, read it."""
+"""How questions are answered, by kind; of steady states: build the chain, find the periodic orbit, read it."""
 
 import math
 import time
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
-from engines.interface import EngineNotInstalled
 from engines.variant import Variant
 from reference_lcp.periodic import OrbitStatus, PeriodicOrbit, periodic_orbits
 from reference_lcp.simulation import Lane
 from reference_lcp.steady_state import SteadyState
 from reference_lcp.stick_slip import air_fraction, creep_velocity, largest_gap
-from reference_lcp.validation import ParameterError
-from scenarios.questions import Answer, Question
+from scenarios.failures import answered_together
+from scenarios.motion_answering import answer_motions
+from scenarios.motions import Motion
+from scenarios.questions import Answer, Asked, Question
 
 
-def answer_batch(questions: Sequence[Question]) -> list[Answer]:
-    """Answer questions to one variant about chains of one length, in order.
+def answer_batch(batch: Sequence[Asked]) -> list[Answer]:
+    """Answer questions of one kind, to one variant, about chains of one length, in order.
 
     An engine that is not installed, or that fails on the batch, gives blocked answers with the
     reason; failures are results.
     """
+    answered: list[Answer] = _ANSWERING[type(batch[0])](batch)
+    return answered
+
+
+def answer_steady_states(questions: Sequence[Question]) -> list[Answer]:
+    """Answer questions for steady states; as `answer_batch`."""
     by_steps: dict[int, list[int]] = defaultdict(list)
     lanes = []
     for index, question in enumerate(questions):
@@ -30,28 +38,21 @@ def answer_batch(questions: Sequence[Question]) -> list[Answer]:
         lanes.append(lane)
     answers: dict[int, Answer] = {}
     for steps, indices in by_steps.items():
-        found = _answer_lanes(questions[indices[0]], [lanes[index] for index in indices], steps)
+        attempt = partial(_answer_lanes, questions[indices[0]].variant, steps=steps)
+        found = answered_together([lanes[index] for index in indices], attempt)
         answers.update(zip(indices, found, strict=True))
     return [answers[index] for index in range(len(questions))]
 
 
-def _answer_lanes(asked: Question, lanes: list[Lane], steps: int) -> list[Answer]:
-    """Answer lanes that share their number of steps a period; those of a failed batch again one by one."""
+def _answer_lanes(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Answer]:
+    """Answer lanes that share their number of steps a period, at once."""
     begin = time.perf_counter()
-    try:
-        orbits = _orbits(asked.variant, lanes, steps)
-    except EngineNotInstalled as problem:
-        return [Answer.blocked(str(problem))] * len(lanes)
-    except Exception as problem:
-        if len(lanes) > 1:
-            return [_answer_lanes(asked, [lane], steps)[0] for lane in lanes]
-        kind = "cannot be represented" if isinstance(problem, ParameterError) else type(problem).__name__
-        return [Answer.blocked(f"{kind}: {problem}")]
+    orbits = _orbits(variant, lanes, steps)
     seconds = (time.perf_counter() - begin) / len(lanes)
-    return [_answer(orbit, asked.variant.options.stick_margin, seconds) for orbit in orbits]
+    return [_answer(orbit, variant.options.stick_margin, seconds) for orbit in orbits]
 
 
-def _orbits(variant: Variant, lanes: list[Lane], steps: int) -> list[PeriodicOrbit]:
+def _orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[PeriodicOrbit]:
     """Find the steady states of lanes, in the engine."""
     simulation = variant.build(lanes)
     try:
@@ -86,3 +87,9 @@ def _answer(orbit: PeriodicOrbit, stick_margin: float, seconds: float) -> Answer
         largest_gap=tuple((largest_gap(orbit) / length).tolist()) if modulated else (),
         seconds=seconds,
     )
+
+
+_ANSWERING: dict[type[Asked], Callable[[Any], list[Answer]]] = {
+    Question: answer_steady_states,
+    Motion: answer_motions,
+}

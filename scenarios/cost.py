@@ -12,7 +12,7 @@ import numpy as np
 from engines.bench import StepCost, step_cost
 from engines.variant import Variant
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
-from scenarios.isolation import LocalCrew
+from scenarios.isolation import Batch, LocalCrew
 from scenarios.questions import Answer, ChainRatios, Question
 
 REFERENCE = Variant("reference")
@@ -88,7 +88,7 @@ def cost(variant: Variant, seconds: float = SECONDS) -> Cost:
     return Cost(step, len(answers), len(certified), periods, taken)
 
 
-def _batches(variant: Variant, point: float, seconds: float) -> list[list[Question]]:
+def _batches(variant: Variant, point: float, seconds: float) -> list[Batch]:
     """Choose the points: batches smaller than the engine's best where a point alone takes long."""
     lanes = min(variant.capabilities.batch_lanes, max(1, int(seconds / LEAST_BATCHES / point)))
     count = 2 * round(seconds / point / lanes / 2)
@@ -103,7 +103,7 @@ def _batches(variant: Variant, point: float, seconds: float) -> list[list[Questi
     ]
 
 
-def _timed(batches: Sequence[list[Question]], workers: int) -> tuple[float, list[Answer]]:
+def _timed(batches: Sequence[Batch], workers: int) -> tuple[float, list[Answer]]:
     """Answer batches by so many workers; gives the seconds, and the answers."""
     with LocalCrew(workers) as crew:
         for _ in crew.answers([batches[0][:1]] * workers):  # starts the processes, and imports the engine in each

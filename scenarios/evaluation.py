@@ -8,7 +8,7 @@ from engines.registry import engine
 from engines.variant import Variant
 from scenarios.closing import Closing
 from scenarios.isolation import Crew
-from scenarios.questions import Answer, Outcome, Question
+from scenarios.questions import Answer, Asked, Outcome
 from scenarios.store import ResultStore
 
 Progress = Callable[[Variant, int], None]
@@ -38,11 +38,11 @@ class Evaluator(Closing):
     def __init__(self, store: ResultStore, crew: Crew):
         self._store = store
         self._crew = crew
-        self._answered: dict[Question, Answer] = {}
+        self._answered: dict[Asked, Answer] = {}
         self.progress: Progress = _no_progress
         self.recalled: Progress = _no_progress
 
-    def evaluate(self, questions: Sequence[Question]) -> list[Answer]:
+    def evaluate(self, questions: Sequence[Asked]) -> list[Answer]:
         """Answer all questions, in order; one that comes again is answered from memory, blocked or not."""
         missing = []
         for question in self.unanswered(questions):
@@ -58,7 +58,7 @@ class Evaluator(Closing):
             self.progress(batch[0].variant, len(batch))
         return [self._answered[question] for question in questions]
 
-    def complete(self, questions: Iterable[Question]) -> Iterator[tuple[Question, Outcome]]:
+    def complete(self, questions: Iterable[Asked]) -> Iterator[tuple[Asked, Outcome]]:
         """Answer whatever the store does not know, and forget it once it is kept; gives how each question ended.
 
         However many questions there are, their answers are never in memory together.
@@ -78,7 +78,7 @@ class Evaluator(Closing):
             self.progress(batch[0].variant, len(batch))
             yield from ((question, Outcome.of(answer)) for question, answer in zip(batch, found, strict=True))
 
-    def unanswered(self, questions: Sequence[Question]) -> list[Question]:
+    def unanswered(self, questions: Sequence[Asked]) -> list[Asked]:
         """Give the questions that this evaluator has not answered so far, each once."""
         return [question for question in dict.fromkeys(questions) if question not in self._answered]
 
@@ -86,7 +86,7 @@ class Evaluator(Closing):
         """End the worker processes; what they have not begun is left undone."""
         self._crew.close()
 
-    def _known(self, question: Question) -> Answer | None:
+    def _known(self, question: Asked) -> Answer | None:
         """Give the answer that needs no computation: a kept one, or that the engine is missing."""
         missing = why_not_installed(question.variant)
         return self._store.find(question) if missing is None else Answer.blocked(f"not installed: {missing}")
@@ -97,12 +97,12 @@ def why_not_installed(variant: Variant) -> str | None:
     return engine(variant.engine).why_not_installed()
 
 
-def _batches(questions: list[Question]) -> Iterator[list[Question]]:
+def _batches(questions: list[Asked]) -> Iterator[list[Asked]]:
     """Group questions that one simulation can answer, in pieces that the engine takes at once."""
-    groups: dict[tuple[Variant, int], list[Question]] = defaultdict(list)
+    groups: dict[tuple[type[Asked], Variant, int], list[Asked]] = defaultdict(list)
     for question in questions:
-        groups[question.variant, question.ratios.cells].append(question)
-    for (variant, _), group in groups.items():
+        groups[type(question), question.variant, question.ratios.cells].append(question)
+    for (_, variant, _), group in groups.items():
         size = engine(variant.engine).capabilities.batch_lanes
         for first in range(0, len(group), size):
             yield group[first : first + size]

@@ -17,7 +17,7 @@ from typing import Protocol
 from reference_lcp.validation import checked_count, checked_scalar
 from scenarios.answering import answer_batch
 from scenarios.closing import Closing
-from scenarios.questions import Answer, Question
+from scenarios.questions import Answer, Asked
 
 TIME_LIMIT = 300.0
 """Seconds that a batch of questions may take: a hundred times what the slowest engine needs for the usual one."""
@@ -25,7 +25,7 @@ TIME_LIMIT = 300.0
 MOST_FAILURES = 3
 """Points at which an engine may end its process; after as many, its other points are not asked in this run."""
 
-Batch = list[Question]
+Batch = list[Asked]
 
 
 KILLED = "the worker process was killed"
@@ -102,7 +102,7 @@ def end_with_parent() -> None:
         threading.Thread(target=lambda: (wait_for_any([parent.sentinel]), os._exit(1)), daemon=True).start()
 
 
-def answer_within(batch: Sequence[Question], limit: float, record: Path) -> list[Answer]:
+def answer_within(batch: Sequence[Asked], limit: float, record: Path) -> list[Answer]:
     """Answer a batch in this process, or end the process and leave a note of where it was.
 
     The limit holds inside compiled code too, whether or not it lets other threads of Python run.
@@ -157,7 +157,7 @@ class Crew(Closing):
 
         A question whose process was killed, from outside or for want of memory, has a second chance.
         """
-        again: set[Question] = set()
+        again: set[Asked] = set()
         waiting = deque(batches)
         failures: dict[str, list[str]] = {}
         running: dict[Future[list[Answer]], tuple[int, Batch]] = {}

@@ -23,7 +23,7 @@ from rich.text import Text
 from engines.variant import Variant
 from scenarios.evaluation import Evaluator
 from scenarios.isolation import Crew
-from scenarios.questions import Answer, Question
+from scenarios.questions import Answer, Asked
 from scenarios.store import ResultStore
 
 
@@ -135,19 +135,19 @@ class CountingEvaluator(Evaluator):
         Where progress is shown.
     """
 
-    def __init__(self, store: ResultStore, crew: Crew, expected: Sequence[Question], bars: Bars):
+    def __init__(self, store: ResultStore, crew: Crew, expected: Sequence[Asked], bars: Bars):
         super().__init__(store, crew)
         self._bars = bars
-        self._expected: set[Question] = set()
+        self._expected: set[Asked] = set()
         self.progress, self.recalled = bars.advance, bars.recall
         self._expect(expected)
 
-    def evaluate(self, questions: Sequence[Question]) -> list[Answer]:
+    def evaluate(self, questions: Sequence[Asked]) -> list[Answer]:
         """Answer all questions, in order."""
         self._expect(self.unanswered(questions))
         return super().evaluate(questions)
 
-    def _expect(self, questions: Sequence[Question]) -> None:
+    def _expect(self, questions: Sequence[Asked]) -> None:
         """Raise the totals by the questions that were not expected so far."""
         extra = [question for question in questions if question not in self._expected]
         self._expected.update(extra)

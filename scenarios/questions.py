@@ -4,6 +4,7 @@ import dataclasses
 import hashlib
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, NamedTuple, Self
@@ -24,6 +25,9 @@ ANSWER_FORMAT = 2
 
 Ratio = float | tuple[float, ...]
 """One number for all cells, or one a cell."""
+
+Series = Mapping[str, tuple[float, ...]]
+"""Numbers by name: what is kept of a motion."""
 
 
 BASE_AMPLITUDE = 0.01
@@ -235,7 +239,7 @@ class Answer:
     Parameters
     ----------
     status
-        ``converged``, ``period limit``, ``diverged`` or ``blocked``.
+        Of a steady state ``converged``, ``period limit`` or ``diverged``; of a motion ``finished``; ``blocked``.
     reason
         Why it is blocked; empty otherwise.
     transmittance_db
@@ -263,6 +267,8 @@ class Answer:
         Largest g_N of each contact over the displacement scale; likewise.
     seconds
         Wall-clock time that the point took, an even share of its batch.
+    series
+        What is kept of a motion; empty for a steady state.
     """
 
     status: str
@@ -279,6 +285,7 @@ class Answer:
     air_fraction: tuple[float, ...] = ()
     largest_gap: tuple[float, ...] = ()
     seconds: float = math.nan
+    series: Series = field(default_factory=dict)
 
     @property
     def converged(self) -> bool:
@@ -303,6 +310,7 @@ class Answer:
         for name in ("stuck_fraction", "creep", "air_fraction", "largest_gap"):
             numbers[name] = tuple(numbers.get(name, ()))
         numbers["transitions"] = tuple((cell, time, kind) for cell, time, kind in numbers["transitions"])
+        numbers["series"] = {name: tuple(values) for name, values in numbers.get("series", {}).items()}
         return cls(**numbers)
 
 

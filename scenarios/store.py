@@ -7,7 +7,7 @@ from pathlib import Path
 
 from reference_lcp.validation import ParameterError
 from scenarios.closing import Closing
-from scenarios.questions import Answer, Outcome, Question, key_of
+from scenarios.questions import Answer, Asked, Outcome, key_of
 
 APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""
@@ -61,22 +61,22 @@ class ResultStore(Closing):
                     "CREATE TABLE answers (key TEXT PRIMARY KEY, content TEXT NOT NULL, answer TEXT NOT NULL)"
                 )
 
-    def find(self, question: Question) -> Answer | None:
+    def find(self, question: Asked) -> Answer | None:
         """Give the answer to an equal question, or ``None``."""
         row = self._connection.execute("SELECT answer FROM answers WHERE key = ?", (question.key(),)).fetchone()
         return None if row is None else Answer.from_json(row[0])
 
-    def answers(self, questions: Iterable[Question]) -> Iterator[Answer | None]:
+    def answers(self, questions: Iterable[Asked]) -> Iterator[Answer | None]:
         """Give the answer to each question, in order, or ``None``."""
         for _, text in self._texts(questions, "answer"):
             yield None if text is None else Answer.from_json(text)
 
-    def outcomes(self, questions: Iterable[Question]) -> Iterator[tuple[Question, Outcome | None]]:
+    def outcomes(self, questions: Iterable[Asked]) -> Iterator[tuple[Asked, Outcome | None]]:
         """Give each question, in order, with how it ended, or ``None``; numbers are left unread."""
         for question, text in self._texts(questions, "json_extract(answer, '$.status', '$.periods', '$.multiple')"):
             yield question, None if text is None else Outcome.from_json(text)
 
-    def _texts(self, questions: Iterable[Question], column: str) -> Iterator[tuple[Question, str | None]]:
+    def _texts(self, questions: Iterable[Asked], column: str) -> Iterator[tuple[Asked, str | None]]:
         """Look up an expression of SQL for each question, many at a time."""
         asked = iter(questions)
         while chunk := list(itertools.islice(asked, LOOKUP)):
@@ -85,7 +85,7 @@ class ResultStore(Closing):
             found = dict(self._connection.execute(f"SELECT key, {column} FROM answers WHERE key IN ({marks})", keys))
             yield from ((question, found.get(key)) for question, key in zip(chunk, keys, strict=True))
 
-    def keep(self, answered: Iterable[tuple[Question, Answer]]) -> None:
+    def keep(self, answered: Iterable[tuple[Asked, Answer]]) -> None:
         """Write answers in one transaction; blocked ones are not kept, so that they are tried again."""
         texts = [(question.text(), answer.to_json()) for question, answer in answered if answer.status != "blocked"]
         rows = [(key_of(text), text, answer) for text, answer in texts]

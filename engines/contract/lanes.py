@@ -6,6 +6,7 @@ import numpy as np
 
 from engines.contract.tolerances import STEPS
 from engines.variant import Variant
+from reference_lcp.base_motion import QUIET, RickerPulse
 from reference_lcp.chain import Chain
 from reference_lcp.drive import HarmonicBase, PeriodicDrive
 from reference_lcp.preload import Preload
@@ -31,6 +32,13 @@ def modulated_lane(modulation: float, multiple: int = 1, steps: int = STEPS) -> 
     """Give the canonical chain in its pass band, its preload modulated at a multiple of the drive's frequency."""
     lane = lane_of(0.3, 0.6, steps)
     return dataclasses.replace(lane, preload=Preload.at_multiple(drive_of(lane), modulation, multiple))
+
+
+def pulse_lane_of(friction_ratio: float) -> Lane:
+    """Give the canonical chain under one pulse of the base, with its peak at ω_r."""
+    chain = Chain.from_ratios(friction_ratio=friction_ratio)
+    omega = chain.resonator_frequency
+    return Lane(chain, RickerPulse(AMPLITUDE, omega, QUIET / omega), 2 * np.pi / omega / STEPS)
 
 
 def random_state(lanes: int, seed: int = 0) -> State:

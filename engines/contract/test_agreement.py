@@ -4,11 +4,12 @@ import dataclasses
 
 import numpy as np
 
-from engines.contract.lanes import AMPLITUDE, lane_of, random_state
+from engines.contract.lanes import AMPLITUDE, lane_of, pulse_lane_of, random_state
 from engines.contract.tolerances import (
     CONVERGED_TOLERANCE_DB,
     CREEP,
     FRICTION_TOLERANCE,
+    PULSE_TOLERANCE,
     SAME_CHAIN,
     SCHEME_TOLERANCE_DB,
     STEPS,
@@ -50,6 +51,17 @@ def test_who_shares_the_scheme_equals_the_reference_to_round_off_over_forty_peri
     force = np.max(np.abs(found.friction - expected.friction)) / lane.chain.friction_bound[0]
     assert motion <= TRAJECTORY_TOLERANCE[precision] + softness, "the motion leaves the scheme's"
     assert force <= FRICTION_TOLERANCE[precision] + softness, "the friction leaves the scheme's"
+
+
+def test_pulse_of_the_base_moves_the_chain_as_it_moves_the_reference(tuned: Variant) -> None:
+    """A drive is any function of time: over four periods of the resonator, from rest."""
+    lane = pulse_lane_of(0.3)
+    shares = tuned.options.shares_scheme
+    ruler = Variant("reference", preset="tuned" if shares else "converged")
+    found, expected = (one.build([lane]).run(State.at_rest(1, 7), 0, 4 * STEPS)[0] for one in (tuned, ruler))
+    difference = np.max(np.abs(found.positions - expected.positions)) / AMPLITUDE
+    to_round_off = TRAJECTORY_TOLERANCE[tuned.capabilities.precision] + CREEP * tuned.options.softness
+    assert difference <= (to_round_off if shares else PULSE_TOLERANCE), "this is another drive"
 
 
 def test_cells_that_differ_are_each_built_as_given(sharing: Variant) -> None:

@@ -58,6 +58,11 @@ SAME_CHAIN = 0.5
 """Of positions over a period that begins at rest, over U0, at (0.3, 0.9): without any friction they differ from the
 reference's by 0.41, with friction that never slips by 0.46, and with one in between by less."""
 
+PULSE_TOLERANCE = 2 * np.pi / STEPS
+"""Of positions under a pulse of the base, over U0, for an engine with its own scheme: U0 ω_r dt, which the base moves
+in a step. A load that is a step late, or held for one, is within; a load of another course in time is not.
+"""
+
 SCHEME_TOLERANCE_DB = 0.02
 """Largest difference of transmittance between engines that share the Euler scheme, at equal time step [dB].
 

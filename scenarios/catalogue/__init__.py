@@ -5,9 +5,14 @@ from types import MappingProxyType
 
 from scenarios.catalogue.den_hartog import DenHartog
 from scenarios.catalogue.figure3 import Figure3Points
+from scenarios.catalogue.filtered_noise import FilteredNoiseScenario
+from scenarios.catalogue.free_decay import FreeDecay
 from scenarios.catalogue.linear_limits import FrictionlessLimit, LockedLimit
 from scenarios.catalogue.long_chain import LongChain
 from scenarios.catalogue.modulated_normal_force import ModulatedNormalForce
+from scenarios.catalogue.record import Record
+from scenarios.catalogue.ricker_pulse import RickerPulseScenario
+from scenarios.catalogue.swept_sine import SweptSineScenario
 from scenarios.catalogue.unequal_cells import DisorderedChain, GradedChain
 from scenarios.catalogue.unit_cell import UnitCell
 from scenarios.scenario import Scenario
@@ -18,6 +23,11 @@ SCENARIOS: tuple[Scenario, ...] = (
     DenHartog(),
     FrictionlessLimit(),
     LockedLimit(),
+    FreeDecay(),
+    RickerPulseScenario(),
+    SweptSineScenario(),
+    FilteredNoiseScenario(),
+    Record(),
     DisorderedChain(),
     GradedChain(),
     LongChain(),

@@ -6,7 +6,7 @@ import numpy as np
 
 from engines import Capabilities, Engine, Formulation, FrictionLaw, NormalForce, Option, Preset
 from engines.interface import LaneModel, LanewiseSimulation
-from reference_lcp import State, Trajectory
+from reference_lcp import HarmonicBase, State, StillBase, Trajectory
 from reference_lcp.preload import normal_motion
 
 PRESETS = {
@@ -288,6 +288,19 @@ class AllCellsAlike(Faulty):
         def __init__(self, lane, preset):
             super().__init__(lane, preset)
             self.mass = np.full_like(self.mass, np.mean(self.mass))
+
+
+class KnowsOnlySines(Faulty):
+    """Whatever moves the base is taken for a sine at the resonator's frequency."""
+
+    name = "faulty-drive"
+
+    class lane_model(Lane):  # noqa: N801
+        def __init__(self, lane, preset):
+            super().__init__(lane, preset)
+            if not isinstance(lane.drive, HarmonicBase | StillBase):
+                scale = lane.drive.displacement_scale(lane.chain)
+                self.lane = dataclasses.replace(lane, drive=HarmonicBase(scale, lane.chain.resonator_frequency))
 
 
 class AnotherDefault(Faulty):

@@ -1,0 +1,240 @@
+"""Free decay: a chain that is let go, and the friction that brings its contacts to rest."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from engines.variant import Variant
+from reference_lcp.chain import Chain
+from reference_lcp.drive import StillBase
+from reference_lcp.event_driven import EventDrivenSimulation
+from reference_lcp.validation import FloatArray
+from scenarios.agreement import Tolerance, compare
+from scenarios.broadband import REFERENCE, refinements, unfinished
+from scenarios.evaluation import Evaluator
+from scenarios.motion_answering import kept_of
+from scenarios.motions import Motion
+from scenarios.questions import Answer, ChainRatios, Series
+from scenarios.refinement import REFINEMENTS, error_of_finest
+from scenarios.scenario import Finding, Metric, Scenario
+
+STEPS_PER_PERIOD = 100
+"""Coarsest steps to a period 2π / ω_r; the finest of the three step sizes takes four times as many."""
+
+EXACT_REFINEMENT = 8
+"""Rows of the exact motion to the coarsest step: heat of dashpots is a sum over them, good to 3e-7 of the energy."""
+
+LENGTH = 0.01
+"""Displacement scale [m]: the U0 of the friction ratio."""
+
+REST_TIME = Metric(
+    "time to rest", "T_r", "When the last contact came to rest, over the period 2π / ω_r of the resonator."
+)
+OFFSETS = Metric("offsets", "", "Largest difference of v − u at the end from the exact one's, over F / k_i.")
+DEAD_BAND = Metric("dead band", "", "By how much the largest |v − u| at the end is beyond F / k_i, over F / k_i.")
+HEAT = Metric("heat of contacts", "", "Energy that contacts have turned into heat, over the initial energy.")
+LEFT = Metric("energy left", "", "Energy of the chain at the end, over the initial one.")
+BALANCE = Metric("balance", "", "Initial energy less what is left and all heat, over the initial energy.")
+GROWTH = Metric("growth", "", "Largest growth of the energy over the least so far, over the initial energy.")
+SHARES = (HEAT, LEFT, BALANCE)
+LOSS = Metric("loss a cycle", "", "Amplitude that the friction oscillator loses in a cycle, over 4 F / k_i.")
+
+
+@dataclass(frozen=True)
+class Decay:
+    """One chain that is let go.
+
+    Parameters
+    ----------
+    title
+        As tables print it.
+    ratios, friction_ratio
+        The chain.
+    shape
+        Where it starts, one of `scenarios.motions.SHAPES`.
+    periods
+        Length of the motion in periods 2π / ω_r.
+    """
+
+    title: str
+    ratios: ChainRatios
+    friction_ratio: float
+    shape: str
+    periods: int
+
+    @property
+    def chain(self) -> Chain:
+        """Build the chain."""
+        return self.ratios.chain(self.friction_ratio)
+
+    @property
+    def half_width(self) -> float:
+        """F / k_i of cell 1, over the displacement scale: half of the dead band."""
+        return float(self.chain.friction_bound[0] / self.chain.inner_stiffness[0]) / LENGTH
+
+    @property
+    def period(self) -> float:
+        """2π / ω_r [s]."""
+        return 2 * math.pi / self.chain.resonator_frequency
+
+    def motion(self, variant: Variant) -> Motion:
+        """Ask a variant, with its coarsest step."""
+        return Motion(
+            variant=variant,
+            ratios=self.ratios,
+            friction_ratio=self.friction_ratio,
+            base=StillBase(LENGTH),
+            time_step=self.period / STEPS_PER_PERIOD,
+            steps=self.periods * STEPS_PER_PERIOD,
+            shape=self.shape,
+            recorded="decay",
+        )
+
+    def exact(self) -> Series:
+        """Give the event-driven motion, at the rows of every variant; heat is added up in finer rows."""
+        motion = self.motion(REFERENCE).refined(EXACT_REFINEMENT)
+        run = EventDrivenSimulation([motion.lane()]).run(motion.initial_state(), 0, motion.steps)[0]
+        return kept_of(motion, run)
+
+
+OSCILLATOR = Decay(
+    "friction oscillator",
+    # an outer mass of 10,000 inner ones on a spring of 40,000 inner ones: it moves by less than 1e-4
+    ChainRatios(cells=1, mass_ratio=1e-4, stiffness_ratio=0.25e-4, damping_ratio=0.0),
+    0.06 * 0.25e-4,
+    "inner masses displaced",
+    8,
+)
+DECAYS = (
+    OSCILLATOR,
+    Decay("inner masses let go", ChainRatios(), 0.1, "inner masses displaced", 30),
+    Decay("stretched chain let go", ChainRatios(), 0.02, "stretched", 80),
+)
+
+
+class FreeDecay(Scenario):
+    """Dry friction stops a motion after a finite time, anywhere within a dead band; dashpots never do."""
+
+    name = "free-decay"
+    question = "When, where and with what loss of energy does a chain come to rest that is let go?"
+    source = (
+        "Free vibration with Coulomb damping, 4 F / k a cycle: J. P. Den Hartog, Mechanical Vibrations; chain: "
+        "figure 3 of Sethi, Banerjee and Manna."
+    )
+    expects = (
+        "the event-driven motion, exact to round-off; energy balance and growth: zero; loss a cycle: 4 F / k; allowed: "
+        "the engine's error from three step sizes, or the reference's from the same ones if that is larger"
+    )
+    metrics = (REST_TIME, OFFSETS, DEAD_BAND, HEAT, LEFT, BALANCE, GROWTH, LOSS)
+
+    def parameters(self) -> list[str]:
+        """Give each chain and where it starts; see `Scenario.parameters`."""
+        steps = ", ".join(str(STEPS_PER_PERIOD * factor) for factor in REFINEMENTS)
+        return [
+            f"{decay.title}: {decay.shape}, {decay.ratios}, friction_ratio={decay.friction_ratio:g}; "
+            f"{decay.periods} periods 2π / ω_r, in {steps} steps each"
+            for decay in DECAYS
+        ]
+
+    def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
+        """Put the question to every variant; see `Scenario.run`. The loss a cycle is the oscillator's only."""
+        evaluator.evaluate(self.questions(variants))
+        exact = {decay: decay.exact() for decay in DECAYS}
+        scheme = {decay: evaluator.evaluate(refinements(decay.motion(REFERENCE))) for decay in DECAYS}
+        return [
+            finding
+            for variant in variants
+            for decay in DECAYS
+            for finding in _findings(variant, decay, exact[decay], scheme[decay], evaluator)
+        ]
+
+    def questions(self, variants: Sequence[Variant]) -> list[Motion]:
+        """Everything that `run` asks."""
+        asked = dict.fromkeys((REFERENCE, *variants))
+        return [motion for variant in asked for decay in DECAYS for motion in refinements(decay.motion(variant))]
+
+
+def _findings(
+    variant: Variant, decay: Decay, exact: Series, scheme: Sequence[Answer], evaluator: Evaluator
+) -> list[Finding]:
+    """Compare one decay with the exact one; `scheme` is the reference's, in the same steps."""
+    answers = evaluator.evaluate(refinements(decay.motion(variant)))
+    metrics = [metric for metric in FreeDecay.metrics if metric is not LOSS or decay is OSCILLATOR]
+    missing = unfinished([*answers, *scheme])
+    if missing is not None:
+        return [Finding(variant, decay.title, metric, math.nan, math.nan, missing) for metric in metrics]
+    own, floor = (_errors(decay, three, exact) for three in (answers, scheme))
+    values, expected = _numbers(decay, answers[-1].series, exact), _expected(decay, exact)
+    found = []
+    for metric in metrics:
+        tolerance = Tolerance(0.0, own[metric], _resolution(metric), floor[metric])
+        compared = compare(values[metric], expected[metric], tolerance, metric.unit)
+        found.append(Finding(variant, decay.title, metric, values[metric], expected[metric], compared))
+    return found
+
+
+def _errors(decay: Decay, answers: Sequence[Answer], exact: Series) -> dict[Metric, float]:
+    """Errors that three step sizes show.
+
+    Heat, what is left and what is missing are shares of one energy, and an error of one is an error of another:
+    the largest counts for all three, for one alone may vanish by chance. Of offsets those of all cells count.
+    """
+    values = [_numbers(decay, answer.series, exact) for answer in answers]
+    errors = {metric: error_of_finest([value[metric] for value in values]) for metric in values[0]}
+    errors[OFFSETS] = error_of_finest([np.array(answer.series["offsets"]) / decay.half_width for answer in answers])
+    return {**errors, **dict.fromkeys(SHARES, max(errors[metric] for metric in SHARES))}
+
+
+def _numbers(decay: Decay, series: Series, exact: Series) -> dict[Metric, float]:
+    """Read what is compared."""
+    left, dashpots, contacts, growth = series["energy"]
+    offsets, wanted = np.array(series["offsets"]), np.array(exact["offsets"])
+    return {
+        REST_TIME: series["rest"][0] / decay.period,
+        OFFSETS: float(np.max(np.abs(offsets - wanted))) / decay.half_width,
+        DEAD_BAND: max(0.0, float(np.max(np.abs(offsets))) / decay.half_width - 1),
+        HEAT: contacts,
+        LEFT: left,
+        BALANCE: 1 - left - dashpots - contacts,
+        GROWTH: growth,
+        LOSS: loss_a_cycle(np.array(series["swing"])) / (4 * decay.half_width),
+    }
+
+
+def _expected(decay: Decay, exact: Series) -> dict[Metric, float]:
+    """Give the exact numbers, and the laws."""
+    numbers = _numbers(decay, exact, exact)
+    # contacts' heat is what energy and dashpots leave: dashpots are smooth, friction jumps between the rows
+    heat = 1 - exact["energy"][0] - exact["energy"][1]
+    return {**numbers, HEAT: heat, BALANCE: 0.0, GROWTH: 0.0, DEAD_BAND: 0.0, OFFSETS: 0.0, LOSS: 1.0}
+
+
+def _resolution(metric: Metric) -> float:
+    """Give what a number leaves open beside the step: of times, the rows; of the loss, the motion of the outer mass."""
+    if metric is REST_TIME:
+        return 1 / STEPS_PER_PERIOD
+    return _OUTER_MOTION if metric is LOSS else _ROUND_OFF
+
+
+_OUTER_MOTION = 1e-4
+"""Of the loss a cycle: the closed form's outer mass stands still; here it has 10,000 times the inner one's mass."""
+
+_ROUND_OFF = 1e-6
+"""Of energies and offsets: the heat of the exact motion's dashpots, see `EXACT_REFINEMENT`."""
+
+
+def loss_a_cycle(swing: FloatArray) -> float:
+    """Amplitude that an oscillation loses from one turn to the next but one, on average while it swings.
+
+    Parameters
+    ----------
+    swing
+        Displacement at even times, shape (times,), let go from its first turn, where it was 1.
+    """
+    turns = [1.0]
+    sides = np.sign(swing)
+    starts = np.flatnonzero(np.diff(sides, prepend=sides[0]) != 0)
+    turns += [float(np.max(np.abs(stretch))) for stretch in np.split(swing, starts)[1:]]
+    return 2 * (turns[0] - turns[-1]) / (len(turns) - 1) if len(turns) > 1 else math.nan

@@ -1,0 +1,59 @@
+"""A base that moves as a record says: the example that ships with the suite, or the user's own."""
+
+import math
+from functools import cached_property
+from pathlib import Path
+
+from reference_lcp.recorded_base import RecordedBase
+from reference_lcp.transmissibility import Transmissibility, transient_transmissibility
+from reference_lcp.validation import FloatArray
+from scenarios.broadband import BANDS, BASE_AMPLITUDE, RATIOS, STEPS_PER_PERIOD, Broadband, Case
+from scenarios.example_record import FILE
+
+REST = 200
+"""Periods 2π / ω_r after the record in which the chain dies out."""
+
+
+class Record(Broadband):
+    """The largest displacement of the record counts as U0: its friction ratios are those of the others.
+
+    Without friction the band 0.65–0.82 of the example lets −1.1 dB pass; at 0.03 it is −3.5 dB, at 0.3 +1.8 dB.
+
+    Parameters
+    ----------
+    file
+        Table of time [s] and displacement [m]; displacements are scaled so that the largest is U0 = 0.01 m,
+        times are taken as they are, and ω_r is 31.6 rad/s.
+    """
+
+    name = "record"
+    question = "What of a recorded motion of the base (CSV) arrives at the end of the chain?"
+    friction_ratios = (0.03, 0.3)
+
+    def __init__(self, file: Path = FILE):
+        self.file = file
+
+    @cached_property
+    def base(self) -> RecordedBase:
+        """The record, scaled.
+
+        Raises
+        ------
+        ParameterError
+            If it cannot be read, is too coarse for the bands that are read, or too fine for the coarsest step.
+        """
+        raw = RecordedBase.from_csv(self.file)
+        base = RecordedBase.from_csv(self.file, BASE_AMPLITUDE / raw.amplitude)
+        omega = RATIOS.chain(0.0).resonator_frequency
+        base.check_resolves(omega * max(highest for _, highest in BANDS.values()))
+        base.check_time_step(2 * math.pi / omega / STEPS_PER_PERIOD)
+        return base
+
+    def case(self, friction_ratio: float) -> Case:
+        """Follow the record, then wait."""
+        period = 2 * math.pi / RATIOS.chain(friction_ratio).resonator_frequency
+        return Case(friction_ratio, self.base, math.ceil(self.base.duration / period) + REST)
+
+    def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
+        """Divide the Fourier transforms."""
+        return transient_transmissibility(base, response, time_step)

@@ -1,0 +1,105 @@
+"""Base motions in closed form: their velocities, their spectra, their mistakes."""
+
+import re
+
+import numpy as np
+import pytest
+
+from reference_lcp import Chain, FilteredNoise, ParameterError, RickerPulse, SweptSine
+
+PULSE = RickerPulse(0.01, 30.0, 0.4)
+NOISE = FilteredNoise(0.01, 6.0, 60.0, 40.0, 2.0, seed=3)
+UP = SweptSine(0.01, 5.0, 60.0, 20.0)
+DOWN = SweptSine(0.01, 60.0, 5.0, 20.0, sweep="linear", taper=0.2)
+
+
+@pytest.mark.parametrize("base", [PULSE, NOISE, UP, DOWN], ids=["pulse", "noise", "up", "down"])
+def test_velocity_is_the_derivative_of_the_displacement(base) -> None:
+    """By central differences of fourth order: (h ω)⁴ / 30 of the velocity, and round-off over h, are left."""
+    time, h = np.linspace(0.01, 21.0, 997), 1e-4
+    near, far = (base.displacement(time + k * h) - base.displacement(time - k * h) for k in (1, 2))
+    rate = (8 * near - far) / (12 * h)
+    assert base.velocity(time) == pytest.approx(rate, abs=1e-8 * 60 * base.amplitude)
+
+
+@pytest.mark.parametrize("base", [PULSE, NOISE, UP, DOWN], ids=["pulse", "noise", "up", "down"])
+def test_motion_begins_at_rest(base) -> None:
+    start = np.zeros(1)
+    assert abs(base.displacement(start)[0]) < 1e-9 * base.amplitude
+    assert abs(base.velocity(start)[0]) < 1e-8 * base.amplitude * 60
+
+
+def test_spectrum_of_the_pulse_is_rickers_and_peaks_at_its_peak_frequency() -> None:
+    """|U_0(ω)| = A √(16π) / ω_p (ω/ω_p)² exp(−ω²/ω_p²), by a sum that is exact to round-off for such a pulse."""
+    step, samples = 0.002, 4000
+    spectrum = step * np.abs(np.fft.rfft(PULSE.displacement(step * np.arange(samples))))
+    omega = 2 * np.pi * np.fft.rfftfreq(samples, step)
+    relative = omega / PULSE.peak_frequency
+    expected = 0.01 * np.sqrt(16 * np.pi) / PULSE.peak_frequency * relative**2 * np.exp(-(relative**2))
+    assert spectrum == pytest.approx(expected, abs=1e-8 * np.max(expected))
+    assert abs(omega[np.argmax(spectrum)] - PULSE.peak_frequency) <= omega[1]
+
+
+@pytest.mark.parametrize(("base", "middle"), [(UP, np.sqrt(5.0 * 60.0)), (DOWN, 32.5)], ids=["logarithmic", "linear"])
+def test_sweep_passes_the_frequencies_in_their_order(base, middle) -> None:
+    """Half-way it is at the geometric or the arithmetic mean: turns of sin φ are there 2π / ω apart."""
+    time = np.linspace(9.0, 11.0, 200_001)
+    crossings = time[np.flatnonzero(np.diff(np.sign(base.displacement(time))))]
+    frequency = np.pi / np.diff(crossings)
+    assert np.interp(10.0, (crossings[1:] + crossings[:-1]) / 2, frequency) == pytest.approx(middle, rel=1e-3)
+    assert np.all(np.diff(frequency) * (base.last_frequency - base.first_frequency) > 0)
+
+
+def test_sweep_is_still_after_its_end_and_full_between_its_tapers() -> None:
+    late = np.array([20.0, 25.0])
+    assert np.max(np.abs(DOWN.displacement(late))) < 1e-15
+    assert np.max(np.abs(DOWN.velocity(late))) < 1e-12
+    assert np.max(np.abs(DOWN.displacement(np.linspace(4, 16, 20_001)))) == pytest.approx(0.01, rel=1e-4)
+
+
+def test_noise_has_its_band_and_its_power_and_nothing_else() -> None:
+    """Over one repetition the lines of a Fourier sum are the sines of the noise."""
+    samples = 4096
+    time = 40.0 + 40.0 / samples * np.arange(samples)
+    lines = np.abs(np.fft.rfft(NOISE.displacement(time))) * 2 / samples
+    omega = 2 * np.pi * np.fft.rfftfreq(samples, 40.0 / samples)
+    inside = (omega >= 6.0) & (omega <= 60.0)
+    assert lines[~inside] == pytest.approx(0, abs=1e-14)
+    assert lines[inside] == pytest.approx(0.01 / np.sqrt(np.count_nonzero(inside)), rel=1e-9)
+    assert np.sqrt(np.mean(NOISE.displacement(time) ** 2)) == pytest.approx(0.01 / np.sqrt(2), rel=1e-9)
+
+
+def test_noise_of_one_seed_is_the_same_at_any_times_and_that_of_another_is_not() -> None:
+    time = np.linspace(0, 100, 10_001)
+    alone = np.array([NOISE.displacement(time[k : k + 1])[0] for k in (7, 5000, 10_000)])
+    assert NOISE.displacement(time)[[7, 5000, 10_000]] == pytest.approx(alone, abs=1e-15)
+    other = FilteredNoise(0.01, 6.0, 60.0, 40.0, 2.0, seed=4)
+    assert abs(np.corrcoef(NOISE.displacement(time), other.displacement(time))[0, 1]) < 0.5
+
+
+def test_base_loads_the_chain_through_spring_and_dashpot() -> None:
+    chain, time = Chain.from_ratios(damping_ratio=0.2), np.linspace(0, 1, 11)
+    expected = 1000.0 * PULSE.displacement(time) + chain.chain_damping[0] * PULSE.velocity(time)
+    assert PULSE.load(chain, time) == pytest.approx(expected)
+    assert PULSE.displacement_scale(chain) == 0.01
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: RickerPulse(0.0, 30.0, 1.0), "pulse amplitude = 0 is outside its range; allowed: > 0"),
+        (lambda: RickerPulse(0.01, -1.0, 1.0), "peak_frequency = -1 is outside its range; allowed: > 0"),
+        (lambda: RickerPulse(0.01, 30.0, 0.1), "delay = 0.1 s cuts off the beginning of the pulse; allowed: >= 0.333"),
+        (lambda: SweptSine(0.01, 5.0, 5.0, 1.0), "last_frequency = 5; allowed: other than first_frequency"),
+        (lambda: SweptSine(0.01, 5.0, 6.0, 1.0, taper=0.6), "taper = 0.6 is outside its range; allowed: > 0, <= 0.5"),
+        (lambda: SweptSine(0.01, 5.0, 6.0, 1.0, "cubic"), "sweep = 'cubic' is unknown; allowed: linear, logarithmic"),
+        (lambda: SweptSine(0.01, 5.0, 6.0, np.nan), "duration = nan is outside its range"),
+        (lambda: FilteredNoise(0.01, 6.0, 5.0, 40.0, 1.0), "highest_frequency = 5; allowed: > 6"),
+        (lambda: FilteredNoise(0.01, 6.0, 7.0, 40.0, 1.0), "repetition = 40 s gives 6 sines in the band"),
+        (lambda: FilteredNoise(0.01, 6.0, 60.0, 40.0, 1.0, seed=-1), "seed = -1 is outside its range"),
+        (lambda: FilteredNoise(0.01, 6.0, 60.0, 40.0, 0.0), "rise = 0 is outside its range; allowed: > 0"),
+    ],
+)
+def test_parameters_outside_their_range_are_refused(make, message) -> None:
+    with pytest.raises(ParameterError, match=re.escape(message)):
+        make()

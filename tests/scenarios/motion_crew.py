@@ -1,0 +1,38 @@
+"""Evaluators that answer in this process, and engines that are wrong."""
+
+import dataclasses
+
+from engines.variant import Variant
+from reference_lcp import CompiledSimulation
+from scenarios.answering import answer_batch
+from scenarios.evaluation import Evaluator
+
+
+class Here:
+    """A crew without processes."""
+
+    def answers(self, batches):
+        for batch in batches:
+            yield batch, answer_batch(batch)
+
+    def close(self) -> None:
+        return
+
+
+def evaluator(store) -> Evaluator:
+    return Evaluator(store, Here())
+
+
+def rub_harder(monkeypatch, factor: float) -> None:
+    """Make the variant ``mujoco`` the reference with a friction bound that is too large by this factor."""
+    build = Variant.build
+
+    def wrong(self, lanes):
+        if self.engine != "mujoco":
+            return build(self, lanes)
+        chains = [dataclasses.replace(lane.chain, normal_force=factor * lane.chain.normal_force) for lane in lanes]
+        return CompiledSimulation(
+            [dataclasses.replace(lane, chain=chain) for lane, chain in zip(lanes, chains, strict=True)]
+        )
+
+    monkeypatch.setattr(Variant, "build", wrong)
