@@ -81,6 +81,12 @@ CONTACT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.LIFTING,
+    modulated_options={
+        "surface_layer": Option(
+            2.0**-20, 0.0, "After a landing spheres stay as deep as this, and take off from there."
+        ),
+        "depth": Option(2.0**-21, 0.0, "Within the layer, as under a constant normal force."),
+    },
 )
 
 CONTACT_DEFAULT = Preset(

@@ -37,6 +37,7 @@ class OutsideLane(LaneModel):
     """
 
     def __init__(self, process: EngineProcess, lane: Lane, preset: Preset, formulation: str):
+        preset = preset if lane.preload is None else preset.modulated()
         self.lane = lane
         self._process = process
         self._preset = preset
