@@ -103,6 +103,11 @@ class RecordedBase(MovingBase):
         """Longest time between neighbouring samples [s]."""
         return float(np.max(np.diff(self.times)))
 
+    @property
+    def shortest_spacing(self) -> float:
+        """Shortest time between neighbouring samples [s]."""
+        return float(np.min(np.diff(self.times)))
+
     def check_resolves(self, angular_frequency: float) -> None:
         """Raise a `ParameterError` unless motions of this frequency [rad/s] are in the record: Nyquist's limit."""
         longest = 2 * np.pi / (SAMPLES_PER_PERIOD * checked_scalar("angular_frequency", angular_frequency, "> 0"))
@@ -114,7 +119,7 @@ class RecordedBase(MovingBase):
 
     def check_time_step(self, time_step: float) -> None:
         """Raise a `ParameterError` unless every sample is met: no step [s] is longer than the shortest spacing."""
-        shortest = float(np.min(np.diff(self.times)))
+        shortest = self.shortest_spacing
         if checked_scalar("time_step", time_step, "> 0") > shortest * (1 + 1e-9):
             raise ParameterError(
                 f"time_step = {time_step:g} s would leave out samples of the record; allowed: <= {shortest:g} s, "

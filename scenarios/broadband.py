@@ -77,13 +77,16 @@ class Case:
         How the base moves.
     periods
         Length of the motion in periods 2π / ω_r of the resonator.
+    steps_per_period
+        Coarsest steps to such a period, a multiple of `ROWS_PER_PERIOD`.
     """
 
     friction_ratio: float
     base: MovingBase
     periods: int
+    steps_per_period: int = STEPS_PER_PERIOD
 
-    def motion(self, variant: Variant, steps_per_period: int = STEPS_PER_PERIOD) -> Motion:
+    def motion(self, variant: Variant) -> Motion:
         """Ask a variant, with its coarsest step."""
         period = 2 * math.pi / RATIOS.chain(self.friction_ratio).resonator_frequency
         return Motion(
@@ -91,9 +94,9 @@ class Case:
             ratios=RATIOS,
             friction_ratio=self.friction_ratio,
             base=self.base,
-            time_step=period / steps_per_period,
-            steps=self.periods * steps_per_period,
-            every=steps_per_period // ROWS_PER_PERIOD,
+            time_step=period / self.steps_per_period,
+            steps=self.periods * self.steps_per_period,
+            every=self.steps_per_period // ROWS_PER_PERIOD,
         )
 
     def base_rows(self) -> FloatArray:
@@ -104,6 +107,25 @@ class Case:
     def title(self) -> str:
         """As tables print it."""
         return f"μλ_N/(k_c U0) = {self.friction_ratio:g}"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What is read of a motion with three step sizes.
+
+    Parameters
+    ----------
+    response
+        The last outer mass with the finest step, at each row, over the base's scale.
+    numbers
+        What is compared, with the finest step.
+    errors
+        Their errors as the three steps show them, and that of the response itself under `DIFFERENCE`.
+    """
+
+    response: FloatArray
+    numbers: dict[Metric, float]
+    errors: dict[Metric, float]
 
 
 class Broadband(Scenario):
@@ -133,7 +155,7 @@ class Broadband(Scenario):
         """Give chain, base and step sizes; see `Scenario.parameters`."""
         case = self.case(self.friction_ratios[0])
         base = ", ".join(f"{name} {value}" for name, value in case.base.parameters().items())
-        steps = ", ".join(str(STEPS_PER_PERIOD * factor) for factor in REFINEMENTS)
+        steps = ", ".join(str(case.steps_per_period * factor) for factor in REFINEMENTS)
         return [
             f"chain: {', '.join(f'{name} {value}' for name, value in dataclasses.asdict(RATIOS).items())}",
             f"base (SI): {base}",
@@ -176,7 +198,7 @@ class Broadband(Scenario):
         rms = float(np.sqrt(np.mean(response**2) / np.mean(base**2)))
         return {**bands, RMS: rms, PEAK: float(np.max(np.abs(response)))}
 
-    def _read(self, case: Case, answers: Sequence[Answer]) -> "Reading | Comparison":
+    def _read(self, case: Case, answers: Sequence[Answer]) -> Reading | Comparison:
         """Read three answers, or say why there is nothing to read."""
         missing = unfinished(answers)
         if missing is not None:
@@ -190,8 +212,8 @@ class Broadband(Scenario):
         self,
         variant: Variant,
         case: Case,
-        own: "Reading | Comparison",
-        reference: "tuple[Reading | Comparison, Reading | Comparison]",
+        own: Reading | Comparison,
+        reference: tuple[Reading | Comparison, Reading | Comparison],
     ) -> list[Finding]:
         """Compare a variant's reading with the reference's, in finer steps and in the same ones."""
         exact, scheme = reference
@@ -209,25 +231,6 @@ class Broadband(Scenario):
             compared = compare(values[metric], expected[metric], tolerance, metric.unit)
             found.append(Finding(variant, case.title, metric, values[metric], expected[metric], compared))
         return found
-
-
-@dataclass(frozen=True)
-class Reading:
-    """What is read of a motion with three step sizes.
-
-    Parameters
-    ----------
-    response
-        The last outer mass with the finest step, at each row, over the base's scale.
-    numbers
-        What is compared, with the finest step.
-    errors
-        Their errors as the three steps show them, and that of the response itself under `DIFFERENCE`.
-    """
-
-    response: FloatArray
-    numbers: dict[Metric, float]
-    errors: dict[Metric, float]
 
 
 def refinements(coarsest: Motion) -> list[Motion]:

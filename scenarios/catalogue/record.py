@@ -7,7 +7,7 @@ from pathlib import Path
 from reference_lcp.recorded_base import RecordedBase
 from reference_lcp.transmissibility import Transmissibility, transient_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.broadband import BANDS, BASE_AMPLITUDE, RATIOS, STEPS_PER_PERIOD, Broadband, Case
+from scenarios.broadband import BANDS, BASE_AMPLITUDE, RATIOS, ROWS_PER_PERIOD, STEPS_PER_PERIOD, Broadband, Case
 from scenarios.example_record import FILE
 
 REST = 200
@@ -40,19 +40,20 @@ class Record(Broadband):
         Raises
         ------
         ParameterError
-            If it cannot be read, is too coarse for the bands that are read, or too fine for the coarsest step.
+            If it cannot be read, or is too coarse for the bands that are read.
         """
         raw = RecordedBase.from_csv(self.file)
         base = RecordedBase.from_csv(self.file, BASE_AMPLITUDE / raw.amplitude)
         omega = RATIOS.chain(0.0).resonator_frequency
         base.check_resolves(omega * max(highest for _, highest in BANDS.values()))
-        base.check_time_step(2 * math.pi / omega / STEPS_PER_PERIOD)
         return base
 
     def case(self, friction_ratio: float) -> Case:
-        """Follow the record, then wait."""
+        """Follow the record, then wait; no step is so long that it leaves out samples."""
         period = 2 * math.pi / RATIOS.chain(friction_ratio).resonator_frequency
-        return Case(friction_ratio, self.base, math.ceil(self.base.duration / period) + REST)
+        rows = math.ceil(period / self.base.shortest_spacing / ROWS_PER_PERIOD - 1e-9)
+        steps = max(STEPS_PER_PERIOD, ROWS_PER_PERIOD * rows)
+        return Case(friction_ratio, self.base, math.ceil(self.base.duration / period) + REST, steps)
 
     def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
         """Divide the Fourier transforms."""

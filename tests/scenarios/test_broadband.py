@@ -35,10 +35,10 @@ class ShortPulse(RickerPulseScenario):
         return dataclasses.replace(super().case(friction_ratio), periods=60)
 
 
-def numbers(scenario, friction_ratio, steps_per_period=100):
+def numbers(scenario, friction_ratio):
     """What the scenario reads from the reference."""
-    case = scenario.case(friction_ratio)
-    response = answer_motions([case.motion(REFERENCE, steps_per_period)])[0].series["response"]
+    case = dataclasses.replace(scenario.case(friction_ratio), steps_per_period=100)
+    response = answer_motions([case.motion(REFERENCE)])[0].series["response"]
     return scenario.numbers(case, np.array(response))
 
 
@@ -161,15 +161,23 @@ def test_own_record_is_scaled_to_the_amplitude_of_the_friction_ratio(tmp_path) -
     assert case.periods == math.ceil(2.0 / (2 * math.pi / math.sqrt(1000))) + 200
 
 
-@pytest.mark.parametrize(
-    ("spacing", "message"),
-    [(0.06, r"too coarse: samples are up to 0\.06 s apart; allowed: <= 0\.0496"), (0.001, "time_step = 0.0039")],
-)
-def test_own_record_too_coarse_for_the_bands_or_too_fine_for_the_step_is_refused(tmp_path, spacing, message) -> None:
+def written(tmp_path, spacing):
     file = tmp_path / "own.csv"
     file.write_text("\n".join(f"{spacing * k:.4f},{0.01 * math.sin(k)}" for k in range(50)))
-    with pytest.raises(ParameterError, match=message):
-        Record(file).questions([REFERENCE])
+    return file
+
+
+def test_own_record_too_coarse_for_the_bands_is_refused(tmp_path) -> None:
+    with pytest.raises(ParameterError, match=r"too coarse: samples are up to 0\.06 s apart; allowed: <= 0\.0496"):
+        Record(written(tmp_path, 0.06)).questions([REFERENCE])
+
+
+@pytest.mark.parametrize(("spacing", "steps"), [(0.02, 50), (0.003, 70), (0.001, 200)])
+def test_steps_are_as_short_as_the_samples_of_a_record_are_near(tmp_path, spacing, steps) -> None:
+    """A period 2π / ω_r takes 0.1987 s; ten rows of it are kept."""
+    case = Record(written(tmp_path, spacing)).case(0.1)
+    assert case.steps_per_period == steps
+    assert case.motion(REFERENCE).time_step <= spacing
 
 
 def test_missing_record_is_named_before_any_work() -> None:
