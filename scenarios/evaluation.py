@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache
 
 from engines.registry import engine
 from engines.variant import Variant
@@ -85,6 +86,37 @@ class Evaluator(Closing):
         """Give the answer that needs no computation: a kept one, or that the engine is missing."""
         missing = engine(question.variant.engine).why_not_installed()
         return self._store.find(question) if missing is None else Answer.blocked(f"not installed: {missing}")
+
+
+class StoredAnswers(Evaluator):
+    """What a store knows: nothing is computed, and what it does not know is missing.
+
+    Parameters
+    ----------
+    store
+        Where answers are looked up.
+    """
+
+    def __init__(self, store: ResultStore):
+        self._store = store
+        self._answered: dict[Question, Answer] = {}
+        self._missing = cache(lambda name: engine(name).why_not_installed())
+
+    def evaluate(self, questions: Sequence[Question]) -> list[Answer]:
+        """Look all questions up, in order; those that the store does not know have the status ``missing``."""
+        lookup = []
+        for question in self.unanswered(questions):
+            reason = self._missing(question.variant.engine)
+            if reason is None:
+                lookup.append(question)
+            else:
+                self._answered[question] = Answer.blocked(f"not installed: {reason}")
+        for question, known in zip(lookup, self._store.answers(lookup), strict=True):
+            self._answered[question] = known or Answer.missing()
+        return [self._answered[question] for question in questions]
+
+    def close(self) -> None:
+        """Leave the store open: it is its owner's."""
 
 
 def _batches(questions: list[Question]) -> Iterator[list[Question]]:
