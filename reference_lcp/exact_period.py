@@ -60,15 +60,23 @@ class ExactPeriod:
     @property
     def transitions(self) -> list[Transition]:
         """Changes of mode by cell and then by time, at their exact times; as `stick_slip.transitions`."""
-        durations = np.array([segment.duration for segment in self.segments])
-        lasting = np.flatnonzero(durations > SHORTEST_SEGMENT * self.period)
-        modes = self._modes[lasting]
-        rubbing = self.lane.chain.friction_bound > 0
-        cells, rows = np.nonzero(((modes != np.roll(modes, 1, axis=0)) & rubbing).T)
+        modes = self._modes[self._lasting]
         return [
-            Transition(int(cell) + 1, self.segments[lasting[row]].start, MODE_OF_SIGN[int(modes[row, cell])])
-            for cell, row in zip(cells, rows, strict=True)
+            Transition(int(cell) + 1, self.segments[self._lasting[row]].start, MODE_OF_SIGN[int(modes[row, cell])])
+            for cell, row in self._changes
         ]
+
+    @property
+    def travels(self) -> list[float]:
+        """Distance [m] that the contact slips in the phase that each transition begins; zero where it sticks."""
+        slips = np.abs(self._slips[self._lasting])
+        distances = []
+        for place, (cell, row) in enumerate(self._changes):
+            following = [other for other in (*self._changes[place + 1 :], *self._changes[:place]) if other[0] == cell]
+            end = following[0][1] if following else row
+            rows = np.arange(row, end if end > row else end + len(slips)) % len(slips)
+            distances.append(float(np.sum(slips[rows, cell])))
+        return distances
 
     @property
     def stuck_fraction(self) -> FloatArray:
@@ -111,6 +119,20 @@ class ExactPeriod:
         """Work that the drive's load does on the outer mass of cell 1 [J]."""
         velocity = self._states[:, 2 * self.lane.chain.cells]
         return float(self._weights @ (self.lane.drive.load(self.lane.chain, self._times) * velocity))
+
+    @cached_property
+    def _lasting(self) -> NDArray[np.intp]:
+        """Indices of segments that are more than round-off."""
+        durations = np.array([segment.duration for segment in self.segments])
+        return np.flatnonzero(durations > SHORTEST_SEGMENT * self.period)
+
+    @cached_property
+    def _changes(self) -> list[tuple[int, int]]:
+        """Cell from zero, and row of `_lasting` with which a new mode begins, by cell and then by time."""
+        modes = self._modes[self._lasting]
+        rubbing = self.lane.chain.friction_bound > 0
+        cells, rows = np.nonzero(((modes != np.roll(modes, 1, axis=0)) & rubbing).T)
+        return list(zip(cells.tolist(), rows.tolist(), strict=True))
 
     @cached_property
     def _slips(self) -> FloatArray:

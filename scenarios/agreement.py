@@ -77,6 +77,8 @@ def missing_steady_state(whose: str, answer: Answer) -> Comparison | None:
         return Comparison(Verdict.BLOCKED, answer.reason)
     if answer.converged:
         return None
+    if answer.status == "missing":
+        return Comparison(Verdict.INCONCLUSIVE, f"{whose.split(maxsplit=1)[0]}: {answer.reason}")
     reason = f"{whose}: {answer.status} after {answer.periods} periods, residual {answer.residual:.1e}"
     reason += repetition(answer.multiple)
     return Comparison(Verdict.INCONCLUSIVE, reason)

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from engines.variant import Variant
+from reference_lcp.validation import ParameterError
 from scenarios.catalogue import CATALOGUE
 from scenarios.cluster import crew_of
 from scenarios.command_line import (
@@ -23,6 +24,7 @@ from scenarios.command_line import (
     chosen_variants,
     store_of_run,
 )
+from scenarios.evaluation import StoredAnswers
 from scenarios.isolation import TIME_LIMIT, Crew
 from scenarios.printed_table import printed_table
 from scenarios.progress import Bars, CountingEvaluator
@@ -54,6 +56,9 @@ Out = Annotated[
 ]
 
 
+Ask = Annotated[bool, typer.Option(help="Answer what is missing; --no-ask judges what --store knows.")]
+
+
 @dataclass(frozen=True)
 class _Run:
     """What a command was asked to run."""
@@ -82,6 +87,7 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[Scenario], question: s
         chosen: Chosen = None,
         store: Store = None,
         out: Out = None,
+        ask: Ask = True,
         workers: Workers = None,
         time_limit: Limit = TIME_LIMIT,
         scheduler: Scheduler = None,
@@ -90,7 +96,10 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[Scenario], question: s
         check_out(out, (".md", ".csv", ".json"))
         typed = shlex.join(["python", "-m", "scenarios", "run", name, *(f"--engine={c}" for c in chosen or [])])
         asked = _Run(scenarios, variants, typed)
-        results = _results(asked, store, crew_of(workers, time_limit, scheduler))
+        if ask:
+            results = _results(asked, store, crew_of(workers, time_limit, scheduler))
+        else:
+            results = _known_results(asked, store)
         print_results(results)
         if out is not None:
             out.write_text(_text(results, typed, out.suffix))
@@ -105,6 +114,14 @@ def _results(asked: _Run, store: Path | None, crew: Crew) -> dict[Scenario, list
         Bars(asked.variants) as bars,
         CountingEvaluator(kept, crew, [], bars) as evaluator,
     ):
+        return {scenario: scenario.run(asked.variants, evaluator) for scenario in asked.scenarios}
+
+
+def _known_results(asked: _Run, store: Path | None) -> dict[Scenario, list[Finding]]:
+    """Judge what a store knows; the rest is inconclusive."""
+    if store is None or not store.is_file():
+        raise ParameterError(f"--no-ask with --store = {store}; allowed: a store that is there")
+    with store_of_run(store) as kept, StoredAnswers(kept) as evaluator:
         return {scenario: scenario.run(asked.variants, evaluator) for scenario in asked.scenarios}
 
 

@@ -92,6 +92,37 @@ class Evaluator(Closing):
         return self._store.find(question) if missing is None else Answer.blocked(f"not installed: {missing}")
 
 
+class StoredAnswers(Evaluator):
+    """What a store knows: nothing is computed, and what it does not know is missing.
+
+    Parameters
+    ----------
+    store
+        Where answers are looked up.
+    """
+
+    def __init__(self, store: ResultStore):
+        self._store = store
+        self._answered: dict[Asked, Answer] = {}
+        self._missing = cache(lambda name: engine(name).why_not_installed())
+
+    def evaluate(self, questions: Sequence[Asked]) -> list[Answer]:
+        """Look all questions up, in order; those that the store does not know have the status ``missing``."""
+        lookup = []
+        for question in self.unanswered(questions):
+            reason = self._missing(question.variant.engine)
+            if reason is None:
+                lookup.append(question)
+            else:
+                self._answered[question] = Answer.blocked(f"not installed: {reason}")
+        for question, known in zip(lookup, self._store.answers(lookup), strict=True):
+            self._answered[question] = known or Answer.missing()
+        return [self._answered[question] for question in questions]
+
+    def close(self) -> None:
+        """Leave the store open: it is its owner's."""
+
+
 def why_not_installed(variant: Variant) -> str | None:
     """Say why a variant's engine cannot be used here; ``None`` if it can."""
     return engine(variant.engine).why_not_installed()

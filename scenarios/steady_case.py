@@ -8,6 +8,7 @@ from engines.contract.tolerances import CREEP, STEPS, TRAJECTORY_TOLERANCE
 from engines.variant import Variant
 from reference_lcp.chain import Chain
 from reference_lcp.drive import PeriodicDrive
+from reference_lcp.exact_period import ExactPeriod
 from reference_lcp.simulation import steps_per_period_for
 from reference_lcp.steady_state import exact_steady_state
 from reference_lcp.transition_matching import TimedTransition
@@ -81,21 +82,27 @@ class Expected:
         Changes between stick and slip over a period; empty where they are not compared.
     stuck_fraction
         Part of the period that each contact sticks; empty where it is not compared.
+    travels
+        Distance, over U0, that the contact slips in the phase that each transition begins; without it, far.
     """
 
     transmittance_db: float
     bar_db: float = 0.0
     transitions: tuple[TimedTransition, ...] = ()
     stuck_fraction: tuple[float, ...] = ()
+    travels: tuple[float, ...] = ()
 
 
 def exact_expected(case: Case) -> Expected:
     """Find the exact motion by the event-driven solver; a second for seven cells, minutes from thirty on."""
-    found = exact_steady_state(*case.setting())
+    chain, drive = case.setting()
+    found = exact_steady_state(chain, drive)
+    travels = ExactPeriod.following(found.orbit, drive.period).travels
     return Expected(
         transmittance_db=found.transmittance_db,
         transitions=tuple((change.cell, change.time, str(change.kind)) for change in found.transitions),
         stuck_fraction=tuple(found.stuck_fraction.tolist()),
+        travels=tuple(travel / drive.amplitude for travel in travels),
     )
 
 

@@ -77,6 +77,12 @@ def test_work_of_the_drive_over_a_period_is_the_heat_of_friction_and_dashpots(pl
     heat = period.dashpot_heat + period.friction_heat.sum()
     assert period.work_of_load == pytest.approx(heat, rel=1e-9)
     assert np.all(period.friction_heat >= 0)
+    travelled = np.zeros(chain.cells)
+    for change, travel in zip(period.transitions, period.travels, strict=True):
+        assert (travel == 0) == (change.kind is Mode.STICK)
+        travelled[change.cell - 1] += travel
+    changing = [change.cell - 1 for change in period.transitions]
+    assert (chain.friction_bound * travelled)[changing] == pytest.approx(period.friction_heat[changing], rel=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(8))

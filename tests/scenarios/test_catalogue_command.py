@@ -101,6 +101,7 @@ def test_an_interrupted_run_says_what_is_kept(run, capsys, tmp_path, monkeypatch
         (["run", "unit-cell", "--out", "verdicts.txt"], "allowed: .md or .csv or .json"),
         (["run", "unit-cell", "--out", "missing/verdicts.md"], "the folder missing does not exist"),
         (["run", "unit-cell", "--workers", "0"], "workers = 0"),
+        (["run", "unit-cell", "--no-ask"], "--no-ask with --store = None; allowed: a store that is there"),
         (["run", "all", "--time-limit", "-1"], "time_limit = -1"),
     ],
 )
@@ -164,6 +165,11 @@ def test_mujoco_agrees_in_the_limits_and_writes_its_verdicts(tmp_path: Path, cap
     assert {(row["engine"], row["verdict"]) for row in rows} == {("mujoco", "agree")}
     assert [row["metric"] for row in rows] == ["transmittance", "same step"] * 2
     assert "locked-limit" in capsys.readouterr().out
+    options = ["--engine", "mujoco", "--no-ask", "--store", str(store), "--out", str(out)]
+    assert run_command(app, ["run", "locked-limit", *options]) == 0
+    again = list(csv.DictReader(out.read_text().splitlines()))
+    assert [row for row in again if (row["formulation"], row["preset"]) == ("joint", "tuned")] == rows
+    assert {row["reason"] for row in again if row["formulation"] == "contact"} == {"engine: not answered so far"}
 
 
 @pytest.mark.slow

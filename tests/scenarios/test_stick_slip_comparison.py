@@ -1,6 +1,7 @@
 """Stick and slip compared: what is late, missed, made up, undecided; by transitions made by hand."""
 
 import dataclasses
+import math
 
 import pytest
 
@@ -17,6 +18,7 @@ from scenarios.stick_slip_comparison import (
     SPURIOUS,
     STICK_SLIP_METRICS,
     STUCK_FRACTION,
+    as_resolved,
     stick_slip_findings,
 )
 
@@ -147,3 +149,21 @@ def test_without_a_steady_state_every_metric_is_inconclusive() -> None:
     findings = stick_slip_findings(found)
     assert [one.metric for one in findings] == list(STICK_SLIP_METRICS)
     assert {one.comparison.verdict for one in findings} == {Verdict.INCONCLUSIVE}
+
+
+def test_a_slip_too_short_for_single_precision_is_read_as_stick() -> None:
+    """The contact turns, slips by 5e-6 U0 and stops: with a residual of 1e-5, it stops where it turns."""
+    exact = ((1, 0.1, "forward slip"), (1, 0.106, "stick"), (1, 0.3, "backward slip"))
+    read = ((1, 0.1, "stick"), (1, 0.3, "backward slip"))
+    for variant, expected in (("mujoco", exact), ("box2d", read)):
+        found = evidence(expected, expected, scheme=(exact,) * 3, expected=exact, variant=variant)
+        stuck = 0.194 if variant == "mujoco" else 0.2
+        answers = {
+            name: dataclasses.replace(getattr(found, name), stuck_fraction=(stuck,)) for name in ("coarse", "fine")
+        }
+        scheme = tuple(dataclasses.replace(one, stuck_fraction=(0.194,)) for one in found.scheme)
+        right = dataclasses.replace(found.expected, travels=(5e-6, math.inf, 2.0), stuck_fraction=(0.194,))
+        found = dataclasses.replace(found, expected=right, scheme=scheme, **answers)
+        assert as_resolved(found).transitions == expected
+        assert as_resolved(found).stuck_fraction[0] == pytest.approx(stuck)
+        assert {one.comparison.verdict for one in stick_slip_findings(found)} == {Verdict.AGREE}
