@@ -6,7 +6,6 @@ import io
 import json
 import math
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 from engines.variant import Variant
@@ -15,9 +14,13 @@ from scenarios.figure3 import Figure3Result
 
 Row = dict[str, Any]
 
-BAND_EDGE_COLUMNS = ("engine", "formulation", "preset", "friction_ratio", "edge", "frequency_ratio", "difference")
+BAND_EDGE_COLUMNS = (
+    "engine", "formulation", "preset", "friction_ratio", "edge", "frequency_ratio", "difference",
+    "verdict", "reason",
+)  # fmt: skip
 TRANSMITTANCE_COLUMNS = (
-    "engine", "formulation", "preset", "friction_ratio", "frequency_ratio", "transmittance_db", "residual", "verdict",
+    "engine", "formulation", "preset", "friction_ratio", "frequency_ratio", "transmittance_db", "residual",
+    "difference_db", "verdict", "reason",
 )  # fmt: skip
 TRANSITION_COLUMNS = (
     "engine", "formulation", "preset", "friction_ratio", "frequency_ratio", "cell", "time_s", "kind",
@@ -33,6 +36,8 @@ def band_edge_rows(result: Figure3Result) -> list[Row]:
             "edge": str(edge.edge),
             "frequency_ratio": math.nan if edge.frequency_ratio is None else edge.frequency_ratio,
             "difference": edge.comparison.difference,
+            "verdict": str(edge.comparison.verdict),
+            "reason": edge.comparison.reason,
         }
         for edge in result.edges
     ]
@@ -47,7 +52,9 @@ def transmittance_rows(result: Figure3Result) -> list[Row]:
             "frequency_ratio": point.frequency_ratio,
             "transmittance_db": point.answer.transmittance_db,
             "residual": point.answer.residual,
+            "difference_db": point.comparison.difference,
             "verdict": str(point.comparison.verdict),
+            "reason": point.comparison.reason,
         }
         for point in result.points
     ]
@@ -91,17 +98,6 @@ def json_text(result: Figure3Result, stick_slip: list[Row], provenance: Mapping[
         "transitions": transition_rows(result),
     }
     return json.dumps(_plain(report), ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def write_all(folder: Path, texts: Mapping[str, str]) -> None:
-    """Write files into `folder`; each appears complete or not at all."""
-    for name, text in texts.items():
-        part = folder / f".{name}.part"
-        try:
-            part.write_text(text, encoding="utf-8")
-            part.replace(folder / name)
-        finally:
-            part.unlink(missing_ok=True)
 
 
 def _names(variant: Variant) -> Row:

@@ -65,6 +65,8 @@ def compare_transmittance(answer: Answer, reference: Answer, tolerance_db: float
     if answer.status == "blocked":
         return Comparison(Verdict.BLOCKED, answer.reason)
     for name, one in (("engine", answer), ("reference", reference)):
+        if one.status == "missing":
+            return Comparison(Verdict.INCONCLUSIVE, f"{name}: {one.reason}")
         if not one.converged:
             return Comparison(
                 Verdict.INCONCLUSIVE,

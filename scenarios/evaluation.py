@@ -87,6 +87,36 @@ class Evaluator(Closing):
         return self._store.find(question) if missing is None else Answer.blocked(f"not installed: {missing}")
 
 
+class StoredAnswers(Evaluator):
+    """What a store knows: nothing is computed, and what it does not know is missing.
+
+    Parameters
+    ----------
+    store
+        Where answers are looked up.
+    """
+
+    def __init__(self, store: ResultStore):
+        self._store = store
+        self._answered: dict[Question, Answer] = {}
+
+    def evaluate(self, questions: Sequence[Question]) -> list[Answer]:
+        """Look all questions up, in order; those that the store does not know have the status ``missing``."""
+        lookup = []
+        for question in self.unanswered(questions):
+            reason = engine(question.variant.engine).why_not_installed()
+            if reason is None:
+                lookup.append(question)
+            else:
+                self._answered[question] = Answer.blocked(f"not installed: {reason}")
+        for question, known in zip(lookup, self._store.answers(lookup), strict=True):
+            self._answered[question] = known or Answer.missing()
+        return [self._answered[question] for question in questions]
+
+    def close(self) -> None:
+        """Leave the store open: it is its owner's."""
+
+
 def _batches(questions: list[Question]) -> Iterator[list[Question]]:
     """Group questions that one simulation can answer, in pieces that the engine takes at once."""
     groups: dict[tuple[Variant, int], list[Question]] = defaultdict(list)

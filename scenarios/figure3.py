@@ -274,21 +274,37 @@ def _edges(
         for edge, bracket in edge_brackets(np.array(grids[friction]), curve, asked.band).items():
             brackets[variant, friction, edge] = bracket
     owners = list(brackets)
+    unanswered: set[tuple[Variant, float]] = {
+        (variant, friction)
+        for variant, friction in curves
+        if any(answers[variant, friction, eta].status == "missing" for eta in grids[friction])
+    }
 
     def transmittance_db(index: NDArray[np.intp], eta: FloatArray) -> FloatArray:
         asks = [asked.question(owners[k][0], owners[k][1], float(ratio)) for k, ratio in zip(index, eta, strict=True)]
-        return np.array([_decided(answer) for answer in evaluator.evaluate(asks)])
+        found = evaluator.evaluate(asks)
+        unanswered.update(owners[k][:2] for k, one in zip(index, found, strict=True) if one.status == "missing")
+        return np.array([_decided(answer) for answer in found])
 
     crossings = refined_crossings(list(brackets.values()), transmittance_db, asked.band)
     refined = {owner: float(crossing) for owner, crossing in zip(owners, crossings, strict=True)}
     for variant, friction in curves:
-        curve_answers = [answers[variant, friction, eta] for eta in grids[friction]]
         for edge in Edge:
             found = refined.get((variant, friction, edge))
             comparison = compare_edge(found, refined.get((CONVERGED, friction, edge)))
+            lacking = [one for one in (variant, CONVERGED) if (one, friction) in unanswered]
+            curve_answers = [answers[variant, friction, eta] for eta in grids[friction]]
             if all(answer.status == "blocked" for answer in curve_answers):
                 comparison = Comparison(Verdict.BLOCKED, curve_answers[0].reason)
+            elif lacking:
+                found = math.nan if variant in lacking else found
+                comparison = Comparison(Verdict.INCONCLUSIVE, _lacking(lacking))
             yield BandEdge(variant, friction, edge, found, comparison)
+
+
+def _lacking(variants: Sequence[Variant]) -> str:
+    """Say whose curve has points that nobody has answered so far."""
+    return " and ".join(f"{variant.title}'s curve" for variant in variants) + ": points are not answered so far"
 
 
 def _decided(answer: Answer) -> float:

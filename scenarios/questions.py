@@ -103,9 +103,9 @@ class Answer:
     Parameters
     ----------
     status
-        ``converged``, ``period limit``, ``diverged`` or ``blocked``.
+        ``converged``, ``period limit``, ``diverged``, ``blocked`` or ``missing`` (not asked so far).
     reason
-        Why it is blocked; empty otherwise.
+        Why it is blocked or missing; empty otherwise.
     transmittance_db
         20 log10 |U_n| / U0; NaN where there is no number.
     residual
@@ -147,6 +147,11 @@ class Answer:
     def blocked(cls, reason: str) -> Self:
         """Say why there is no answer."""
         return cls(status="blocked", reason=" ".join(reason.split()))
+
+    @classmethod
+    def missing(cls) -> Self:
+        """Stand for an answer that nobody has given so far."""
+        return cls(status="missing", reason="not answered so far")
 
     def to_json(self) -> str:
         """Give the answer as JSON; NaN becomes null."""
