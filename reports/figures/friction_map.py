@@ -46,7 +46,8 @@ def _printed(found: FrictionMap) -> Figure:
     for name, edge, dash in _lines(found):
         line = "-" if dash == "solid" else (0, (4, 2))
         axes.plot(edge, found.friction_ratios, color="black", linewidth=2.6)
-        axes.plot(edge, found.friction_ratios, color="white", linewidth=1.4, linestyle=line, label=name)
+        axes.plot(edge, found.friction_ratios, color="white", linewidth=1.4, linestyle=line, marker=".", markersize=3.5,
+                  markeredgecolor="black", markeredgewidth=0.3, label=name)  # fmt: skip
     axes.set_xlabel(FREQUENCY_LABEL)
     axes.set_ylabel(r"friction ratio $\mu\tilde{\lambda}_N$ [-]")
     axes.set_xlim(found.frequency_ratios[0], found.frequency_ratios[-1])
@@ -68,8 +69,8 @@ def _traces(found: FrictionMap) -> list[dict[str, Any]]:
 def _edge(found: FrictionMap, name: str, edge: FloatArray, dash: str) -> dict[str, Any]:
     known = np.isfinite(edge)
     return {
-        "type": "scatter", "mode": "lines", "name": name, "x": rounded(edge[known]),
-        "y": rounded(found.friction_ratios[known]), "line": {"color": "#fff", "width": 2.5, "dash": dash},
+        "type": "scatter", "mode": "lines+markers", "name": name, "x": rounded(edge[known]),
+        "y": rounded(found.friction_ratios[known]), "line": {"color": "#fff", "width": 2.5, "dash": dash}, "marker": {"size": 6, "line": {"color": "#000", "width": 1}},
         "hovertemplate": "friction %{y}<br>" + name + " at η<sub>r</sub> %{x:.3f}<extra></extra>",
         "showlegend": False,
     }  # fmt: skip

@@ -72,7 +72,7 @@ def raster(place: tuple[float, float], answers: dict[Variant, Answer]) -> Pictur
     return Picture(
         f"stick-slip-{place[0]:g}-{place[1]:g}",
         f"Stick and slip at friction ratio {ratio(place[0])}, η_r = {ratio(place[1])}; in each cell, from top to "
-        f"bottom: {', '.join(variant.title for variant in rows)}",
+        f"bottom: {'; '.join(variant.title for variant in rows)}",
         lambda: _printed(rows, cells),
         {"data": _traces(rows), "layout": _layout(rows, cells)},
         wide=True,

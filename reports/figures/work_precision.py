@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from engines.variant import Variant
+from reference_lcp.convergence import STICK_SLIP_POINTS
 from reports.looks import COLUMN, PAGE_WIDTH, look_of
 from reports.picture import Picture, axis, layout, significant
 from scenarios.figure3 import Figure3
@@ -24,10 +25,13 @@ Curves = dict[Variant, list[StepPoint]]
 
 
 def curves(points: Iterable[StepPoint]) -> Curves:
-    """Give the points of each variant that have an error, by number of steps."""
+    """Give the points of each variant whose error is over all six places, by number of steps.
+
+    An error over fewer would be of other places, and a curve through it no convergence.
+    """
     found: Curves = {}
     for point in points:
-        if not math.isnan(point.error_db):
+        if point.certified == len(STICK_SLIP_POINTS) and not math.isnan(point.error_db):
             found.setdefault(point.variant, []).append(point)
     return found
 
@@ -85,7 +89,7 @@ def _trace(
     """Draw one variant in one panel."""
     look = look_of(asked, variant)
     number = "" if panel == 1 else str(panel)
-    texts = [f"{one.steps_per_period} steps a period, {one.certified} of 6 points" for one in found]
+    texts = [f"{one.steps_per_period} steps a period" for one in found]
     return {
         "type": "scatter", "mode": "lines+markers", "name": variant.title, "legendgroup": str(variant),
         "showlegend": panel == 1, "xaxis": f"x{number}", "yaxis": f"y{number}",

@@ -27,10 +27,15 @@ class WorkPrecision(Section):
         shown = curves(self.report.steps)
         asked = self.result.asked
         reasons = {point.variant: point.reason for point in self.report.steps if point.reason}
-        absent = [variant for variant in asked.all_variants if variant not in shown]
+        absent: dict[str, list[str]] = {}
+        for variant in asked.all_variants:
+            if variant not in shown:
+                answered = any(point.variant == variant and point.answered for point in self.report.steps)
+                usual = "not every point has a steady state" if answered else "not asked at these steps so far"
+                absent.setdefault(reasons.get(variant, usual), []).append(variant.title)
         return {
-            "rows": [point for points in shown.values() for point in points],
+            "rows": [point for point in self.report.steps if point.answered],
             "points": STICK_SLIP_POINTS,
             "steps": ORDER_STEPS,
-            "absent": [(variant.title, reasons.get(variant, "not asked so far")) for variant in absent],
+            "absent": absent,
         }

@@ -41,7 +41,8 @@ for (const heading of document.querySelectorAll("table.sortable thead th")) {
 // Plots: the still picture of each is replaced when it comes into view. Without the browser's own decompression,
 // or on paper, still pictures stay.
 const plots = JSON.parse(document.getElementById("plots").textContent);
-const NARROW = 600;
+const NARROW = 600; // pixels
+const TOOLBAR = 30; // pixels above the legend for plotly's buttons
 
 async function load() {
   const packed = document.getElementById("plotly").textContent;
@@ -64,7 +65,7 @@ function legendRows(plot, width) {
 function arranged(plot, width) {
   const layout = structuredClone(plot.layout);
   const rows = legendRows(plot, width);
-  layout.margin.t = 14 + 21 * rows;
+  layout.margin.t = TOOLBAR + 21 * rows;
   if (layout.grid && width < NARROW) {
     const panels = Object.keys(layout).filter((name) => name.startsWith("xaxis")).length;
     const columns = layout.grid.columns > 2 ? 2 : 1;
@@ -74,6 +75,7 @@ function arranged(plot, width) {
     for (const name of Object.keys(layout)) if (name.startsWith("yaxis")) layout[name].showticklabels = true;
   }
   layout.height += layout.margin.t;
+  layout.legend.y = 1 - TOOLBAR / layout.height;
   if (matchMedia("(pointer: coarse)").matches) layout.dragmode = false;
   return layout;
 }
