@@ -24,7 +24,7 @@ TICKS = (EDGE_RESOLUTION, EDGE_TOLERANCE, 0.05, 0.5)
 
 Row = tuple[float, Edge]
 
-_TITLE = "edge less converged reference's, difference of η<sub>r</sub> [-]"
+_TITLE = "difference of η<sub>r</sub> [-]"
 
 
 def edge_forest(result: Figure3Result) -> Picture:

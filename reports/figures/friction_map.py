@@ -70,7 +70,8 @@ def _edge(found: FrictionMap, name: str, edge: FloatArray, dash: str) -> dict[st
     known = np.isfinite(edge)
     return {
         "type": "scatter", "mode": "lines+markers", "name": name, "x": rounded(edge[known]),
-        "y": rounded(found.friction_ratios[known]), "line": {"color": "#fff", "width": 2.5, "dash": dash}, "marker": {"size": 6, "line": {"color": "#000", "width": 1}},
+        "y": rounded(found.friction_ratios[known]), "line": {"color": "#fff", "width": 2.5, "dash": dash},
+        "marker": {"size": 6, "line": {"color": "#000", "width": 1}},
         "hovertemplate": "friction %{y}<br>" + name + " at η<sub>r</sub> %{x:.3f}<extra></extra>",
         "showlegend": False,
     }  # fmt: skip

@@ -168,7 +168,7 @@ def _points_trace(result: Figure3Result, variant: Variant, points: list[Point]) 
 def _difference_trace(
     result: Figure3Result, variant: Variant, friction_ratio: float, name: str | None = None
 ) -> dict[str, Any]:
-    """Mark the differences of one variant, in the lower panel; the reference's are shaded."""
+    """Mark the differences of one variant, in the lower panel; the reference's as a grey line."""
     eta, difference = differences(result, variant, friction_ratio)
     trace = {
         "type": "scatter", "yaxis": "y2", "name": name or variant.title, "legendgroup": str(variant),
@@ -176,8 +176,7 @@ def _difference_trace(
         "hovertemplate": "η<sub>r</sub> %{x}<br>difference %{customdata:+.5f} dB",
     }  # fmt: skip
     if variant == REFERENCE:
-        line = {"color": "#000", "width": 1}
-        return trace | {"mode": "lines", "line": line, "fill": "tozeroy", "fillcolor": "rgba(0,0,0,.16)"}
+        return trace | {"mode": "lines", "line": {"color": "#8c8c8c", "width": 4}}
     return trace | {"mode": "markers", "showlegend": False, "marker": look_of(result.asked, variant).plotly_marker}
 
 

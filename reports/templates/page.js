@@ -74,6 +74,7 @@ function arranged(plot, width) {
     layout.height = height * layout.grid.rows;
     for (const name of Object.keys(layout)) if (name.startsWith("yaxis")) layout[name].showticklabels = true;
   }
+  if (width < NARROW && layout.xaxis.ticktext) layout.xaxis.tickangle = -60;
   layout.height += layout.margin.t;
   layout.legend.y = 1 - TOOLBAR / layout.height;
   if (matchMedia("(pointer: coarse)").matches) layout.dragmode = false;

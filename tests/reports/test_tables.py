@@ -1,6 +1,7 @@
 """CSV and JSON: columns, full numbers, the same in both."""
 
 import csv
+import dataclasses
 import io
 import json
 import math
@@ -8,20 +9,25 @@ from pathlib import Path
 
 import pytest
 
-from reports.__main__ import files_of
-from reports.tables import write_all
+import numpy as np
+import xarray as xr
+from reports.files import dataset, files_of, write_all
+from reports.report import Report
 from scenarios.figure3 import Figure3Result
 
 COLUMNS = {
-    "band_edges.csv": "engine,formulation,preset,friction_ratio,edge,frequency_ratio,difference",
-    "transmittance.csv": ("engine,formulation,preset,friction_ratio,frequency_ratio,transmittance_db,residual,verdict"),
+    "band_edges.csv": "engine,formulation,preset,friction_ratio,edge,frequency_ratio,difference,verdict,reason",
+    "transmittance.csv": (
+        "engine,formulation,preset,friction_ratio,frequency_ratio,transmittance_db,residual,difference_db,verdict,reason"
+    ),
     "transitions.csv": "engine,formulation,preset,friction_ratio,frequency_ratio,cell,time_s,kind",
 }
 
 
 @pytest.fixture(scope="module")
-def files(result: Figure3Result) -> dict[str, str]:
-    return files_of(result, "python -m reports --quick")
+def files(report: Report) -> dict[str, str]:
+    written = files_of(report)
+    return {name: content.decode() for name, content in written.items() if name.endswith((".csv", ".json"))}
 
 
 def rows(text: str) -> list[dict[str, str]]:
@@ -69,7 +75,7 @@ def test_json_writes_null_where_there_is_no_number(files: dict[str, str]) -> Non
 
 def test_json_says_where_the_numbers_come_from(files: dict[str, str]) -> None:
     origin = json.loads(files["report.json"])["provenance"]
-    assert origin["command"] == "python -m reports --quick"
+    assert origin["command"] == "python -m reports --quick --engine '<b>'"
     assert origin["tolerances"]["residual"] == 1e-8
     assert origin["band"]["depth_db"] == -10.0
     mujoco = next(variant for variant in origin["variants"] if variant["engine"] == "mujoco")
@@ -88,5 +94,29 @@ def test_an_edge_outside_the_grid_is_nan_and_a_blocked_engine_has_no_difference(
 
 def test_files_are_replaced_whole(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("old")
-    write_all(tmp_path, {"a.csv": "new", "b.csv": "more"})
-    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"a.csv": "new", "b.csv": "more"}
+    write_all(tmp_path, {"a.csv": b"new", "figures/b.svg": b"more"})
+    found = {str(file.relative_to(tmp_path)): file.read_text() for file in tmp_path.rglob("*") if file.is_file()}
+    assert found == {"a.csv": "new", "figures/b.svg": "more"}
+
+
+def test_netcdf_holds_every_point_and_edge_with_its_labels(report: Report, tmp_path: Path) -> None:
+    file = tmp_path / "report.nc"
+    file.write_bytes(files_of(report)["report.nc"])
+    with xr.open_dataset(file, engine="h5netcdf") as read:
+        assert read.transmittance.attrs["units"] == "dB"
+        for point in report.result.points:
+            place = {"variant": str(point.variant), "friction_ratio": point.friction_ratio}
+            one = read.sel(place).sel(frequency_ratio=point.frequency_ratio)
+            np.testing.assert_equal(float(one.transmittance), point.answer.transmittance_db)
+            meaning = read.verdict.attrs["flag_meanings"].split()
+            assert meaning[int(one.verdict)] == str(point.comparison.verdict)
+        for edge in report.result.edges:
+            place = {"variant": str(edge.variant), "friction_ratio": edge.friction_ratio, "edge": str(edge.edge)}
+            expected = math.nan if edge.frequency_ratio is None else edge.frequency_ratio
+            np.testing.assert_equal(float(read.band_edge.sel(place)), expected)
+
+
+def test_points_that_were_not_asked_are_told_from_those_without_a_number(result: Figure3Result) -> None:
+    fewer = dataclasses.replace(result, points=result.points[1:])
+    assert int(dataset(fewer).verdict.min()) == -1
+    assert int(dataset(result).verdict.min()) == 0
