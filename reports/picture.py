@@ -43,6 +43,8 @@ class Picture:
         """Draw once; give the picture as SVG and as PDF, by ending."""
         with mpl.rc_context(PRINT_STYLE):
             figure = self.draw()
+            figure.draw_without_rendering()
+            figure.set_layout_engine("none")  # it is laid out; neither file needs it again
             return {
                 "svg": _saved(figure, "svg", dict.fromkeys(("Creator", "Date", "Format", "Type"))),
                 "pdf": _saved(figure, "pdf", dict.fromkeys(("Creator", "Producer", "CreationDate"))),

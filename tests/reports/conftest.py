@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from engines.variant import Variant
+from reports.files import files_of
 from reports.report import Report
 from scenarios.agreement import Comparison, Verdict, compare_edge, compare_transmittance
 from scenarios.attenuation_band import Edge
@@ -114,3 +115,8 @@ def report(result: Figure3Result) -> Report:
         (*step_points(REFERENCE, 0.01), *step_points(RUNS, 0.02)),
         friction_map,
     )
+
+
+@pytest.fixture(scope="session")
+def files(report: Report) -> dict[str, bytes]:
+    return files_of(report)

@@ -23,8 +23,8 @@ RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
 
 
 @pytest.fixture(scope="module")
-def page(report: Report) -> str:
-    return files_of(report)["index.html"].decode()
+def page(files: dict[str, bytes]) -> str:
+    return files["index.html"].decode()
 
 
 @pytest.fixture(scope="module")
