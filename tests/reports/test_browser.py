@@ -79,7 +79,9 @@ def test_hover_tells_the_values_of_a_point(wide: Browser) -> None:
 
 @pytest.mark.parametrize("key", ["click", "Enter"])
 def test_tables_sort_by_number_and_back(wide: Browser, key: str) -> None:
-    press = "click()" if key == "click" else "dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}))"
+    press = (
+        "click()" if key == "click" else "dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}))"
+    )
     column = """(() => {
         const table = document.querySelector('#stick_slip table');
         const heading = [...table.tHead.rows[0].cells].find((cell) => cell.textContent.startsWith('transitions'));
