@@ -13,7 +13,7 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from reports import numbers
-from reports.picture import Picture, inline_svg
+from reports.picture import Picture, inline_png, inline_svg
 from reports.report import Report
 from reports.section import Section, registered_sections
 from reports.sections import (
@@ -29,6 +29,9 @@ from reports.sections import (
 
 LARGEST_PAGE = 5 * 2**20
 """Bytes that a page takes at most, so that it can be sent by mail and opens at once."""
+
+LARGEST_DRAWING = 130_000
+"""Bytes of a printed figure that stands on the page as it is; a larger one is there as a picture of pixels."""
 
 USUAL = (Summary, BandEdges, Transmittance, FrictionMap, StickSlip, WorkPrecision, OpenPoints)
 """Sections of every report, in order; those of other packages follow, and how the numbers were made comes last."""
@@ -74,8 +77,8 @@ def page(title: str, parts: Sequence[Section]) -> RenderedPage:
     html = _environment("reports").get_template("page.html").render(
         title=title,
         sections=rendered,
-        plots=Markup(_script(json.dumps(album.plots, allow_nan=False, separators=(",", ":")))),
-        library=_library() if album.plots else "",
+        plots=_packed(json.dumps(album.plots, allow_nan=False, separators=(",", ":"))),
+        library=_packed(get_plotlyjs() if album.plots else ""),
     )  # fmt: skip
     return RenderedPage(html, album.files)
 
@@ -91,12 +94,15 @@ class _Album:
         """Draw a picture, keep its files, and give its element."""
         if picture.name in self.plots:
             raise ValueError(f"two pictures are called {picture.name!r}; allowed: names of their own")
-        drawn = picture.print_files()
+        drawn = picture.print_files(LARGEST_DRAWING)
         self.plots[picture.name] = picture.plot
         self.files |= {f"{picture.name}.{ending}": content for ending, content in drawn.items()}
         template = _environment("reports").get_template("picture.html")
-        still = Markup(inline_svg(drawn["svg"], picture.name, picture.caption))
-        return Markup(template.render(picture=picture, still=still))
+        small = len(drawn["svg"]) <= LARGEST_DRAWING
+        still = (
+            inline_svg(drawn["svg"], picture.name, picture.caption) if small else inline_png(drawn.pop("png"), picture)
+        )
+        return Markup(template.render(picture=picture, still=Markup(still)))
 
 
 def _rendered(part: Section, album: _Album) -> RenderedSection:
@@ -131,11 +137,6 @@ def _environment(package: str) -> Environment:
     return environment
 
 
-def _library() -> str:
-    """Give plotly.js, compressed, as text: the browser unpacks it."""
-    return base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode("ascii")
-
-
-def _script(data: str) -> str:
-    """Let data stand within a script element, whatever they hold."""
-    return data.replace("<", "\\u003c")
+def _packed(text: str) -> str:
+    """Compress text, and give it as letters: the browser unpacks it."""
+    return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode("ascii")

@@ -1,5 +1,6 @@
 """A picture of the report: one drawing for print and one for the screen, of the same numbers."""
 
+import base64
 import io
 import math
 import re
@@ -9,8 +10,12 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
+from PIL import Image
 
 from reports.looks import PRINT_STYLE
+
+PIXELS = 200
+"""Dots an inch of pictures of pixels."""
 
 Draw = Callable[[], Figure]
 
@@ -39,22 +44,38 @@ class Picture:
     plot: Mapping[str, Any]
     wide: bool = False
 
-    def print_files(self) -> dict[str, bytes]:
-        """Draw once; give the picture as SVG and as PDF, by ending."""
+    def print_files(self, largest: int) -> dict[str, bytes]:
+        """Draw once; give the picture as SVG and as PDF, by ending, and as PNG if the SVG has more bytes than this."""
         with mpl.rc_context(PRINT_STYLE):
             figure = self.draw()
             figure.draw_without_rendering()
-            figure.set_layout_engine("none")  # it is laid out; neither file needs it again
-            return {
+            figure.set_layout_engine("none")  # it is laid out; no file needs it again
+            files = {
                 "svg": _saved(figure, "svg", dict.fromkeys(("Creator", "Date", "Format", "Type"))),
                 "pdf": _saved(figure, "pdf", dict.fromkeys(("Creator", "Producer", "CreationDate"))),
             }
+            if len(files["svg"]) > largest:
+                files["png"] = _few_colours(_saved(figure, "png", {"Software": None}))
+            return files
 
 
 def _saved(figure: Figure, ending: str, metadata: dict[str, Any]) -> bytes:
     file = io.BytesIO()
-    figure.savefig(file, format=ending, metadata=metadata)
+    figure.savefig(file, format=ending, metadata=metadata, dpi=PIXELS if ending == "png" else "figure")
     return file.getvalue()
+
+
+def _few_colours(png: bytes) -> bytes:
+    """Give a picture with a palette of its own: a fraction of its bytes, and nobody sees it in lines and markers."""
+    file = io.BytesIO()
+    Image.open(io.BytesIO(png)).convert("RGB").quantize(64).save(file, "png", optimize=True)
+    return file.getvalue()
+
+
+def inline_png(png: bytes, picture: Picture) -> str:
+    """Give a picture of pixels as an element for a page."""
+    address = f"data:image/png;base64,{base64.b64encode(png).decode('ascii')}"
+    return f'<img alt="{_quoted(picture.caption)}" src="{address}">'
 
 
 def inline_svg(svg: bytes, name: str, caption: str) -> str:
@@ -68,8 +89,11 @@ def inline_svg(svg: bytes, name: str, caption: str) -> str:
     text = re.sub(r'\bid="', f'id="{name}-', text)
     text = re.sub(r'xlink:href="#', f'href="#{name}-', text)
     text = re.sub(r'xlink:href="data:', 'href="data:', text)
-    quoted = re.sub(r'[<>"&]', "", caption)
-    return text.replace("url(#", f"url(#{name}-").replace("<svg", f'<svg role="img" aria-label="{quoted}"', 1)
+    return text.replace("url(#", f"url(#{name}-").replace("<svg", f'<svg role="img" aria-label="{_quoted(caption)}"', 1)
+
+
+def _quoted(text: str) -> str:
+    return re.sub(r'[<>"&]', "", text)
 
 
 def rounded(values: Iterable[float], digits: int = 4) -> list[float | None]:

@@ -1,5 +1,6 @@
 """Everything that sections of a report are made from."""
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -38,10 +39,6 @@ class Report:
     friction_map: FrictionMap | None = None
 
     @property
-    def missing(self) -> dict[Variant, int]:
+    def missing(self) -> Mapping[Variant, int]:
         """Points of the grid that nobody has answered so far, by variant; variants without any are left out."""
-        counted = {
-            variant: sum(p.answer.status == "missing" for p in self.result.points if p.variant == variant)
-            for variant in self.result.asked.all_variants
-        }
-        return {variant: count for variant, count in counted.items() if count}
+        return Counter(point.variant for point in self.result.points if point.answer.status == "missing")

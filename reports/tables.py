@@ -80,22 +80,20 @@ def transition_rows(result: Figure3Result) -> list[Row]:
 def csv_text(columns: tuple[str, ...], rows: Iterable[Row]) -> str:
     """Give rows as CSV, with numbers in full."""
     text = io.StringIO()
-    writer = csv.DictWriter(text, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({name: repr(value) if isinstance(value, float) else value for name, value in row.items()}
-                     for row in rows)  # fmt: skip
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([row[name] for name in columns] for row in rows)
     return text.getvalue()
 
 
 def json_text(result: Figure3Result, stick_slip: list[Row], provenance: Mapping[str, Any]) -> str:
-    """Give the numbers of all tables as JSON, with where they come from."""
+    """Give the numbers of all tables but the transitions as JSON, with where they come from."""
     report = {
         "provenance": provenance,
         "summary": [_summary(result, variant) for variant in result.asked.all_variants],
         "band_edges": band_edge_rows(result),
         "stick_slip": stick_slip,
         "transmittance": transmittance_rows(result),
-        "transitions": transition_rows(result),
     }
     return json.dumps(_plain(report), ensure_ascii=False, allow_nan=False) + "\n"
 

@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache
 
 from engines.registry import engine
 from engines.variant import Variant
@@ -99,12 +100,13 @@ class StoredAnswers(Evaluator):
     def __init__(self, store: ResultStore):
         self._store = store
         self._answered: dict[Question, Answer] = {}
+        self._missing = cache(lambda name: engine(name).why_not_installed())
 
     def evaluate(self, questions: Sequence[Question]) -> list[Answer]:
         """Look all questions up, in order; those that the store does not know have the status ``missing``."""
         lookup = []
         for question in self.unanswered(questions):
-            reason = engine(question.variant.engine).why_not_installed()
+            reason = self._missing(question.variant.engine)
             if reason is None:
                 lookup.append(question)
             else:

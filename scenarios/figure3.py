@@ -7,6 +7,7 @@ found in its own curve, and the edges are refined by its own simulations.
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
@@ -201,11 +202,26 @@ class Figure3Result:
 
     def curve(self, variant: Variant, friction_ratio: float) -> list[Point]:
         """Points of one curve."""
-        return [p for p in self.points if p.variant == variant and p.friction_ratio == friction_ratio]
+        return self._curves.get((variant, friction_ratio), [])
+
+    def points_of(self, variant: Variant) -> list[Point]:
+        """Points of one variant, by friction and frequency."""
+        return [point for friction in self.asked.friction_ratios for point in self.curve(variant, friction)]
 
     def edge(self, variant: Variant, friction_ratio: float, edge: Edge) -> BandEdge:
         """One edge."""
-        return next(e for e in self.edges if (e.variant, e.friction_ratio, e.edge) == (variant, friction_ratio, edge))
+        return self._edges[variant, friction_ratio, edge]
+
+    @cached_property
+    def _curves(self) -> dict[tuple[Variant, float], list[Point]]:
+        found: dict[tuple[Variant, float], list[Point]] = {}
+        for point in self.points:
+            found.setdefault((point.variant, point.friction_ratio), []).append(point)
+        return found
+
+    @cached_property
+    def _edges(self) -> dict[tuple[Variant, float, Edge], BandEdge]:
+        return {(one.variant, one.friction_ratio, one.edge): one for one in self.edges}
 
 
 def run(asked: Figure3, evaluator: Evaluator) -> Figure3Result:

@@ -44,9 +44,9 @@ class OpenPoints(Section):
 
     def _points(self, variant: Variant) -> list[dict[str, Any]]:
         places: dict[tuple[float, Verdict, str], list[Point]] = defaultdict(list)
-        for point in self.result.points:
+        for point in self.result.points_of(variant):
             verdict = point.comparison.verdict
-            if point.variant == variant and verdict is not Verdict.AGREE:
+            if verdict is not Verdict.AGREE:
                 places[point.friction_ratio, verdict, point.comparison.reason].append(point)
         return [
             {

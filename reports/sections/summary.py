@@ -41,7 +41,7 @@ class Summary(Section):
         return {
             "variant": variant,
             "found": findings(self.result, variant),
-            "points": sum(point.variant == variant for point in self.result.points),
+            "points": len(self.result.points_of(variant)),
             "missing": self.report.missing.get(variant, 0),
             "friction_law": str(engine(variant.engine).capabilities.friction_law),
             "compared_with": compared_with(variant),

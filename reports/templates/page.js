@@ -40,17 +40,21 @@ for (const heading of document.querySelectorAll("table.sortable thead th")) {
 
 // Plots: the still picture of each is replaced when it comes into view. Without the browser's own decompression,
 // or on paper, still pictures stay.
-const plots = JSON.parse(document.getElementById("plots").textContent);
+let plots = {};
 const NARROW = 600; // pixels
 const TOOLBAR = 30; // pixels above the legend for plotly's buttons
 
+async function unpacked(name) {
+  const bytes = Uint8Array.from(atob(document.getElementById(name).textContent), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+}
+
 async function load() {
-  const packed = document.getElementById("plotly").textContent;
-  const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const [library, data] = await Promise.all([unpacked("plotly"), unpacked("plots")]);
   const script = document.createElement("script");
-  script.textContent = await new Response(stream).text();
+  script.textContent = library;
   document.head.append(script);
+  plots = JSON.parse(data);
 }
 
 // The legend stands above the panels, in as many rows as its entries need at this width.

@@ -136,7 +136,7 @@ def test_on_paper_every_plot_is_its_printed_figure(browser: Browser, page: Path,
     browser.media("print")
     shown = browser.run(
         "[...document.querySelectorAll('figure.picture')].map((one) => [getComputedStyle(one.querySelector('.plot')).display,"
-        " one.querySelector('.still svg').getBoundingClientRect().width])"
+        " one.querySelector('.still svg, .still img').getBoundingClientRect().width])"
     )
     browser.media("screen")
     assert {display for display, _ in shown} == {"none"}
@@ -149,6 +149,6 @@ def test_without_scripts_the_printed_figures_stand_on_the_page(browser: Browser,
     browser.open(page, 1440, scripts=False)
     shown = browser.run(
         "[...document.querySelectorAll('figure.picture')].map((one) => [one.querySelectorAll('.main-svg').length, "
-        "one.querySelector('.still svg').getBoundingClientRect().width])"
+        "one.querySelector('.still svg, .still img').getBoundingClientRect().width])"
     )
     assert all(plots == 0 and width > 100 for plots, width in shown)

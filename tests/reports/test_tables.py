@@ -7,10 +7,10 @@ import json
 import math
 from pathlib import Path
 
-import pytest
-
 import numpy as np
+import pytest
 import xarray as xr
+
 from reports.files import dataset, write_all
 from reports.report import Report
 from scenarios.figure3 import Figure3Result
@@ -53,7 +53,7 @@ def test_csv_numbers_are_in_full(texts: dict[str, str], result: Figure3Result) -
         assert row["residual"] == repr(point.answer.residual)
 
 
-@pytest.mark.parametrize("name", COLUMNS)
+@pytest.mark.parametrize("name", ["band_edges.csv", "transmittance.csv"])
 def test_json_holds_the_numbers_of_the_csv(texts: dict[str, str], name: str) -> None:
     listed = json.loads(texts["report.json"])[name.removesuffix(".csv")]
     for written, read in zip(listed, rows(texts[name]), strict=True):
