@@ -96,12 +96,12 @@ class _Album:
             raise ValueError(f"two pictures are called {picture.name!r}; allowed: names of their own")
         drawn = picture.print_files(LARGEST_DRAWING)
         self.plots[picture.name] = picture.plot
-        self.files |= {f"{picture.name}.{ending}": content for ending, content in drawn.items()}
         template = _environment("reports").get_template("picture.html")
-        small = len(drawn["svg"]) <= LARGEST_DRAWING
-        still = (
-            inline_svg(drawn["svg"], picture.name, picture.caption) if small else inline_png(drawn.pop("png"), picture)
-        )
+        if "png" in drawn:
+            still = inline_png(drawn.pop("png"), picture)
+        else:
+            still = inline_svg(drawn["svg"], picture.name, picture.caption)
+        self.files |= {f"{picture.name}.{ending}": content for ending, content in drawn.items()}
         return Markup(template.render(picture=picture, still=Markup(still)))
 
 

@@ -4,6 +4,7 @@ import itertools
 from dataclasses import dataclass
 from typing import Any
 
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -92,13 +93,14 @@ def _middle(rows: dict[Variant, list[Phase]], strip: int, cell: int) -> float:
 def _printed(rows: dict[Variant, list[Phase]], cells: int) -> Figure:
     figure = Figure(figsize=(PAGE_WIDTH, 0.9 + cells * max(0.34, 0.085 * len(rows))), layout="constrained")
     axes = figure.subplots()
-    height = _height(rows)
-    for strip, found in enumerate(rows.values()):
-        for cell in range(1, cells + 1):
-            for mode, colour in MODE_COLOURS.items():
-                spans = [(phase.start, phase.length) for phase in found if (phase.cell, phase.mode) == (cell, mode)]
-                bottom = _middle(rows, strip, cell) - 0.46 * height
-                axes.broken_barh(spans, (bottom, 0.92 * height), facecolors=colour, linewidth=0)
+    for mode, colour in MODE_COLOURS.items():
+        bars = [
+            _corners(phase, _middle(rows, strip, phase.cell), 0.46 * _height(rows))
+            for strip, found in enumerate(rows.values())
+            for phase in found
+            if phase.mode is mode
+        ]
+        axes.add_collection(PolyCollection(bars, facecolors=colour, linewidths=0))
     axes.set_yticks(range(1, cells + 1), [f"cell {cell}" for cell in range(1, cells + 1)])
     axes.set_ylim(cells + 0.5, 0.5)
     axes.set_xlim(0, 1)
@@ -108,6 +110,12 @@ def _printed(rows: dict[Variant, list[Phase]], cells: int) -> Figure:
     handles = [Patch(facecolor=colour, label=str(mode)) for mode, colour in MODE_COLOURS.items()]
     figure.legend(handles=handles, loc="outside upper center", ncols=3)
     return figure
+
+
+def _corners(phase: Phase, middle: float, half: float) -> list[tuple[float, float]]:
+    """Give the corners of the bar of a phase."""
+    left, right = phase.start, phase.start + phase.length
+    return [(left, middle - half), (left, middle + half), (right, middle + half), (right, middle - half)]
 
 
 def _name_strips(figure: Figure, rows: dict[Variant, list[Phase]], cells: int) -> None:

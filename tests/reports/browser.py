@@ -44,7 +44,8 @@ class Browser:
 
         self._process = subprocess.Popen(
             [str(CHROMIUM), *FLAGS, f"--user-data-dir={folder}", "about:blank"],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, preexec_fn=connect, close_fds=False,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, close_fds=False,
+            preexec_fn=connect,  # noqa: PLW1509 - it calls dup2 only
         )  # fmt: skip
         os.close(read_commands)
         os.close(write_answers)

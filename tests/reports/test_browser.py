@@ -135,8 +135,9 @@ def test_on_paper_every_plot_is_its_printed_figure(browser: Browser, page: Path,
     browser.run("drawAll()")
     browser.media("print")
     shown = browser.run(
-        "[...document.querySelectorAll('figure.picture')].map((one) => [getComputedStyle(one.querySelector('.plot')).display,"
-        " one.querySelector('.still svg, .still img').getBoundingClientRect().width])"
+        "[...document.querySelectorAll('figure.picture')].map((one) => ["
+        "getComputedStyle(one.querySelector('.plot')).display, "
+        "one.querySelector('.still svg, .still img').getBoundingClientRect().width])"
     )
     browser.media("screen")
     assert {display for display, _ in shown} == {"none"}

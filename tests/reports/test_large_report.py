@@ -95,7 +95,8 @@ def test_twenty_thousand_points_are_a_page_in_seconds(tmp_path: Path) -> None:
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     size = (tmp_path / "out" / "index.html").stat().st_size
     print(
-        f"{len(result.points)} points, {len(variants)} variants: {seconds:.1f} s of processor time, {size / 2**20:.2f} MiB"
+        f"{len(result.points)} points, {len(variants)} variants: "
+        f"{seconds:.1f} s of processor time, {size / 2**20:.2f} MiB"
     )
     assert seconds < SECONDS
     assert size < LARGEST_PAGE
