@@ -1,4 +1,4 @@
-"""``python -m reports``: one page on every engine, with its tables."""
+"""``python -m reports``: one page on every engine, with its figures and tables; comparisons and animations."""
 
 import shlex
 import sys
@@ -10,45 +10,36 @@ import typer
 from engines.registry import engine_names, usual_engine_names
 from engines.variant import Variant
 from reference_lcp.console import INTERRUPTED, checked_output_file, checked_output_folder, run_command
-from reports.page import page, sections
-from reports.provenance import provenance
-from reports.sections.stick_slip import stick_slip_rows
-from reports.tables import (
-    BAND_EDGE_COLUMNS,
-    TRANSITION_COLUMNS,
-    TRANSMITTANCE_COLUMNS,
-    band_edge_rows,
-    csv_text,
-    json_text,
-    transition_rows,
-    transmittance_rows,
-    write_all,
-)
+from reference_lcp.validation import ParameterError
+from reports.animate import animate
+from reports.compare import compare
+from reports.files import FIGURES, FILES, PAGE, files_of, write_all
+from reports.gathering import QUICK, Extent, expected_questions, gather
+from reports.report import Report
 from scenarios.cluster import crew_of
+from scenarios.evaluation import StoredAnswers
 from scenarios.figure3 import (
     FRICTION_RATIOS,
     QUICK_FRICTION_RATIOS,
     Figure3,
-    Figure3Result,
     default_frequency_ratios,
     quick_frequency_ratios,
-    run,
 )
 from scenarios.isolation import TIME_LIMIT, Crew
 from scenarios.progress import Bars, CountingEvaluator
 from scenarios.questions import ChainRatios
 from scenarios.store import ResultStore
-
-TITLE = "Dry friction in multibody engines: a frictional mass-in-mass chain against its LCP reference"
-PAGE = "index.html"
-FILES = ("band_edges.csv", "transmittance.csv", "transitions.csv", "report.json", PAGE)
+from scenarios.sweep_file import read_sweep
 
 app = typer.Typer(name="python -m reports", add_completion=False, pretty_exceptions_enable=False)
+app.command()(compare)
+app.command()(animate)
 
 
-@app.command()
+@app.callback(invoke_without_command=True)
 def report(
-    out: Annotated[Path, typer.Option(help="Folder of the page and its tables; made if it is missing.")] = Path(
+    context: typer.Context,
+    out: Annotated[Path, typer.Option(help="Folder of the page and its files; made if it is missing.")] = Path(
         "report"
     ),
     quick: Annotated[bool, typer.Option("--quick", help="A small grid: the whole report in under a minute.")] = False,
@@ -61,9 +52,16 @@ def report(
             "may be repeated. Without it: the engines that come with the suite; all: every one that is registered.",
         ),
     ] = None,
+    sweep: Annotated[
+        Path | None,
+        typer.Option(help="File of a sweep (python -m scenarios example) that names engines, chain and grid."),
+    ] = None,
     store: Annotated[
         Path | None, typer.Option(help="File that keeps every answer; without it, results.sqlite in --out.")
     ] = None,
+    ask: Annotated[
+        bool, typer.Option(help="Answer what the store lacks; --no-ask shows what there is, and says what is missing.")
+    ] = True,
     workers: Annotated[int | None, typer.Option(help="Worker processes; without it, one a processor.")] = None,
     time_limit: Annotated[
         float, typer.Option(help="Seconds that a batch of points may take; an engine that hangs is stopped then.")
@@ -79,33 +77,26 @@ def report(
 
     Example: python -m reports --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
     """
-    asked = _asked(_names(chosen), quick)
+    if context.invoked_subcommand is not None:
+        return
+    asked = _asked(_names(chosen), quick) if sweep is None else _asked_by(sweep, chosen, quick)
     crew = crew_of(workers, time_limit, scheduler)
     checked_output_folder("--out", out)
     for file in FILES:
         checked_output_file("output file", out / file)
+    checked_output_folder("figures", out / FIGURES)
     store = store if store is not None else out / "results.sqlite"
+    if not ask and not store.is_file():
+        raise ParameterError(f"--store = {store} does not exist; allowed with --no-ask: a store that is there")
+    command = _command(chosen, quick, sweep)
     with ResultStore(store) as kept:
         try:
-            result = _run(asked, kept, crew)
+            found = _gathered(asked, kept, store, crew, command, ask, QUICK if quick else Extent(), workers, time_limit)
         except KeyboardInterrupt:
             print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
-    write_all(out, files_of(result, _command(chosen, quick)))
+    write_all(out, files_of(found))
     print(out / PAGE)
-
-
-def files_of(result: Figure3Result, command: str) -> dict[str, str]:
-    """Give the text of every file of the report, the page last."""
-    stick_slip = stick_slip_rows(result)
-    origin = provenance(result, command)
-    return {
-        "band_edges.csv": csv_text(BAND_EDGE_COLUMNS, band_edge_rows(result)),
-        "transmittance.csv": csv_text(TRANSMITTANCE_COLUMNS, transmittance_rows(result)),
-        "transitions.csv": csv_text(TRANSITION_COLUMNS, transition_rows(result)),
-        "report.json": json_text(result, stick_slip, origin),
-        PAGE: page(TITLE, sections(result, stick_slip, origin)),
-    }
 
 
 def _names(chosen: list[str] | None) -> list[str]:
@@ -126,17 +117,56 @@ def _asked(names: list[str], quick: bool) -> Figure3:
     )
 
 
-def _run(asked: Figure3, kept: ResultStore, crew: Crew) -> Figure3Result:
-    """Answer everything, with bars on the way."""
-    with Bars(asked.all_variants) as bars, CountingEvaluator(kept, crew, asked.grid, bars) as evaluator:
-        return run(asked, evaluator)
+def _asked_by(file: Path, chosen: list[str] | None, quick: bool) -> Figure3:
+    """Take what is to be run from the file of a sweep over friction and frequency."""
+    if chosen or quick:
+        raise ParameterError("--sweep names engines and grid; allowed beside it: neither --engine nor --quick")
+    read = read_sweep(file)
+    if read.frequencies is not None:
+        raise ParameterError(f"{file}: grid.frequency_ratio is adaptive; allowed in a report: values or a range")
+    asked = read.sweep
+    others = [name for name in asked.axes if name not in ("friction_ratio", "frequency_ratio")]
+    if others:
+        raise ParameterError(f"{file}: grid.{others[0]} is varied; allowed in a report: friction and frequency ratio")
+    return Figure3(
+        variants=asked.variants,
+        friction_ratios=tuple(sorted(asked.axes["friction_ratio"])),
+        frequency_ratios=tuple(sorted(asked.axes["frequency_ratio"])),
+        ratios=asked.ratios,
+        steps_per_period=asked.steps_per_period,
+    )
 
 
-def _command(chosen: list[str] | None, quick: bool) -> str:
+def _gathered(
+    asked: Figure3,
+    kept: ResultStore,
+    file: Path,
+    crew: Crew,
+    command: str,
+    ask: bool,
+    extent: Extent,
+    workers: int | None,
+    time_limit: float,
+) -> Report:
+    """Gather everything: with bars on the way, or from the store alone."""
+    if not ask:
+        return gather(asked, kept, file, StoredAnswers(kept), command, extent=extent)
+    with (
+        Bars(asked.all_variants) as bars,
+        CountingEvaluator(kept, crew, expected_questions(asked, extent), bars) as evaluator,
+    ):
+        return gather(
+            asked, kept, file, evaluator, command, extent=extent, workers=workers, time_limit=time_limit
+        )  # fmt: skip
+
+
+def _command(chosen: list[str] | None, quick: bool, sweep: Path | None) -> str:
     """Give the command that asks for the same numbers; where they are written makes no difference."""
     options = ["--quick"] if quick else []
     for name in chosen or []:
         options += ["--engine", name]
+    if sweep is not None:
+        options += ["--sweep", str(sweep)]
     return shlex.join(["python", "-m", "reports", *options])
 
 

@@ -63,7 +63,7 @@ class VariantFindings:
 
 def findings(result: Figure3Result, variant: Variant) -> VariantFindings:
     """Sum up all points and edges of a variant."""
-    points = [point for point in result.points if point.variant == variant]
+    points = result.points_of(variant)
     converged = [point.answer for point in points if point.answer.converged]
     seconds = [point.answer.seconds for point in points if not math.isnan(point.answer.seconds)]
     counted = Counter(str(point.comparison.verdict) for point in points)
@@ -128,7 +128,7 @@ def reference_line(result: Figure3Result, friction_ratio: float) -> tuple[FloatA
 
 def blocked_reason(result: Figure3Result, variant: Variant) -> str | None:
     """Say why a variant has not a single answer; ``None`` if it has one."""
-    answers = [point.answer for point in result.points if point.variant == variant]
+    answers = [point.answer for point in result.points_of(variant)]
     if not answers or any(answer.status != "blocked" for answer in answers):
         return None
     return answers[0].reason

@@ -1,29 +1,40 @@
-"""The page: a list of sections, each one class and one template."""
+"""The page: a list of sections, each one class and one template, in one document that needs nothing else."""
 
+import base64
+import gzip
+import json
+import sys
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
+from plotly.offline import get_plotlyjs
 
 from reports import numbers
-from reports.sections import BandEdges, OpenPoints, Provenance, StickSlip, Summary, Transmittance
-from scenarios.figure3 import Figure3Result
+from reports.picture import Picture, inline_png, inline_svg
+from reports.report import Report
+from reports.section import Section, registered_sections
+from reports.sections import (
+    BandEdges,
+    FrictionMap,
+    OpenPoints,
+    Provenance,
+    StickSlip,
+    Summary,
+    Transmittance,
+    WorkPrecision,
+)
 
+LARGEST_PAGE = 5 * 2**20
+"""Bytes that a page takes at most, so that it can be sent by mail and opens at once."""
 
-class Section(Protocol):
-    """One section of a page."""
+LARGEST_DRAWING = 130_000
+"""Bytes of a printed figure that stands on the page as it is; a larger one is there as a picture of pixels."""
 
-    @property
-    def title(self) -> str:
-        """The heading."""
-
-    @property
-    def template(self) -> str:
-        """Name of the template, without its ending; also the anchor of the section."""
-
-    def context(self) -> dict[str, Any]:
-        """What the template is given."""
+USUAL = (Summary, BandEdges, Transmittance, FrictionMap, StickSlip, WorkPrecision, OpenPoints)
+"""Sections of every report, in order; those of other packages follow, and how the numbers were made comes last."""
 
 
 @dataclass(frozen=True)
@@ -35,34 +46,87 @@ class RenderedSection:
     html: Markup
 
 
-def sections(result: Figure3Result, stick_slip: list[dict[str, Any]], provenance: dict[str, Any]) -> list[Section]:
-    """Give the sections of the report on Figure 3, in order."""
-    return [
-        Summary(result),
-        Transmittance(result),
-        BandEdges(result),
-        StickSlip(stick_slip),
-        OpenPoints(result),
-        Provenance(provenance),
-    ]
+@dataclass(frozen=True)
+class RenderedPage:
+    """What is written.
+
+    Parameters
+    ----------
+    html
+        The document.
+    figures
+        Every picture as SVG and PDF, by file name.
+    """
+
+    html: str
+    figures: dict[str, bytes]
 
 
-def page(title: str, parts: list[Section]) -> str:
-    """Render sections into one HTML document that needs nothing else."""
-    environment = _environment()
-    rendered = [
-        RenderedSection(
-            part.title, part.template, Markup(environment.get_template(f"{part.template}.html").render(part.context()))
-        )
-        for part in parts
-    ]
-    return environment.get_template("page.html").render(title=title, sections=rendered)
+def sections(report: Report) -> list[Section]:
+    """Give the sections of a report, in order."""
+    return [make(report) for make in (*USUAL, *registered_sections(), Provenance)]
 
 
-def _environment() -> Environment:
+def page(title: str, parts: Sequence[Section]) -> RenderedPage:
+    """Render sections into one HTML document, and draw their pictures.
+
+    A section that fails says so in its place; the others are there.
+    """
+    album = _Album()
+    rendered = [_rendered(part, album) for part in parts]
+    html = _environment("reports").get_template("page.html").render(
+        title=title,
+        sections=rendered,
+        plots=_packed(json.dumps(album.plots, allow_nan=False, separators=(",", ":"))),
+        library=_packed(get_plotlyjs() if album.plots else ""),
+    )  # fmt: skip
+    return RenderedPage(html, album.files)
+
+
+class _Album:
+    """Pictures that are on the page so far."""
+
+    def __init__(self) -> None:
+        self.plots: dict[str, Any] = {}
+        self.files: dict[str, bytes] = {}
+
+    def html(self, picture: Picture) -> Markup:
+        """Draw a picture, keep its files, and give its element."""
+        if picture.name in self.plots:
+            raise ValueError(f"two pictures are called {picture.name!r}; allowed: names of their own")
+        drawn = picture.print_files(LARGEST_DRAWING)
+        self.plots[picture.name] = picture.plot
+        template = _environment("reports").get_template("picture.html")
+        if "png" in drawn:
+            still = inline_png(drawn.pop("png"), picture)
+        else:
+            still = inline_svg(drawn["svg"], picture.name, picture.caption)
+        self.files |= {f"{picture.name}.{ending}": content for ending, content in drawn.items()}
+        return Markup(template.render(picture=picture, still=Markup(still)))
+
+
+def _rendered(part: Section, album: _Album) -> RenderedSection:
+    """Render one section."""
+    try:
+        drawn = {picture.name: album.html(picture) for picture in part.pictures()}
+        template = _environment(part.templates).get_template(f"{part.template}.html")
+        html = template.render(**part.context(), picture=_chosen(drawn), pictures=list(drawn.values()))
+    except Exception as problem:
+        if part.templates == "reports":
+            raise
+        print(f"section {part.title!r} failed: {type(problem).__name__}: {problem}", file=sys.stderr)
+        html = Markup("<p class='blocked'>This section failed: {}: {}</p>").format(type(problem).__name__, problem)
+    return RenderedSection(part.title, part.template, Markup(html))
+
+
+def _chosen(drawn: dict[str, Markup]) -> Callable[[str], Markup]:
+    return lambda name: drawn[name]
+
+
+def _environment(package: str) -> Environment:
     """Templates that escape what they print and refuse names that are not there."""
     environment = Environment(
-        loader=PackageLoader("reports"),
+        loader=ChoiceLoader([PackageLoader(name) for name in dict.fromkeys((package, "reports"))]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -71,3 +135,8 @@ def _environment() -> Environment:
     for display in (numbers.fixed, numbers.signed, numbers.scientific, numbers.ratio, numbers.span, numbers.typeset):
         environment.filters[display.__name__] = display
     return environment
+
+
+def _packed(text: str) -> str:
+    """Compress text, and give it as letters: the browser unpacks it."""
+    return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode("ascii")

@@ -61,7 +61,7 @@ def _variant(result: Figure3Result, variant: Variant) -> dict[str, Any]:
     """Describe one variant: what it is, how it is set up, how well it converged."""
     of = engine(variant.engine)
     preset = of.preset(variant.formulation, variant.preset)
-    answers = [point.answer for point in result.points if point.variant == variant and point.answer.converged]
+    answers = [point.answer for point in result.points_of(variant) if point.answer.converged]
     return {
         "engine": variant.engine,
         "formulation": variant.formulation,

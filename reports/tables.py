@@ -6,7 +6,6 @@ import io
 import json
 import math
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 from engines.variant import Variant
@@ -15,9 +14,13 @@ from scenarios.figure3 import Figure3Result
 
 Row = dict[str, Any]
 
-BAND_EDGE_COLUMNS = ("engine", "formulation", "preset", "friction_ratio", "edge", "frequency_ratio", "difference")
+BAND_EDGE_COLUMNS = (
+    "engine", "formulation", "preset", "friction_ratio", "edge", "frequency_ratio", "difference",
+    "verdict", "reason",
+)  # fmt: skip
 TRANSMITTANCE_COLUMNS = (
-    "engine", "formulation", "preset", "friction_ratio", "frequency_ratio", "transmittance_db", "residual", "verdict",
+    "engine", "formulation", "preset", "friction_ratio", "frequency_ratio", "transmittance_db", "residual",
+    "difference_db", "verdict", "reason",
 )  # fmt: skip
 TRANSITION_COLUMNS = (
     "engine", "formulation", "preset", "friction_ratio", "frequency_ratio", "cell", "time_s", "kind",
@@ -33,6 +36,8 @@ def band_edge_rows(result: Figure3Result) -> list[Row]:
             "edge": str(edge.edge),
             "frequency_ratio": math.nan if edge.frequency_ratio is None else edge.frequency_ratio,
             "difference": edge.comparison.difference,
+            "verdict": str(edge.comparison.verdict),
+            "reason": edge.comparison.reason,
         }
         for edge in result.edges
     ]
@@ -47,7 +52,9 @@ def transmittance_rows(result: Figure3Result) -> list[Row]:
             "frequency_ratio": point.frequency_ratio,
             "transmittance_db": point.answer.transmittance_db,
             "residual": point.answer.residual,
+            "difference_db": point.comparison.difference,
             "verdict": str(point.comparison.verdict),
+            "reason": point.comparison.reason,
         }
         for point in result.points
     ]
@@ -73,35 +80,22 @@ def transition_rows(result: Figure3Result) -> list[Row]:
 def csv_text(columns: tuple[str, ...], rows: Iterable[Row]) -> str:
     """Give rows as CSV, with numbers in full."""
     text = io.StringIO()
-    writer = csv.DictWriter(text, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({name: repr(value) if isinstance(value, float) else value for name, value in row.items()}
-                     for row in rows)  # fmt: skip
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([row[name] for name in columns] for row in rows)
     return text.getvalue()
 
 
 def json_text(result: Figure3Result, stick_slip: list[Row], provenance: Mapping[str, Any]) -> str:
-    """Give the numbers of all tables as JSON, with where they come from."""
+    """Give the numbers of all tables but the transitions as JSON, with where they come from."""
     report = {
         "provenance": provenance,
         "summary": [_summary(result, variant) for variant in result.asked.all_variants],
         "band_edges": band_edge_rows(result),
         "stick_slip": stick_slip,
         "transmittance": transmittance_rows(result),
-        "transitions": transition_rows(result),
     }
     return json.dumps(_plain(report), ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def write_all(folder: Path, texts: Mapping[str, str]) -> None:
-    """Write files into `folder`; each appears complete or not at all."""
-    for name, text in texts.items():
-        part = folder / f".{name}.part"
-        try:
-            part.write_text(text, encoding="utf-8")
-            part.replace(folder / name)
-        finally:
-            part.unlink(missing_ok=True)
 
 
 def _names(variant: Variant) -> Row:

@@ -7,6 +7,7 @@ found in its own curve, and the edges are refined by its own simulations.
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
@@ -217,11 +218,26 @@ class Figure3Result:
 
     def curve(self, variant: Variant, friction_ratio: float) -> list[Point]:
         """Points of one curve."""
-        return [p for p in self.points if p.variant == variant and p.friction_ratio == friction_ratio]
+        return self._curves.get((variant, friction_ratio), [])
+
+    def points_of(self, variant: Variant) -> list[Point]:
+        """Points of one variant, by friction and frequency."""
+        return [point for friction in self.asked.friction_ratios for point in self.curve(variant, friction)]
 
     def edge(self, variant: Variant, friction_ratio: float, edge: Edge) -> BandEdge:
         """One edge."""
-        return next(e for e in self.edges if (e.variant, e.friction_ratio, e.edge) == (variant, friction_ratio, edge))
+        return self._edges[variant, friction_ratio, edge]
+
+    @cached_property
+    def _curves(self) -> dict[tuple[Variant, float], list[Point]]:
+        found: dict[tuple[Variant, float], list[Point]] = {}
+        for point in self.points:
+            found.setdefault((point.variant, point.friction_ratio), []).append(point)
+        return found
+
+    @cached_property
+    def _edges(self) -> dict[tuple[Variant, float, Edge], BandEdge]:
+        return {(one.variant, one.friction_ratio, one.edge): one for one in self.edges}
 
 
 def run(asked: Figure3, evaluator: Evaluator) -> Figure3Result:
@@ -289,21 +305,37 @@ def _edges(
         for edge, bracket in edge_brackets(np.array(grids[friction]), curve, asked.band).items():
             brackets[variant, friction, edge] = bracket
     owners = list(brackets)
+    unanswered: set[tuple[Variant, float]] = {
+        (variant, friction)
+        for variant, friction in curves
+        if any(answers[variant, friction, eta].status == "missing" for eta in grids[friction])
+    }
 
     def transmittance_db(index: NDArray[np.intp], eta: FloatArray) -> FloatArray:
         asks = [asked.question(owners[k][0], owners[k][1], float(ratio)) for k, ratio in zip(index, eta, strict=True)]
-        return np.array([_decided(answer) for answer in evaluator.evaluate(asks)])
+        found = evaluator.evaluate(asks)
+        unanswered.update(owners[k][:2] for k, one in zip(index, found, strict=True) if one.status == "missing")
+        return np.array([_decided(answer) for answer in found])
 
     crossings = refined_crossings(list(brackets.values()), transmittance_db, asked.band)
     refined = {owner: float(crossing) for owner, crossing in zip(owners, crossings, strict=True)}
     for variant, friction in curves:
-        curve_answers = [answers[variant, friction, eta] for eta in grids[friction]]
         for edge in Edge:
             found = refined.get((variant, friction, edge))
             comparison = compare_edge(found, refined.get((CONVERGED, friction, edge)))
+            lacking = [one for one in (variant, CONVERGED) if (one, friction) in unanswered]
+            curve_answers = [answers[variant, friction, eta] for eta in grids[friction]]
             if all(answer.status == "blocked" for answer in curve_answers):
                 comparison = Comparison(Verdict.BLOCKED, curve_answers[0].reason)
+            elif lacking:
+                found = math.nan if variant in lacking else found
+                comparison = Comparison(Verdict.INCONCLUSIVE, _lacking(lacking))
             yield BandEdge(variant, friction, edge, found, comparison)
+
+
+def _lacking(variants: Sequence[Variant]) -> str:
+    """Say whose curve has points that nobody has answered so far."""
+    return " and ".join(f"{variant.title}'s curve" for variant in variants) + ": points are not answered so far"
 
 
 def _decided(answer: Answer) -> float:

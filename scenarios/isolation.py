@@ -12,7 +12,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.connection import wait as wait_for_any
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from reference_lcp.validation import checked_count, checked_scalar
 from scenarios.answering import answer_batch
@@ -58,22 +58,25 @@ class ProcessWorker:
     ----------
     record
         File in which the process leaves a note when it dies.
+    act
+        What is done with a batch, in the process.
     """
 
-    def __init__(self, record: Path):
+    def __init__(self, record: Path, act: Callable[[Batch], list[Any]] = answer_batch):
         self._record = record
+        self._act = act
         self._pool = self._new_pool()
 
-    def submit(self, batch: Batch, limit: float) -> Future[list[Answer]]:
+    def submit(self, batch: Batch, limit: float) -> Future[list[Any]]:
         """Start on a batch; a process that died while it was idle is replaced."""
         self._record.write_text("")
         try:
-            return self._pool.submit(answer_within, batch, limit, self._record)
+            return self._pool.submit(act_within, self._act, batch, limit, self._record)
         except BrokenProcessPool:
             self._replace()
-            return self._pool.submit(answer_within, batch, limit, self._record)
+            return self._pool.submit(act_within, self._act, batch, limit, self._record)
 
-    def result(self, future: Future[list[Answer]], limit: float) -> list[Answer]:
+    def result(self, future: Future[list[Any]], limit: float) -> list[Any]:
         """Give the answers, or replace the process and say why it has died."""
         try:
             return future.result()
@@ -102,8 +105,13 @@ def end_with_parent() -> None:
         threading.Thread(target=lambda: (wait_for_any([parent.sentinel]), os._exit(1)), daemon=True).start()
 
 
-def answer_within(batch: Sequence[Asked], limit: float, record: Path) -> list[Answer]:
-    """Answer a batch in this process, or end the process and leave a note of where it was.
+def answer_within(batch: Batch, limit: float, record: Path) -> list[Answer]:
+    """Answer a batch in this process; see `act_within`."""
+    return act_within(answer_batch, batch, limit, record)
+
+
+def act_within(act: Callable[[Batch], list[Any]], batch: Batch, limit: float, record: Path) -> list[Any]:
+    """Do something with a batch in this process, or end the process and leave a note of where it was.
 
     The limit holds inside compiled code too, whether or not it lets other threads of Python run.
     """
@@ -111,7 +119,7 @@ def answer_within(batch: Sequence[Asked], limit: float, record: Path) -> list[An
         faulthandler.enable(file, all_threads=False)
         faulthandler.dump_traceback_later(limit, exit=True, file=file)
         try:
-            return answer_batch(batch)
+            return act(batch)
         finally:
             faulthandler.cancel_dump_traceback_later()
             faulthandler.disable()

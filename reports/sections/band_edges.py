@@ -1,25 +1,26 @@
 """Band edges: every variant's edges and their differences from the converged reference's."""
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
-
-from markupsafe import Markup
+from typing import Any
 
 from engines.variant import Variant
-from reports.figures import edge_forest
+from reports.figures.edges import edge_forest, reference_error
 from reports.findings import absent_edge, band_definition
+from reports.picture import Picture
+from reports.section import Section
 from scenarios.agreement import EDGE_TOLERANCE
 from scenarios.attenuation_band import EDGE_RESOLUTION, Edge
-from scenarios.figure3 import CONVERGED, Figure3Result
+from scenarios.figure3 import CONVERGED
 
 
-@dataclass(frozen=True)
-class BandEdges:
+class BandEdges(Section):
     """A table of edges and a figure of their differences."""
 
-    result: Figure3Result
-    title: ClassVar[str] = "Band edges"
-    template: ClassVar[str] = "band_edges"
+    title = "Band edges"
+    template = "band_edges"
+
+    def pictures(self) -> list[Picture]:
+        """The forest."""
+        return [edge_forest(self.result)]
 
     def context(self) -> dict[str, Any]:
         """Rows, one a friction ratio and edge; cells, one a variant."""
@@ -30,12 +31,12 @@ class BandEdges:
                 {
                     "friction_ratio": friction,
                     "edge": str(edge),
+                    "error_bar": reference_error(self.result, (friction, edge)),
                     "cells": [self._cell(v, friction, edge) for v in variants],
                 }
                 for friction in self.result.asked.friction_ratios
                 for edge in Edge
             ],
-            "forest": Markup(edge_forest(self.result)),
             "band": band_definition(self.result),
             "tolerance": EDGE_TOLERANCE,
             "resolution": EDGE_RESOLUTION,

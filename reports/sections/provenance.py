@@ -1,17 +1,17 @@
 """Provenance: what a reader needs to get the same numbers."""
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
+
+from reports.provenance import provenance
+from reports.section import Section
 
 
-@dataclass(frozen=True)
-class Provenance:
-    """The data of `reports.provenance.provenance`."""
+class Provenance(Section):
+    """Versions, options, steps, tolerances, grid."""
 
-    data: dict[str, Any]
-    title: ClassVar[str] = "How these numbers were made"
-    template: ClassVar[str] = "provenance"
+    title = "How these numbers were made"
+    template = "provenance"
 
     def context(self) -> dict[str, Any]:
         """The data, as they are."""
-        return self.data
+        return provenance(self.result, self.report.command)

@@ -1,32 +1,66 @@
 """Stick and slip: transitions and stuck fractions at a few points, against the reference at equal time step."""
 
 import math
-from dataclasses import dataclass
 from statistics import mean, median
-from typing import Any, ClassVar
+from typing import Any
 
+from engines.variant import Variant
 from reference_lcp.convergence import STICK_SLIP_POINTS
 from reference_lcp.transition_matching import MATCHING_WINDOW, match_transitions
+from reports.figures.hysteresis import hysteresis
+from reports.figures.stick_slip import raster
+from reports.picture import Picture
+from reports.report import Place
+from reports.section import Section
 from scenarios.figure3 import CONVERGED, REFERENCE, Figure3Result, Point
 from scenarios.questions import Answer
 
-"""Friction and frequency ratios at which the event-driven solution is known too."""
 
+class StickSlip(Section):
+    """Modes over one period, hysteresis loops, and the rows of `stick_slip_rows`."""
 
-@dataclass(frozen=True)
-class StickSlip:
-    """The rows of `stick_slip_rows`, by point."""
+    title = "Stick and slip"
+    template = "stick_slip"
 
-    rows: list[dict[str, Any]]
-    title: ClassVar[str] = "Stick and slip"
-    template: ClassVar[str] = "stick_slip"
+    def pictures(self) -> list[Picture]:
+        """A raster for every point, then the loops of those whose motion is known."""
+        return [*self._rasters(), *self._loops()]
 
     def context(self) -> dict[str, Any]:
-        """Rows grouped by point."""
-        points: dict[tuple[float, float], list[dict[str, Any]]] = {}
-        for row in self.rows:
-            points.setdefault((row["friction_ratio"], row["frequency_ratio"]), []).append(row)
-        return {"points": points, "window": MATCHING_WINDOW}
+        """The rows, and what is missing among the motions."""
+        unknown = [
+            {"place": place, "title": variant.title, "reason": motion.reason}
+            for place, motions in self.report.motions.items()
+            for variant, motion in motions.items()
+            if not motion.known
+        ]
+        rasters = len(self._answers())
+        return {
+            "rows": stick_slip_rows(self.result),
+            "window": MATCHING_WINDOW,
+            "rasters": rasters,
+            "unknown": unknown,
+        }
+
+    def _answers(self) -> dict[Place, dict[Variant, Answer]]:
+        """Certified answers of everybody but the converged reference, at the points that the grid holds."""
+        found: dict[Place, dict[Variant, Answer]] = {}
+        for place in STICK_SLIP_POINTS:
+            points = [_at(self.result, v, *place) for v in self.result.asked.all_variants if v != CONVERGED]
+            answers = {p.variant: p.answer for p in points if p is not None and p.answer.converged}
+            if REFERENCE in answers:
+                found[place] = answers
+        return found
+
+    def _rasters(self) -> list[Picture]:
+        return [raster(place, answers) for place, answers in self._answers().items()]
+
+    def _loops(self) -> list[Picture]:
+        known = {
+            place: {variant: motion for variant, motion in motions.items() if motion.known}
+            for place, motions in self.report.motions.items()
+        }
+        return [hysteresis(self.result.asked, place, motions) for place, motions in known.items() if motions]
 
 
 def stick_slip_rows(result: Figure3Result) -> list[dict[str, Any]]:
@@ -47,7 +81,7 @@ def stick_slip_rows(result: Figure3Result) -> list[dict[str, Any]]:
     return rows
 
 
-def _at(result: Figure3Result, variant: Any, friction_ratio: float, frequency_ratio: float) -> Point | None:
+def _at(result: Figure3Result, variant: Variant, friction_ratio: float, frequency_ratio: float) -> Point | None:
     """Give the point of the grid that is there to round-off."""
     curve = result.curve(variant, friction_ratio)
     return next((p for p in curve if math.isclose(p.frequency_ratio, frequency_ratio, rel_tol=1e-9)), None)

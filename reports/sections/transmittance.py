@@ -1,36 +1,34 @@
 """Transmittance: the curves, and every variant's difference from the converged reference."""
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
-
-from markupsafe import Markup
+from typing import Any
 
 from engines.contract.tolerances import CONVERGED_TOLERANCE_DB
-from reports.figures import LOWEST_DB, overview, panel
+from reports.figures.transmittance import LINEAR_DB, LOWEST_DB, overview, panel
 from reports.findings import band_definition
+from reports.picture import Picture
+from reports.section import Section
 from scenarios.agreement import FLOOR_DB
-from scenarios.figure3 import Figure3Result
 
 
-@dataclass(frozen=True)
-class Transmittance:
+class Transmittance(Section):
     """The paper's Figure 3 by the reference, then a panel a friction ratio with every variant."""
 
-    result: Figure3Result
-    title: ClassVar[str] = "Transmittance"
-    template: ClassVar[str] = "transmittance"
+    title = "Transmittance"
+    template = "transmittance"
+
+    def pictures(self) -> list[Picture]:
+        """The overview, then the panels."""
+        return [
+            overview(self.result),
+            *(panel(self.result, friction) for friction in self.result.asked.friction_ratios),
+        ]
 
     def context(self) -> dict[str, Any]:
-        """Figures and what their captions name."""
+        """What the captions name."""
         return {
-            "overview": Markup(overview(self.result)),
-            "panels": [
-                {"friction_ratio": friction, "svg": Markup(panel(self.result, friction))}
-                for friction in self.result.asked.friction_ratios
-            ],
             "band": band_definition(self.result),
             "floor": FLOOR_DB,
             "lowest": LOWEST_DB,
+            "linear": LINEAR_DB,
             "tolerance": CONVERGED_TOLERANCE_DB,
-            "steps": self.result.asked.steps_per_period,
         }

@@ -1,4 +1,4 @@
-"""A result of figure 3 made by hand: two friction ratios, one engine that runs and one that is not installed."""
+"""A report made by hand: two friction ratios, one engine that runs and one that is not installed."""
 
 import math
 
@@ -6,10 +6,15 @@ import numpy as np
 import pytest
 
 from engines.variant import Variant
+from reports.files import files_of
+from reports.report import Report
 from scenarios.agreement import Comparison, Verdict, compare_edge, compare_transmittance
 from scenarios.attenuation_band import Edge
 from scenarios.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
+from scenarios.friction_map import FrictionMap
+from scenarios.motion import Motion
 from scenarios.questions import Answer
+from scenarios.step_study import StepPoint
 
 RUNS = Variant("mujoco")
 MISSING = Variant("pybullet")
@@ -66,3 +71,52 @@ def result() -> Figure3Result:
         tuple(edge_of(v, f, edge) for v in asked.all_variants for f in FRICTION_RATIOS for edge in Edge),
         dict.fromkeys(FRICTION_RATIOS, (eta, curve)),
     )
+
+
+def motion(cells: int = 2, steps: int = 80) -> Motion:
+    """A slip of constant friction to and fro in the first cell; the others stick."""
+    phase = np.arange(1, steps + 1) / steps
+    relative = np.zeros((steps, cells))
+    relative[:, 0] = np.abs(2 * phase - 1)
+    direction = np.where(phase < 0.5, -1, 1)
+    modes = np.zeros((steps, cells), dtype=np.int8)
+    modes[:, 0] = direction
+    friction = 0.4 * np.sin(2 * np.pi * phase)[:, None] * np.ones(cells)
+    friction[:, 0] = -direction
+    outer = np.sin(2 * np.pi * phase)[:, None] * np.ones(cells)
+    return Motion(outer=outer, inner=outer + relative, friction=friction, modes=modes)
+
+
+def step_points(variant: Variant, error: float) -> tuple[StepPoint, ...]:
+    """Errors of a scheme of first order, at equal cost of a step."""
+    return tuple(
+        StepPoint(
+            variant=variant, steps_per_period=steps, error_db=error * 400 / steps, step_seconds=5e-6,
+            seconds=1e-4 * steps, certified=6, answered=6, reason="",
+        )
+        for steps in (400, 800, 1600)
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def report(result: Figure3Result) -> Report:
+    eta = np.array([0.3, 0.6, 0.9, 1.3])
+    friction_map = FrictionMap(
+        friction_ratios=np.array([0.0, 0.3]),
+        frequency_ratios=eta,
+        transmittance_db=np.array([[5.0, 2.0, -15.0, math.nan], [4.0, -1.0, -20.0, -40.0]]),
+        lower=np.array([0.64, 0.55]),
+        upper=np.array([math.nan, math.nan]),
+    )
+    return Report(
+        result,
+        "python -m reports --quick --engine '<b>'",
+        {(0.3, 0.9): {REFERENCE: motion(), RUNS: motion(), MISSING: Motion("not installed: the package is missing")}},
+        (*step_points(REFERENCE, 0.01), *step_points(RUNS, 0.02)),
+        friction_map,
+    )
+
+
+@pytest.fixture(scope="session")
+def files(report: Report) -> dict[str, bytes]:
+    return files_of(report)

@@ -11,9 +11,12 @@ import pytest
 
 import reports.__main__ as command
 from reference_lcp.console import run_command
+from reports.gathering import Extent
 from scenarios.evaluation import Evaluator
 from scenarios.figure3 import Figure3
 from scenarios.isolation import ProcessWorker
+from scenarios.questions import Answer
+from scenarios.store import ResultStore
 
 SMALL = {"friction_ratios": (0.3,), "frequency_ratios": (0.3, 0.6, 0.63, 0.65, 0.7, 0.8, 0.9, 1.1)}
 
@@ -32,6 +35,7 @@ def small_grid(monkeypatch: pytest.MonkeyPatch) -> None:
         return Figure3(variants=tuple(command.Variant(name) for name in names), **SMALL)
 
     monkeypatch.setattr(command, "_asked", asked)
+    monkeypatch.setattr(command, "Extent", lambda: Extent(((0.3, 0.9),), (0.3,), (0.6, 0.9), step_study=False))
 
 
 def one_line(capsys: pytest.CaptureFixture[str]) -> str:
@@ -105,7 +109,9 @@ def test_a_second_run_answers_from_the_store(
     assert run_command(command.app, arguments) == 0
     assert capsys.readouterr().out == f"{tmp_path / 'index.html'}\n"
     first = {file.name: file.read_text() for file in tmp_path.glob("*.csv")}
-    assert {file.name for file in tmp_path.iterdir()} == {*command.FILES, "results.sqlite"}
+    assert {file.name for file in tmp_path.iterdir()} == {*command.FILES, "figures", "results.sqlite"}
+    figures = {file.name for file in (tmp_path / "figures").iterdir()}
+    assert figures >= {"figure3.svg", "figure3.pdf", "hysteresis-0.3-0.9.svg", "stick-slip-0.3-0.9.pdf"}
 
     def refuse(*_arguments: object) -> None:
         raise AssertionError("something was computed again")
@@ -128,4 +134,70 @@ def test_an_interrupted_run_says_that_answers_are_kept_and_writes_no_page(
     monkeypatch.setattr(ProcessWorker, "submit", interrupt)
     assert run_command(command.app, ["--engine", "reference", "--out", str(tmp_path)]) == 130
     assert f"kept in {tmp_path / 'results.sqlite'}" in capsys.readouterr().err
-    assert [file.name for file in tmp_path.iterdir()] == ["results.sqlite"]
+    assert {file.name for file in tmp_path.iterdir() if file.is_file()} == {"results.sqlite"}
+
+
+SWEEP = """\
+engines = ["mujoco:joint"]
+[grid]
+friction_ratio = [0.3]
+frequency_ratio = [0.6, 0.62, 0.63, 0.64, 0.65, 0.9]
+"""
+
+
+@pytest.fixture
+def stopped(tmp_path: Path) -> list[str]:
+    """A sweep that was stopped after two of its six points."""
+    (tmp_path / "sweep.toml").write_text(SWEEP)
+    asked = command._asked_by(tmp_path / "sweep.toml", None, quick=False)
+    with ResultStore(tmp_path / "sweep.sqlite") as store:
+        questions = [asked.question(command.Variant("mujoco"), 0.3, eta) for eta in (0.6, 0.9)]
+        store.keep((question, Answer(status="converged", transmittance_db=-1.0)) for question in questions)
+    return [
+        "--sweep",
+        str(tmp_path / "sweep.toml"),
+        "--store",
+        str(tmp_path / "sweep.sqlite"),
+        "--out",
+        str(tmp_path / "out"),
+    ]
+
+
+def test_a_sweep_that_was_stopped_is_shown_as_far_as_it_went(
+    stopped: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_arguments: object) -> None:
+        raise AssertionError("something was computed")
+
+    monkeypatch.setattr(ProcessWorker, "submit", refuse)
+    before = (tmp_path / "sweep.sqlite").read_bytes()
+    assert run_command(command.app, [*stopped, "--no-ask"]) == 0
+    page = (tmp_path / "out" / "index.html").read_text()
+    assert "16 points of the grid are not answered so far" in page  # 4 of MuJoCo, 6 of the reference, 6 converged
+    assert "engine: not answered so far" in page
+    assert "reference: not answered so far" in page
+    assert "No point of the map is answered so far" in page
+    table = (tmp_path / "out" / "transmittance.csv").read_text()
+    assert table.count("mujoco,joint,tuned,0.3,0.6,-1.0") == 1
+    assert (tmp_path / "sweep.sqlite").read_bytes() == before
+
+
+@pytest.mark.usefixtures("no_computation")
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (["--no-ask", "--store", "nowhere.sqlite"], "nowhere.sqlite does not exist"),
+        (["--sweep", "{sweep}", "--quick"], "neither --engine nor --quick"),
+        (["--sweep", "{wide}"], "grid.mass_ratio is varied"),
+        (["--sweep", "nowhere.toml"], "nowhere.toml"),
+    ],
+)
+def test_wrong_ways_to_say_what_is_shown_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], named: str
+) -> None:
+    files = {"sweep": tmp_path / "sweep.toml", "wide": tmp_path / "wide.toml"}
+    files["sweep"].write_text(SWEEP)
+    files["wide"].write_text(SWEEP + "mass_ratio = [1.0, 2.0]\n")
+    asked = [argument.format(**files) for argument in arguments]
+    assert run_command(command.app, [*asked, "--out", str(tmp_path / "out")]) == 2
+    assert named in one_line(capsys)

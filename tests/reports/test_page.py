@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from engines.variant import Variant
-from reports.__main__ import files_of
+from reports.files import files_of
 from reports.findings import absent_edge, band_definition, compared_with, findings
+from reports.page import LARGEST_PAGE
+from reports.report import Report
 from reports.sections import OpenPoints
 from reports.sections.stick_slip import stick_slip_rows
 from scenarios.agreement import compare_edge, compare_transmittance
@@ -21,8 +23,14 @@ RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
 
 
 @pytest.fixture(scope="module")
-def page(result: Figure3Result) -> str:
-    return files_of(result, "python -m reports --engine '<b>'")["index.html"]
+def page(files: dict[str, bytes]) -> str:
+    return files["index.html"].decode()
+
+
+@pytest.fixture(scope="module")
+def markup(page: str) -> str:
+    """The page without what its scripts hold."""
+    return re.sub(r"(<script[^>]*>).*?</script>", r"\1</script>", page, flags=re.DOTALL)
 
 
 class Elements(HTMLParser):
@@ -63,24 +71,30 @@ class Elements(HTMLParser):
 def test_page_has_every_section_in_order(page: str) -> None:
     assert Elements(page).headings == [
         "Summary",
-        "Transmittance",
         "Band edges",
+        "Transmittance",
+        "Friction and frequency",
         "Stick and slip",
+        "Work and precision",
         "Points that do not agree",
         "How these numbers were made",
     ]
 
 
-def test_page_needs_nothing_from_elsewhere(page: str) -> None:
-    assert not re.search(r"https?:|//[a-z]|<script|<link|@import|\bsrc=", page)
-    assert all(reference.startswith("#") for reference in Elements(page).references)
+def test_page_needs_nothing_from_elsewhere(markup: str) -> None:
+    assert not re.search(r"https?:|//[a-z]|<link|@import|\bsrc=(?!\"data:image/png;base64,)", markup)
+    assert all(reference.startswith(("#", "data:image/png;base64,")) for reference in Elements(markup).references)
 
 
-def test_elements_close_and_identifiers_are_unique_and_found(page: str) -> None:
-    elements = Elements(page)
+def test_page_is_small_enough_to_be_sent(page: str) -> None:
+    assert len(page.encode()) < LARGEST_PAGE
+
+
+def test_elements_close_and_identifiers_are_unique_and_found(markup: str) -> None:
+    elements = Elements(markup)
     assert elements.open == []
     assert len(set(elements.identifiers)) == len(elements.identifiers)
-    targets = [reference[1:] for reference in elements.references] + re.findall(r"url\(#([^)]+)\)", page)
+    targets = [one[1:] for one in elements.references if one[0] == "#"] + re.findall(r"url\(#([^)]+)\)", markup)
     assert set(targets) <= set(elements.identifiers)
 
 
@@ -91,13 +105,13 @@ def test_text_from_outside_is_escaped(page: str) -> None:
 
 
 def test_a_missing_engine_is_blocked_with_its_reason_once_and_not_by_every_point(result: Figure3Result) -> None:
-    shown = {part["title"]: part["rows"] for part in OpenPoints(result).context()["variants"]}
+    shown = {part["title"]: part["rows"] for part in OpenPoints(Report(result, "")).context()["variants"]}
     assert [row["verdict"] for row in shown["PyBullet"]] == ["blocked"]
     assert "has no wheel" in shown["PyBullet"][0]["reason"]
 
 
 def test_points_and_edges_that_do_not_agree_are_named(result: Figure3Result) -> None:
-    shown = {part["title"]: part["rows"] for part in OpenPoints(result).context()["variants"]}
+    shown = {part["title"]: part["rows"] for part in OpenPoints(Report(result, "")).context()["variants"]}
     places = {row["places"]: row["verdict"] for row in shown["MuJoCo"]}
     assert places == {
         "friction 0, η_r = 0.9": "disagree",
@@ -111,7 +125,7 @@ def test_points_and_edges_that_do_not_agree_are_named(result: Figure3Result) -> 
 def test_every_axis_and_every_table_of_edges_names_the_definition_of_the_band(page: str, result: Figure3Result) -> None:
     definition = "first deep attenuation (transmittance below −10 dB)"
     assert definition in band_definition(result)
-    assert page.count(definition) == 4
+    assert page.count(definition) == 5
 
 
 def test_findings_count_verdicts_and_name_the_worst_place(result: Figure3Result) -> None:
@@ -159,6 +173,7 @@ def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
         tuple(BandEdge(v, 0.3, edge, None, compare_edge(None, None)) for v in answers for edge in Edge),
         {0.3: (np.array([0.6]), np.array([math.nan]))},
     )
-    page = files_of(result, "")["index.html"]
+    page = files_of(Report(result, ""))["index.html"].decode()
     assert "period limit after 400 periods" in page
+    assert "not asked at these steps so far" in page
     assert "unknown" in page

@@ -1,0 +1,120 @@
+"""From a question to everything that its report shows: from a store, and by asking what the store does not know."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from engines.variant import Variant
+from reference_lcp.convergence import STICK_SLIP_POINTS
+from reports.report import Place, Report
+from scenarios.evaluation import Evaluator, StoredAnswers
+from scenarios.figure3 import CONVERGED, REFERENCE, Figure3, run
+from scenarios.friction_map import (
+    MAP_FREQUENCY_RATIOS,
+    MAP_FRICTION_RATIOS,
+    QUICK_MAP_FREQUENCY_RATIOS,
+    QUICK_MAP_FRICTION_RATIOS,
+    friction_map,
+)
+from scenarios.isolation import TIME_LIMIT
+from scenarios.motion import Motion, MotionStore, motions
+from scenarios.questions import ChainRatios, Question
+from scenarios.step_study import exact_answers, step_questions, step_study
+from scenarios.store import ResultStore
+
+MOTION_PLACES = ((0.3, 0.9), (1.0, 0.9))
+"""Friction and frequency ratios at which the motion is kept in full: where contacts stick for part of the period."""
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How much is asked beside the grid of Figure 3.
+
+    Parameters
+    ----------
+    places
+        Where motions are wanted.
+    map_friction_ratios, map_frequency_ratios
+        Grid of the friction map.
+    step_study
+        Whether everybody is asked at several step sizes; if not, what the store knows of it is shown.
+    """
+
+    places: tuple[Place, ...] = MOTION_PLACES
+    map_friction_ratios: tuple[float, ...] = MAP_FRICTION_RATIOS
+    map_frequency_ratios: tuple[float, ...] = MAP_FREQUENCY_RATIOS
+    step_study: bool = True
+
+
+QUICK = Extent(MOTION_PLACES[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, step_study=False)
+
+
+def gather(
+    asked: Figure3,
+    kept: ResultStore,
+    file: Path,
+    evaluator: Evaluator,
+    command: str,
+    *,
+    extent: Extent | None = None,
+    workers: int | None = None,
+    time_limit: float = TIME_LIMIT,
+) -> Report:
+    """Gather everything.
+
+    Parameters
+    ----------
+    asked
+        The grid of Figure 3.
+    kept, file
+        The store, and its file.
+    evaluator
+        Who answers; one that only reads (`StoredAnswers`) gives a report of what there is.
+    command
+        The command line that asks for the same.
+    extent
+        What is asked beside the grid; everything without it.
+    workers, time_limit
+        For motions, which are computed on this machine.
+    """
+    extent = extent or Extent()
+    reads = isinstance(evaluator, StoredAnswers)
+    result = run(asked, evaluator)
+    found = friction_map(asked, extent.map_friction_ratios, extent.map_frequency_ratios, evaluator)
+    asks_steps = extent.step_study and not reads and asked.ratios == ChainRatios()
+    exact = exact_answers(STICK_SLIP_POINTS, kept, ask=asks_steps, workers=workers)
+    study = step_study(asked.all_variants, exact, evaluator if asks_steps else StoredAnswers(kept))
+    questions = _motion_questions(asked, extent.places)
+    moved = motions(list(questions.values()), MotionStore(file), ask=not reads, workers=workers, time_limit=time_limit)
+    by_place: dict[Place, dict[Variant, Motion]] = {}
+    for (place, variant), question in questions.items():
+        by_place.setdefault(place, {})[variant] = moved[question]
+    return Report(result, command, by_place, tuple(one for one in study if one.answered or one.reason), found)
+
+
+def expected_questions(asked: Figure3, extent: Extent) -> list[Question]:
+    """Give what is known from the start to be asked, for bars of progress."""
+    grid = [
+        asked.question(REFERENCE, friction, eta)
+        for friction in extent.map_friction_ratios
+        for eta in extent.map_frequency_ratios
+    ]
+    steps = [question for variant in asked.all_variants for question in step_questions(variant)]
+    steps = steps if extent.step_study and asked.ratios == ChainRatios() else []
+    return list(dict.fromkeys([*asked.grid, *grid, *steps]))
+
+
+def _motion_questions(asked: Figure3, places: Sequence[Place]) -> dict[tuple[Place, Variant], Question]:
+    """Ask everybody but the converged reference at the places whose friction and frequency the grid holds."""
+    held = [
+        (friction, eta)
+        for friction, eta in places
+        if friction in asked.friction_ratios and any(math.isclose(eta, one) for one in asked.frequency_ratios)
+    ]
+    return {
+        (place, variant): asked.question(variant, *place)
+        for place in held
+        for variant in asked.all_variants
+        if variant != CONVERGED
+    }

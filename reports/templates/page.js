@@ -1,0 +1,129 @@
+"use strict";
+
+// Tables: a click on a heading sorts by its column, a second one turns the order round.
+function sortValue(cell) {
+  const text = (cell.dataset.value ?? cell.textContent).trim().replaceAll("\u2212", "-");
+  const number = parseFloat(text);
+  return Number.isNaN(number) ? text : number;
+}
+
+function inOrder(first, second) {
+  const numbers = [first, second].filter((value) => typeof value === "number").length;
+  if (numbers === 2) return first - second;
+  if (numbers === 1) return typeof first === "number" ? -1 : 1;
+  return first.localeCompare(second);
+}
+
+function sortBy(heading) {
+  const table = heading.closest("table");
+  const column = [...heading.parentNode.children].indexOf(heading);
+  const descending = heading.ariaSort === "ascending";
+  for (const other of heading.parentNode.children) other.ariaSort = null;
+  heading.ariaSort = descending ? "descending" : "ascending";
+  const body = table.tBodies[0];
+  const rows = [...body.rows].map((row) => [sortValue(row.cells[column]), row]);
+  rows.sort(([first], [second]) => (descending ? -1 : 1) * inOrder(first, second));
+  body.append(...rows.map(([, row]) => row));
+  table.classList.add("sorted");
+}
+
+for (const heading of document.querySelectorAll("table.sortable thead th")) {
+  heading.tabIndex = 0;
+  heading.title = "sort";
+  heading.addEventListener("click", () => sortBy(heading));
+  heading.addEventListener("keydown", (event) => {
+    if (event.key !== "Enter" && event.key !== " ") return;
+    event.preventDefault();
+    sortBy(heading);
+  });
+}
+
+// Plots: the still picture of each is replaced when it comes into view. Without the browser's own decompression,
+// or on paper, still pictures stay.
+let plots = {};
+const NARROW = 600; // pixels
+const TOOLBAR = 30; // pixels above the legend for plotly's buttons
+
+async function unpacked(name) {
+  const bytes = Uint8Array.from(atob(document.getElementById(name).textContent), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+}
+
+async function load() {
+  const [library, data] = await Promise.all([unpacked("plotly"), unpacked("plots")]);
+  const script = document.createElement("script");
+  script.textContent = library;
+  document.head.append(script);
+  plots = JSON.parse(data);
+}
+
+// The legend stands above the panels, in as many rows as its entries need at this width.
+function legendRows(plot, width) {
+  const entries = plot.data.filter((trace) => trace.name && trace.showlegend !== false);
+  if (entries.length < 2) return 0;
+  const widest = Math.max(...entries.map((trace) => trace.name.length));
+  return Math.ceil(entries.length / Math.max(1, Math.floor((width - 20) / (52 + 7.2 * widest))));
+}
+
+// Panels that stand side by side on a wide screen stand below each other on a telephone's.
+function arranged(plot, width) {
+  const layout = structuredClone(plot.layout);
+  const rows = legendRows(plot, width);
+  layout.margin.t = TOOLBAR + 21 * rows;
+  if (layout.grid && width < NARROW) {
+    const panels = Object.keys(layout).filter((name) => name.startsWith("xaxis")).length;
+    const columns = layout.grid.columns > 2 ? 2 : 1;
+    const height = layout.height / layout.grid.rows;
+    layout.grid = { ...layout.grid, columns, rows: Math.ceil(panels / columns) };
+    layout.height = height * layout.grid.rows;
+    for (const name of Object.keys(layout)) if (name.startsWith("yaxis")) layout[name].showticklabels = true;
+  }
+  if (width < NARROW && layout.xaxis.ticktext) layout.xaxis.tickangle = -60;
+  layout.height += layout.margin.t;
+  layout.legend.y = 1 - TOOLBAR / layout.height;
+  if (matchMedia("(pointer: coarse)").matches) layout.dragmode = false;
+  return layout;
+}
+
+const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"] };
+let library = null;
+
+async function draw(place) {
+  if (place.dataset.drawn) return;
+  place.dataset.drawn = "begun";
+  library ??= load();
+  await library;
+  const plot = plots[place.dataset.plot];
+  place.closest("figure").classList.add("plotted");
+  await Plotly.newPlot(place, plot.data, arranged(plot, place.clientWidth), CONFIG);
+  place.dataset.drawn = "done";
+  place.dataset.width = place.clientWidth;
+}
+
+function drawAll() {
+  return Promise.all([...document.querySelectorAll(".plot")].map(draw));
+}
+
+if ("DecompressionStream" in window) {
+  // figures, not plots: an empty plot has no height, and would never be seen
+  document.querySelectorAll("figure.picture").forEach((figure) => {
+    const place = figure.querySelector(".plot");
+    new IntersectionObserver((entries, self) => {
+      if (!entries.some((entry) => entry.isIntersecting)) return;
+      self.disconnect();
+      draw(place);
+    }, { rootMargin: "600px" }).observe(figure);
+  });
+  let waiting = 0;
+  addEventListener("resize", () => {
+    clearTimeout(waiting);
+    waiting = setTimeout(() => {
+      for (const place of document.querySelectorAll('.plot[data-drawn="done"]')) {
+        if (!place.clientWidth || place.dataset.width === String(place.clientWidth)) continue;
+        place.dataset.width = place.clientWidth;
+        const plot = plots[place.dataset.plot];
+        Plotly.react(place, plot.data, arranged(plot, place.clientWidth), CONFIG);
+      }
+    }, 200);
+  });
+}
