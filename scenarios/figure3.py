@@ -5,6 +5,7 @@ found in its own curve, and the edges are refined by its own simulations.
 """
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -27,7 +28,7 @@ from scenarios.attenuation_band import (
     unresolved,
 )
 from scenarios.evaluation import Evaluator
-from scenarios.figure3_comparison import CONVERGED, PointAnswers, compare_point, needs_half_the_steps
+from scenarios.figure3_comparison import CONVERGED, PointAnswers, compare_point, refinements
 from scenarios.questions import Answer, ChainRatios, Question
 from scenarios.steady_case import REFERENCE
 
@@ -151,23 +152,25 @@ class Figure3:
 
     @property
     def grid(self) -> list[Question]:
-        """Every variant at every point of the grid, and with half the steps where its own error is needed."""
+        """Every variant at every point of the grid, and with other steps where its own error is needed."""
         return [
-            self.question(variant, friction, eta, divisor)
+            self.question(variant, friction, eta, refinement)
             for variant in self.all_variants
-            for divisor in ((1, 2) if needs_half_the_steps(variant) else (1,))
+            for refinement in (1.0, *refinements(variant))
             for friction in self.friction_ratios
             for eta in self.frequency_ratios
         ]
 
-    def question(self, variant: Variant, friction_ratio: float, frequency_ratio: float, divisor: int = 1) -> Question:
-        """Ask one variant about one point, with the steps a period divided by `divisor`."""
+    def question(
+        self, variant: Variant, friction_ratio: float, frequency_ratio: float, refinement: float = 1.0
+    ) -> Question:
+        """Ask one variant about one point, with `refinement` times the steps a period."""
         return Question(
             variant=variant,
             friction_ratio=friction_ratio,
             frequency_ratio=frequency_ratio,
             ratios=self.ratios,
-            steps_per_period=max(self.steps_per_period // divisor, 3),
+            steps_per_period=max(int(self.steps_per_period * refinement), 3),
         )
 
 
@@ -246,13 +249,15 @@ def run(asked: Figure3, evaluator: Evaluator) -> Figure3Result:
     places = [
         (variant, friction, eta) for variant in asked.all_variants for friction in grids for eta in grids[friction]
     ]
-    halved = [place for place in places if needs_half_the_steps(place[0])]
+    refined = [(place, refinement) for place in places for refinement in refinements(place[0])]
     found = evaluator.evaluate(
-        [*(asked.question(*place) for place in places), *(asked.question(*place, 2) for place in halved)]
+        [*(asked.question(*place) for place in places), *(asked.question(*place, times) for place, times in refined)]
     )
     answers = dict(zip(places, found, strict=False))
-    halves = dict(zip(halved, found[len(places) :], strict=True))
-    points = tuple(Point(*place, answer, _compare(place, answers, halves)) for place, answer in answers.items())
+    others: dict[_Place, list[Answer]] = defaultdict(list)
+    for (place, _), answer in zip(refined, found[len(places) :], strict=True):
+        others[place].append(answer)
+    points = tuple(Point(*place, answer, _compare(place, answers, others)) for place, answer in answers.items())
     edges = tuple(_edges(asked, grids, answers, evaluator))
     return Figure3Result(asked, points, edges, _dense_reference(asked, evaluator))
 
@@ -281,13 +286,13 @@ def _dense_reference(asked: Figure3, evaluator: Evaluator) -> dict[float, tuple[
 _Place = tuple[Variant, float, float]
 
 
-def _compare(place: _Place, answers: Mapping[_Place, Answer], halves: Mapping[_Place, Answer]) -> Comparison:
+def _compare(place: _Place, answers: Mapping[_Place, Answer], others: Mapping[_Place, list[Answer]]) -> Comparison:
     """Compare a point with its ruler."""
     variant, friction, eta = place
     known = PointAnswers(
         variant=variant,
         answer=answers[place],
-        half=halves.get(place),
+        others=tuple(others.get(place, ())),
         reference=answers[REFERENCE, friction, eta],
         converged=answers[CONVERGED, friction, eta],
     )

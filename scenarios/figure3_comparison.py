@@ -3,9 +3,12 @@
 Presets that share the Euler scheme solve the reference's own equations: they are compared with the reference at equal
 step, and nothing is allowed but what neither can resolve. All others, the reference itself among them, are compared
 with the converged reference. They are asked with half as many steps too, so that their own error is known; it is
-taken to be no less than the error of the reference at this point and step, which is known from the converged one.
+taken to be no less than the error of the reference at this point and step, which is known from the converged one. The
+reference cannot be excused by its own error: it is asked with twice and four times as many steps instead, as for its
+error bar, since one difference of two steps may vanish by chance.
 """
 
+import itertools
 from dataclasses import dataclass
 
 from engines.reference import CONVERGED_SUBSTEPS
@@ -30,9 +33,14 @@ def ruler(variant: Variant) -> Variant:
     return REFERENCE if variant.engine != REFERENCE.engine and variant.options.shares_scheme else CONVERGED
 
 
-def needs_half_the_steps(variant: Variant) -> bool:
-    """Say whether a variant's own error is needed: not where it shares the reference's, or is the ruler itself."""
-    return ruler(variant) == CONVERGED != variant
+def refinements(variant: Variant) -> tuple[float, ...]:
+    """Give with how many times the steps a variant is asked too, for the sake of its own error.
+
+    With none where it shares the reference's error, or is the ruler itself.
+    """
+    if variant == REFERENCE:
+        return (2.0, 4.0)
+    return (0.5,) if ruler(variant) == CONVERGED != variant else ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,15 +53,15 @@ class PointAnswers:
         Whose point it is.
     answer
         Its answer.
-    half
-        Its answer with half the steps; ``None`` where it is not needed.
+    others
+        Its answers with other numbers of steps, see `refinements`.
     reference, converged
         The reference's answers at the same point, at equal step and converged.
     """
 
     variant: Variant
     answer: Answer
-    half: Answer | None
+    others: tuple[Answer, ...]
     reference: Answer
     converged: Answer
 
@@ -69,8 +77,8 @@ def compare_point(known: PointAnswers) -> Comparison:
     tolerance = _tolerance(known, level)
     reason = f"difference {difference:+.4f} dB, allowed {tolerance}"
     verdict = Verdict.AGREE if abs(difference) <= tolerance.allowed else Verdict.DISAGREE
-    if verdict is Verdict.DISAGREE and known.half is not None and not known.half.converged:
-        verdict, reason = Verdict.INCONCLUSIVE, f"{reason}; no steady state with half the steps tells its own error"
+    if verdict is Verdict.DISAGREE and not all(other.converged for other in known.others):
+        verdict, reason = Verdict.INCONCLUSIVE, f"{reason}; no steady state with other steps tells its own error"
     return Comparison(verdict, reason, difference, tolerance.allowed)
 
 
@@ -84,16 +92,28 @@ def _tolerance(known: PointAnswers, level_db: float) -> Tolerance:
         if known.reference.converged
         else 0.0
     )
-    own = 0.0
-    if known.half is not None and known.half.converged and known.half.steps_per_period < known.answer.steps_per_period:
-        # of a first-order scheme with n and m < n steps the difference is the error of the finer one times n / m − 1
-        finer = known.answer.steps_per_period / known.half.steps_per_period - 1
-        own = abs(difference_db(known.half.transmittance_db, known.answer.transmittance_db, level_db)) / finer
     return Tolerance(
         # the converged reference is the same scheme with so many times the steps
         reference=SAFETY * scheme / (CONVERGED_SUBSTEPS - 1),
-        engine=SAFETY * own,
+        engine=SAFETY * _own_error(known, level_db),
         resolution=resolution,
-        # the reference itself is judged by its own two steps alone: its error cannot excuse itself
+        # the reference itself is judged by its own steps alone: its error cannot excuse itself
         scheme=0.0 if known.variant == REFERENCE else SAFETY * scheme,
     )
+
+
+def _own_error(known: PointAnswers, level_db: float) -> float:
+    """Estimate the error of the point [dB] from what other steps give: the largest of all neighbouring pairs.
+
+    The errors of a first-order scheme with a < b steps differ by c (1 / a − 1 / b), and c / n is that with n.
+    """
+    answers = sorted(
+        (one for one in (known.answer, *known.others) if one.converged), key=lambda one: one.steps_per_period
+    )
+    steps, errors = known.answer.steps_per_period, [0.0]
+    for coarse, fine in itertools.pairwise(answers):
+        parts = 1 / coarse.steps_per_period - 1 / fine.steps_per_period
+        if parts > 0:
+            difference = difference_db(coarse.transmittance_db, fine.transmittance_db, level_db)
+            errors.append(abs(difference) / (parts * steps))
+    return max(errors)

@@ -9,7 +9,7 @@ from scenarios.figure3_comparison import (
     REFERENCE,
     PointAnswers,
     compare_point,
-    needs_half_the_steps,
+    refinements,
     ruler,
 )
 from scenarios.questions import Answer
@@ -21,11 +21,11 @@ def answer(db, steps=400, status="converged") -> Answer:
     return Answer(status=status, transmittance_db=db, residual=1e-9, periods=30, steps_per_period=steps)
 
 
-def judged(variant, db, half=None, reference=-10.02, converged=-10.0):
+def judged(variant, db, *others, reference=-10.02, converged=-10.0):
     known = PointAnswers(
         variant=variant,
         answer=answer(db),
-        half=half,
+        others=others,
         reference=answer(reference),
         converged=answer(converged),
     )
@@ -42,41 +42,45 @@ def test_who_shares_the_scheme_equals_the_reference_at_equal_step_or_does_not_sh
 
 def test_an_integrator_of_its_own_may_err_as_the_scheme_does_at_the_same_step() -> None:
     assert ruler(OWN) == CONVERGED
-    assert judged(OWN, -9.98, half=answer(-9.98, 200)).verdict is Verdict.AGREE
-    found = judged(OWN, -9.97, half=answer(-9.97, 200))
+    assert judged(OWN, -9.98, answer(-9.98, 200)).verdict is Verdict.AGREE
+    found = judged(OWN, -9.97, answer(-9.97, 200))
     assert found.verdict is Verdict.DISAGREE
     assert "the error of the reference's scheme at this step (0.025)" in found.reason
 
 
 def test_an_error_that_halves_with_the_step_is_its_own() -> None:
-    found = judged(OWN, -9.5, half=answer(-9.0, 200))
+    found = judged(OWN, -9.5, answer(-9.0, 200))
     assert found.verdict is Verdict.AGREE
     assert "mostly the engine's own step (0.62" in found.reason
     # where stability asks for 300 steps instead of half of 400, the same difference tells of three times the error
-    assert judged(OWN, -9.0, half=answer(-8.7, 300)).verdict is Verdict.AGREE
-    assert judged(OWN, -9.0, half=answer(-8.7, 200)).verdict is Verdict.DISAGREE
+    assert judged(OWN, -9.0, answer(-8.7, 300)).verdict is Verdict.AGREE
+    assert judged(OWN, -9.0, answer(-8.7, 200)).verdict is Verdict.DISAGREE
 
 
 def test_without_a_steady_state_at_half_the_steps_a_difference_is_inconclusive() -> None:
     lost = answer(-9.0, 200, "period limit")
-    assert judged(OWN, -9.5, half=lost).verdict is Verdict.INCONCLUSIVE
-    assert judged(OWN, -9.99, half=lost).verdict is Verdict.AGREE
+    assert judged(OWN, -9.5, lost).verdict is Verdict.INCONCLUSIVE
+    assert judged(OWN, -9.99, lost).verdict is Verdict.AGREE
 
 
 def test_the_references_error_cannot_excuse_itself() -> None:
-    assert needs_half_the_steps(REFERENCE)
-    assert judged(REFERENCE, -10.02, half=answer(-10.04, 200)).verdict is Verdict.AGREE
-    assert judged(REFERENCE, -10.02, half=answer(-10.02, 200)).verdict is Verdict.DISAGREE
+    assert refinements(REFERENCE) == (2, 4)
+    assert judged(REFERENCE, -10.02, answer(-10.01, 800), answer(-10.005, 1600)).verdict is Verdict.AGREE
+    assert judged(REFERENCE, -10.02, answer(-10.02, 800), answer(-10.02, 1600)).verdict is Verdict.DISAGREE
+
+
+def test_a_difference_that_vanishes_by_chance_is_not_believed() -> None:
+    """Errors of 400 and 800 steps on either side of the truth: the third step tells."""
+    assert judged(REFERENCE, -10.02, answer(-10.02, 800), answer(-10.01, 1600)).verdict is Verdict.AGREE
 
 
 def test_ruler_and_sharers_need_no_second_step() -> None:
-    assert not needs_half_the_steps(CONVERGED)
-    assert not needs_half_the_steps(SHARES)
-    assert needs_half_the_steps(OWN)
+    assert refinements(CONVERGED) == refinements(SHARES) == ()
+    assert refinements(OWN) == (0.5,)
     assert judged(CONVERGED, -10.0).verdict is Verdict.AGREE
 
 
 def test_below_the_floor_differences_are_those_of_amplitudes() -> None:
     deep = FLOOR_DB - 40
-    found = judged(OWN, deep + 6, half=answer(deep + 6, 200), reference=deep, converged=deep)
+    found = judged(OWN, deep + 6, answer(deep + 6, 200), reference=deep, converged=deep)
     assert found.difference == pytest.approx(8.7 * 1e-2 * (10 ** (6 / 20) - 1), rel=0.02)

@@ -30,7 +30,8 @@ class Answering:
             for question in questions
         ]
         missing = [question for question in dict.fromkeys(asked) if question not in KNOWN]
-        KNOWN.update(zip(missing, answer_batch(missing), strict=True))
+        if missing:
+            KNOWN.update(zip(missing, answer_batch(missing), strict=True))
         return [KNOWN[question] for question in asked]
 
 

@@ -58,13 +58,13 @@ def test_the_grid_is_expected_from_the_start_and_a_question_counts_once(
         ResultStore(tmp_path / "s.sqlite") as store,
         CountingEvaluator(store, LocalCrew(1), asked.grid, bars) as evaluator,
     ):
-        assert bars.total == {CONVERGED: 4, REFERENCE: 4}
+        assert bars.total == {CONVERGED: 4, REFERENCE: 12}
         on_grid = asked.question(REFERENCE, 0.3, 0.5)
         added = asked.question(REFERENCE, 0.3, 0.6)
         answers = evaluator.evaluate([on_grid, added, on_grid])
         evaluator.evaluate([added])
     assert [answer.transmittance_db for answer in answers] == [0.5, 0.6, 0.5]
-    assert bars.total[REFERENCE] == 5
+    assert bars.total[REFERENCE] == 13
     assert bars.done == {REFERENCE: 2}
 
 
