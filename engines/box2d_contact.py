@@ -23,8 +23,8 @@ CONTACT_TUNED = Preset(
         "AllowSleeping": Option(False, True, "Box2D stops what is slower than 0.01 for half a unit of time."),
     },
     departure=(
-        "single precision: a steady state repeats to 1e-5 only, from which a long, lightly damped chain is farther off, "
-        "and its round-off adds up over more periods than it was simulated"
+        "single precision: a steady state repeats to 1e-5 only, and a long, lightly damped chain that does is "
+        "farther than that from where it would settle"
     ),
     shares_scheme=True,
 )
