@@ -94,7 +94,8 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[Scenario], question: s
     ) -> None:
         variants = chosen_variants(chosen)
         check_out(out, (".md", ".csv", ".json"))
-        typed = shlex.join(["python", "-m", "scenarios", "run", name, *(f"--engine={c}" for c in chosen or [])])
+        options = [*(f"--engine={c}" for c in chosen or []), *([] if ask else ["--no-ask"])]
+        typed = shlex.join(["python", "-m", "scenarios", "run", name, *options])
         asked = _Run(scenarios, variants, typed)
         if ask:
             results = _results(asked, store, crew_of(workers, time_limit, scheduler))

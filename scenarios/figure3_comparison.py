@@ -84,7 +84,7 @@ def compare_point(known: PointAnswers) -> Comparison:
 
 def _tolerance(known: PointAnswers, level_db: float) -> Tolerance:
     """Derive how far the point may be from its ruler [dB]."""
-    resolution = resolution_db(known.variant, known.answer.steps_per_period, max(level_db, FLOOR_DB))
+    resolution = resolution_db(known.variant, known.answer, max(level_db, FLOOR_DB))
     if ruler(known.variant) == REFERENCE:
         return Tolerance(reference=0.0, engine=0.0, resolution=resolution)
     scheme = (

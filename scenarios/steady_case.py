@@ -149,7 +149,7 @@ class Evidence:
 
     def resolution_db(self, transmittance_db: float) -> float:
         """What the judged answer leaves open of a transmittance near this one [dB]."""
-        return resolution_db(self.variant, self.fine.steps_per_period, transmittance_db)
+        return resolution_db(self.variant, self.fine, transmittance_db)
 
     @property
     def transmittance_tolerance(self) -> Tolerance:
@@ -162,16 +162,18 @@ class Evidence:
         )
 
 
-def resolution_db(variant: Variant, steps_per_period: int, transmittance_db: float) -> float:
-    """What a variant's steady state leaves open of a transmittance near this one [dB].
+def resolution_db(variant: Variant, answer: Answer, transmittance_db: float) -> float:
+    """What a variant's answer leaves open of a transmittance near this one [dB].
 
     It is certified to repeat within the engine's residual. A contact that the engine cannot be told to make harder
-    gives way by up to `CREEP` times its softness. Round-off adds up as the contract derives it for the motion of a
-    base of amplitude U0 with `STEPS` steps a period: in proportion to the motion, and to the root of the steps.
+    gives way by up to `CREEP` times its softness. Round-off adds up as the contract derives it for forty periods of
+    `STEPS` steps of a motion as large as the base's: in proportion to the motion, and to the root of the number of
+    steps, of all the periods that were simulated.
     """
     capabilities, softness = variant.capabilities, variant.options.softness
     motion = max(1.0, 10 ** (transmittance_db / 20))
-    round_off = TRAJECTORY_TOLERANCE[capabilities.precision] * math.sqrt(steps_per_period / STEPS) * motion
+    steps = max(answer.periods, 1) * answer.steps_per_period
+    round_off = TRAJECTORY_TOLERANCE[capabilities.precision] * math.sqrt(steps / (40 * STEPS)) * motion
     return amplitude_in_db(capabilities.residual + CREEP * softness + round_off, transmittance_db)
 
 

@@ -21,8 +21,9 @@ LEGEND = """\
 A number *agrees* if it is within what is allowed of what is expected: the error bar of the expected number, plus the
 error of the engine's own time step, estimated from two step sizes (and taken to be no less than the reference's at the
 same step), plus what neither can resolve. A disagreement is *explained* where the preset names a law of the engine by
-which it departs from Coulomb's, and *unexplained* otherwise. *Inconclusive*: there is no certified steady state, or
-nothing to compare. *Blocked*: the engine is not installed, or has failed. *Worst*: the largest difference over what is
+which it departs from Coulomb's, and *unexplained* otherwise. *Inconclusive*: there is no certified steady state,
+nothing to compare, or no answer so far (too slow to be asked, or left out by --no-ask). *Blocked*: the engine is not
+installed, or has failed. *Worst*: the largest difference over what is
 allowed for it.
 """
 
