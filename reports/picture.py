@@ -14,7 +14,7 @@ from PIL import Image
 
 from reports.looks import PRINT_STYLE
 
-PIXELS = 200
+PIXELS = 150
 """Dots an inch of pictures of pixels."""
 
 Draw = Callable[[], Figure]
