@@ -30,9 +30,6 @@ from reports.sections import (
 LARGEST_PAGE = 5 * 2**20
 """Bytes that a page takes at most, so that it can be sent by mail and opens at once."""
 
-LARGEST_DRAWING = 130_000
-"""Bytes of a printed figure that stands on the page as it is; a larger one is there as a picture of pixels."""
-
 USUAL = (Summary, BandEdges, Transmittance, FrictionMap, StickSlip, WorkPrecision, OpenPoints)
 """Sections of every report, in order; those of other packages follow, and how the numbers were made comes last."""
 
@@ -94,7 +91,7 @@ class _Album:
         """Draw a picture, keep its files, and give its element."""
         if picture.name in self.plots:
             raise ValueError(f"two pictures are called {picture.name!r}; allowed: names of their own")
-        drawn = picture.print_files(LARGEST_DRAWING)
+        drawn = picture.print_files()
         self.plots[picture.name] = picture.plot
         template = _environment("reports").get_template("picture.html")
         if "png" in drawn:

@@ -14,7 +14,7 @@ from PIL import Image
 
 from reports.looks import PRINT_STYLE
 
-PIXELS = 200
+PIXELS = 150
 """Dots an inch of pictures of pixels."""
 
 Draw = Callable[[], Figure]
@@ -36,6 +36,8 @@ class Picture:
         The figure of plotly that stands on the page: ``data`` and ``layout``.
     wide
         It takes two columns of a journal, and the whole width of the page.
+    dense
+        It holds so much that the page has a picture of pixels of it, which is smaller than the drawing.
     """
 
     name: str
@@ -43,19 +45,20 @@ class Picture:
     draw: Draw
     plot: Mapping[str, Any]
     wide: bool = False
+    dense: bool = False
 
-    def print_files(self, largest: int) -> dict[str, bytes]:
-        """Draw once; give the picture as SVG and as PDF, by ending, and as PNG if the SVG has more bytes than this."""
+    def print_files(self) -> dict[str, bytes]:
+        """Draw once; give the picture as SVG and as PDF, by ending, and as PNG if it is dense."""
         with mpl.rc_context(PRINT_STYLE):
             figure = self.draw()
-            figure.draw_without_rendering()
-            figure.set_layout_engine("none")  # it is laid out; no file needs it again
-            files = {
-                "svg": _saved(figure, "svg", dict.fromkeys(("Creator", "Date", "Format", "Type"))),
-                "pdf": _saved(figure, "pdf", dict.fromkeys(("Creator", "Producer", "CreationDate"))),
-            }
-            if len(files["svg"]) > largest:
+            files = {}
+            if self.dense:
                 files["png"] = _few_colours(_saved(figure, "png", {"Software": None}))
+            else:
+                figure.draw_without_rendering()
+            figure.set_layout_engine("none")  # it is laid out; no file needs it again
+            files["svg"] = _saved(figure, "svg", dict.fromkeys(("Creator", "Date", "Format", "Type")))
+            files["pdf"] = _saved(figure, "pdf", dict.fromkeys(("Creator", "Producer", "CreationDate")))
             return files
 
 

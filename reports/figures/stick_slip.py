@@ -19,6 +19,10 @@ MODE_COLOURS = {Mode.STICK: "#2b2b2b", Mode.FORWARD: "#F0E442", Mode.BACKWARD: "
 """Dark, light and middle: told apart in grey and by colour-blind readers."""
 
 
+CROWD = 16
+"""Variants beyond which the page holds a raster as a picture of pixels."""
+
+
 @dataclass(frozen=True)
 class Phase:
     """An uninterrupted mode of one contact.
@@ -77,6 +81,7 @@ def raster(place: tuple[float, float], answers: dict[Variant, Answer]) -> Pictur
         lambda: _printed(rows, cells),
         {"data": _traces(rows), "layout": _layout(rows, cells)},
         wide=True,
+        dense=len(rows) > CROWD,
     )
 
 

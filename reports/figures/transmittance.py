@@ -50,6 +50,7 @@ def panel(result: Figure3Result, friction_ratio: float) -> Picture:
         f"Friction ratio {ratio(friction_ratio)}",
         lambda: _printed_panel(result, friction_ratio),
         {"data": _panel_traces(result, friction_ratio), "layout": _panel_layout(result, friction_ratio)},
+        dense=_crowded(result, friction_ratio),
     )
 
 
@@ -100,7 +101,7 @@ def _printed_panel(result: Figure3Result, friction_ratio: float) -> Figure:
     rows = math.ceil((len(variants) + 2) / 2)
     figure = Figure(figsize=(COLUMN, 3.6 + 0.13 * rows), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-    crowded = sum(len(result.curve(variant, friction_ratio)) for variant in variants) > CROWD
+    crowded = _crowded(result, friction_ratio)
     for edge in Edge:
         found = result.edge(CONVERGED, friction_ratio, edge).frequency_ratio
         for axes in (upper, lower) if found is not None else ():
@@ -212,6 +213,11 @@ def _edge_line(eta: float) -> dict[str, Any]:
     line = {"color": "#555", "width": 1, "dash": "dot"}
     return {"type": "line", "xref": "x", "x0": eta, "x1": eta, "yref": "paper", "y0": 0, "y1": 1, "line": line,
             "layer": "below"}  # fmt: skip
+
+
+def _crowded(result: Figure3Result, friction_ratio: float) -> bool:
+    """Whether a panel has more markers than a file should hold one by one."""
+    return sum(len(result.curve(one, friction_ratio)) for one in compared_variants(result.asked)) > CROWD
 
 
 def _drawn(result: Figure3Result, variant: Variant, friction_ratio: float) -> list[Point]:
