@@ -40,7 +40,8 @@ class HereAndNow:
 
     def __init__(self, *_arguments: object, **_options: object) -> None: ...
 
-    def submit(self, function: object, batch: Sequence[Question], *_limit: object) -> Future[list[Answer]]:
+    def submit(self, *arguments: object) -> Future[list[Answer]]:
+        batch = next(one for one in arguments if isinstance(one, list))
         done: Future[list[Answer]] = Future()
         done.set_result(answer_everything(batch))
         return done
