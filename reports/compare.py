@@ -33,7 +33,7 @@ def compare(
     first: Annotated[Path, typer.Argument(help="The store before.")],
     second: Annotated[Path, typer.Argument(help="The store now.")],
     decibel: Annotated[
-        float, typer.Option("--db", help="Largest change of transmittance [dB] that is none.")
+        float, typer.Option("--db", help="Largest change of transmittance in dB that is none.")
     ] = Thresholds.transmittance_db,
     stuck_fraction: Annotated[
         float, typer.Option(help="Largest change of a contact's stuck fraction that is none.")

@@ -13,6 +13,7 @@ from rich.markup import escape
 from engines.variant import Variant
 from reference_lcp.validation import ParameterError
 from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.record import Record
 from scenarios.cluster import crew_of
 from scenarios.command_line import (
     Chosen,
@@ -71,18 +72,24 @@ class _Run:
 def add_scenarios(run: typer.Typer) -> None:
     """Add a command for every scenario of the catalogue, and one for all of them."""
     for scenario in CATALOGUE.values():
-        _add(run, scenario.name, [scenario], f"{scenario.question} Compared with: {scenario.expects}.")
+        add = _add_record if isinstance(scenario, Record) else _add
+        add(run, scenario.name, [scenario], f"{scenario.question} Compared with: {scenario.expects}.")
     _add(run, EVERY, list(CATALOGUE.values()), "Every scenario of the catalogue; prints scenarios × variants.")
 
 
-def _add(run: typer.Typer, name: str, scenarios: Sequence[Scenario], question: str) -> None:
-    """Add one command."""
-    ending = (
-        "Exit code 0: no disagreement without a law of the engine that explains it; 1: some; 2: wrong input; "
-        f"130: interrupted.\n\nExample: python -m scenarios run {name} --engine mujoco --out verdicts.md"
+def _help(name: str, question: str, options: str = "") -> str:
+    """Say what a command asks, how it ends, and give an example."""
+    return (
+        f"{question}\n\nExit code 0: no disagreement without a law of the engine that explains it; 1: some; "
+        "2: wrong input; 130: interrupted.\n\n"
+        f"Example: python -m scenarios run {name}{options} --engine mujoco --out verdicts.md"
     )
 
-    @run.command(name, help=f"{question}\n\n{ending}")
+
+def _add(run: typer.Typer, name: str, scenarios: Sequence[Scenario], question: str) -> None:
+    """Add the command of a scenario without parameters, or of several."""
+
+    @run.command(name, help=_help(name, question))
     def command(
         chosen: Chosen = None,
         store: Store = None,
@@ -92,20 +99,55 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[Scenario], question: s
         time_limit: Limit = TIME_LIMIT,
         scheduler: Scheduler = None,
     ) -> None:
-        variants = chosen_variants(chosen)
-        check_out(out, (".md", ".csv", ".json"))
-        options = [*(f"--engine={c}" for c in chosen or []), *([] if ask else ["--no-ask"])]
-        typed = shlex.join(["python", "-m", "scenarios", "run", name, *options])
-        asked = _Run(scenarios, variants, typed)
-        if ask:
-            results = _results(asked, store, crew_of(workers, time_limit, scheduler))
-        else:
-            results = _known_results(asked, store)
-        print_results(results)
-        if out is not None:
-            out.write_text(_text(results, typed, out.suffix))
-        if any(unexplained(found) for found in results.values()):
-            raise typer.Exit(UNEXPLAINED)
+        asked = _asked(name, scenarios, chosen, out, [] if ask else ["--no-ask"])
+        _perform(asked, store, out, crew_of(workers, time_limit, scheduler) if ask else None)
+
+
+def _add_record(run: typer.Typer, name: str, scenarios: Sequence[Scenario], question: str) -> None:
+    """Add the command of the scenario whose base follows a file."""
+
+    @run.command(name, help=_help(name, question, " --record quake.csv"))
+    def command(
+        chosen: Chosen = None,
+        record: Annotated[
+            Path | None,
+            typer.Option(help="Table of time in s and displacement in m (CSV); without it, the suite's example."),
+        ] = None,
+        store: Store = None,
+        out: Out = None,
+        ask: Ask = True,
+        workers: Workers = None,
+        time_limit: Limit = TIME_LIMIT,
+        scheduler: Scheduler = None,
+    ) -> None:
+        own: Sequence[Scenario] = scenarios
+        if record is not None:
+            scenario = Record(record)
+            scenario.check()
+            own = [scenario]
+        options = [] if record is None else [f"--record={record}"]
+        asked = _asked(name, own, chosen, out, options if ask else [*options, "--no-ask"])
+        _perform(asked, store, out, crew_of(workers, time_limit, scheduler) if ask else None)
+
+
+def _asked(
+    name: str, scenarios: Sequence[Scenario], chosen: list[str] | None, out: Path | None, options: list[str]
+) -> _Run:
+    """Check what was asked for, before any work."""
+    variants = chosen_variants(chosen)
+    check_out(out, (".md", ".csv", ".json"))
+    words = ["python", "-m", "scenarios", "run", name, *(f"--engine={c}" for c in chosen or []), *options]
+    return _Run(scenarios, variants, shlex.join(words))
+
+
+def _perform(asked: _Run, store: Path | None, out: Path | None, crew: Crew | None) -> None:
+    """Run what was asked, by the crew or from the store alone, and print and write the verdicts."""
+    results = _known_results(asked, store) if crew is None else _results(asked, store, crew)
+    print_results(results)
+    if out is not None:
+        out.write_text(_text(results, asked.command, out.suffix))
+    if any(unexplained(found) for found in results.values()):
+        raise typer.Exit(UNEXPLAINED)
 
 
 def _results(asked: _Run, store: Path | None, crew: Crew) -> dict[Scenario, list[Finding]]:

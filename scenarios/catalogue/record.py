@@ -48,6 +48,16 @@ class Record(Broadband):
         base.check_resolves(omega * max(highest for _, highest in BANDS.values()))
         return base
 
+    def check(self) -> None:
+        """Read the record, before anybody is asked.
+
+        Raises
+        ------
+        ParameterError
+            If it cannot be used; see `base`.
+        """
+        _ = self.base
+
     def case(self, friction_ratio: float) -> Case:
         """Follow the record, then wait; no step is so long that it leaves out samples."""
         period = 2 * math.pi / RATIOS.chain(friction_ratio).resonator_frequency
