@@ -28,6 +28,9 @@ SPACING = 2.0
 REACH = 0.55
 """Largest displacement in the drawing, on the same scale: neighbours never meet."""
 
+INNER_REACH = 0.27
+"""Largest displacement of an inner mass in its outer one, on the same scale: it stays inside."""
+
 HATCHES = {0: "", 1: "///", -1: "\\\\\\"}
 """Of the inner mass by mode: told apart without colour too."""
 
@@ -94,7 +97,7 @@ class ChainDrawing:
         self._motion = motion
         self._rows = np.round(np.linspace(0, motion.outer.shape[0], frames, endpoint=False)).astype(int)
         largest = max(1.0, float(np.max(np.abs(motion.outer))), float(np.max(np.abs(motion.inner))))
-        self._scale = REACH / largest
+        self._scale = min(REACH / largest, INNER_REACH / max(float(np.max(np.abs(motion.relative))), INNER_REACH))
         cells = motion.outer.shape[1]
         self.figure = Figure(figsize=(9, 3), layout="constrained")
         self._axes: Axes = self.figure.subplots()
@@ -141,7 +144,7 @@ class ChainDrawing:
         )
         self._axes.set_title(
             f"{question.variant.title}: {chain}frequency ratio {ratio(question.frequency_ratio)}; "
-            f"displacements × {self._scale:.2g} of a mass's width a U0", fontsize=10,
+            f"U0 is drawn as {self._scale:.2g} of a mass's width", fontsize=10,
         )  # fmt: skip
         handles = [
             Patch(facecolor=MODE_COLOURS[mode], hatch=HATCHES[sign], edgecolor="#1b1f24", label=str(mode))

@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from multiprocessing.connection import wait as wait_for_any
 from pathlib import Path
 from typing import Any, Protocol
@@ -71,10 +72,10 @@ class ProcessWorker:
         """Start on a batch; a process that died while it was idle is replaced."""
         self._record.write_text("")
         try:
-            return self._pool.submit(act_within, self._act, batch, limit, self._record)
+            return self._pool.submit(partial(act_within, self._act), batch, limit, self._record)
         except BrokenProcessPool:
             self._replace()
-            return self._pool.submit(act_within, self._act, batch, limit, self._record)
+            return self._pool.submit(partial(act_within, self._act), batch, limit, self._record)
 
     def result(self, future: Future[list[Any]], limit: float) -> list[Any]:
         """Give the answers, or replace the process and say why it has died."""

@@ -54,7 +54,7 @@ def test_boxes_are_where_the_masses_are_and_have_the_colours_of_their_modes() ->
         assert colours == [MODE_COLOURS[mode].upper(), MODE_COLOURS[Mode.STICK].upper()]
 
 
-def test_neighbours_never_meet() -> None:
+def test_neighbours_never_meet_and_inner_masses_stay_inside() -> None:
     found = motion()
     wild = Motion(outer=50 * found.outer, inner=50 * found.inner, friction=found.friction, modes=found.modes)
     drawing = ChainDrawing(QUESTION, wild, 16)
@@ -62,6 +62,9 @@ def test_neighbours_never_meet() -> None:
         drawing.draw(frame)
         first, second = drawing._outer
         assert first.get_x() + first.get_width() < second.get_x()
+        for outer, inner in zip(drawing._outer, drawing._inner, strict=True):
+            assert outer.get_x() <= inner.get_x()
+            assert inner.get_x() + inner.get_width() <= outer.get_x() + outer.get_width()
 
 
 def test_an_engine_without_a_steady_state_says_why(
