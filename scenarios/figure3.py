@@ -295,6 +295,7 @@ def _compare(place: _Place, answers: Mapping[_Place, Answer], others: Mapping[_P
         others=tuple(others.get(place, ())),
         reference=answers[REFERENCE, friction, eta],
         converged=answers[CONVERGED, friction, eta],
+        refined=tuple(others.get((REFERENCE, friction, eta), ())),
     )
     return compare_point(known)
 

@@ -3,12 +3,12 @@
 Presets that share the Euler scheme solve the reference's own equations: they are compared with the reference at equal
 step, and nothing is allowed but what neither can resolve. All others, the reference itself among them, are compared
 with the converged reference. They are asked with half as many steps too, so that their own error is known; it is
-taken to be no less than the error of the reference at this point and step, which is known from the converged one. The
-reference cannot be excused by its own error: it is asked with twice and four times as many steps instead, as for its
-error bar, since one difference of two steps may vanish by chance.
+taken to be no less than the error bar of the reference at this point and step, since one difference of two steps may
+vanish by chance: the reference is asked with twice and four times as many steps, and is judged by them itself.
 """
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from engines.reference import CONVERGED_SUBSTEPS
@@ -57,6 +57,8 @@ class PointAnswers:
         Its answers with other numbers of steps, see `refinements`.
     reference, converged
         The reference's answers at the same point, at equal step and converged.
+    refined
+        The reference's answers at the same point with other numbers of steps.
     """
 
     variant: Variant
@@ -64,6 +66,7 @@ class PointAnswers:
     others: tuple[Answer, ...]
     reference: Answer
     converged: Answer
+    refined: tuple[Answer, ...] = ()
 
 
 def compare_point(known: PointAnswers) -> Comparison:
@@ -87,30 +90,29 @@ def _tolerance(known: PointAnswers, level_db: float) -> Tolerance:
     resolution = resolution_db(known.variant, known.answer, max(level_db, FLOOR_DB))
     if ruler(known.variant) == REFERENCE:
         return Tolerance(reference=0.0, engine=0.0, resolution=resolution)
-    scheme = (
-        abs(difference_db(known.reference.transmittance_db, known.converged.transmittance_db, level_db))
-        if known.reference.converged
-        else 0.0
-    )
+    scheme = 0.0
+    if known.reference.converged:
+        scheme = max(
+            abs(difference_db(known.reference.transmittance_db, known.converged.transmittance_db, level_db)),
+            _step_error(known.reference, known.refined, level_db),
+        )
     return Tolerance(
         # the converged reference is the same scheme with so many times the steps
         reference=SAFETY * scheme / (CONVERGED_SUBSTEPS - 1),
-        engine=SAFETY * _own_error(known, level_db),
+        engine=SAFETY * _step_error(known.answer, known.others, level_db),
         resolution=resolution,
         # the reference itself is judged by its own steps alone: its error cannot excuse itself
         scheme=0.0 if known.variant == REFERENCE else SAFETY * scheme,
     )
 
 
-def _own_error(known: PointAnswers, level_db: float) -> float:
-    """Estimate the error of the point [dB] from what other steps give: the largest of all neighbouring pairs.
+def _step_error(answer: Answer, others: Sequence[Answer], level_db: float) -> float:
+    """Estimate the error of an answer [dB] from what other steps give: the largest of all neighbouring pairs.
 
     The errors of a first-order scheme with a < b steps differ by c (1 / a − 1 / b), and c / n is that with n.
     """
-    answers = sorted(
-        (one for one in (known.answer, *known.others) if one.converged), key=lambda one: one.steps_per_period
-    )
-    steps, errors = known.answer.steps_per_period, [0.0]
+    answers = sorted((one for one in (answer, *others) if one.converged), key=lambda one: one.steps_per_period)
+    steps, errors = answer.steps_per_period, [0.0]
     for coarse, fine in itertools.pairwise(answers):
         parts = 1 / coarse.steps_per_period - 1 / fine.steps_per_period
         if parts > 0:

@@ -1,0 +1,51 @@
+"""The README's picture: the reference's curves, and what four engines found on the grid of a report.
+
+python -m reports --quick --engine mujoco --engine pybullet --engine exudyn-regularised --engine drake
+python docs/figure3.py report/transmittance.csv docs/_static/figure3.svg
+"""
+
+import csv
+import sys
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from engines import engine
+from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
+from reports.looks import COLUMN, PALETTE, PRINT_STYLE
+
+STEPS = 400
+LOWEST = -80.0
+SHAPES = "os^D"
+
+
+def curve(friction_ratio: float, frequency_ratios: np.ndarray) -> list[float]:
+    """Transmittance of the reference [dB]."""
+    chain = Chain.from_ratios(friction_ratio=friction_ratio)
+    lanes = [Lane.periodic(chain, HarmonicBase.from_ratio(chain, float(eta)), STEPS) for eta in frequency_ratios]
+    return [decibel(transmittance(orbit)) for orbit in periodic_orbits(CompiledSimulation(lanes), STEPS)]
+
+
+def draw(table: Path, picture: Path) -> None:
+    """Draw a table of transmittance into a picture."""
+    rows = [row for row in csv.DictReader(table.open()) if row["engine"] != "reference" and row["transmittance_db"]]
+    frictions = sorted({float(row["friction_ratio"]) for row in rows})
+    names = list(dict.fromkeys(row["engine"] for row in rows))
+    eta = np.linspace(0.3, 1.6, 521)
+    with plt.rc_context(PRINT_STYLE):
+        figure, axes = plt.subplots(figsize=(2 * COLUMN, 0.95 * COLUMN), layout="constrained")
+        for friction, line in zip(frictions, ("-", "--", ":"), strict=False):
+            axes.plot(eta, curve(friction, eta), line, color="0.15", label=f"reference, friction ratio {friction:g}")
+        for name, colour, shape in zip(names, PALETTE, SHAPES, strict=False):
+            points = [(float(r["frequency_ratio"]), float(r["transmittance_db"])) for r in rows if r["engine"] == name]
+            size = 9.0 - 1.8 * names.index(name)
+            title = engine(name).capabilities.title
+            axes.plot(*zip(*points, strict=True), shape, color=colour, fillstyle="none", markersize=size, label=title)
+        axes.set(xlabel="frequency ratio $\\omega/\\omega_r$", ylabel="transmittance [dB]", ylim=(LOWEST, 40))
+        figure.legend(loc="outside upper center", ncols=4)
+        figure.savefig(picture, metadata={"Date": None})
+
+
+if __name__ == "__main__":
+    draw(Path(sys.argv[1]), Path(sys.argv[2]))
