@@ -14,6 +14,8 @@ import numpy as np
 from engines import engine
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
 from reports.looks import COLUMN, PALETTE, PRINT_STYLE
+from scenarios.figure3 import resonances
+from scenarios.questions import ChainRatios
 
 STEPS = 400
 LOWEST = -80.0
@@ -32,7 +34,8 @@ def draw(table: Path, picture: Path) -> None:
     rows = [row for row in csv.DictReader(table.open()) if row["engine"] != "reference" and row["transmittance_db"]]
     frictions = sorted({float(row["friction_ratio"]) for row in rows})
     names = list(dict.fromkeys(row["engine"] for row in rows))
-    eta = np.linspace(0.3, 1.6, 521)
+    peaks = resonances(ChainRatios())
+    eta = np.union1d(np.linspace(0.3, 1.6, 521), peaks[(peaks > 0.3) & (peaks < 1.6)])
     with plt.rc_context(PRINT_STYLE):
         figure, axes = plt.subplots(figsize=(2 * COLUMN, 0.95 * COLUMN), layout="constrained")
         for friction, line in zip(frictions, ("-", "--", ":"), strict=False):
