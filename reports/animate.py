@@ -19,8 +19,8 @@ from reference_lcp.validation import FloatArray, ParameterError, checked_count
 from reports.figures.stick_slip import MODE_COLOURS
 from reports.numbers import ratio
 from scenarios.isolation import TIME_LIMIT
-from scenarios.motion import Motion, motion_of
 from scenarios.questions import Question
+from scenarios.recorded_period import RecordedPeriod, period_of
 
 SPACING = 2.0
 """Distance of neighbouring cells in the drawing, over the width of an outer mass."""
@@ -62,7 +62,7 @@ def animate(
     if out.suffix not in ENDINGS:
         raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(ENDINGS)}")
     checked_output_file("--out", out)
-    motion = motion_of(question, time_limit)
+    motion = period_of(question, time_limit)
     if not motion.known:
         print(f"{variant.title}: {motion.reason}", file=sys.stderr)
         raise typer.Exit(1)
@@ -70,7 +70,7 @@ def animate(
     print(out)
 
 
-def write_animation(question: Question, motion: Motion, frames: int, file: Path) -> None:
+def write_animation(question: Question, motion: RecordedPeriod, frames: int, file: Path) -> None:
     """Draw a known motion of `question`'s chain into `file`, as its ending says."""
     drawing = ChainDrawing(question, motion, frames)
     animation = FuncAnimation(drawing.figure, drawing.draw, frames=frames, interval=50, blit=False)
@@ -93,7 +93,7 @@ class ChainDrawing:
         Pictures of one period.
     """
 
-    def __init__(self, question: Question, motion: Motion, frames: int):
+    def __init__(self, question: Question, motion: RecordedPeriod, frames: int):
         self._motion = motion
         self._rows = np.round(np.linspace(0, motion.outer.shape[0], frames, endpoint=False)).astype(int)
         largest = max(1.0, float(np.max(np.abs(motion.outer))), float(np.max(np.abs(motion.inner))))

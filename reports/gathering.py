@@ -18,8 +18,8 @@ from scenarios.friction_map import (
     friction_map,
 )
 from scenarios.isolation import TIME_LIMIT
-from scenarios.motion import Motion, MotionStore, motions
 from scenarios.questions import ChainRatios, Question
+from scenarios.recorded_period import PeriodStore, RecordedPeriod, recorded_periods
 from scenarios.step_study import exact_answers, step_questions, step_study
 from scenarios.store import ResultStore
 
@@ -86,8 +86,10 @@ def gather(
     exact = exact_answers(STICK_SLIP_POINTS, kept, ask=asks_steps, workers=workers)
     study = step_study(asked.all_variants, exact, evaluator if asks_steps else StoredAnswers(kept))
     questions = _motion_questions(asked, extent.places)
-    moved = motions(list(questions.values()), MotionStore(file), ask=not reads, workers=workers, time_limit=time_limit)
-    by_place: dict[Place, dict[Variant, Motion]] = {}
+    moved = recorded_periods(
+        list(questions.values()), PeriodStore(file), ask=not reads, workers=workers, time_limit=time_limit
+    )
+    by_place: dict[Place, dict[Variant, RecordedPeriod]] = {}
     for (place, variant), question in questions.items():
         by_place.setdefault(place, {})[variant] = moved[question]
     return Report(result, command, by_place, tuple(one for one in study if one.answered or one.reason), found)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from engines.variant import Variant
 from scenarios.figure3 import Figure3Result
 from scenarios.friction_map import FrictionMap
-from scenarios.motion import Motion
+from scenarios.recorded_period import RecordedPeriod
 from scenarios.step_study import StepPoint
 
 Place = tuple[float, float]
@@ -34,7 +34,7 @@ class Report:
 
     result: Figure3Result
     command: str
-    motions: Mapping[Place, Mapping[Variant, Motion]] = field(default_factory=dict)
+    motions: Mapping[Place, Mapping[Variant, RecordedPeriod]] = field(default_factory=dict)
     steps: tuple[StepPoint, ...] = ()
     friction_map: FrictionMap | None = None
 

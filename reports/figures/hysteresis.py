@@ -13,7 +13,7 @@ from reports.looks import PAGE_WIDTH, look_of
 from reports.numbers import ratio
 from reports.picture import Picture, axis, layout, rounded
 from scenarios.figure3 import REFERENCE, Figure3
-from scenarios.motion import Motion
+from scenarios.recorded_period import RecordedPeriod
 
 CORNER = 0.003
 """Points of a loop nearer than this to the straight line between their neighbours are left out on the page.
@@ -24,7 +24,7 @@ Over the width and height of the loop: a third of a pixel of a plot of a hundred
 COLUMNS = 4
 
 
-def hysteresis(asked: Figure3, place: tuple[float, float], motions: Mapping[Variant, Motion]) -> Picture:
+def hysteresis(asked: Figure3, place: tuple[float, float], motions: Mapping[Variant, RecordedPeriod]) -> Picture:
     """Draw the loops of all contacts at one point.
 
     Parameters
@@ -46,11 +46,11 @@ def hysteresis(asked: Figure3, place: tuple[float, float], motions: Mapping[Vari
     )
 
 
-def _cells(motions: Mapping[Variant, Motion]) -> int:
+def _cells(motions: Mapping[Variant, RecordedPeriod]) -> int:
     return max(motion.outer.shape[1] for motion in motions.values())
 
 
-def _loop(motion: Motion, cell: int) -> tuple[FloatArray, FloatArray]:
+def _loop(motion: RecordedPeriod, cell: int) -> tuple[FloatArray, FloatArray]:
     """Relative displacement from the middle of the loop, and friction; closed.
 
     The middle is taken out: stuck offsets are not unique, and a loop may lie anywhere.
@@ -60,7 +60,7 @@ def _loop(motion: Motion, cell: int) -> tuple[FloatArray, FloatArray]:
     return np.append(displacement, displacement[0]), np.append(friction, friction[0])
 
 
-def _printed(asked: Figure3, motions: Mapping[Variant, Motion]) -> Figure:
+def _printed(asked: Figure3, motions: Mapping[Variant, RecordedPeriod]) -> Figure:
     cells = _cells(motions)
     rows = -(-cells // COLUMNS)
     figure = Figure(figsize=(PAGE_WIDTH, 0.6 + 1.55 * rows), layout="constrained")
@@ -82,7 +82,7 @@ def _printed(asked: Figure3, motions: Mapping[Variant, Motion]) -> Figure:
     return figure
 
 
-def _traces(asked: Figure3, motions: Mapping[Variant, Motion]) -> list[dict[str, Any]]:
+def _traces(asked: Figure3, motions: Mapping[Variant, RecordedPeriod]) -> list[dict[str, Any]]:
     traces = []
     for variant, motion in motions.items():
         look = look_of(asked, variant)
@@ -102,7 +102,7 @@ def _traces(asked: Figure3, motions: Mapping[Variant, Motion]) -> list[dict[str,
     return traces
 
 
-def _layout(motions: Mapping[Variant, Motion]) -> dict[str, Any]:
+def _layout(motions: Mapping[Variant, RecordedPeriod]) -> dict[str, Any]:
     cells = _cells(motions)
     rows = -(-cells // COLUMNS)
     grid = {"rows": rows, "columns": COLUMNS, "pattern": "independent", "xgap": 0.28, "ygap": 0.42}

@@ -12,8 +12,8 @@ from scenarios.agreement import Comparison, Verdict, compare_edge, compare_trans
 from scenarios.attenuation_band import Edge
 from scenarios.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
 from scenarios.friction_map import FrictionMap
-from scenarios.motion import Motion
 from scenarios.questions import Answer
+from scenarios.recorded_period import RecordedPeriod
 from scenarios.step_study import StepPoint
 
 RUNS = Variant("mujoco")
@@ -73,7 +73,7 @@ def result() -> Figure3Result:
     )
 
 
-def motion(cells: int = 2, steps: int = 80) -> Motion:
+def motion(cells: int = 2, steps: int = 80) -> RecordedPeriod:
     """A slip of constant friction to and fro in the first cell; the others stick."""
     phase = np.arange(1, steps + 1) / steps
     relative = np.zeros((steps, cells))
@@ -84,7 +84,7 @@ def motion(cells: int = 2, steps: int = 80) -> Motion:
     friction = 0.4 * np.sin(2 * np.pi * phase)[:, None] * np.ones(cells)
     friction[:, 0] = -direction
     outer = np.sin(2 * np.pi * phase)[:, None] * np.ones(cells)
-    return Motion(outer=outer, inner=outer + relative, friction=friction, modes=modes)
+    return RecordedPeriod(outer=outer, inner=outer + relative, friction=friction, modes=modes)
 
 
 def step_points(variant: Variant, error: float) -> tuple[StepPoint, ...]:
@@ -111,7 +111,13 @@ def report(result: Figure3Result) -> Report:
     return Report(
         result,
         "python -m reports --quick --engine '<b>'",
-        {(0.3, 0.9): {REFERENCE: motion(), RUNS: motion(), MISSING: Motion("not installed: the package is missing")}},
+        {
+            (0.3, 0.9): {
+                REFERENCE: motion(),
+                RUNS: motion(),
+                MISSING: RecordedPeriod("not installed: the package is missing"),
+            }
+        },
         (*step_points(REFERENCE, 0.01), *step_points(RUNS, 0.02)),
         friction_map,
     )

@@ -14,8 +14,8 @@ from reports import animate as module
 from reports.__main__ import app
 from reports.animate import ChainDrawing, write_animation
 from reports.figures.stick_slip import MODE_COLOURS
-from scenarios.motion import Motion
 from scenarios.questions import ChainRatios, Question
+from scenarios.recorded_period import RecordedPeriod
 from tests.reports.conftest import motion
 
 QUESTION = Question(
@@ -25,10 +25,10 @@ QUESTION = Question(
 
 @pytest.fixture
 def no_computation(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: object) -> Motion:
+    def refuse(*_: object) -> RecordedPeriod:
         raise AssertionError("something was computed")
 
-    monkeypatch.setattr(module, "motion_of", refuse)
+    monkeypatch.setattr(module, "period_of", refuse)
 
 
 def test_a_gif_has_as_many_frames_as_asked(tmp_path: Path) -> None:
@@ -56,7 +56,7 @@ def test_boxes_are_where_the_masses_are_and_have_the_colours_of_their_modes() ->
 
 def test_neighbours_never_meet_and_inner_masses_stay_inside() -> None:
     found = motion()
-    wild = Motion(outer=50 * found.outer, inner=50 * found.inner, friction=found.friction, modes=found.modes)
+    wild = RecordedPeriod(outer=50 * found.outer, inner=50 * found.inner, friction=found.friction, modes=found.modes)
     drawing = ChainDrawing(QUESTION, wild, 16)
     for frame in range(16):
         drawing.draw(frame)
@@ -70,7 +70,7 @@ def test_neighbours_never_meet_and_inner_masses_stay_inside() -> None:
 def test_an_engine_without_a_steady_state_says_why(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(module, "motion_of", lambda *_: Motion("period limit after 400 periods"))
+    monkeypatch.setattr(module, "period_of", lambda *_: RecordedPeriod("period limit after 400 periods"))
     assert run_command(app, ["animate", "--out", str(tmp_path / "chain.gif")]) == 1
     assert "Reference (LCP): period limit after 400 periods" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

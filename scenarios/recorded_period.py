@@ -26,7 +26,7 @@ _EMPTY = np.empty((0, 0))
 
 
 @dataclass(frozen=True)
-class Motion:
+class RecordedPeriod:
     """One period, non-dimensional, or the reason why there is none.
 
     Row k belongs to the time (k + 1) / steps of the period.
@@ -66,7 +66,7 @@ class Motion:
         return np.arange(1, steps + 1) / steps
 
     @classmethod
-    def of(cls, orbit: PeriodicOrbit, stick_margin: float) -> "Motion":
+    def of(cls, orbit: PeriodicOrbit, stick_margin: float) -> "RecordedPeriod":
         """Read an orbit; for `stick_margin` see `contact_modes`."""
         if not orbit.converged:
             return cls(f"{orbit.status} after {orbit.periods} periods, residual {orbit.residual:.1e}")
@@ -87,13 +87,13 @@ class Motion:
         return file.getvalue()
 
     @classmethod
-    def from_bytes(cls, content: bytes) -> "Motion":
+    def from_bytes(cls, content: bytes) -> "RecordedPeriod":
         """Read what `to_bytes` wrote."""
         with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
             return cls(**{name: arrays[name] for name in ("outer", "inner", "friction", "modes")})
 
 
-class MotionStore:
+class PeriodStore:
     """Motions in the same file as the answers, by the hash of their questions.
 
     Parameters
@@ -105,15 +105,15 @@ class MotionStore:
     def __init__(self, file: Path):
         self._file = file
 
-    def find(self, question: Question) -> Motion | None:
+    def find(self, question: Question) -> RecordedPeriod | None:
         """Give the motion of an equal question, or ``None``."""
         with closing(sqlite3.connect(self._file)) as connection:
             if not connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'motions'").fetchone():
                 return None
             row = connection.execute("SELECT motion FROM motions WHERE key = ?", (question.key(),)).fetchone()
-        return None if row is None else Motion.from_bytes(row[0])
+        return None if row is None else RecordedPeriod.from_bytes(row[0])
 
-    def keep(self, question: Question, motion: Motion) -> None:
+    def keep(self, question: Question, motion: RecordedPeriod) -> None:
         """Write one motion; those that are not known are not kept, so that they are tried again."""
         if not motion.known:
             return
@@ -122,12 +122,12 @@ class MotionStore:
             connection.execute("INSERT OR REPLACE INTO motions VALUES (?, ?)", (question.key(), motion.to_bytes()))
 
 
-def motions_of(batch: Batch) -> list[Motion]:
+def periods_of(batch: Batch) -> list[RecordedPeriod]:
     """Find the steady state of each question, one after the other; an engine that fails gives the reason."""
     return [_motion(question) for question in batch if isinstance(question, Question)]
 
 
-def _motion(question: Question) -> Motion:
+def _motion(question: Question) -> RecordedPeriod:
     variant: Variant = question.variant
     lane, steps = question.lane()
     try:
@@ -137,27 +137,27 @@ def _motion(question: Question) -> Motion:
         finally:
             simulation.close()
     except Exception as problem:  # whatever an engine raises is its result
-        return Motion(f"{type(problem).__name__}: {problem}")
-    return Motion.of(orbit, variant.options.stick_margin)
+        return RecordedPeriod(f"{type(problem).__name__}: {problem}")
+    return RecordedPeriod.of(orbit, variant.options.stick_margin)
 
 
-def motion_of(question: Question, time_limit: float = TIME_LIMIT) -> Motion:
-    """Compute one motion in a worker process; see `motions`."""
+def period_of(question: Question, time_limit: float = TIME_LIMIT) -> RecordedPeriod:
+    """Compute one motion in a worker process; see `recorded_periods`."""
     missing = engine(question.variant.engine).why_not_installed()
     if missing is not None:
-        return Motion(f"not installed: {missing}")
+        return RecordedPeriod(f"not installed: {missing}")
     (found,) = _computed([question], 1, checked_scalar("time_limit", time_limit, "> 0"))
     return found
 
 
-def motions(
+def recorded_periods(
     questions: Sequence[Question],
-    store: MotionStore,
+    store: PeriodStore,
     *,
     ask: bool = True,
     workers: int | None = None,
     time_limit: float = TIME_LIMIT,
-) -> Mapping[Question, Motion]:
+) -> Mapping[Question, RecordedPeriod]:
     """Give the motion of every question: from the store where it is known, from worker processes where not.
 
     Parameters
@@ -180,43 +180,43 @@ def motions(
     """
     checked_scalar("time_limit", time_limit, "> 0")
     places = checked_count("workers", workers if workers is not None else (os.cpu_count() or 1))
-    found: dict[Question, Motion] = {}
+    found: dict[Question, RecordedPeriod] = {}
     unknown = []
     for question in questions:
         missing = engine(question.variant.engine).why_not_installed()
         kept = None if missing else store.find(question)
         if missing:
-            found[question] = Motion(f"not installed: {missing}")
+            found[question] = RecordedPeriod(f"not installed: {missing}")
         elif kept is not None:
             found[question] = kept
         elif ask:
             unknown.append(question)
         else:
-            found[question] = Motion("not answered so far")
+            found[question] = RecordedPeriod("not answered so far")
     for question, motion in zip(unknown, _computed(unknown, min(places, len(unknown)), time_limit), strict=True):
         store.keep(question, motion)
         found[question] = motion
     return found
 
 
-def _computed(questions: Sequence[Question], places: int, limit: float) -> Iterator[Motion]:
+def _computed(questions: Sequence[Question], places: int, limit: float) -> Iterator[RecordedPeriod]:
     """Compute motions in as many processes as there are places, in order: who dies takes no other motion along."""
     if not questions:
         return
     idle: SimpleQueue[ProcessWorker] = SimpleQueue()
 
-    def one(question: Question) -> Motion:
+    def one(question: Question) -> RecordedPeriod:
         worker = idle.get()
         try:
-            motion: Motion = worker.result(worker.submit([question], limit), limit)[0]
+            motion: RecordedPeriod = worker.result(worker.submit([question], limit), limit)[0]
         except WorkerDied as death:
-            return Motion(str(death))
+            return RecordedPeriod(str(death))
         finally:
             idle.put(worker)
         return motion
 
     with tempfile.TemporaryDirectory(prefix="multibody-xval-") as folder, ThreadPoolExecutor(places) as threads:
-        workers = [ProcessWorker(Path(folder) / str(place), motions_of) for place in range(places)]
+        workers = [ProcessWorker(Path(folder) / str(place), periods_of) for place in range(places)]
         try:
             for worker in workers:
                 idle.put(worker)

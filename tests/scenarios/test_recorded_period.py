@@ -8,11 +8,11 @@ import pytest
 
 from engines.variant import Variant
 from reference_lcp.validation import ParameterError
-from scenarios import motion as module
+from scenarios import recorded_period as module
 from scenarios.answering import answer_batch
 from scenarios.isolation import ProcessWorker
-from scenarios.motion import Motion, MotionStore, motion_of, motions, motions_of
 from scenarios.questions import ChainRatios, Question
+from scenarios.recorded_period import PeriodStore, RecordedPeriod, period_of, periods_of, recorded_periods
 from scenarios.store import ResultStore
 
 
@@ -22,13 +22,13 @@ def question(frequency_ratio: float = 0.9, variant: str = "reference") -> Questi
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> MotionStore:
+def store(tmp_path: Path) -> PeriodStore:
     ResultStore(tmp_path / "results.sqlite").close()
-    return MotionStore(tmp_path / "results.sqlite")
+    return PeriodStore(tmp_path / "results.sqlite")
 
 
 def test_a_motion_says_what_the_answer_says() -> None:
-    (answer,), (found,) = answer_batch([question()]), motions_of([question()])
+    (answer,), (found,) = answer_batch([question()]), periods_of([question()])
     np.testing.assert_allclose(np.mean(found.modes == 0, axis=0), answer.stuck_fraction)
     amplitude = 2 * np.abs(np.mean(found.outer[:, -1] * np.exp(-2j * np.pi * found.phase)))
     assert 20 * np.log10(amplitude) == pytest.approx(answer.transmittance_db, abs=1e-9)
@@ -37,8 +37,8 @@ def test_a_motion_says_what_the_answer_says() -> None:
     np.testing.assert_allclose(found.friction[slips], -found.modes[slips], atol=1e-6)
 
 
-def test_a_motion_is_kept_bit_for_bit_beside_the_answers(store: MotionStore) -> None:
-    (found,) = motions_of([question()])
+def test_a_motion_is_kept_bit_for_bit_beside_the_answers(store: PeriodStore) -> None:
+    (found,) = periods_of([question()])
     assert store.find(question()) is None
     store.keep(question(), found)
     again = store.find(question())
@@ -48,35 +48,35 @@ def test_a_motion_is_kept_bit_for_bit_beside_the_answers(store: MotionStore) -> 
     assert store.find(question(0.8)) is None
 
 
-def test_what_is_known_is_not_computed_again(store: MotionStore, monkeypatch: pytest.MonkeyPatch) -> None:
-    first = motions([question()], store, workers=1)[question()]
+def test_what_is_known_is_not_computed_again(store: PeriodStore, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = recorded_periods([question()], store, workers=1)[question()]
 
     def refuse(*_: object) -> None:
         raise AssertionError("something was computed again")
 
     monkeypatch.setattr(ProcessWorker, "submit", refuse)
-    np.testing.assert_array_equal(motions([question()], store)[question()].outer, first.outer)
+    np.testing.assert_array_equal(recorded_periods([question()], store)[question()].outer, first.outer)
 
 
-def test_what_is_not_known_is_missing_where_nobody_may_be_asked(store: MotionStore) -> None:
-    assert motions([question()], store, ask=False)[question()].reason == "not answered so far"
+def test_what_is_not_known_is_missing_where_nobody_may_be_asked(store: PeriodStore) -> None:
+    assert recorded_periods([question()], store, ask=False)[question()].reason == "not answered so far"
 
 
-def test_a_motion_without_a_steady_state_is_not_kept(store: MotionStore) -> None:
-    store.keep(question(), Motion("diverged"))
+def test_a_motion_without_a_steady_state_is_not_kept(store: PeriodStore) -> None:
+    store.keep(question(), RecordedPeriod("diverged"))
     assert store.find(question()) is None
 
 
-def ends_at_high_frequency(batch: list[Question]) -> list[Motion]:
+def ends_at_high_frequency(batch: list[Question]) -> list[RecordedPeriod]:
     if batch[0].frequency_ratio > 1:
         os._exit(1)
-    return motions_of(batch)
+    return periods_of(batch)
 
 
-def test_a_process_that_dies_takes_no_other_motion_along(store: MotionStore, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "motions_of", ends_at_high_frequency)
+def test_a_process_that_dies_takes_no_other_motion_along(store: PeriodStore, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "periods_of", ends_at_high_frequency)
     asked = [question(1.1), question(0.9)]
-    found = motions(asked, store, workers=1)
+    found = recorded_periods(asked, store, workers=1)
     assert found[asked[0]].reason == "the worker process was killed"
     assert found[asked[1]].known
 
@@ -86,12 +86,12 @@ def test_an_engine_that_raises_gives_its_reason(monkeypatch: pytest.MonkeyPatch)
         raise RuntimeError("no such shape")
 
     monkeypatch.setattr(Variant, "build", fail)
-    assert motions_of([question()])[0].reason == "RuntimeError: no such shape"
+    assert periods_of([question()])[0].reason == "RuntimeError: no such shape"
 
 
 @pytest.mark.parametrize("limit", [0.0, -1.0])
-def test_a_wrong_time_limit_is_refused(store: MotionStore, limit: float) -> None:
+def test_a_wrong_time_limit_is_refused(store: PeriodStore, limit: float) -> None:
     with pytest.raises(ParameterError, match="time_limit"):
-        motions([question()], store, time_limit=limit)
+        recorded_periods([question()], store, time_limit=limit)
     with pytest.raises(ParameterError, match="time_limit"):
-        motion_of(question(), limit)
+        period_of(question(), limit)
