@@ -29,7 +29,8 @@ class OpenPoints(Section):
             if rows:
                 of = engine(variant.engine)
                 departure = of.preset(variant.formulation, variant.preset).departure
-                notes = " ".join(note for note in (of.capabilities.notes, departure) if note)
+                law = f"What explains a disagreement: {departure}." if departure else ""
+                notes = " ".join(note for note in (of.capabilities.notes, law) if note)
                 left_out = max(len(rows) - LONGEST, 0)
                 open_ones.append({"title": variant.title, "notes": notes, "rows": rows[:LONGEST], "left_out": left_out})
         return {"variants": open_ones}

@@ -31,7 +31,11 @@ class WorkPrecision(Section):
         for variant in asked.all_variants:
             if variant not in shown:
                 answered = any(point.variant == variant and point.answered for point in self.report.steps)
-                usual = "not every point has a steady state" if answered else "not asked at these steps so far"
+                usual = (
+                    "not all six points are answered with a steady state"
+                    if answered
+                    else "not asked at these steps so far"
+                )
                 absent.setdefault(reasons.get(variant, usual), []).append(variant.title)
         return {
             "rows": [point for point in self.report.steps if point.answered],
