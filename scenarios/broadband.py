@@ -240,5 +240,9 @@ def refinements(coarsest: Motion) -> list[Motion]:
 
 def unfinished(answers: Sequence[Answer]) -> Comparison | None:
     """Say why motions cannot be compared; ``None`` if they can."""
-    reasons = [answer.reason for answer in answers if answer.status != "finished"]
-    return Comparison(Verdict.BLOCKED, reasons[0]) if reasons else None
+    for answer in answers:
+        if answer.status == "missing":
+            return Comparison(Verdict.INCONCLUSIVE, answer.reason)
+        if answer.status != "finished":
+            return Comparison(Verdict.BLOCKED, answer.reason)
+    return None
