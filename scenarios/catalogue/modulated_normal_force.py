@@ -15,7 +15,7 @@ from typing import ClassVar
 from engines.variant import Variant
 from reference_lcp.preload import Flight
 from reference_lcp.transition_matching import match_transitions
-from scenarios.agreement import SAFETY, Comparison, Tolerance, Verdict, compare, step_estimate
+from scenarios.agreement import SAFETY, Comparison, Tolerance, Verdict, compare, scheme_bar
 from scenarios.evaluation import Evaluator
 from scenarios.questions import Answer, Modulation, Question
 from scenarios.scenario import Finding, Metric, Scenario
@@ -219,18 +219,12 @@ def _apart(one: Answer, other: Answer) -> tuple[int, float]:
 def _flown(values: list[tuple[float, ...]], exact: float, resolution: float) -> Reading:
     """Compare with the exact flight, which is that of every cell."""
     cells = zip(*values, strict=True)
-    return _worst([Reading(one[1], exact, Tolerance(0.0, _bar(one), resolution)) for one in cells])
+    return _worst([Reading(one[1], exact, Tolerance(0.0, scheme_bar(*one), resolution)) for one in cells])
 
 
 def _tolerance(own: Sequence[float], expected: Sequence[float], resolution: float) -> Tolerance:
     """Derive it from three steps of either."""
-    return Tolerance(_bar(expected), _bar(own), resolution)
-
-
-def _bar(values: Sequence[float]) -> float:
-    """Error bar of the middle one of three answers of first order, whose steps are 1, 1/2 and 1/4."""
-    coarse, middle, fine = values
-    return max(step_estimate(coarse, middle), 2 * step_estimate(middle, fine))
+    return Tolerance(scheme_bar(*expected), scheme_bar(*own), resolution)
 
 
 def _worst(readings: list[Reading]) -> Reading:
