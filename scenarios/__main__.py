@@ -32,12 +32,13 @@ from scenarios.command_line import (
     store_of_run,
 )
 from scenarios.cost import COLUMNS as COST_COLUMNS
-from scenarios.cost import REFERENCE, SECONDS, cost, cost_csv, cost_markdown, cost_rows
+from scenarios.cost import SECONDS, cost, cost_csv, cost_markdown, cost_rows
 from scenarios.evaluation import why_not_installed
 from scenarios.isolation import TIME_LIMIT, Crew
 from scenarios.printed_table import print_table, printed_table
 from scenarios.progress import Bars, CountingEvaluator
 from scenarios.questions import Answer
+from scenarios.steady_case import REFERENCE
 from scenarios.store import ResultStore
 from scenarios.sweep import write_dataset
 from scenarios.sweep_command import answer_sweep, dataset_of, print_summary, print_verdicts

@@ -78,8 +78,6 @@ def missing_steady_state(whose: str, answer: Answer) -> Comparison | None:
     if answer.converged:
         return None
     if answer.status == "missing":
-        return Comparison(Verdict.INCONCLUSIVE, f"{whose}: {answer.reason}")
-    if answer.status == "missing":
         return Comparison(Verdict.INCONCLUSIVE, f"{whose.split(maxsplit=1)[0]}: {answer.reason}")
     reason = f"{whose}: {answer.status} after {answer.periods} periods, residual {answer.residual:.1e}"
     reason += repetition(answer.multiple)

@@ -156,10 +156,10 @@ def refined_crossings(
         args=(np.arange(len(brackets), dtype=np.float64),),
         tolerances={"xatol": resolution, "xrtol": 0.0, "fatol": 0.0, "frtol": 0.0},
     )
-    return np.where(found.success, _interpolated(*found.bracket, *found.f_bracket), np.nan)
+    return np.where(found.success, interpolated_crossing(*found.bracket, *found.f_bracket), np.nan)
 
 
-def _interpolated(left: FloatArray, right: FloatArray, f_left: FloatArray, f_right: FloatArray) -> FloatArray:
+def interpolated_crossing(left: FloatArray, right: FloatArray, f_left: FloatArray, f_right: FloatArray) -> FloatArray:
     """Zero of the straight line through the ends of each bracket; within the bracket whatever the curve."""
     with np.errstate(invalid="ignore"):
         return np.where(f_left == f_right, left, left - f_left * (right - left) / (f_right - f_left))

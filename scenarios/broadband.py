@@ -24,8 +24,7 @@ from scenarios.motions import Motion
 from scenarios.questions import Answer, ChainRatios
 from scenarios.refinement import REFINEMENTS, error_of_finest
 from scenarios.scenario import Finding, Metric, Scenario
-
-REFERENCE = Variant("reference")
+from scenarios.steady_case import REFERENCE
 
 RATIOS = ChainRatios(damping_ratio=0.05, inner_damping_ratio=0.02)
 """The canonical chain with dashpots that let a transient die out: to 1 % of its peak in 300 periods 2π / ω_r."""

@@ -15,8 +15,6 @@ from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
 from scenarios.isolation import Batch, LocalCrew
 from scenarios.questions import Answer, ChainRatios, Question
 
-REFERENCE = Variant("reference")
-
 SECONDS = 2.0
 """Length of a measurement with one worker that is aimed at unless one is given."""
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference_lcp.validation import FloatArray
-from scenarios.attenuation_band import Edge, edge_brackets, unresolved
+from scenarios.attenuation_band import Edge, edge_brackets, interpolated_crossing, unresolved
 from scenarios.evaluation import Evaluator
 from scenarios.figure3 import REFERENCE, Figure3
 from scenarios.questions import Answer
@@ -94,4 +94,4 @@ def _edge(asked: Figure3, eta: FloatArray, curve: FloatArray, edge: Edge) -> flo
     if bracket is None:
         return math.nan
     left, right = (float(curve[np.searchsorted(eta, one)]) - asked.band.threshold_db for one in bracket)
-    return bracket[0] if left == right else bracket[0] - left * (bracket[1] - bracket[0]) / (right - left)
+    return float(interpolated_crossing(*np.array([*bracket, left, right])))

@@ -14,11 +14,11 @@ from queue import SimpleQueue
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.registry import engine
 from engines.variant import Variant
 from reference_lcp.periodic import PeriodicOrbit, periodic_orbits
 from reference_lcp.stick_slip import contact_modes
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
+from scenarios.evaluation import why_not_installed
 from scenarios.isolation import TIME_LIMIT, Batch, ProcessWorker, WorkerDied
 from scenarios.questions import Question
 
@@ -143,7 +143,7 @@ def _motion(question: Question) -> RecordedPeriod:
 
 def period_of(question: Question, time_limit: float = TIME_LIMIT) -> RecordedPeriod:
     """Compute one motion in a worker process; see `recorded_periods`."""
-    missing = engine(question.variant.engine).why_not_installed()
+    missing = why_not_installed(question.variant)
     if missing is not None:
         return RecordedPeriod(f"not installed: {missing}")
     (found,) = _computed([question], 1, checked_scalar("time_limit", time_limit, "> 0"))
@@ -183,7 +183,7 @@ def recorded_periods(
     found: dict[Question, RecordedPeriod] = {}
     unknown = []
     for question in questions:
-        missing = engine(question.variant.engine).why_not_installed()
+        missing = why_not_installed(question.variant)
         kept = None if missing else store.find(question)
         if missing:
             found[question] = RecordedPeriod(f"not installed: {missing}")

@@ -139,8 +139,7 @@ class Evidence:
             return self.refusal
         for whose, answers in (("engine", (self.fine, self.coarse)), ("reference", self.scheme)):
             for answer in answers:
-                steps = f" at {answer.steps_per_period} steps a period" if answer.steps_per_period else ""
-                gap = missing_steady_state(f"{whose}{steps}", answer)
+                gap = missing_steady_state(f"{whose} at {answer.steps_per_period} steps a period", answer)
                 if gap is not None:
                     return gap
         if self.fine.steps_per_period != 2 * self.coarse.steps_per_period:

@@ -12,13 +12,14 @@ from reference_lcp.drive import StillBase
 from reference_lcp.event_driven import EventDrivenSimulation
 from reference_lcp.validation import FloatArray
 from scenarios.agreement import Tolerance, compare
-from scenarios.broadband import REFERENCE, refinements, unfinished
+from scenarios.broadband import refinements, unfinished
 from scenarios.evaluation import Evaluator
 from scenarios.motion_answering import kept_of
 from scenarios.motions import Motion
 from scenarios.questions import Answer, ChainRatios, Series
 from scenarios.refinement import REFINEMENTS, error_of_finest
 from scenarios.scenario import Finding, Metric, Scenario
+from scenarios.steady_case import REFERENCE
 
 STEPS_PER_PERIOD = 100
 """Coarsest steps to a period 2π / ω_r; the finest of the three step sizes takes four times as many."""

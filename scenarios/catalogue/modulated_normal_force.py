@@ -15,7 +15,7 @@ from typing import ClassVar
 from engines.variant import Variant
 from reference_lcp.preload import Flight
 from reference_lcp.transition_matching import match_transitions
-from scenarios.agreement import SAFETY, Comparison, Tolerance, Verdict, compare, scheme_bar
+from scenarios.agreement import SAFETY, Comparison, Tolerance, Verdict, compare, missing_steady_state, scheme_bar
 from scenarios.evaluation import Evaluator
 from scenarios.questions import Answer, Modulation, Question
 from scenarios.scenario import Finding, Metric, Scenario
@@ -170,11 +170,9 @@ def _missing(own: list[Answer], expected: list[Answer]) -> Comparison | None:
     """Say what is missing for a comparison, if anything is."""
     for whose, answers in (("engine", own), ("reference", expected)):
         for steps, answer in zip(STEPS, answers, strict=True):
-            if answer.status == "blocked":
-                return Comparison(Verdict.BLOCKED, answer.reason)
-            if not answer.converged:
-                reason = f"{whose}: {answer.status} at {steps} steps after {answer.periods} periods"
-                return Comparison(Verdict.INCONCLUSIVE, f"{reason}, residual {answer.residual:.1e}")
+            gap = missing_steady_state(f"{whose} at {steps} steps a period", answer)
+            if gap is not None:
+                return gap
     return None
 
 
