@@ -4,14 +4,12 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-import xarray as xr
-
 from scenarios.adaptive_grid import AdaptiveAxis, AdaptiveCurve
 from scenarios.evaluation import Evaluator
 from scenarios.figure3 import resonances
 from scenarios.questions import Answer, Outcome, Question
 from scenarios.store import ResultStore
-from scenarios.sweep import Sweep, dataset
+from scenarios.sweep import Sweep
 from scenarios.sweep_summary import SweepSummary
 
 Answering = Callable[[Sequence[Question]], Sequence[Answer | None]]
@@ -82,11 +80,3 @@ def run_adaptive_sweep(sweep: AdaptiveSweep, evaluator: Evaluator) -> SweepSumma
     for one, curve in refined(sweep, answering).items():
         summary.unresolved[one.variant] += not curve.resolved
     return summary
-
-
-def adaptive_dataset(sweep: AdaptiveSweep, store: ResultStore) -> xr.Dataset:
-    """Give what the store knows, labelled as `dataset` does, over the frequencies of all curves together.
-
-    Where a curve had no need of a frequency its points are ``missing``; to draw it, leave out what is NaN.
-    """
-    return dataset(sweep.grid_of(store), store)

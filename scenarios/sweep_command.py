@@ -42,7 +42,10 @@ def grid_of(asked: SweepFile, kept: ResultStore) -> Sweep:
 
 
 def dataset_of(asked: SweepFile, kept: ResultStore) -> xr.Dataset:
-    """Give what the store knows, labelled; of an adaptive sweep over the frequencies of all curves together."""
+    """Give what the store knows, labelled; of an adaptive sweep over the frequencies of all curves together.
+
+    Where a curve had no need of a frequency its points are ``missing``; to draw it, leave out what is NaN.
+    """
     return dataset(grid_of(asked, kept), kept)
 
 
