@@ -3,6 +3,11 @@
 Mixing the last iterates (Anderson 1965, in the form of Walker and Ni 2011) finds the fixed point in some
 thirty periods where plain ones need thousands, with nothing asked of an engine but to set and to read
 positions and velocities.
+
+As long as contacts neither stick anew nor slip anew the map is affine, and mixing is a Krylov method (GMRES): it
+ends once as many differences are kept as the state has dimensions, and may stagnate with fewer. Where they do,
+older differences belong to another map, and what they still say beside the newer ones is the least trustworthy part
+of them: a difference that lies nearly in the span of newer ones is left out (Pollock and Rebholz 2023).
 """
 
 from typing import Any
@@ -15,25 +20,32 @@ from reference_lcp.state_scales import StateScales
 from reference_lcp.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray
 
-DEFAULT_MEMORY = 20
-"""Differences kept by the acceleration; 10 needs half as many periods again on figure 3."""
+FEWEST_KEPT = 20
+"""Differences kept by the acceleration at least, for chains of few cells."""
+
+KEPT_PER_CELL = 6
+"""Differences kept for each cell, whose state has four dimensions: half as many again, since some drop out."""
 
 WARM_UP_PERIODS = 6
 """Plain periods before the first mixing: they leave the transient of the start behind."""
 
-DEPENDENT = 1e-6
-"""A difference whose part outside the span of newer ones is smaller than this is left out."""
+DEPENDENT = 0.1
+"""A difference is left out whose part outside the span of newer ones is a smaller part of it than this."""
 
 CANCELLED = 0.7
 """A difference of which less is left is made orthogonal once more: about 1/√2, as Daniel et al. advise."""
 
-PATIENCE = 25
-"""Periods without a better residual after which a lane starts again from its best iterate.
+SHORTEST_PATIENCE = 25
+"""Periods without a better residual, at least, after which a lane starts again from its best iterate.
 
 Mixing can be caught where contacts change between stick and slip from one iterate to the next. The
 history is then dropped, and plain periods, at every new start half as many again, lead out of the
-place. Of 500 random starts at the ten hardest points of figure 3 all converge so.
+place.
 """
+
+PATIENCE_PER_CELL = 5
+"""The same for each cell: a Krylov method may stand still until it has as many differences as there are dimensions,
+four a cell, and does so close to the resonances of undamped chains."""
 
 DIVERGED = 1e6
 """Residual, in displacement scales, beyond which a motion counts as diverged."""
@@ -106,6 +118,11 @@ def _mixed_lanes(x: Any, f: Any, lanes: Any, newest: int, kept: Any) -> Any:
     return following
 
 
+def kept_differences(cells: int) -> int:
+    """Give how many differences are kept for a chain of so many cells."""
+    return max(FEWEST_KEPT, KEPT_PER_CELL * cells)
+
+
 class FixedPointSearch:
     """The search for a fixed point of the map x(t) → x(t + k Δt), lane by lane; who converges or diverges leaves.
 
@@ -117,19 +134,19 @@ class FixedPointSearch:
         What makes their states non-dimensional.
     steps
         Steps k of one application of the map: a whole number of periods of the drive.
-    memory
-        Number of differences that are mixed.
     tolerance
         Residual at which a lane has converged.
     """
 
-    def __init__(self, simulation: Simulation, scales: StateScales, steps: int, memory: int, tolerance: float):
+    def __init__(self, simulation: Simulation, scales: StateScales, steps: int, tolerance: float):
         self._simulation = simulation
         self._steps = steps
-        self._memory = memory
         self._tolerance = tolerance
         self._scales = scales
-        count, width = len(simulation.lanes), 4 * simulation.lanes[0].chain.cells
+        cells = simulation.lanes[0].chain.cells
+        count, width = len(simulation.lanes), 4 * cells
+        self._memory = memory = kept_differences(cells)
+        self._patience = max(SHORTEST_PATIENCE, PATIENCE_PER_CELL * cells)
         self._x = np.zeros((count, memory + 1, width))
         self._f = np.zeros((count, memory + 1, width))
         self._age = np.zeros(count, dtype=int)
@@ -163,7 +180,7 @@ class FixedPointSearch:
 
     def _following(self, row: int) -> FloatArray:
         """Next iterate of every active lane: mixed, plain, or from the best one again."""
-        caught = self._active[self._stalled[self._active] >= PATIENCE]
+        caught = self._active[self._stalled[self._active] >= self._patience]
         self._x[caught, row] = self.best[caught]
         self._f[caught, row] = self._best_change[caught]
         self._age[caught], self._stalled[caught] = 0, 0

@@ -1,9 +1,9 @@
 """Periodic orbits: the fixed point of the period map, found by Anderson acceleration.
 
-A lightly damped chain needs thousands of periods to settle. The map x(t) → x(t + T) has the steady
-state as its fixed point, which the acceleration finds in some thirty periods. The residual of one plain
-period certifies what was found. Where there is no such point, motions that repeat after some periods of
-the drive only are looked for.
+A lightly damped chain needs thousands of periods to settle. The map x(t) → x(t + T) has the steady state as its fixed
+point, which the acceleration finds in some thirty periods, starting from harmonic balance. The residual of one plain
+period certifies what was found. Where there is no such point, motions that repeat after some periods of the drive
+only are looked for.
 """
 
 import dataclasses
@@ -12,7 +12,8 @@ from enum import StrEnum
 
 import numpy as np
 
-from reference_lcp.anderson import DEFAULT_MEMORY, DIVERGED, FixedPointSearch
+from reference_lcp.anderson import DIVERGED, FixedPointSearch
+from reference_lcp.harmonic_balance import harmonic_balance_start
 from reference_lcp.simulation import Lane, Simulation
 from reference_lcp.state_scales import StateScales
 from reference_lcp.subharmonics import LONGEST_MULTIPLE, repetitions
@@ -75,7 +76,6 @@ def periodic_orbits(
     *,
     start: State | None = None,
     tolerance: float = DEFAULT_RESIDUAL,
-    memory: int = DEFAULT_MEMORY,
     max_periods: int = DEFAULT_PERIODS,
     longest_multiple: int = LONGEST_MULTIPLE,
 ) -> list[PeriodicOrbit]:
@@ -92,11 +92,9 @@ def periodic_orbits(
     steps_per_period
         Number of steps that make one period.
     start
-        State from which the search starts; at rest without it.
+        State from which the search starts; that of `harmonic_balance_start` without it.
     tolerance
         Residual that is asked for, see `PeriodicOrbit.residual`.
-    memory
-        Number of differences that are mixed.
     max_periods
         Periods after which the search gives up; the best orbit found is then returned.
     longest_multiple
@@ -115,15 +113,13 @@ def periodic_orbits(
         period of its preload.
     """
     checked_scalar("tolerance", tolerance, "> 0")
-    checked_count("memory", memory)
     checked_count("max_periods", max_periods)
     checked_count("longest_multiple", longest_multiple)
     for lane in simulation.lanes:
         _check_period(lane, steps_per_period)
     scales = StateScales(simulation.lanes, steps_per_period)
-    search = FixedPointSearch(simulation, scales, steps_per_period, memory, tolerance)
-    cells = simulation.lanes[0].chain.cells
-    search.run(start if start is not None else State.at_rest(len(simulation.lanes), cells), max_periods)
+    search = FixedPointSearch(simulation, scales, steps_per_period, tolerance)
+    search.run(start or harmonic_balance_start(simulation.lanes, steps_per_period), max_periods)
     orbits = _certified(simulation, search, steps_per_period, tolerance)
     if longest_multiple > 1:
         _look_for_repetitions(orbits, simulation, search, steps_per_period, tolerance, longest_multiple)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from reference_lcp.anderson import DEFAULT_MEMORY, FixedPointSearch
+from reference_lcp.anderson import FixedPointSearch
 from reference_lcp.simulation import Simulation
 from reference_lcp.state_scales import StateScales
 from reference_lcp.trajectory import State
@@ -109,7 +109,7 @@ def _searched(
     simulation: Simulation, scales: StateScales, start: State, steps_per_period: int, m: int, tolerance: float
 ) -> int:
     """Search a lane's fixed point of the m-fold map; gives the smallest repetition of what is found, or 0."""
-    search = FixedPointSearch(simulation, scales, m * steps_per_period, DEFAULT_MEMORY, tolerance)
+    search = FixedPointSearch(simulation, scales, m * steps_per_period, tolerance)
     search.run(start, SEARCHED)
     if not search.best_residual[0] <= tolerance:
         return 0
