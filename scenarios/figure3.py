@@ -30,7 +30,7 @@ from scenarios.attenuation_band import (
 from scenarios.evaluation import Evaluator
 from scenarios.figure3_comparison import CONVERGED, PointAnswers, compare_point, refinements
 from scenarios.questions import Answer, ChainRatios, Question
-from scenarios.steady_case import REFERENCE
+from scenarios.steady_case import REFERENCE, amplification
 
 __all__ = [
     "CONVERGED",
@@ -257,7 +257,9 @@ def run(asked: Figure3, evaluator: Evaluator) -> Figure3Result:
     others: dict[_Place, list[Answer]] = defaultdict(list)
     for (place, _), answer in zip(refined, found[len(places) :], strict=True):
         others[place].append(answer)
-    points = tuple(Point(*place, answer, _compare(place, answers, others)) for place, answer in answers.items())
+    points = tuple(
+        Point(*place, answer, _compare(asked.ratios, place, answers, others)) for place, answer in answers.items()
+    )
     edges = tuple(_edges(asked, grids, answers, evaluator))
     return Figure3Result(asked, points, edges, _dense_reference(asked, evaluator))
 
@@ -286,7 +288,12 @@ def _dense_reference(asked: Figure3, evaluator: Evaluator) -> dict[float, tuple[
 _Place = tuple[Variant, float, float]
 
 
-def _compare(place: _Place, answers: Mapping[_Place, Answer], others: Mapping[_Place, list[Answer]]) -> Comparison:
+def _compare(
+    ratios: ChainRatios,
+    place: _Place,
+    answers: Mapping[_Place, Answer],
+    others: Mapping[_Place, list[Answer]],
+) -> Comparison:
     """Compare a point with its ruler."""
     variant, friction, eta = place
     known = PointAnswers(
@@ -295,6 +302,7 @@ def _compare(place: _Place, answers: Mapping[_Place, Answer], others: Mapping[_P
         others=tuple(others.get(place, ())),
         reference=answers[REFERENCE, friction, eta],
         converged=answers[CONVERGED, friction, eta],
+        amplified=amplification(ratios, eta),
         refined=tuple(others.get((REFERENCE, friction, eta), ())),
     )
     return compare_point(known)

@@ -57,6 +57,8 @@ class PointAnswers:
         Its answers with other numbers of steps, see `refinements`.
     reference, converged
         The reference's answers at the same point, at equal step and converged.
+    amplified
+        How many times farther from its steady state the answer may be than its residual, see `amplification`.
     refined
         The reference's answers at the same point with other numbers of steps.
     """
@@ -66,6 +68,7 @@ class PointAnswers:
     others: tuple[Answer, ...]
     reference: Answer
     converged: Answer
+    amplified: float = 1.0
     refined: tuple[Answer, ...] = ()
 
 
@@ -87,7 +90,7 @@ def compare_point(known: PointAnswers) -> Comparison:
 
 def _tolerance(known: PointAnswers, level_db: float) -> Tolerance:
     """Derive how far the point may be from its ruler [dB]."""
-    resolution = resolution_db(known.variant, known.answer, max(level_db, FLOOR_DB))
+    resolution = resolution_db(known.variant, known.answer, max(level_db, FLOOR_DB), known.amplified)
     if ruler(known.variant) == REFERENCE:
         return Tolerance(reference=0.0, engine=0.0, resolution=resolution)
     scheme = 0.0

@@ -3,12 +3,14 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 
 from engines.contract.tolerances import CREEP, STEPS, TRAJECTORY_TOLERANCE
 from engines.variant import Variant
 from reference_lcp.chain import Chain
 from reference_lcp.drive import PeriodicDrive
 from reference_lcp.exact_period import ExactPeriod
+from reference_lcp.linear_limits import residual_amplification
 from reference_lcp.simulation import steps_per_period_for
 from reference_lcp.steady_state import exact_steady_state
 from reference_lcp.transition_matching import TimedTransition
@@ -149,7 +151,8 @@ class Evidence:
 
     def resolution_db(self, transmittance_db: float) -> float:
         """What the judged answer leaves open of a transmittance near this one [dB]."""
-        return resolution_db(self.variant, self.fine, transmittance_db)
+        amplified = amplification(self.case.ratios, self.case.frequency_ratio)
+        return resolution_db(self.variant, self.fine, transmittance_db, amplified)
 
     @property
     def transmittance_tolerance(self) -> Tolerance:
@@ -162,19 +165,26 @@ class Evidence:
         )
 
 
-def resolution_db(variant: Variant, answer: Answer, transmittance_db: float) -> float:
+def resolution_db(variant: Variant, answer: Answer, transmittance_db: float, amplified: float) -> float:
     """What a variant's answer leaves open of a transmittance near this one [dB].
 
-    It is certified to repeat within the engine's residual. A contact that the engine cannot be told to make harder
-    gives way by up to `CREEP` times its softness. Round-off adds up as the contract derives it for forty periods of
-    `STEPS` steps of a motion as large as the base's: in proportion to the motion, and to the root of the number of
-    steps, of all the periods that were simulated.
+    It is certified to repeat within the engine's residual, and is `amplified` times that from its steady state. A
+    contact that the engine cannot be told to make harder gives way by up to `CREEP` times its softness. Round-off adds
+    up as the contract derives it for forty periods of `STEPS` steps of a motion as large as the base's: in proportion
+    to the motion, and to the root of the number of steps, of all the periods that were simulated.
     """
     capabilities, softness = variant.capabilities, variant.options.softness
     motion = max(1.0, 10 ** (transmittance_db / 20))
     steps = max(answer.periods, 1) * answer.steps_per_period
     round_off = TRAJECTORY_TOLERANCE[capabilities.precision] * math.sqrt(steps / (40 * STEPS)) * motion
-    return amplitude_in_db(capabilities.residual + CREEP * softness + round_off, transmittance_db)
+    return amplitude_in_db(capabilities.residual * amplified + CREEP * softness + round_off, transmittance_db)
+
+
+@cache
+def amplification(ratios: ChainRatios, frequency_ratio: float) -> float:
+    """Give `residual_amplification` of a chain under a drive of this frequency."""
+    chain = ratios.chain(0.0)
+    return residual_amplification(chain, 2 * math.pi / (frequency_ratio * chain.resonator_frequency))
 
 
 def amplitude_in_db(amplitude: float, transmittance_db: float) -> float:

@@ -21,13 +21,14 @@ def answer(db, steps=400, status="converged") -> Answer:
     return Answer(status=status, transmittance_db=db, residual=1e-9, periods=30, steps_per_period=steps)
 
 
-def judged(variant, db, *others, reference=-10.02, converged=-10.0):
+def judged(variant, db, *others, reference=-10.02, converged=-10.0, amplified=1.0):
     known = PointAnswers(
         variant=variant,
         answer=answer(db),
         others=others,
         reference=answer(reference),
         converged=answer(converged),
+        amplified=amplified,
     )
     return compare_point(known)
 
@@ -38,6 +39,11 @@ def test_who_shares_the_scheme_equals_the_reference_at_equal_step_or_does_not_sh
     found = judged(SHARES, -10.02 + 1e-6)
     assert found.verdict is Verdict.DISAGREE
     assert "mostly resolution" in found.reason
+
+
+def test_near_a_resonance_a_steady_state_is_farther_than_its_residual() -> None:
+    assert judged(SHARES, -10.02 + 1e-6, amplified=100.0).verdict is Verdict.AGREE
+    assert judged(SHARES, -10.02 + 1e-4, amplified=100.0).verdict is Verdict.DISAGREE
 
 
 def test_an_integrator_of_its_own_may_err_as_the_scheme_does_at_the_same_step() -> None:
