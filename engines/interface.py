@@ -136,6 +136,16 @@ class Preset:
         order = list(NormalForce)
         return order.index(needed) <= order.index(self.normal_force)
 
+    def why_not_represented(self, lane: Lane) -> str | None:
+        """Say why a lane's normal force cannot be represented; ``None`` if it can."""
+        if lane.preload is None or self.represents(NormalForce.of(lane)):
+            return None
+        allowed = {
+            NormalForce.CONSTANT: "a constant one, without a preload",
+            NormalForce.MODULATED: "up to 1, where contacts stay closed",
+        }[self.normal_force]
+        return f"cannot represent a modulated normal force like this; allowed: {allowed}"
+
 
 @dataclass(frozen=True)
 class Capabilities:
@@ -262,16 +272,9 @@ class EngineNotInstalled(RuntimeError):
 def _check_normal_forces(lanes: Sequence[Lane], name: str, preset: Preset) -> None:
     """Refuse lanes whose normal force changes in a way that the preset cannot represent."""
     for lane in lanes:
-        if lane.preload is None or preset.represents(NormalForce.of(lane)):
-            continue
-        allowed = {
-            NormalForce.CONSTANT: "a constant one, without a preload",
-            NormalForce.MODULATED: "up to 1, where contacts stay closed",
-        }[preset.normal_force]
-        raise ParameterError(
-            f"modulation = {lane.preload.modulation:g}: {name} cannot represent a modulated normal force like this; "
-            f"allowed: {allowed}"
-        )
+        reason = preset.why_not_represented(lane)
+        if reason is not None and lane.preload is not None:
+            raise ParameterError(f"modulation = {lane.preload.modulation:g}: {name} {reason}")
 
 
 def constant_normal_force(lane: Lane, steps: int) -> FloatArray:

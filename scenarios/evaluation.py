@@ -66,8 +66,8 @@ class Evaluator(Closing):
         missing = []
         why = cache(why_not_installed)  # asked once a variant: the answer for 100,000 points takes no time
         for question, kept in self._store.outcomes(questions):
-            reason = None if kept else why(question.variant)
-            known = kept if reason is None else Outcome("blocked", reason=f"not installed: {reason}")
+            reason = None if kept else _refusal(question, why(question.variant))
+            known = kept if reason is None else Outcome("blocked", reason=reason)
             if known is None:
                 missing.append(question)
             else:
@@ -87,9 +87,9 @@ class Evaluator(Closing):
         self._crew.close()
 
     def _known(self, question: Asked) -> Answer | None:
-        """Give the answer that needs no computation: a kept one, or that the engine is missing."""
-        missing = why_not_installed(question.variant)
-        return self._store.find(question) if missing is None else Answer.blocked(f"not installed: {missing}")
+        """Give the answer that needs no computation: a kept one, or why there cannot be one."""
+        reason = _refusal(question, why_not_installed(question.variant))
+        return self._store.find(question) if reason is None else Answer.blocked(reason)
 
 
 class StoredAnswers(Evaluator):
@@ -110,11 +110,11 @@ class StoredAnswers(Evaluator):
         """Look all questions up, in order; those that the store does not know have the status ``missing``."""
         lookup = []
         for question in self.unanswered(questions):
-            reason = self._missing(question.variant.engine)
+            reason = _refusal(question, self._missing(question.variant.engine))
             if reason is None:
                 lookup.append(question)
             else:
-                self._answered[question] = Answer.blocked(f"not installed: {reason}")
+                self._answered[question] = Answer.blocked(reason)
         for question, known in zip(lookup, self._store.answers(lookup), strict=True):
             self._answered[question] = known or Answer.missing()
         return [self._answered[question] for question in questions]
@@ -126,6 +126,14 @@ class StoredAnswers(Evaluator):
 def why_not_installed(variant: Variant) -> str | None:
     """Say why a variant's engine cannot be used here; ``None`` if it can."""
     return engine(variant.engine).why_not_installed()
+
+
+def _refusal(question: Asked, missing: str | None) -> str | None:
+    """Say why a question need not be asked: the engine is `missing`, or cannot represent the case."""
+    if missing is not None:
+        return f"not installed: {missing}"
+    reason = question.why_not_represented()
+    return None if reason is None else f"cannot be represented: {reason}"
 
 
 def _batches(questions: list[Asked]) -> Iterator[list[Asked]]:

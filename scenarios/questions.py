@@ -153,6 +153,10 @@ class Asked:
         """Build the chain."""
         return self.ratios.chain(self.friction_ratio)
 
+    def why_not_represented(self) -> str | None:
+        """Say why the variant cannot represent the case, as far as that is known without asking it."""
+        return None
+
     def content(self) -> dict[str, Any]:
         """Everything that the answer depends on: the question, the engine's version and its options."""
         return {"format": ANSWER_FORMAT, "question": self.as_data(), **_identity(self.variant)}
@@ -212,6 +216,13 @@ class Question(Asked):
         """Build the chain and its drive."""
         chain = self.chain
         return chain, self.excitation.drive(chain, self.frequency_ratio)
+
+    def why_not_represented(self) -> str | None:
+        """Say why the variant cannot change its normal force like this; ``None`` if it can, or it is constant."""
+        if self.modulation is None:
+            return None
+        reason = self.variant.options.why_not_represented(self.lane()[0])
+        return None if reason is None else f"modulation = {self.modulation.modulation:g}: {self.variant} {reason}"
 
     def lane(self) -> tuple[Lane, int]:
         """Build the lane, and give its number of steps a period."""

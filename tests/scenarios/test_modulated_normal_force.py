@@ -10,7 +10,10 @@ from reference_lcp.validation import ParameterError
 from scenarios.agreement import Verdict
 from scenarios.answering import answer_batch
 from scenarios.catalogue.modulated_normal_force import AIR, CASES, GAP, TRANSMITTANCE, ModulatedNormalForce
+from scenarios.evaluation import Evaluator, StoredAnswers
+from scenarios.isolation import Crew
 from scenarios.questions import Answer, Modulation, Question
+from scenarios.store import ResultStore
 
 REFERENCE, OTHER = Variant("reference"), Variant("mujoco", "contact")
 
@@ -33,6 +36,11 @@ class Answering:
         if missing:
             KNOWN.update(zip(missing, answer_batch(missing), strict=True))
         return [KNOWN[question] for question in asked]
+
+
+def nobody(_place):
+    """Stand for a worker that must not be needed."""
+    raise AssertionError("a question was asked whose answer is known")
 
 
 def with_modulation(question, factor):
@@ -72,6 +80,20 @@ def test_what_cannot_be_represented_is_blocked_with_its_reason() -> None:
         (Verdict.BLOCKED, "contacts stay closed")
     }
     assert all(math.isnan(one.value) for one in findings)
+
+
+@pytest.mark.parametrize("workers", [None, 1], ids=["nobody is asked", "asked"])
+def test_refusal_is_known_before_the_engine_is_asked(tmp_path, workers) -> None:
+    """Joints of PyBullet take a normal force that stays above zero, joints of Exudyn a constant one only."""
+    asked = [
+        Question(variant=variant, friction_ratio=0.3, frequency_ratio=0.6, modulation=Modulation(modulation=modulation))
+        for variant, modulation in [(Variant("pybullet"), 1.5), (Variant("exudyn-regularised"), 0.5)]
+    ]
+    with ResultStore(tmp_path / "store.sqlite") as store:
+        answers = (StoredAnswers(store) if workers is None else Evaluator(store, Crew(nobody, workers))).evaluate(asked)
+    assert [answer.status for answer in answers] == ["blocked", "blocked"]
+    for answer, what in zip(answers, ("modulation = 1.5: pybullet", "modulation = 0.5: exudyn"), strict=True):
+        assert answer.reason.startswith(("not installed", f"cannot be represented: {what}"))
 
 
 def test_question_under_a_constant_normal_force_keeps_its_stored_key() -> None:
