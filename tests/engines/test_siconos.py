@@ -11,7 +11,9 @@ from engines.interface import Formulation, Option, Preset
 from engines.outside.process import EngineProcessError
 from engines.siconos import OUTSIDE, Siconos
 from reference_lcp.chain import Chain
+from reference_lcp.compiled import CompiledSimulation
 from reference_lcp.drive import HarmonicBase, StillBase
+from reference_lcp.periodic import periodic_orbits
 from reference_lcp.simulation import Lane
 from reference_lcp.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import (
@@ -194,3 +196,18 @@ def test_a_python_without_siconos_is_a_reason_with_a_remedy(monkeypatch: pytest.
 
 def test_the_version_is_debians_and_not_that_of_the_next_release() -> None:
     assert Siconos().version().startswith("4.4")
+
+
+def test_default_contacts_let_go_for_single_steps_and_a_threshold_above_round_off_holds_them() -> None:
+    """Unequal cells over a period of their steady state: a contact that lets go has no normal force, no friction."""
+    mass_ratio = [0.8374, 0.8888, 1.0881, 0.9612, 1.1257, 0.9023, 1.1914]
+    friction_ratio = [0.2211, 0.3327, 0.2689, 0.3154, 0.2377, 0.3581, 0.2793]
+    chain = Chain.from_ratios(mass_ratio=mass_ratio, friction_ratio=friction_ratio)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6), STEPS)
+    (orbit,) = periodic_orbits(CompiledSimulation([lane]), STEPS)
+    default, held = (
+        run_changed(lane, orbit.trajectory.end, "contact", "default", threshold=threshold).normal_force
+        for threshold in (0.0, 1e-6)
+    )
+    assert 0 < np.sum(default == 0.0) < default.size / 100
+    assert np.all(held > 0.0)
