@@ -90,8 +90,8 @@ CONTACT_DEFAULT = Preset(
     },
     split_tolerance=1e-12,
     departure=(
-        "a contact acts where its gap is not positive only: round-off opens a closed one now and then for a step or two, "
-        "which have no friction; and the contact solver stops at 1e-4"
+        "a contact acts where its gap is not positive only: round-off opens a closed one now and then for a step or "
+        "two, which have no friction; and the contact solver stops at 1e-4"
     ),
 )
 

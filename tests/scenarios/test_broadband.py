@@ -9,18 +9,19 @@ import pytest
 from engines.variant import Variant
 from reference_lcp import ParameterError, RecordedBase
 from scenarios.agreement import Verdict
-from scenarios.broadband import BAND_METRICS, BANDS, DIFFERENCE, PEAK, RATIOS, ROWS_PER_PERIOD
+from scenarios.broadband import BAND_METRICS, BANDS, DIFFERENCE, PEAK, RATIOS, ROWS_PER_PERIOD, STEPS_PER_PERIOD
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.filtered_noise import FilteredNoiseScenario
 from scenarios.catalogue.record import Record
 from scenarios.catalogue.ricker_pulse import RickerPulseScenario
 from scenarios.catalogue.swept_sine import SweptSineScenario
+from scenarios.evaluation import Evaluator
 from scenarios.example_record import FILE, example_samples, write_example
 from scenarios.example_record import PEAK as EXAMPLE_PEAK
 from scenarios.motion_answering import answer_motions
 from scenarios.refinement import error_of_finest
 from scenarios.store import ResultStore
-from tests.scenarios.motion_crew import evaluator, rub_harder
+from tests.scenarios.motion_crew import Here, evaluator, rub_harder
 
 REFERENCE = Variant("reference")
 BELOW, WITHIN, ABOVE = (BAND_METRICS[name] for name in ("0.65–0.82", "0.9–1.35", "1.5–2"))
@@ -106,6 +107,41 @@ def test_friction_that_is_too_large_by_a_twentieth_shows_in_the_series(tmp_path,
     verdicts = {finding.metric: finding.comparison.verdict for finding in found}
     assert verdicts[DIFFERENCE] is Verdict.DISAGREE
     assert verdicts[PEAK] is Verdict.DISAGREE
+
+
+class OffBy(Here):
+    """A crew in which MuJoCo is the reference with an error that depends on the number of steps."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def answers(self, batches):
+        for batch in batches:
+            asked = [dataclasses.replace(motion, variant=REFERENCE) for motion in batch]
+            yield batch, [self.moved(*one) for one in zip(batch, answer_motions(asked), strict=True)]
+
+    def moved(self, motion, answer):
+        if motion.variant == REFERENCE:
+            return answer
+        refinement = motion.every * ROWS_PER_PERIOD // STEPS_PER_PERIOD
+        response = np.array(answer.series["response"]) + self.error[refinement]
+        return dataclasses.replace(answer, series={"response": tuple(response.tolist())})
+
+
+@pytest.mark.parametrize(
+    ("error", "verdict"),
+    [
+        ({1: 0.02, 2: 0.02, 4: 0.02, 8: 0.01}, Verdict.AGREE),
+        ({1: 0.02, 2: 0.02, 4: 0.02, 8: 0.02}, Verdict.DISAGREE),
+    ],
+    ids=["falls with the step at last", "stays"],
+)
+def test_error_that_three_steps_do_not_show_is_looked_at_with_finer_ones(tmp_path, error, verdict) -> None:
+    with ResultStore(tmp_path / "store.sqlite") as store:
+        found = ShortPulse().run([Variant("mujoco")], Evaluator(store, OffBy(error)))
+    (series,) = [one.comparison for one in found if one.metric is DIFFERENCE]
+    assert series.verdict is verdict
+    assert series.reason.endswith("with 2 times the usual steps")
 
 
 def test_engine_that_fails_is_blocked_with_its_reason(tmp_path, monkeypatch) -> None:
