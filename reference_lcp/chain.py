@@ -86,6 +86,8 @@ class Chain:
         damping_ratio: ArrayLike = 0.01,
         friction_ratio: ArrayLike = 0.0,
         inner_damping_ratio: ArrayLike = 0.0,
+        outer_mass_ratio: ArrayLike = 1.0,
+        chain_stiffness_ratio: ArrayLike = 1.0,
         base_amplitude: float = 0.01,
         outer_mass: float = 1.0,
         chain_stiffness: float = CHAIN_STIFFNESS,
@@ -98,11 +100,13 @@ class Chain:
         cells
             Number of cells.
         mass_ratio, stiffness_ratio
-            m_i / m_o and k_i / k_c.
+            m_i / m_o and k_i / k_c, of the cell's own outer mass and chain spring.
         damping_ratio, inner_damping_ratio
-            c_c / (2 √(k_c m_o)) and c_i / (2 √(k_i m_i)).
+            c_c / (2 √(k_c m_o)) and c_i / (2 √(k_i m_i)), of the cell's own masses and springs.
         friction_ratio
-            μ λ_N / (k_c U0), the paper's non-dimensional maximum frictional force.
+            μ λ_N / (k_c U0), the paper's non-dimensional maximum frictional force; k_c is `chain_stiffness`.
+        outer_mass_ratio, chain_stiffness_ratio
+            m_o over `outer_mass` and k_c over `chain_stiffness`, where cells differ.
         base_amplitude
             U0 [m], the displacement that the friction ratio refers to.
         outer_mass, chain_stiffness
@@ -119,18 +123,20 @@ class Chain:
         stiffness = checked_scalar("chain_stiffness", chain_stiffness, "> 0")
         amplitude = checked_scalar("base_amplitude", base_amplitude, "> 0")
         mu = checked_scalar("friction_coefficient", friction_coefficient, "> 0")
-        inner_mass = checked_array("mass_ratio", mass_ratio, "> 0") * mass
-        inner_stiffness = checked_array("stiffness_ratio", stiffness_ratio, "> 0") * stiffness
+        outer = checked_array("outer_mass_ratio", outer_mass_ratio, "> 0") * mass
+        springs = checked_array("chain_stiffness_ratio", chain_stiffness_ratio, "> 0") * stiffness
+        inner_mass = checked_array("mass_ratio", mass_ratio, "> 0") * outer
+        inner_stiffness = checked_array("stiffness_ratio", stiffness_ratio, "> 0") * springs
         zeta = checked_array("damping_ratio", damping_ratio, ">= 0")
         inner_zeta = checked_array("inner_damping_ratio", inner_damping_ratio, ">= 0")
         friction = checked_array("friction_ratio", friction_ratio, ">= 0")
         return cls(
             cells=cells,
-            outer_mass=np.asarray(mass),
+            outer_mass=outer,
             inner_mass=inner_mass,
-            chain_stiffness=np.asarray(stiffness),
+            chain_stiffness=springs,
             inner_stiffness=inner_stiffness,
-            chain_damping=2 * zeta * np.sqrt(stiffness * mass),
+            chain_damping=2 * zeta * np.sqrt(springs * outer),
             inner_damping=2 * inner_zeta * np.sqrt(inner_stiffness * inner_mass),
             normal_force=friction * stiffness * amplitude / mu,
             friction_coefficient=np.asarray(mu),

@@ -36,7 +36,7 @@ def provenance(result: Figure3Result, command: str) -> dict[str, Any]:
         "platform": f"{platform.system()} {platform.machine()}",
         "packages": {package: version(package) for package in PACKAGES},
         "variants": [_variant(result, variant) for variant in asked.all_variants],
-        "chain": {name: getattr(asked.ratios, name) for name in asked.ratios.__dataclass_fields__},
+        "chain": asked.ratios.as_data(),
         "friction_ratios": list(asked.friction_ratios),
         "frequency_ratios": {repr(friction): _grid(result, friction) for friction in asked.friction_ratios},
         "band": {

@@ -164,7 +164,7 @@ class Broadband(Scenario):
         base = ", ".join(f"{name} {value}" for name, value in case.base.parameters().items())
         steps = ", ".join(str(case.steps_per_period * factor) for factor in REFINEMENTS)
         return [
-            f"chain: {', '.join(f'{name} {value}' for name, value in dataclasses.asdict(RATIOS).items())}",
+            f"chain: {', '.join(f'{name} {value}' for name, value in RATIOS.as_data().items())}",
             f"base (SI): {base}",
             f"{case.periods} periods 2π / ω_r, in {steps} steps each",
         ]

@@ -95,7 +95,7 @@ class Motion(Asked):
     def as_data(self) -> dict[str, Any]:
         """Give the question as plain data; samples of a record stand there as their hash."""
         own = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-        plain = {"variant": dataclasses.asdict(self.variant), "ratios": dataclasses.asdict(self.ratios)}
+        plain = {"variant": dataclasses.asdict(self.variant), "ratios": self.ratios.as_data()}
         return {**own, **plain, "base": self.base.parameters()}
 
 

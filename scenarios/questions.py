@@ -17,7 +17,7 @@ from reference_lcp.preload import Preload
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, steps_per_period_for
 from reference_lcp.stick_slip import STICK_MARGIN
 from reference_lcp.subharmonics import LONGEST_MULTIPLE
-from reference_lcp.validation import checked_choice, checked_count, checked_scalar
+from reference_lcp.validation import checked_array, checked_choice, checked_count, checked_scalar
 
 ANSWER_FORMAT = 2
 """Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
@@ -80,6 +80,11 @@ class ChainRatios:
     """The chain but for its friction, non-dimensional; the defaults are the canonical case of figure 3.
 
     The parameters are those of `Chain.from_ratios`; every ratio is a number, or one a cell.
+
+    Parameters
+    ----------
+    friction_profile
+        μ λ_N of each cell over that which a friction ratio asks for, where cells differ.
     """
 
     cells: int = 7
@@ -87,10 +92,23 @@ class ChainRatios:
     stiffness_ratio: Ratio = 1.0
     damping_ratio: Ratio = 0.01
     inner_damping_ratio: Ratio = 0.0
+    outer_mass_ratio: Ratio = 1.0
+    chain_stiffness_ratio: Ratio = 1.0
+    friction_profile: Ratio = 1.0
 
     def chain(self, friction_ratio: Ratio, base_amplitude: float = BASE_AMPLITUDE) -> Chain:
         """Build the chain with this friction ratio μ λ_N / (k_c U0), U0 [m] being the amplitude of the base."""
-        return Chain.from_ratios(friction_ratio=friction_ratio, base_amplitude=base_amplitude, **vars(self))
+        ratios = dict(vars(self))
+        profile = checked_array("friction_profile", ratios.pop("friction_profile"), ">= 0")
+        bound = checked_array("friction_ratio", friction_ratio, ">= 0") * profile
+        return Chain.from_ratios(friction_ratio=bound, base_amplitude=base_amplitude, **ratios)
+
+    def as_data(self) -> dict[str, Any]:
+        """Give the ratios as plain data; those in which cells may differ beside the paper's are left out where not."""
+        return {name: value for name, value in vars(self).items() if name not in _OF_UNEQUAL_CELLS or value != 1.0}
+
+
+_OF_UNEQUAL_CELLS = ("outer_mass_ratio", "chain_stiffness_ratio", "friction_profile")
 
 
 _COMPACT = json.JSONEncoder(separators=(",", ":"))
@@ -164,7 +182,7 @@ class Asked:
     def as_data(self) -> dict[str, Any]:
         """Give the question as plain data, ready for JSON."""
         data: dict[str, Any] = _plain(self)
-        return data
+        return data | {"ratios": self.ratios.as_data()}
 
     def key(self) -> str:
         """Hash of the content: equal for equal questions to equal engines."""

@@ -3,7 +3,7 @@
 import csv
 import itertools
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from scenarios.questions import ChainRatios, Excitation, Question
 from scenarios.store import ResultStore
 from scenarios.sweep_summary import SweepSummary
 
-CHAIN_AXES = tuple(one.name for one in fields(ChainRatios))
+CHAIN_AXES = ("cells", "mass_ratio", "stiffness_ratio", "damping_ratio", "inner_damping_ratio")
 AXES = ("friction_ratio", "frequency_ratio", *CHAIN_AXES, "steps_per_period")
 """Everything that may be varied."""
 
@@ -80,12 +80,12 @@ class Sweep:
                 yield self._question(variant, dict(zip(self.axes, values, strict=True)))
 
     def _question(self, variant: Variant, place: dict[str, Any]) -> Question:
-        chain = {name: place.get(name, getattr(self.ratios, name)) for name in CHAIN_AXES}
+        chain = {name: place[name] for name in CHAIN_AXES if name in place}
         return Question(
             variant=variant,
             friction_ratio=place["friction_ratio"],
             frequency_ratio=place["frequency_ratio"],
-            ratios=ChainRatios(**chain),
+            ratios=replace(self.ratios, **chain),
             steps_per_period=place.get("steps_per_period", self.steps_per_period),
             excitation=self.excitation,
         )

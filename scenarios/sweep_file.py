@@ -1,7 +1,7 @@
 """A sweep from a TOML file: what may stand in it, and errors that name the place."""
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -48,6 +48,10 @@ mass_ratio = 1.0             # inner over outer mass, > 0
 stiffness_ratio = 1.0        # inner over chain stiffness, > 0
 damping_ratio = 0.01         # c_c / (2 sqrt(k_c m_o)), >= 0
 inner_damping_ratio = 0.0    # c_i / (2 sqrt(k_i m_i)), >= 0
+# Each of these may be a list with a number for every cell, from the base on. Where cells differ, so may:
+# outer_mass_ratio = [1.0, 0.9, 1.1, 1.0, 1.2, 0.8, 1.0]    # outer mass over the unit of mass, > 0
+# chain_stiffness_ratio = 1.0                               # chain stiffness over its unit, > 0
+# friction_profile = 1.0                                    # friction bound over what friction_ratio says, >= 0
 
 [drive]
 kind = "base"                # the base moves; "force": a force acts on the outer mass of cell 1
@@ -80,12 +84,41 @@ class _Adaptive(_Table):
     most_points: Annotated[int, Field(ge=START_POINTS)] = MOST_POINTS
 
 
+def _kind_of_ratio(value: object) -> str:
+    """Tell whether cells are alike."""
+    return "one a cell" if isinstance(value, list) else "one for all"
+
+
+_PositiveRatio = Annotated[
+    Annotated[Positive, Tag("one for all")] | Annotated[list[Positive], Tag("one a cell")],
+    Discriminator(_kind_of_ratio),
+]
+_Ratio = Annotated[
+    Annotated[NotNegative, Tag("one for all")] | Annotated[list[NotNegative], Tag("one a cell")],
+    Discriminator(_kind_of_ratio),
+]
+
+
 class _Chain(_Table):
     cells: Annotated[int, Field(ge=1)] = 7
-    mass_ratio: Positive = 1.0
-    stiffness_ratio: Positive = 1.0
-    damping_ratio: NotNegative = 0.01
-    inner_damping_ratio: NotNegative = 0.0
+    mass_ratio: _PositiveRatio = 1.0
+    stiffness_ratio: _PositiveRatio = 1.0
+    damping_ratio: _Ratio = 0.01
+    inner_damping_ratio: _Ratio = 0.0
+    outer_mass_ratio: _PositiveRatio = 1.0
+    chain_stiffness_ratio: _PositiveRatio = 1.0
+    friction_profile: _Ratio = 1.0
+
+    def ratios(self, varied: Mapping[str, Sequence[float]]) -> ChainRatios:
+        """Give the ratios, if lists have a number for every cell of every chain that is asked for."""
+        given = self.model_dump()
+        lists = {name: tuple(value) for name, value in given.items() if isinstance(value, list)}
+        for name, values in lists.items():
+            for cells in varied.get("cells", (self.cells,)):
+                if name not in varied and len(values) != cells:
+                    problem = f"chain.{name} has {len(values)} values and the chain {cells:g} cells"
+                    raise ParameterError(f"{problem}; allowed: one number, or as many as there are cells")
+        return ChainRatios(**{**given, **lists})
 
 
 class _Drive(_Table):
@@ -179,7 +212,7 @@ def _asked(read: _File) -> SweepFile:
     sweep = Sweep(
         variants=_variants(read.engines, read.presets),
         axes=axes | varied,
-        ratios=ChainRatios(**read.chain.model_dump()),
+        ratios=read.chain.ratios(axes),
         steps_per_period=read.steps_per_period,
         excitation=Excitation(kind=read.drive.kind, amplitude=amplitude),
     )
@@ -220,10 +253,14 @@ def _values(values: list[float] | _Range | _Adaptive) -> list[float]:
     return [float(value) for value in values]
 
 
+_TAGS = ("values", "range", "adaptive", "one for all", "one a cell")
+"""Of the ways in which a value may be written; they stand in no file."""
+
+
 def _first(problem: ValidationError) -> str:
     """Say what is wrong first, in one line."""
     error: Any = problem.errors()[0]
-    place = ".".join(str(part) for part in error["loc"] if part not in ("values", "range", "adaptive"))
+    place = ".".join(str(part) for part in error["loc"] if part not in _TAGS)
     if error["type"] == "extra_forbidden":
         return f"{place} is unknown; allowed: what `python -m scenarios example` shows"
     if error["type"] == "missing":

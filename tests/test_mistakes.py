@@ -90,6 +90,11 @@ SWEEP_FILES = [
     (SWEEP.replace("[0.9]", '["0.9"]'), r"grid.frequency_ratio"),
     (SWEEP + "[chain]\ncells = 0\n", r"chain.cells = 0"),
     (SWEEP + "[chain]\nmass_ratio = -1.0\n", r"chain.mass_ratio = -1.0"),
+    (SWEEP + "[chain]\nfriction_profile = [1.0, -0.5]\n", r"chain.friction_profile.1 = -0.5"),
+    (
+        SWEEP + "[chain]\nouter_mass_ratio = [1.0, 2.0]\n",
+        r"chain.outer_mass_ratio has 2 values and the chain 7 cells; allowed: one number, or as many",
+    ),
     (SWEEP + "[chain]\nfriction = 1.0\n", r"chain.friction is unknown; allowed: .*example"),
     ("steps_per_period = 2\n" + SWEEP, r"steps_per_period = 2"),
 ]

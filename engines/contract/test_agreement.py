@@ -1,7 +1,5 @@
 """Against the reference: steady states at six points, and whole motions of those that share its scheme."""
 
-import dataclasses
-
 import numpy as np
 
 from engines.contract.lanes import AMPLITUDE, lane_of, pulse_lane_of, random_state
@@ -67,13 +65,13 @@ def test_pulse_of_the_base_moves_the_chain_as_it_moves_the_reference(tuned: Vari
 def test_cells_that_differ_are_each_built_as_given(sharing: Variant) -> None:
     """Every mass, spring, dashpot and bound its own."""
     rng = np.random.default_rng(5)
-    mass, stiffness, friction, outer = rng.uniform(0.5, 2, (4, 7))
+    mass, stiffness, friction, outer, springs = rng.uniform(0.5, 2, (5, 7))
     chain_dashpot, inner_dashpot = rng.uniform(0.01, 0.1, (2, 7))
     chain = Chain.from_ratios(
         mass_ratio=mass, stiffness_ratio=stiffness, friction_ratio=friction,
         damping_ratio=chain_dashpot, inner_damping_ratio=inner_dashpot,
+        outer_mass_ratio=outer, chain_stiffness_ratio=springs,
     )  # fmt: skip
-    chain = dataclasses.replace(chain, outer_mass=outer * chain.outer_mass)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, AMPLITUDE), STEPS)
     found, expected = (one.build([lane]).run(random_state(1), 0, STEPS)[0] for one in (sharing, Variant("reference")))
     motion = np.max(np.abs(found.positions - expected.positions)) / np.max(np.abs(expected.positions))

@@ -9,11 +9,11 @@ from scenarios.questions import ChainRatios, Ratio
 from scenarios.steady_case import Case
 from scenarios.steady_scenario import SteadyScenario
 
-SEED = 1
-"""Of the disordered chain: at η_r = 0.6 six of its seven contacts slip, in 28 transitions a period."""
+SEED = 3
+"""Of the disordered chain: five of its seven contacts slip at η_r = 0.6, in 22 transitions a period; six at 0.9."""
 
 SPREAD = (0.7, 1.3)
-"""Range of the mass and stiffness ratios, 30 % to either side of the canonical case."""
+"""Range of all masses and springs, as ratios, 30 % to either side of the canonical case."""
 
 FRICTION = (0.1, 0.5)
 """Range of the friction ratios, around the one with the widest band."""
@@ -22,11 +22,20 @@ CELLS = 7
 
 
 def disordered() -> tuple[ChainRatios, Ratio]:
-    """Draw mass, stiffness, dashpot and friction of each cell, to two digits."""
+    """Draw both masses, both springs, dashpot and friction of each cell, to two digits."""
     draw = np.random.default_rng(SEED)
     mass, stiffness, friction = (_numbers(draw.uniform(*span, CELLS)) for span in (SPREAD, SPREAD, FRICTION))
     damping = _numbers(draw.uniform(0.5, 1.5, CELLS), 0.01)
-    return ChainRatios(cells=CELLS, mass_ratio=mass, stiffness_ratio=stiffness, damping_ratio=damping), friction
+    outer, springs = (_numbers(draw.uniform(*SPREAD, CELLS)) for _ in range(2))
+    ratios = ChainRatios(
+        cells=CELLS,
+        mass_ratio=mass,
+        stiffness_ratio=stiffness,
+        damping_ratio=damping,
+        outer_mass_ratio=outer,
+        chain_stiffness_ratio=springs,
+    )
+    return ratios, friction
 
 
 def graded() -> tuple[ChainRatios, Ratio]:
@@ -66,7 +75,7 @@ class UnequalCells(SteadyScenario):
 
 
 class DisorderedChain(UnequalCells):
-    """Every cell has its own inner mass, inner spring, chain dashpot and friction, drawn at random."""
+    """Every cell has masses, springs, a dashpot and friction of its own, drawn at random."""
 
     name = "disordered-chain"
     question = "Does each cell have its own parameters, and its own stick and slip?"

@@ -29,6 +29,8 @@ def uneven_lane() -> Lane:
         stiffness_ratio=rng.uniform(0.3, 2.0, 7),
         damping_ratio=rng.uniform(0.0, 0.1, 7),
         inner_damping_ratio=rng.uniform(0.0, 0.3, 7),
+        outer_mass_ratio=rng.uniform(0.5, 2.0, 7),
+        chain_stiffness_ratio=rng.uniform(0.5, 2.0, 7),
     )
 
 

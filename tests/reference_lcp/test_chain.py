@@ -55,6 +55,22 @@ def test_ratios_give_back_what_they_are_the_ratios_of() -> None:
     assert drive.angular_frequency == pytest.approx(0.9 * np.sqrt(37.5 / 0.6))
 
 
+def test_ratios_of_unequal_cells_are_those_of_each_cells_own_masses_and_springs() -> None:
+    """But for friction, which is over the unit of stiffness: the base's displacement knows no cell."""
+    chain = Chain.from_ratios(
+        cells=2, mass_ratio=[0.5, 2.0], stiffness_ratio=0.5, damping_ratio=0.01, inner_damping_ratio=0.02,
+        outer_mass_ratio=[1.0, 4.0], chain_stiffness_ratio=[1.0, 9.0], friction_ratio=0.3,
+        base_amplitude=0.02, outer_mass=2.0, chain_stiffness=100.0,
+    )  # fmt: skip
+    assert chain.outer_mass == pytest.approx([2.0, 8.0])
+    assert chain.inner_mass == pytest.approx([1.0, 16.0])
+    assert chain.chain_stiffness == pytest.approx([100.0, 900.0])
+    assert chain.inner_stiffness == pytest.approx([50.0, 450.0])
+    assert chain.chain_damping == pytest.approx([0.02 * np.sqrt(200), 0.02 * np.sqrt(7200)])
+    assert chain.inner_damping == pytest.approx([0.04 * np.sqrt(50), 0.04 * np.sqrt(7200)])
+    assert chain.friction_bound == pytest.approx([0.6, 0.6])
+
+
 def test_highest_natural_frequency_of_a_locked_pair_of_masses() -> None:
     """One cell: the roots of (2 k − m ω²)(k − m ω²) − k² = 0 for equal masses and springs."""
     chain = Chain.from_ratios(cells=1)
@@ -93,6 +109,8 @@ def test_chain_is_a_value() -> None:
     [
         ({"mass_ratio": -1.0}, "mass_ratio = -1"),
         ({"stiffness_ratio": 0.0}, "stiffness_ratio = 0"),
+        ({"outer_mass_ratio": 0.0}, "outer_mass_ratio = 0"),
+        ({"chain_stiffness_ratio": [-1.0] * 7}, "chain_stiffness_ratio = -1"),
         ({"damping_ratio": -0.1}, "damping_ratio = -0.1"),
         ({"friction_ratio": float("nan")}, "friction_ratio = nan"),
         ({"outer_mass": float("inf")}, "outer_mass = inf"),

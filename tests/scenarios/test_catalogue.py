@@ -8,6 +8,7 @@ import pytest
 
 from engines.variant import Variant
 from reference_lcp import Chain, HarmonicForce, steady_state, stuck_response
+from reference_lcp.chain import CHAIN_STIFFNESS
 from scenarios.agreement import Verdict
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.den_hartog import POINTS, expected_motion
@@ -131,12 +132,17 @@ def test_numbers_of_the_disordered_chain_are_printed_cell_by_cell() -> None:
     scenario = CATALOGUE["disordered-chain"]
     assert f"seed {SEED}" in scenario.source
     lines = dict(line.split(" = ") for line in scenario.parameters())
-    assert set(lines) == {"mass_ratio", "stiffness_ratio", "damping_ratio", "friction_ratio"}
+    ratios = {"mass_ratio", "stiffness_ratio", "damping_ratio", "outer_mass_ratio", "chain_stiffness_ratio"}
+    assert set(lines) == ratios | {"friction_ratio"}
     for case in scenario.cases:
         chain, _ = case.setting()
-        printed = [float(number) for number in lines["mass_ratio"].split(", ")]
-        assert (chain.inner_mass / chain.outer_mass).tolist() == pytest.approx(printed)
-        assert np.unique(chain.friction_bound).size > 1
+        for name, built in {
+            "mass_ratio": chain.inner_mass / chain.outer_mass,
+            "outer_mass_ratio": chain.outer_mass,
+            "chain_stiffness_ratio": chain.chain_stiffness / CHAIN_STIFFNESS,
+        }.items():
+            assert built.tolist() == pytest.approx([float(number) for number in lines[name].split(", ")])
+        assert np.unique(chain.friction_bound).size == chain.cells
 
 
 class Answering:

@@ -111,9 +111,27 @@ def test_force_and_base_of_equal_friction_ratio_are_different_questions_and_ampl
     assert ratios == pytest.approx([0.3 * 1000] * 3)
 
 
+def test_lists_give_every_cell_its_own_and_friction_follows_its_profile(tmp_path: Path) -> None:
+    chain = "cells = 2\nmass_ratio = [0.5, 2.0]\nouter_mass_ratio = [1, 1.5]\nfriction_profile = [1.0, 0.0]"
+    read = read_sweep(written(tmp_path, CONTENT.replace("cells = 2", chain)))
+    question = next(one for one in read.sweep.questions() if one.friction_ratio == 0.3)
+    assert question.chain.inner_mass == pytest.approx([0.5, 3.0])
+    assert question.chain.friction_bound[1] == 0.0 < question.chain.friction_bound[0]
+    equal = next(read_sweep(written(tmp_path, CONTENT)).sweep.questions())
+    assert {"outer_mass_ratio", "friction_profile"} & equal.as_data()["ratios"].keys() == set()
+    assert {"outer_mass_ratio", "friction_profile"} < question.as_data()["ratios"].keys()
+
+
+def test_list_must_fit_every_length_of_the_chain(tmp_path: Path) -> None:
+    content = CONTENT.replace("cells = 2", "mass_ratio = [0.5, 2.0]").replace("[grid]", "[grid]\ncells = [2, 3]")
+    with pytest.raises(ParameterError, match=r"chain.mass_ratio has 2 values and the chain 3 cells; allowed: one"):
+        read_sweep(written(tmp_path, content))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
+        ("cells = 2", "damping_ratio = [0.1, -0.1]", r"chain.damping_ratio.1 = -0.1; .*greater than or equal to 0"),
         ('kind = "force"', 'kind = "wind"', r"sweep.toml: drive.kind = 'wind'; input should be 'base' or 'force'"),
         ("amplitude = 5.0", "amplitude = 0.0", r"drive.amplitude = 0.0; input should be greater than 0"),
         ("amplitude = 5.0", "size = 5.0", r"drive.size is unknown"),
