@@ -8,6 +8,7 @@ from engines.registry import usual_engine_names
 from engines.variant import Variant
 from reference_lcp import ParameterError
 from scenarios.agreement import EDGE_TOLERANCE, Verdict
+from scenarios.answering import answer_batch
 from scenarios.attenuation_band import Edge
 from scenarios.evaluation import Evaluator
 from scenarios.figure3 import (
@@ -163,3 +164,23 @@ def test_variant_is_read_as_it_is_written(text) -> None:
 def test_variant_that_there_is_not_is_refused(text, message) -> None:
     with pytest.raises(ParameterError, match=message):
         Variant.parse(text)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "reference",
+        pytest.param(
+            "mujoco",
+            marks=[pytest.mark.slow, pytest.mark.skipif("mujoco" not in INSTALLED, reason="mujoco is not installed")],
+        ),
+    ],
+)
+def test_eighty_periods_find_the_steady_state_of_all_but_one_point_in_a_hundred(name) -> None:
+    """On the grid of the report, with every resonance of the free and of the stuck chain."""
+    asked = Figure3(variants=())
+    points = [(friction, eta) for friction in asked.friction_ratios for eta in asked.frequency_ratios]
+    answers = answer_batch([asked.question(Variant(name), *point) for point in points])
+    assert len(answers) > 370
+    assert all(answer.converged for answer in answers)
+    assert np.percentile([answer.periods for answer in answers], 99) <= 80
