@@ -18,10 +18,6 @@ JOINT_TUNED = Preset(
         "warmStarting": Option(False, True, "No memory of the last impulses."),
         "AllowSleeping": Option(False, True, "Box2D stops what is slower than 0.01 for half a unit of time."),
     },
-    departure=(
-        "single precision: a steady state repeats to 1e-5 only, and a long, lightly damped chain that does is "
-        "farther than that from where it would settle"
-    ),
     shares_scheme=True,
     split_tolerance=0.0,
     normal_force=NormalForce.MODULATED,
