@@ -47,6 +47,12 @@ PATIENCE_PER_CELL = 5
 """The same for each cell: a Krylov method may stand still until it has as many differences as there are dimensions,
 four a cell, and does so close to the resonances of undamped chains."""
 
+LARGEST_RISE = 1e2
+"""Residual over the best one beyond which a lane starts again from its best iterate at once.
+
+Differences of iterates that are as close together as an engine resolves are noise, and mixing them leads anywhere.
+"""
+
 DIVERGED = 1e6
 """Residual, in displacement scales, beyond which a motion counts as diverged."""
 
@@ -180,7 +186,7 @@ class FixedPointSearch:
 
     def _following(self, row: int) -> FloatArray:
         """Next iterate of every active lane: mixed, plain, or from the best one again."""
-        caught = self._active[self._stalled[self._active] >= self._patience]
+        caught = self._active[self._is_caught(self._active)]
         self._x[caught, row] = self.best[caught]
         self._f[caught, row] = self._best_change[caught]
         self._age[caught], self._stalled[caught] = 0, 0
@@ -190,6 +196,11 @@ class FixedPointSearch:
         self._age[self._active] += 1
         mixed: FloatArray = _mixed_lanes(self._x, self._f, self._active, row, kept)
         return mixed
+
+    def _is_caught(self, lanes: Any) -> Any:
+        """Say which lanes have mixed for long without a better residual, or got a much worse one."""
+        rise = self._last_residual[lanes] > LARGEST_RISE * self.best_residual[lanes]
+        return (self._stalled[lanes] >= self._patience) | (rise & (self._age[lanes] >= self._plain[lanes]))
 
     def _note(self, x: FloatArray, f: FloatArray, internal: FloatArray | None) -> Any:
         """Remember the best iterate of each active lane; say which lanes go on."""
