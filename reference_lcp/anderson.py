@@ -47,7 +47,7 @@ PATIENCE_PER_CELL = 5
 """The same for each cell: a Krylov method may stand still until it has as many differences as there are dimensions,
 four a cell, and does so close to the resonances of undamped chains."""
 
-LARGEST_RISE = 1e2
+LARGEST_RISE = 1e3
 """Residual over the best one beyond which a lane starts again from its best iterate at once.
 
 Differences of iterates that are as close together as an engine resolves are noise, and mixing them leads anywhere.
