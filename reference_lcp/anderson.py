@@ -29,6 +29,9 @@ KEPT_PER_CELL = 6
 WARM_UP_PERIODS = 6
 """Plain periods before the first mixing: they leave the transient of the start behind."""
 
+MOST_KEPT = 400
+"""Differences kept at most: a usual search is over by then, and a thousand cells take 26 MB a lane."""
+
 DEPENDENT = 0.1
 """A difference is left out whose part outside the span of newer ones is a smaller part of it than this."""
 
@@ -126,7 +129,7 @@ def _mixed_lanes(x: Any, f: Any, lanes: Any, newest: int, kept: Any) -> Any:
 
 def kept_differences(cells: int) -> int:
     """Give how many differences are kept for a chain of so many cells."""
-    return max(FEWEST_KEPT, KEPT_PER_CELL * cells)
+    return min(max(FEWEST_KEPT, KEPT_PER_CELL * cells), MOST_KEPT)
 
 
 class FixedPointSearch:

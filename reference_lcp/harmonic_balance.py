@@ -7,13 +7,13 @@ is where a search for the steady state begins, and nothing else depends on it.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
+import numba
 import numpy as np
-from numpy.typing import NDArray
 
 from reference_lcp.simulation import Lane
 from reference_lcp.trajectory import State
-from reference_lcp.validation import FloatArray
 
 ITERATIONS = 12
 """Of the equivalent dashpots; more of them save no period in a hundred of the search on figure 3."""
@@ -44,9 +44,19 @@ def harmonic_balance_start(lanes: Sequence[Lane], steps_per_period: int) -> Stat
         Im x and ω Re x of the complex amplitudes x of all masses.
     """
     omega = np.array([2 * np.pi / (lane.time_step * steps_per_period) for lane in lanes])
-    load = np.array([_first_harmonic(lane, steps_per_period) for lane in lanes])
-    amplitudes = _balanced(lanes, omega, load)
+    amplitudes = np.array([_amplitudes(lane, float(w), steps_per_period) for lane, w in zip(lanes, omega, strict=True)])
     return State(amplitudes.imag.copy(), omega[:, None] * amplitudes.real)
+
+
+def _amplitudes(lane: Lane, omega: float, steps_per_period: int) -> Any:
+    """Complex amplitudes [m] of all masses of a lane, shape (2n,), outer masses first."""
+    chain, least = lane.chain, LEAST_SLIP * lane.drive.displacement_scale(lane.chain)
+    loss = 1 + 1j * LOSS_FACTOR
+    springs = loss * chain.chain_stiffness + 1j * omega * chain.chain_damping
+    inner = loss * chain.inner_stiffness + 1j * omega * chain.inner_damping
+    inertia = omega**2 * np.array([chain.outer_mass, chain.inner_mass])
+    load = _first_harmonic(lane, steps_per_period)
+    return _balanced(springs, inner, inertia, 4j / np.pi * chain.friction_bound, load, least)
 
 
 def _first_harmonic(lane: Lane, steps_per_period: int) -> complex:
@@ -56,32 +66,42 @@ def _first_harmonic(lane: Lane, steps_per_period: int) -> complex:
     return complex(2j * np.mean(load * np.exp(-2j * np.pi * phases)))
 
 
-def _balanced(lanes: Sequence[Lane], omega: FloatArray, load: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Complex amplitudes [m] of all masses, shape (lanes, 2n).
+@numba.njit(cache=True, error_model="numpy")
+def _balanced(springs: Any, inner: Any, inertia: Any, friction: Any, load: Any, least: float) -> Any:
+    """Amplitudes of a chain whose contacts are dashpots, after `ITERATIONS` of these.
 
-    With the receptances R of the chain without friction, the forces f = −z Δ of the dashpots z = iω c on the inner
-    masses leave Δ = Δ_0 + R_Δ f between the masses of the cells: n equations instead of 2n.
+    `springs` and `inner` are complex stiffnesses, and `friction` that of a dashpot times its Δ. Inner masses follow
+    outer ones, and are eliminated; what is left for the outer masses is tridiagonal.
     """
-    n = lanes[0].chain.cells
-    friction = np.array([lane.chain.friction_bound for lane in lanes])
-    scale = np.array([lane.drive.displacement_scale(lane.chain) for lane in lanes])[:, None]
-    across = np.vstack([-np.eye(n), np.eye(n)])
-    unit = np.hstack([np.eye(2 * n, 1), across])
-    receptances = np.linalg.solve(np.array([_dynamic_stiffness(*one) for one in zip(lanes, omega, strict=True)]), unit)
-    free, by_contacts = receptances[:, :, 0] * load[:, None], receptances[:, :, 1:]
-    free_slip, slip_by_contacts = (free[:, n:] - free[:, :n])[:, :, None], across.T @ by_contacts
-    amplitude, forces = np.repeat(scale, n, axis=1), np.zeros((len(lanes), n), dtype=complex)
+    n = springs.shape[0]
+    slip_of = np.empty(n, np.complex128)
+    diagonal = np.empty(n, np.complex128)
+    outer = np.full(n, load / springs[0])
+    slip = outer.copy()
     for _ in range(ITERATIONS):
-        dashpots = 4j * friction / (np.pi * np.maximum(amplitude, LEAST_SLIP * scale))
-        slip = np.linalg.solve(np.eye(n) + slip_by_contacts * dashpots[:, None, :], free_slip)[:, :, 0]
-        amplitude, forces = np.abs(slip), -dashpots * slip
-    balanced: NDArray[np.complex128] = free + (by_contacts @ forces[:, :, None])[:, :, 0]
-    return balanced
+        for i in range(n):
+            coupling = inner[i] + friction[i] / max(abs(slip[i]), least)
+            slip_of[i] = inertia[1, i] / (coupling - inertia[1, i])
+            diagonal[i] = springs[i] - inertia[0, i] - coupling * slip_of[i]
+            if i + 1 < n:
+                diagonal[i] += springs[i + 1]
+        _solve_tridiagonal(diagonal, springs, load, outer)
+        slip = slip_of * outer
+    return np.concatenate((outer, outer + slip))
 
 
-def _dynamic_stiffness(lane: Lane, omega: float) -> NDArray[np.complex128]:
-    """K (1 + iη) + iωC − ω²M, shape (2n, 2n)."""
-    chain = lane.chain
-    stiffness = (1 + 1j * LOSS_FACTOR) * chain.stiffness_matrix
-    dynamic = stiffness + 1j * omega * chain.damping_matrix - omega**2 * chain.mass_matrix
-    return np.asarray(dynamic, dtype=np.complex128)
+@numba.njit(cache=True, error_model="numpy")
+def _solve_tridiagonal(diagonal: Any, springs: Any, load: Any, x: Any) -> None:
+    """Solve for x, in place of `diagonal` too: a chain of `springs`, the load on its first mass.
+
+    Without pivots: the imaginary part of the matrix is positive definite, as every spring has a loss.
+    """
+    n = diagonal.shape[0]
+    x[0] = load
+    for i in range(1, n):
+        factor = springs[i] / diagonal[i - 1]
+        diagonal[i] -= factor * springs[i]
+        x[i] = factor * x[i - 1]
+    x[n - 1] /= diagonal[n - 1]
+    for i in range(n - 2, -1, -1):
+        x[i] = (x[i] + springs[i + 1] * x[i + 1]) / diagonal[i]
