@@ -42,11 +42,14 @@ REFERENCE_REFINEMENT = 16
 """The reference takes so many times as many steps as the engines, and has a sixteenth of its error there."""
 
 SECOND_LOOK = 2
-"""Who disagrees without a law of its own is asked again with so many times as many steps.
+"""Who disagrees, and not by far for a law of its own, is asked again with so many times as many steps.
 
 Where events fall between the steps is chance, and so is part of an error: three steps may show less of it than there
 is. Finer ones then show a smaller error; an engine that is wrong is as wrong with them, and is allowed less.
 """
+
+BY_FAR = 2.0
+"""A difference of more than so many times what is allowed is no chance."""
 
 BANDS = {
     "0.3–0.6": (0.3, 0.6),
@@ -143,8 +146,8 @@ class Broadband(Scenario):
     )
     expects = (
         f"the reference with {REFERENCE_REFINEMENT} times as many steps; allowed: its error from three step sizes, and "
-        "the engine's own from three, or the reference's at the same ones if that is larger; who disagrees without a "
-        "law of its own is asked again with twice as many steps"
+        "the engine's own from three, or the reference's at the same ones if that is larger; who disagrees, and not by "
+        "far for a law of its own, is asked again with twice as many steps"
     )
     metrics = (*BAND_METRICS.values(), RMS, PEAK, DIFFERENCE)
     friction_ratios: ClassVar[tuple[float, ...]]
@@ -259,8 +262,12 @@ def _told(finding: Finding) -> Finding:
 
 
 def needs_second_look(findings: Sequence[Finding]) -> bool:
-    """Say whether there is a disagreement that no law of the engine explains."""
-    return any(one.comparison.verdict is Verdict.DISAGREE and not one.variant.options.departure for one in findings)
+    """Say whether there is a disagreement that may be chance: without a law of the engine, or not by far."""
+    wrong = [one for one in findings if one.comparison.verdict is Verdict.DISAGREE]
+    return any(
+        not one.variant.options.departure or abs(one.comparison.difference) <= BY_FAR * one.comparison.tolerance
+        for one in wrong
+    )
 
 
 def refinements(coarsest: Motion) -> list[Motion]:
