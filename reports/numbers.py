@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Sequence
 
 from markupsafe import Markup, escape
 
@@ -37,6 +38,11 @@ def scientific(value: float) -> str:
 def ratio(value: float) -> str:
     """Give a friction or frequency ratio as short as it is on the grid."""
     return _minus(f"{value:.6g}")
+
+
+def per_cell(value: float | Sequence[float]) -> str:
+    """Give a ratio of the chain: one number, or as many as there are cells, from the base on."""
+    return f"({', '.join(ratio(one) for one in value)})" if isinstance(value, Sequence) else ratio(value)
 
 
 def span(values: list[int]) -> str:

@@ -129,7 +129,15 @@ def _environment(package: str) -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    for display in (numbers.fixed, numbers.signed, numbers.scientific, numbers.ratio, numbers.span, numbers.typeset):
+    for display in (
+        numbers.fixed,
+        numbers.signed,
+        numbers.scientific,
+        numbers.ratio,
+        numbers.per_cell,
+        numbers.span,
+        numbers.typeset,
+    ):
         environment.filters[display.__name__] = display
     return environment
 

@@ -17,7 +17,7 @@ from reports.sections.stick_slip import stick_slip_rows
 from scenarios.agreement import compare_edge, compare_transmittance
 from scenarios.attenuation_band import Edge
 from scenarios.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
-from scenarios.questions import Answer
+from scenarios.questions import Answer, ChainRatios
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
 
@@ -164,7 +164,8 @@ def test_stick_slip_rows_compare_transitions_with_the_reference_at_equal_step(re
 
 def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
     place = (0.3, 0.6)
-    asked = Figure3(variants=(MISSING,), friction_ratios=place[:1], frequency_ratios=place[1:])
+    ratios = ChainRatios(cells=2, mass_ratio=(1.0, 0.5), outer_mass_ratio=(1.0, 2.0))
+    asked = Figure3(variants=(MISSING,), friction_ratios=place[:1], frequency_ratios=place[1:], ratios=ratios)
     lost = Answer(status="period limit", residual=1e-3, periods=400)
     answers = {variant: Answer.blocked("why") if variant == MISSING else lost for variant in asked.all_variants}
     result = Figure3Result(
@@ -177,3 +178,5 @@ def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
     assert "period limit after 400 periods" in page
     assert "not asked at these steps so far" in page
     assert "unknown" in page
+    assert "2 cells, mass ratio (1, 0.5), stiffness ratio 1," in page
+    assert "outer mass ratio (1, 2)" in page
