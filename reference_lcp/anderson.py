@@ -33,7 +33,10 @@ MOST_KEPT = 400
 """Differences kept at most: a usual search is over by then, and a thousand cells take 26 MB a lane."""
 
 DEPENDENT = 0.1
-"""A difference is left out whose part outside the span of newer ones is a smaller part of it than this."""
+"""A difference is left out whose part outside the span of newer ones is a smaller part of it than this.
+
+With 0.1 the slowest of 372 searches on the grid of figure 3 takes 81 periods, with 1e-6 128.
+"""
 
 CANCELLED = 0.7
 """A difference of which less is left is made orthogonal once more: about 1/√2, as Daniel et al. advise."""
