@@ -5,14 +5,11 @@ is so deep in the plane that the contact carries λ_N. Where friction acts back 
 this depth: its place and velocity across the plane are the memory of a state.
 """
 
-import contextlib
-import logging
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from engines.drake_diagram import Diagram, Mechanism, joint_numbers
+from engines.drake_diagram import Mechanism, joint_numbers
 from engines.drake_lane import (
     SHARED_DEFAULT_OPTIONS,
     SHARED_TUNED_OPTIONS,
@@ -116,6 +113,9 @@ CONTACT_DEFAULT = Preset(
 RADIUS = 4.0
 """Radius of a sphere over the displacement scale of the drive; it enters round-off only."""
 
+WIDTH = 2.0**20
+"""Width of a plane over that scale: no sphere slides off; motions are bitwise those on a half space."""
+
 
 class DrakeContactLane(DrakeLane):
     """Friction of compliant contacts, regularised within a tolerance of velocity."""
@@ -145,10 +145,6 @@ class DrakeContactLane(DrakeLane):
             forces=forces if self._rubbing.size else None,
             constant_force=pressing,
         )
-
-    def _diagram(self, *, record: bool) -> Diagram:
-        with _no_word_on_deformables():
-            return super()._diagram(record=record)
 
     def _add_bodies(self, plant: Any) -> tuple[list[Any], list[Any]]:
         """Add all masses; give the planes of the outer and the spheres of the inner ones that rub."""
@@ -180,11 +176,14 @@ class DrakeContactLane(DrakeLane):
         return inner
 
     def _add_plane(self, plant: Any, body: Any, cell: int) -> Any:
-        from pydrake.geometry import HalfSpace
+        """Add a wide box: of half spaces, which have no end, Drake's search for contacts takes thirteen at most."""
+        from pydrake.geometry import Box
         from pydrake.math import RigidTransform
 
+        width, height = WIDTH * self._scale, RADIUS * self._scale
+        below = RigidTransform([0.0, 0.0, -height / 2])
         return plant.RegisterCollisionGeometry(
-            body, RigidTransform(), HalfSpace(), f"plane {cell}", self._material(cell)
+            body, below, Box(width, width, height), f"plane {cell}", self._material(cell)
         )
 
     def _add_sphere(self, plant: Any, body: Any, cell: int) -> Any:
@@ -259,25 +258,10 @@ class DrakeContactLane(DrakeLane):
 
 
 def _keep_to_pairs(scene: Any, planes: list[Any], spheres: list[Any]) -> None:
-    """Let every sphere touch its own plane only: a plane has no end."""
+    """Let every sphere touch its own plane only: planes lie in each other, under all spheres."""
     from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
 
     declaration = CollisionFilterDeclaration().ExcludeWithin(GeometrySet(spheres)).ExcludeWithin(GeometrySet(planes))
     for own, plane in enumerate(planes):
         declaration.ExcludeBetween(GeometrySet([plane]), GeometrySet(spheres[:own] + spheres[own + 1 :]))
     scene.collision_filter_manager().Apply(declaration)
-
-
-@contextlib.contextmanager
-def _no_word_on_deformables() -> Iterator[None]:
-    """Keep Drake from warning of each plane that deformable bodies, which there are none, would not feel it."""
-
-    def other(record: logging.LogRecord) -> bool:
-        return "deformable contact" not in record.getMessage()
-
-    logger = logging.getLogger("drake")
-    logger.addFilter(other)
-    try:
-        yield
-    finally:
-        logger.removeFilter(other)

@@ -298,3 +298,14 @@ def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: 
     tolerance = 1e-7 / float(np.min(coefficient)) * AMPLITUDE
     np.testing.assert_allclose(found.positions, expected.positions, rtol=0, atol=tolerance)
     assert found.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-9)
+
+
+def test_long_chain_of_contacts_moves_as_that_of_joints_does(capfd) -> None:
+    """Twenty planes: the fourteenth half space ends the process. Both laws differ by their creep only."""
+    chain = Chain.from_ratios(cells=20, friction_ratio=0.3)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.5, AMPLITUDE), STEPS)
+    contact, joint = (run(lane, State.at_rest(1, 20), 2 * STEPS, formulation) for formulation in ("contact", "joint"))
+    motion = np.max(np.abs(joint.positions)) / AMPLITUDE
+    difference = np.max(np.abs(contact.positions - joint.positions)) / AMPLITUDE
+    assert difference < 1e-3 < motion, difference
+    assert capfd.readouterr().err == "", "Drake warns of something"
