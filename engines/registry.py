@@ -2,6 +2,7 @@
 
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from typing import Any
 
 from engines.interface import Engine
 from reference_lcp.validation import checked_choice
@@ -13,6 +14,11 @@ ENTRY_POINT_GROUP = "multibody_xval.engines"
 @cache
 def _entry_points() -> dict[str, EntryPoint]:
     return {entry.name: entry for entry in entry_points(group=ENTRY_POINT_GROUP)}
+
+
+@cache
+def _loaded(name: str) -> Any:
+    return _entry_points()[name].load()
 
 
 def engine_names() -> list[str]:
@@ -30,8 +36,9 @@ def engine(name: str) -> Engine:
     TypeError
         If what is registered under the name is no engine.
     """
-    checked_choice("engine", name, engine_names())
-    found = _entry_points()[name].load()()
+    if name not in _entry_points():
+        checked_choice("engine", name, engine_names())
+    found = _loaded(name)()
     if not isinstance(found, Engine):
         raise TypeError(f"entry point {name!r} gives a {type(found).__name__}; allowed: a subclass of engines.Engine")
     return found

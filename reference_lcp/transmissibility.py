@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.fft
-import scipy.signal
 from numpy.typing import NDArray
 
 from reference_lcp.base_motion import cosine_rise
@@ -109,12 +108,14 @@ def stationary_transmissibility(
     ParameterError
         If the motions differ in length, or a value is outside its range.
     """
+    from scipy.signal import csd, welch
+
     _check_pair(base, response)
     step = checked_scalar("time_step", time_step, "> 0")
     if checked_count("segment", segment, 8) > base.size // 2:
         raise ParameterError(f"segment = {segment} of {base.size} samples; allowed: at most half of them")
-    frequency, power = scipy.signal.welch(base, 1 / step, nperseg=segment)
-    _, cross = scipy.signal.csd(base, response, 1 / step, nperseg=segment)
+    frequency, power = welch(base, 1 / step, nperseg=segment)
+    _, cross = csd(base, response, 1 / step, nperseg=segment)
     ratio = np.divide(cross, power, out=np.zeros_like(cross), where=power > 0)
     return Transmissibility(2 * np.pi * frequency, ratio, power)
 
