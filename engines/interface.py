@@ -136,15 +136,16 @@ class Preset:
         order = list(NormalForce)
         return order.index(needed) <= order.index(self.normal_force)
 
-    def why_not_represented(self, lane: Lane) -> str | None:
-        """Say why a lane's normal force cannot be represented; ``None`` if it can."""
+    def why_not_represented(self, lane: Lane, name: str) -> str | None:
+        """Say why a lane's normal force cannot be represented by what has this name; ``None`` if it can."""
         if lane.preload is None or self.represents(NormalForce.of(lane)):
             return None
         allowed = {
             NormalForce.CONSTANT: "a constant one, without a preload",
             NormalForce.MODULATED: "up to 1, where contacts stay closed",
         }[self.normal_force]
-        return f"cannot represent a modulated normal force like this; allowed: {allowed}"
+        problem = f"{name} cannot represent a modulated normal force like this; allowed: {allowed}"
+        return f"modulation = {lane.preload.modulation:g}: {problem}"
 
 
 @dataclass(frozen=True)
@@ -272,9 +273,9 @@ class EngineNotInstalled(RuntimeError):
 def _check_normal_forces(lanes: Sequence[Lane], name: str, preset: Preset) -> None:
     """Refuse lanes whose normal force changes in a way that the preset cannot represent."""
     for lane in lanes:
-        reason = preset.why_not_represented(lane)
-        if reason is not None and lane.preload is not None:
-            raise ParameterError(f"modulation = {lane.preload.modulation:g}: {name} {reason}")
+        reason = preset.why_not_represented(lane, name)
+        if reason is not None:
+            raise ParameterError(reason)
 
 
 def constant_normal_force(lane: Lane, steps: int) -> FloatArray:

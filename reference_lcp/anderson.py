@@ -26,11 +26,11 @@ FEWEST_KEPT = 20
 KEPT_PER_CELL = 6
 """Differences kept for each cell, whose state has four dimensions: half as many again, since some drop out."""
 
-WARM_UP_PERIODS = 6
-"""Plain periods before the first mixing: they leave the transient of the start behind."""
-
 MOST_KEPT = 400
 """Differences kept at most: a usual search is over by then, and a thousand cells take 26 MB a lane."""
+
+WARM_UP_PERIODS = 6
+"""Plain periods before the first mixing: they leave the transient of the start behind."""
 
 DEPENDENT = 0.1
 """A difference is left out whose part outside the span of newer ones is a smaller part of it than this.

@@ -17,8 +17,12 @@ def frictionless_response(chain: Chain, drive: PeriodicDrive) -> NDArray[np.comp
 
 def stuck_response(chain: Chain, drive: PeriodicDrive) -> NDArray[np.complex128]:
     """Complex amplitudes [m] with every inner mass fixed to its outer mass; as `frictionless_response`."""
-    identity = np.eye(chain.cells)
-    return _response(chain, drive, np.vstack([identity, identity]))
+    return _response(chain, drive, stuck_basis(chain))
+
+
+def stuck_basis(chain: Chain) -> NDArray[np.float64]:
+    """Displacements of all masses in which both of a cell move alike, shape (2n, n)."""
+    return np.vstack([np.eye(chain.cells), np.eye(chain.cells)])
 
 
 def frictionless_transmittance(chain: Chain, drive: PeriodicDrive) -> float:
@@ -46,8 +50,7 @@ def residual_amplification(chain: Chain, period: float) -> float:
     period
         T [s].
     """
-    identity = np.eye(chain.cells)
-    bases = (np.eye(2 * chain.cells), np.vstack([identity, identity]))
+    bases = (np.eye(2 * chain.cells), stuck_basis(chain))
     nearest = min(float(np.min(np.abs(1 - np.exp(_eigenvalues(chain, basis) * period)))) for basis in bases)
     return max(1.0, 1 / nearest)
 

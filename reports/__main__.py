@@ -18,6 +18,7 @@ from reports.files import FIGURES, FILES, PAGE, files_of, write_all
 from reports.gathering import QUICK, Extent, expected_questions, gather
 from reports.report import Report
 from scenarios.cluster import crew_of
+from scenarios.command_line import Limit, Workers
 from scenarios.evaluation import StoredAnswers
 from scenarios.figure3 import (
     FRICTION_RATIOS,
@@ -67,10 +68,8 @@ def report(
     ask: Annotated[
         bool, typer.Option(help="Answer what the store lacks; --no-ask shows what there is, and says what is missing.")
     ] = True,
-    workers: Annotated[int | None, typer.Option(help="Worker processes; without it, one a processor.")] = None,
-    time_limit: Annotated[
-        float, typer.Option(help="Seconds that a batch of points may take; an engine that hangs is stopped then.")
-    ] = TIME_LIMIT,
+    workers: Workers = None,
+    time_limit: Limit = TIME_LIMIT,
     scheduler: Annotated[
         str | None,
         typer.Option(

@@ -175,17 +175,18 @@ class Broadband(Scenario):
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Put the question to every variant; see `Scenario.run`."""
         evaluator.evaluate(self.questions(variants))
+        cases = [self.case(ratio) for ratio in self.friction_ratios]
+        exact = {case: self._read(case, evaluator.evaluate(refinements(self.ruler_motion(case)))) for case in cases}
+        scheme = {case: self._read(case, evaluator.evaluate(refinements(case.motion(REFERENCE)))) for case in cases}
         found = []
-        for case in [self.case(ratio) for ratio in self.friction_ratios]:
-            exact = self._read(case, evaluator.evaluate(refinements(self.ruler_motion(case))))
-            scheme = self._read(case, evaluator.evaluate(refinements(case.motion(REFERENCE))))
-            for variant in variants:
+        for variant in variants:
+            for case in cases:
                 own = self._read(case, evaluator.evaluate(refinements(case.motion(variant))))
-                judged = self._findings(variant, case, own, (exact, scheme))
+                judged = self._findings(variant, case, own, (exact[case], scheme[case]))
                 if needs_second_look(judged):
-                    judged = self._second_look(variant, case, exact, evaluator) or judged
+                    judged = self._second_look(variant, case, exact[case], evaluator) or judged
                 found += judged
-        return sorted(found, key=lambda one: variants.index(one.variant))
+        return found
 
     def _second_look(
         self, variant: Variant, case: Case, exact: Reading | Comparison, evaluator: Evaluator

@@ -104,13 +104,13 @@ class StoredAnswers(Evaluator):
     def __init__(self, store: ResultStore):
         self._store = store
         self._answered: dict[Asked, Answer] = {}
-        self._missing = cache(lambda name: engine(name).why_not_installed())
+        self._missing = cache(why_not_installed)
 
     def evaluate(self, questions: Sequence[Asked]) -> list[Answer]:
         """Look all questions up, in order; those that the store does not know have the status ``missing``."""
         lookup = []
         for question in self.unanswered(questions):
-            reason = _refusal(question, self._missing(question.variant.engine))
+            reason = _refusal(question, self._missing(question.variant))
             if reason is None:
                 lookup.append(question)
             else:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from engines.registry import engine
 from engines.variant import Variant
 from reference_lcp.chain import Chain
+from reference_lcp.linear_limits import stuck_basis
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_count
 from scenarios.agreement import Comparison, Verdict, compare_edge
@@ -70,8 +71,7 @@ def resonances(ratios: ChainRatios) -> FloatArray:
     Between them, the transmittance of every friction ratio is smooth; narrow peaks are at them.
     """
     chain = ratios.chain(0.0)
-    identity = np.eye(chain.cells)
-    stuck = _natural_frequencies(chain, np.vstack([identity, identity]))
+    stuck = _natural_frequencies(chain, stuck_basis(chain))
     return np.sort(np.concatenate([_free_natural_frequencies(chain), stuck]))
 
 

@@ -68,7 +68,7 @@ class PointAnswers:
     others: tuple[Answer, ...]
     reference: Answer
     converged: Answer
-    amplified: float = 1.0
+    amplified: float
     refined: tuple[Answer, ...] = ()
 
 

@@ -239,8 +239,7 @@ class Question(Asked):
         """Say why the variant cannot change its normal force like this; ``None`` if it can, or it is constant."""
         if self.modulation is None:
             return None
-        reason = self.variant.options.why_not_represented(self.lane()[0])
-        return None if reason is None else f"modulation = {self.modulation.modulation:g}: {self.variant} {reason}"
+        return self.variant.options.why_not_represented(self.lane()[0], str(self.variant))
 
     def lane(self) -> tuple[Lane, int]:
         """Build the lane, and give its number of steps a period."""

@@ -9,6 +9,7 @@ from reference_lcp.event_driven import EventDrivenSimulation
 from reference_lcp.harmonic_balance import LEAST_SLIP, LOSS_FACTOR, harmonic_balance_start
 from reference_lcp.periodic import periodic_orbits
 from reference_lcp.simulation import Lane
+from reference_lcp.trajectory import State
 
 STEPS = 400
 
@@ -93,9 +94,7 @@ def test_resonance_that_takes_long_to_ring_up_is_found_in_half_the_periods() -> 
     chain = Chain.from_ratios(friction_ratio=1.0)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1478), STEPS)
     simulation = CompiledSimulation([lane])
-    rest = harmonic_balance_start([lane], STEPS)
-    rest.positions[:], rest.velocities[:] = 0.0, 0.0
-    (from_rest,) = periodic_orbits(simulation, STEPS, start=rest)
+    (from_rest,) = periodic_orbits(simulation, STEPS, start=State.at_rest(1, 7))
     (balanced,) = periodic_orbits(simulation, STEPS)
     assert balanced.converged
     assert from_rest.converged
