@@ -180,10 +180,15 @@ class BristleLane(ExudynLane):
             slip, deflection = self._fresh(state, start)
         else:
             slip, deflection = np.split(state.memory[0], 2)
-            slip, deflection = slip / self._units.force, deflection / self._units.length
+            slip, deflection = self._nearest_slip(slip / self._units.force), deflection / self._units.length
         outer, inner = np.split(state.positions[0] / self._units.length, 2)
         data = np.stack([slip, inner - outer - deflection, np.zeros_like(slip)], axis=1)[self._rubbing]
         self._system.systemData.SetDataCoordinates(data.ravel(), self._exudyn.ConfigurationType.Initial)
+
+    def _nearest_slip(self, slip: FloatArray) -> FloatArray:
+        """Slip forces that a bristle can have, 0 or ±μN: a search of periodic orbits mixes those of several periods."""
+        bound = self._chain.friction_bound
+        return np.where(np.abs(slip) > bound / 2, np.copysign(bound, slip), 0.0)
 
     def _friction_state(self) -> FloatArray:
         current = self._exudyn.ConfigurationType.Current

@@ -2,7 +2,7 @@
 
 Mixing the last iterates (Anderson 1965, in the form of Walker and Ni 2011) finds the fixed point in some
 thirty periods where plain ones need thousands, with nothing asked of an engine but to set and to read
-positions and velocities.
+positions, velocities and what its law of friction remembers.
 
 As long as contacts neither stick anew nor slip anew the map is affine, and mixing is a Krylov method (GMRES): it
 ends once as many differences are kept as the state has dimensions, and may stagnate with fewer. Where they do,
@@ -135,6 +135,14 @@ def kept_differences(cells: int) -> int:
     return min(max(FEWEST_KEPT, KEPT_PER_CELL * cells), MOST_KEPT)
 
 
+def _widened(vectors: FloatArray, factor: FloatArray) -> FloatArray:
+    """Vectors (lanes, d) or histories of them (lanes, rows, d), with zeros up to the width of `factor`, times it."""
+    missing = factor.shape[1] - vectors.shape[-1]
+    wide = np.concatenate([vectors, np.zeros((*vectors.shape[:-1], missing))], axis=-1) if missing else vectors
+    widened: FloatArray = wide * factor.reshape(factor.shape[0], *[1] * (vectors.ndim - 2), -1)
+    return widened
+
+
 class FixedPointSearch:
     """The search for a fixed point of the map x(t) → x(t + k Δt), lane by lane; who converges or diverges leaves.
 
@@ -170,25 +178,43 @@ class FixedPointSearch:
         self.best_residual = np.full(count, np.inf)
         self.periods = np.zeros(count, dtype=int)
         self._last_residual = np.full(count, np.inf)
-        self.friction_memory: list[FloatArray | None] = [None] * count
         self._active = np.arange(count)
         self._part = simulation
 
     def run(self, start: State, periods: int) -> None:
         """Apply the map until every lane has converged or diverged, at most `periods` times."""
+        self._learn(None, start)
         following = self._scales.vectors(start, self._active)
-        internal = start.memory
         for period in range(periods):
             row = period % (self._memory + 1)
-            end = self._part.advance(self._scales.state(following, self._active, internal), 0, self._steps)
+            state = self._scales.state(following, self._active)
+            end = self._part.advance(state, 0, self._steps)
+            if end.memory is not None:
+                following = _widened(following, self._learn(state, end))
             f = self._scales.vectors(end, self._active) - following
             self._x[self._active, row], self._f[self._active, row] = following, f
-            stays = self._note(following, f, internal)
-            internal = None if end.memory is None else end.memory[stays]
-            self._keep(stays)
+            self._keep(self._note(following, f))
             if self._active.size == 0:
                 return
             following = self._following(row)
+
+    def _learn(self, start: State | None, end: State) -> FloatArray:
+        """Take what a period has changed of internal state into its sizes; the history follows, the factors are given.
+
+        The start of a first period without internal state is recorded with zeros, so that such a period, from which
+        nobody knows whether internal state repeats, has a residual of one.
+        """
+        factor = self._scales.learn(start, end, self._active)
+        if factor.shape[1] > self.best.shape[1]:
+            every = np.ones((self.best.shape[0], factor.shape[1]))
+            self._x, self._f = _widened(self._x, every), _widened(self._f, every)
+            self.best, self._best_change = _widened(self.best, every), _widened(self._best_change, every)
+        if np.any(factor != 1):
+            for history in (self._x, self._f):
+                history[self._active] *= factor[:, None]
+            for best in (self.best, self._best_change):
+                best[self._active] *= factor
+        return factor
 
     def _following(self, row: int) -> FloatArray:
         """Next iterate of every active lane: mixed, plain, or from the best one again."""
@@ -208,9 +234,9 @@ class FixedPointSearch:
         rise = self._last_residual[lanes] > LARGEST_RISE * self.best_residual[lanes]
         return (self._stalled[lanes] >= self._patience) | (rise & (self._age[lanes] >= self._plain[lanes]))
 
-    def _note(self, x: FloatArray, f: FloatArray, internal: FloatArray | None) -> Any:
+    def _note(self, x: FloatArray, f: FloatArray) -> Any:
         """Remember the best iterate of each active lane; say which lanes go on."""
-        residual = np.max(np.abs(f), axis=1)
+        residual = self._scales.residuals(x, f)
         self._last_residual[self._active] = residual
         self.periods[self._active] += 1
         self._stalled[self._active] += 1
@@ -218,9 +244,6 @@ class FixedPointSearch:
         lanes = self._active[better]
         self.best[lanes], self.best_residual[lanes] = x[better], residual[better]
         self._best_change[lanes], self._stalled[lanes] = f[better], 0
-        if internal is not None:
-            for lane, row in zip(lanes, internal[better], strict=True):
-                self.friction_memory[lane] = row
         return (residual > self._tolerance) & (residual < DIVERGED)
 
     def _keep(self, stays: Any) -> None:
@@ -233,12 +256,11 @@ class FixedPointSearch:
 
     def start_of(self, lane: int) -> State:
         """Best start of a period that was found for a lane."""
-        internal = self.friction_memory[lane]
-        memory = None if internal is None else internal[None, :]
-        return self._scales.state(self.best[[lane]], [lane], memory)
+        return self._scales.state(self.best[[lane]], [lane])
 
     def residual(self, lane: int, start: State, trajectory: Trajectory) -> float:
         """Residual of a recorded period, or of the period in which the search lost the lane."""
-        change = self._scales.vectors(trajectory.end, [lane]) - self._scales.vectors(start, [lane])
+        x = self._scales.vectors(start, [lane])
+        change = self._scales.vectors(trajectory.end, [lane]) - x
         lost = self._last_residual[lane]
-        return float(np.max(np.abs(change))) if lost < DIVERGED else float(lost)
+        return float(self._scales.residuals(x, change)[0]) if lost < DIVERGED else float(lost)

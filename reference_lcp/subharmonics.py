@@ -5,6 +5,7 @@ and the motion then repeats after m periods of the drive; or it may be quasi-per
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -97,12 +98,14 @@ def _distances(
 ) -> FloatArray:
     """|x(t + mT) − x(t)| of each lane, m = 1…longest; shape (lanes, longest)."""
     lanes = np.arange(len(simulation.lanes))
-    first = scales.vectors(state, lanes)
-    columns = []
+    states = [state]
     for _ in range(longest):
-        state = simulation.advance(state, 0, steps_per_period)
-        columns.append(np.max(np.abs(scales.vectors(state, lanes) - first), axis=1))
-    return np.stack(columns, axis=1)
+        states.append(simulation.advance(states[-1], 0, steps_per_period))
+    scales.learn(None, states[0], lanes)
+    for before, after in pairwise(states):
+        scales.learn(before, after, lanes)
+    first, *others = (scales.vectors(one, lanes) for one in states)
+    return np.stack([np.max(np.abs(other - first), axis=1) for other in others], axis=1)
 
 
 def _searched(

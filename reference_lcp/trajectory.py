@@ -22,7 +22,9 @@ class State:
         Absolute velocities [m/s], same shape.
     memory
         What a history-dependent friction law carries beside positions and velocities (the anchor of
-        a bristle, say), shape (lanes, k); ``None`` for laws without memory, and for a fresh start.
+        a bristle, say), shape (lanes, k); ``None`` for laws without memory, and for a fresh start. Where there
+        are several values a contact, the first of every contact, then the second: values of a kind share their size in
+        the periodicity residual. A search of periodic orbits may set any values near those that a run has given.
         Where contacts open, the gap of every contact [m], then its rate [m/s]: see `normal_state`.
     """
 
