@@ -16,7 +16,7 @@ from reference_lcp.convergence import STICK_SLIP_POINTS, Convergence, convergenc
 from reference_lcp.drive import HarmonicBase
 from reference_lcp.periodic import DEFAULT_PERIODS, DEFAULT_RESIDUAL
 from reference_lcp.plot import checked_picture_format, plot_period
-from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.simulation import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.steady_state import EXACT_RESIDUAL, SOLVERS, SteadyState, steady_state
 from reference_lcp.stick_slip import Transition
 
@@ -35,7 +35,11 @@ def run(
     cells: Annotated[int, typer.Option(help="Number of cells.")] = 7,
     base_amplitude: Annotated[float, typer.Option(help="U0 of the base, in metres.")] = 0.01,
     steps_per_period: Annotated[
-        int, typer.Option(help="Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.")
+        int,
+        typer.Option(
+            help=f"Fewest steps a period, >= {FEWEST_STEPS_PER_PERIOD}; more are taken where "
+            f"dt ω_max <= {LARGEST_PHASE_STEP} asks for them."
+        ),
     ] = MINIMUM_STEPS_PER_PERIOD,
     solver: Annotated[str, typer.Option(help=f"One of {', '.join(SOLVERS)}.")] = "compiled",
     tolerance: Annotated[
@@ -80,7 +84,12 @@ def run(
         with_error_bar=error_bar,
         with_exact_value=exact_value,
     )
-    print(json.dumps(found.as_dict(), indent=2)) if as_json else _print(found)
+    reason = _why_more_steps(found, steps_per_period)
+    if as_json:
+        asked = {"steps_per_period_asked": steps_per_period, "why_more_steps": reason}
+        print(json.dumps(found.as_dict() | asked, indent=2))
+    else:
+        _print(found, reason)
     if plot is not None:
         plot_period(found.orbit, plot)
     raise typer.Exit(0 if found.orbit.converged else 1)
@@ -150,8 +159,15 @@ def _print_lengths(lengths: list[dict[str, float]]) -> None:
     Console().print(table)
 
 
-def _print(found: SteadyState) -> None:
-    """Print a steady state for people."""
+def _why_more_steps(found: SteadyState, asked: int) -> str | None:
+    """Say why more steps a period were taken than asked for; ``None`` if they were not."""
+    if found.orbit.trajectory.steps == asked:
+        return None
+    return f"{asked} asked; more keep dt ω_max <= {LARGEST_PHASE_STEP} at the chain's highest natural frequency ω_max"
+
+
+def _print(found: SteadyState, why_more_steps: str | None) -> None:
+    """Print a steady state for people; with the reason for more steps than asked, if there is one."""
     console = Console()
     orbit = found.orbit
     console.print(f"transmittance         {found.transmittance_db:.4f} dB")
@@ -163,6 +179,8 @@ def _print(found: SteadyState) -> None:
         console.print(f"exact                 {found.exact_db:.4f} dB")
     console.print(f"periodicity residual  {orbit.residual:.2e} ({orbit.status} after {orbit.periods} periods)")
     console.print(f"steps per period      {orbit.trajectory.steps} (dt = {orbit.lane.time_step:.6g} s)")
+    if why_more_steps is not None:
+        console.print(f"                      {why_more_steps}")
     table = Table("cell", "stuck fraction", "transitions: time (s) and new mode")
     for cell, fraction in enumerate(found.stuck_fraction, start=1):
         table.add_row(str(cell), f"{fraction:.4f}", _listed([t for t in found.transitions if t.cell == cell]))

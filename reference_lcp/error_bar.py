@@ -15,7 +15,7 @@ from reference_lcp.chain import Chain
 from reference_lcp.compiled import CompiledSimulation
 from reference_lcp.drive import PeriodicDrive
 from reference_lcp.periodic import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
-from reference_lcp.simulation import Lane
+from reference_lcp.simulation import FEWEST_STEPS_PER_PERIOD, Lane
 from reference_lcp.stick_slip import stuck_fraction
 from reference_lcp.transmittance import decibel, transmittance
 from reference_lcp.validation import FloatArray, checked_count
@@ -94,7 +94,8 @@ def measured_error_bar(
     ParameterError
         If an argument is outside its range.
     """
-    steps = tuple(checked_count("steps_per_period", steps_per_period, 3) * factor for factor in REFINEMENTS)
+    checked_count("steps_per_period", steps_per_period, FEWEST_STEPS_PER_PERIOD)
+    steps = tuple(steps_per_period * factor for factor in REFINEMENTS)
     orbits = [_orbit(chain, drive, count, tolerance, max_periods) for count in steps]
     values = np.array([decibel(transmittance(orbit)) if orbit.converged else np.nan for orbit in orbits])
     stuck = np.array([stuck_fraction(orbit) for orbit in orbits])

@@ -14,7 +14,7 @@ import numpy as np
 
 from reference_lcp.anderson import DIVERGED, FixedPointSearch
 from reference_lcp.harmonic_balance import harmonic_balance_start
-from reference_lcp.simulation import Lane, Simulation
+from reference_lcp.simulation import FEWEST_STEPS_PER_PERIOD, Lane, Simulation
 from reference_lcp.state_scales import StateScales
 from reference_lcp.subharmonics import LONGEST_MULTIPLE, repetitions
 from reference_lcp.trajectory import State, Trajectory
@@ -46,8 +46,8 @@ class PeriodicOrbit:
     trajectory
         One period, one row a step, starting at phase zero of the drive.
     residual
-        max(|Δ position| / s, |Δ velocity| / (s ω)) over one plain period, with s the displacement
-        scale of the drive and ω its angular frequency.
+        max(|Δ position| / s, |Δ velocity| / (s ω), |Δ internal state| / its size) over one plain period, with s the
+        displacement scale of the drive and ω its angular frequency; for the size see `StateScales`.
     periods
         Periods that were simulated to find it, the certifying one included.
     status
@@ -172,7 +172,7 @@ def _look_for_repetitions(
 
 def _check_period(lane: Lane, steps_per_period: int) -> None:
     """Refuse a lane whose steps do not make up a period of its drive."""
-    checked_count("steps_per_period", steps_per_period, 3)
+    checked_count("steps_per_period", steps_per_period, FEWEST_STEPS_PER_PERIOD)
     period = getattr(lane.drive, "period", None)
     if period is None:
         raise ParameterError(f"{type(lane.drive).__name__} has no period; allowed: a periodic drive")

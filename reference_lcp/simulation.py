@@ -20,6 +20,12 @@ MINIMUM_STEPS_PER_PERIOD = 400
 LARGEST_PHASE_STEP = 0.4
 """Largest dt ω_max: a fifth of the stability limit 2 of the symplectic Euler scheme."""
 
+FEWEST_STEPS_PER_PERIOD = math.ceil(2 * math.pi / LARGEST_PHASE_STEP)
+"""Fewest steps a period that may be asked for, 16: with fewer the drive itself breaks dt ω <= 0.4, whatever the chain.
+
+Four a phase, too, of the cycle stick, forward slip, stick, backward slip.
+"""
+
 
 @dataclass(frozen=True)
 class Lane:
@@ -48,7 +54,7 @@ class Lane:
         cls, chain: Chain, drive: PeriodicDrive, steps_per_period: int, preload: Preload | None = None
     ) -> Self:
         """Divide the period of the drive into `steps_per_period` steps."""
-        checked_count("steps_per_period", steps_per_period, 3)
+        checked_count("steps_per_period", steps_per_period, FEWEST_STEPS_PER_PERIOD)
         return cls(chain, drive, drive.period / steps_per_period, preload)
 
     @property
@@ -77,8 +83,14 @@ class Lane:
 
 
 def steps_per_period_for(chain: Chain, drive: PeriodicDrive, minimum: int = MINIMUM_STEPS_PER_PERIOD) -> int:
-    """Give the number of steps a period that keeps dt ω_max <= 0.4, at least `minimum`."""
-    checked_count("steps_per_period", minimum, 3)
+    """Give the number of steps a period that keeps dt ω_max <= 0.4, at least `minimum`.
+
+    Raises
+    ------
+    ParameterError
+        If `minimum` is below `FEWEST_STEPS_PER_PERIOD`.
+    """
+    checked_count("steps_per_period", minimum, FEWEST_STEPS_PER_PERIOD)
     stable = math.ceil(drive.period * chain.highest_natural_frequency / LARGEST_PHASE_STEP)
     return max(minimum, stable)
 

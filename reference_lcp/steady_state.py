@@ -80,6 +80,7 @@ class SteadyState:
             "residual": self.orbit.residual,
             "status": str(self.orbit.status),
             "periods": self.orbit.periods,
+            "steps_per_period": self.orbit.trajectory.steps,
             "stuck_fraction": self.stuck_fraction.tolist(),
             "transitions": [
                 {"cell": change.cell, "time_s": change.time, "kind": str(change.kind)} for change in self.transitions
@@ -107,7 +108,7 @@ def steady_state(
     chain, drive
         What moves, and what moves it.
     steps_per_period
-        Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.
+        Fewest steps a period, >= 16; more are taken where dt ω_max <= 0.4 asks for them.
     solver
         ``"compiled"``, ``"lemke"`` or ``"exact"``; for the last see `exact_steady_state`.
     tolerance

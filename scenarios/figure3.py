@@ -18,7 +18,7 @@ from engines.registry import engine
 from engines.variant import Variant
 from reference_lcp.chain import Chain
 from reference_lcp.linear_limits import stuck_basis
-from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.simulation import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_count
 from scenarios.agreement import Comparison, Verdict, compare_edge
 from scenarios.attenuation_band import (
@@ -141,7 +141,7 @@ class Figure3:
     def __post_init__(self) -> None:
         _check_grid("friction_ratios", self.friction_ratios, ">= 0")
         _check_grid("frequency_ratios", self.frequency_ratios, "> 0")
-        checked_count("steps_per_period", self.steps_per_period, 3)
+        checked_count("steps_per_period", self.steps_per_period, FEWEST_STEPS_PER_PERIOD)
         for variant in self.variants:
             engine(variant.engine).preset(variant.formulation, variant.preset)
 

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from engines.variant import Variant
-from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.simulation import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import ParameterError, checked_count, checked_scalar
 from scenarios.evaluation import Evaluator
 from scenarios.questions import ChainRatios, Excitation, Question
@@ -22,7 +22,7 @@ CHAIN_AXES = ("cells", "mass_ratio", "stiffness_ratio", "damping_ratio", "inner_
 AXES = ("friction_ratio", "frequency_ratio", *CHAIN_AXES, "steps_per_period")
 """Everything that may be varied."""
 
-_COUNTS = {"cells": 1, "steps_per_period": 3}
+_COUNTS = {"cells": 1, "steps_per_period": FEWEST_STEPS_PER_PERIOD}
 _POSITIVE = ("frequency_ratio", "mass_ratio", "stiffness_ratio")
 
 STATUSES = ("converged", "period limit", "diverged", "blocked", "missing")

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
 
 from engines.variant import Variant, variants_named, variants_of
-from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.simulation import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import ParameterError, checked_choice
 from scenarios.adaptive_grid import LEAST_SPACING, MOST_POINTS, START_POINTS, AdaptiveAxis
 from scenarios.questions import USUAL_AMPLITUDE, ChainRatios, Excitation
@@ -150,7 +150,7 @@ class _File(_Table):
     chain: _Chain = _Chain()
     drive: _Drive = _Drive()
     tolerances: _Tolerances | None = None
-    steps_per_period: Annotated[int, Field(ge=3)] = MINIMUM_STEPS_PER_PERIOD
+    steps_per_period: Annotated[int, Field(ge=FEWEST_STEPS_PER_PERIOD)] = MINIMUM_STEPS_PER_PERIOD
 
 
 @dataclass(frozen=True)

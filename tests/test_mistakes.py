@@ -30,7 +30,7 @@ COMMAND_LINES = [
     ("reference_lcp --stiffness-ratio -1", r"stiffness_ratio = -1.*> 0"),
     ("reference_lcp --damping-ratio -0.01", r"damping_ratio = -0.01.*>= 0"),
     ("reference_lcp --base-amplitude 0", r"base_amplitude = 0.*> 0"),
-    ("reference_lcp --steps-per-period 2", r"steps_per_period = 2.*>= 3"),
+    ("reference_lcp --steps-per-period 3", r"steps_per_period = 3 .*>= 16"),
     ("reference_lcp --tolerance 0", r"tolerance = 0.*> 0"),
     ("reference_lcp --max-periods 0", r"max_periods = 0.*>= 1"),
     ("reference_lcp --solver newton", r"solver = 'newton' is unknown; allowed: compiled, lemke, exact"),
@@ -96,7 +96,7 @@ SWEEP_FILES = [
         r"chain.outer_mass_ratio has 2 values and the chain 7 cells; allowed: one number, or as many",
     ),
     (SWEEP + "[chain]\nfriction = 1.0\n", r"chain.friction is unknown; allowed: .*example"),
-    ("steps_per_period = 2\n" + SWEEP, r"steps_per_period = 2"),
+    ("steps_per_period = 3\n" + SWEEP, r"steps_per_period = 3; .*16"),
 ]
 
 

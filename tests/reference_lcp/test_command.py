@@ -63,6 +63,24 @@ def test_lemke_prints_the_same_transmittance_to_1e_9_db(capsys) -> None:
     assert lemke == pytest.approx(compiled, abs=1e-9)
 
 
+def test_more_steps_than_asked_are_said_with_the_reason(capsys) -> None:
+    """ω_max of the canonical chain is 2.25 ω_r: a period at 0.9 ω_r needs 2π (2.25 / 0.9) / 0.4 = 39.3 steps."""
+    code, out, _ = run(capsys, "--steps-per-period", "16", "--json")
+    answer = json.loads(out)
+    assert code == 0
+    assert (answer["steps_per_period_asked"], answer["steps_per_period"]) == (16, 40)
+    assert "dt ω_max <= 0.4" in answer["why_more_steps"]
+    _, text, _ = run(capsys, "--steps-per-period", "16")
+    assert re.search(r"steps per period\s+40 .*\n\s+16 asked; more keep dt ω_max <= 0.4", text)
+
+
+def test_as_many_steps_as_asked_need_no_reason(capsys) -> None:
+    answer = json.loads(run(capsys, "--steps-per-period", "500", "--json")[1])
+    assert (answer["steps_per_period_asked"], answer["steps_per_period"]) == (500, 500)
+    assert answer["why_more_steps"] is None
+    assert "asked" not in run(capsys, "--steps-per-period", "500")[1]
+
+
 def test_plot_is_drawn(capsys, tmp_path) -> None:
     file = tmp_path / "period.png"
     code, _, _ = run(capsys, "--cells", "3", "--plot", str(file))
@@ -89,7 +107,8 @@ def test_no_steady_state_within_the_periods_is_exit_code_1(capsys) -> None:
         (["--damping-ratio", "-0.01"], ["damping_ratio = -0.01", ">= 0"]),
         (["--cells", "0"], ["cells = 0", ">= 1"]),
         (["--cells", "seven"], ["--cells"]),
-        (["--steps-per-period", "2"], ["steps_per_period = 2"]),
+        (["--steps-per-period", "3"], ["steps_per_period = 3 ", ">= 16"]),
+        (["--steps-per-period", "15", "--solver", "exact"], ["steps_per_period = 15 ", ">= 16"]),
         (["--solver", "magic"], ["solver = 'magic'", "compiled, lemke, exact"]),
         (["--tolerance", "0"], ["tolerance = 0"]),
         (["--max-periods", "0"], ["max_periods = 0"]),
