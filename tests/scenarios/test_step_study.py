@@ -68,5 +68,5 @@ def test_another_drive_asks_other_questions_and_has_an_exact_motion_of_its_own(s
     place = (0.3, 0.9)
     pushed = exact_answers([place], store, excitation=force, workers=1)[place]
     assert pushed.transmittance_db == pytest.approx(exact_answer(place, force).transmittance_db, abs=1e-12)
-    assert abs(pushed.transmittance_db - exact_answer(place).transmittance_db) > 1e-5
+    assert pushed.transitions != exact_answer(place).transitions
     assert exact_answers([place], store, ask=False) == {}
