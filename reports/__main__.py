@@ -27,11 +27,13 @@ from scenarios.figure3 import (
     default_frequency_ratios,
     quick_frequency_ratios,
 )
+from scenarios.figure3_comparison import GivenTolerance
 from scenarios.isolation import TIME_LIMIT, Crew
 from scenarios.progress import Bars, CountingEvaluator
 from scenarios.questions import ChainRatios
 from scenarios.store import ResultStore
-from scenarios.sweep_file import read_sweep
+from scenarios.sweep_file import SweepFile, read_sweep
+from scenarios.sweep_verdicts import ruler_of
 
 RARE_COLLECTIONS = (200_000, 20, 100)
 """Thresholds of Python's collector of cycles: looking through millions of live answers and curves takes an eighth of
@@ -142,7 +144,17 @@ def _asked_by(file: Path, chosen: list[str] | None, quick: bool) -> Figure3:
         frequency_ratios=tuple(sorted(asked.axes["frequency_ratio"])),
         ratios=asked.ratios,
         steps_per_period=asked.steps_per_period,
+        excitation=asked.excitation,
+        tolerance=_tolerance(read),
     )
+
+
+def _tolerance(read: SweepFile) -> GivenTolerance | None:
+    """Give the tolerance of a file; it compares with whom the command ``sweep`` compares."""
+    ruler = ruler_of(read.sweep)
+    if read.tolerance_db is None or ruler is None:
+        return None
+    return GivenTolerance(transmittance_db=read.tolerance_db, ruler=ruler)
 
 
 def _gathered(

@@ -77,7 +77,8 @@ def dataset(result: Figure3Result) -> xr.Dataset:
         Dimensions ``variant``, ``friction_ratio``, ``frequency_ratio`` (of all grids together) and ``edge``;
         ``transmittance`` [dB], ``difference`` [dB] from what the variant is compared with, ``residual`` and
         ``verdict`` (a number, see its attributes; −1 where nobody was asked), ``band_edge`` and
-        ``band_edge_difference`` in η_r. NaN where there is no number.
+        ``band_edge_difference`` in η_r. NaN where there is no number. Attributes: what drives the chain, and its
+        amplitude [m] or [N].
     """
     asked = result.asked
     etas = sorted({point.frequency_ratio for point in result.points})
@@ -108,7 +109,8 @@ def dataset(result: Figure3Result) -> xr.Dataset:
         "frequency_ratio": etas,
         "edge": [str(edge) for edge in Edge],
     }
-    return xr.Dataset(variables | _edges(result), coords=coordinates)
+    drive = {"drive_kind": asked.excitation.kind, "drive_amplitude": asked.excitation.amplitude}
+    return xr.Dataset(variables | _edges(result), coords=coordinates, attrs=drive)
 
 
 def _edges(result: Figure3Result) -> dict[str, Any]:

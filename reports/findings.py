@@ -12,8 +12,9 @@ from reference_lcp.validation import FloatArray
 from reports.numbers import ratio
 from scenarios.agreement import FLOOR_DB, Verdict
 from scenarios.attenuation_band import Edge
-from scenarios.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3Result, Point
-from scenarios.figure3_comparison import ruler
+from scenarios.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
+from scenarios.figure3_comparison import GivenTolerance, ruler
+from scenarios.questions import AnswerStatus
 
 Place = tuple[float, float]
 """Friction ratio and frequency ratio."""
@@ -78,8 +79,20 @@ def findings(result: Figure3Result, variant: Variant) -> VariantFindings:
     )
 
 
-def compared_with(variant: Variant) -> str:
+def drive_description(asked: Figure3) -> str:
+    """Say what drives the chain, and what U0 stands for."""
+    drive = asked.excitation
+    if drive.kind == "base":
+        return f"on a base that moves harmonically (U0 = {drive.amplitude:g} m)"
+    scale = f"U0 stands for P0 / k_c = {drive.displacement:g} m"
+    return f"driven by a harmonic force on the outer mass of cell 1 (P0 = {drive.amplitude:g} N; {scale})"
+
+
+def compared_with(variant: Variant, given: GivenTolerance | None = None) -> str:
     """Say what a variant is compared with, how closely, and why so."""
+    if given is not None and given.judges(variant):
+        whom = "converged reference" if given.ruler == CONVERGED else "reference at equal time step"
+        return f"Compared with the {whom}; {given.transmittance_db:g} dB are allowed, as the file of the sweep says."
     if variant == CONVERGED:
         return "The ruler: the reference's scheme with a step so fine that its own error does not show."
     if variant == REFERENCE:
@@ -129,7 +142,7 @@ def reference_line(result: Figure3Result, friction_ratio: float) -> tuple[FloatA
 def blocked_reason(result: Figure3Result, variant: Variant) -> str | None:
     """Say why a variant has not a single answer; ``None`` if it has one."""
     answers = [point.answer for point in result.points_of(variant)]
-    if not answers or any(answer.status != "blocked" for answer in answers):
+    if not answers or any(answer.status is not AnswerStatus.BLOCKED for answer in answers):
         return None
     return answers[0].reason
 

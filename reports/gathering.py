@@ -20,7 +20,7 @@ from scenarios.friction_map import (
 from scenarios.isolation import TIME_LIMIT
 from scenarios.questions import ChainRatios, Question
 from scenarios.recorded_period import PeriodStore, RecordedPeriod, recorded_periods
-from scenarios.step_study import exact_answers, step_questions, step_study
+from scenarios.step_study import StepPoint, exact_answers, step_questions, step_study
 from scenarios.store import ResultStore
 
 MOTION_PLACES = ((0.3, 0.9), (1.0, 0.9))
@@ -82,9 +82,7 @@ def gather(
     reads = isinstance(evaluator, StoredAnswers)
     result = run(asked, evaluator)
     found = friction_map(asked, extent.map_friction_ratios, extent.map_frequency_ratios, evaluator)
-    asks_steps = extent.step_study and not reads and asked.ratios == ChainRatios()
-    exact = exact_answers(STICK_SLIP_POINTS, kept, ask=asks_steps, workers=workers)
-    study = step_study(asked.all_variants, exact, evaluator if asks_steps else StoredAnswers(kept))
+    study = _step_study(asked, kept, evaluator, asks=extent.step_study and not reads, workers=workers)
     questions = _motion_questions(asked, extent.places)
     moved = recorded_periods(
         list(questions.values()), PeriodStore(file), ask=not reads, workers=workers, time_limit=time_limit
@@ -92,7 +90,19 @@ def gather(
     by_place: dict[Place, dict[Variant, RecordedPeriod]] = {}
     for (place, variant), question in questions.items():
         by_place.setdefault(place, {})[variant] = moved[question]
-    return Report(result, command, by_place, tuple(one for one in study if one.answered or one.reason), found)
+    return Report(result, command, by_place, study, found)
+
+
+def _step_study(
+    asked: Figure3, kept: ResultStore, evaluator: Evaluator, *, asks: bool, workers: int | None
+) -> tuple[StepPoint, ...]:
+    """Give what the steps cost under the drive of `asked`; the six points are the canonical chain's alone."""
+    if asked.ratios != ChainRatios():
+        return ()
+    drive = asked.excitation
+    exact = exact_answers(STICK_SLIP_POINTS, kept, excitation=drive, ask=asks, workers=workers)
+    study = step_study(asked.all_variants, exact, evaluator if asks else StoredAnswers(kept), drive)
+    return tuple(one for one in study if one.answered or one.reason)
 
 
 def expected_questions(asked: Figure3, extent: Extent) -> list[Question]:
@@ -102,7 +112,7 @@ def expected_questions(asked: Figure3, extent: Extent) -> list[Question]:
         for friction in extent.map_friction_ratios
         for eta in extent.map_frequency_ratios
     ]
-    steps = [question for variant in asked.all_variants for question in step_questions(variant)]
+    steps = [question for variant in asked.all_variants for question in step_questions(variant, asked.excitation)]
     steps = steps if extent.step_study and asked.ratios == ChainRatios() else []
     return list(dict.fromkeys([*asked.grid, *grid, *steps]))
 

@@ -54,9 +54,9 @@ def span(values: list[int]) -> str:
 
 
 def typeset(text: str) -> Markup:
-    """Escape `text` and set the indices of its symbols low: η_r, ω_max, λ_T, U0."""
+    """Escape `text` and set the indices of its symbols low: η_r, ω_max, λ_T, U0, P0."""
     lowered = re.sub(r"\b([A-Za-zΑ-ω])_(max|red|\w)\b", r"\1<sub>\2</sub>", str(escape(text)))
-    return Markup(re.sub(r"\bU0\b", "U<sub>0</sub>", lowered))
+    return Markup(re.sub(r"\b([UP])0\b", r"\1<sub>0</sub>", lowered))
 
 
 def _minus(text: str) -> str:

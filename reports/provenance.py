@@ -9,7 +9,7 @@ from engines.registry import engine
 from engines.variant import Variant
 from reference_lcp.periodic import DEFAULT_RESIDUAL
 from reference_lcp.simulation import LARGEST_PHASE_STEP
-from reports.findings import band_definition, blocked_reason, compared_with, findings
+from reports.findings import band_definition, blocked_reason, compared_with, drive_description, findings
 from scenarios.agreement import EDGE_TOLERANCE, FLOOR_DB
 from scenarios.attenuation_band import EDGE_RESOLUTION
 from scenarios.figure3 import CONVERGED, Figure3Result
@@ -37,6 +37,11 @@ def provenance(result: Figure3Result, command: str) -> dict[str, Any]:
         "packages": {package: version(package) for package in PACKAGES},
         "variants": [_variant(result, variant) for variant in asked.all_variants],
         "chain": asked.ratios.as_data(),
+        "drive": {
+            "kind": asked.excitation.kind,
+            "amplitude": asked.excitation.amplitude,
+            "description": drive_description(asked),
+        },
         "friction_ratios": list(asked.friction_ratios),
         "frequency_ratios": {repr(friction): _grid(result, friction) for friction in asked.friction_ratios},
         "band": {
@@ -53,6 +58,9 @@ def provenance(result: Figure3Result, command: str) -> dict[str, Any]:
             "residual": DEFAULT_RESIDUAL,
             "floor_db": FLOOR_DB,
             "edge": EDGE_TOLERANCE,
+            "given": None
+            if asked.tolerance is None
+            else {"transmittance_db": asked.tolerance.transmittance_db, "ruler": str(asked.tolerance.ruler)},
         },
     }
 
@@ -74,7 +82,7 @@ def _variant(result: Figure3Result, variant: Variant) -> dict[str, Any]:
         "friction_law": str(of.capabilities.friction_law),
         "precision": of.capabilities.precision,
         "notes": of.capabilities.notes,
-        "compared_with": compared_with(variant),
+        "compared_with": compared_with(variant, result.asked.tolerance),
         "description": preset.description,
         "options": [
             {"name": name, "value": option.value, "default": option.default, "reason": option.reason}

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from engines.variant import Variant
 from scenarios.figure3 import Figure3Result
 from scenarios.friction_map import FrictionMap
+from scenarios.questions import AnswerStatus
 from scenarios.recorded_period import RecordedPeriod
 from scenarios.step_study import StepPoint
 
@@ -41,4 +42,4 @@ class Report:
     @property
     def missing(self) -> Mapping[Variant, int]:
         """Points of the grid that nobody has answered so far, by variant; variants without any are left out."""
-        return Counter(point.variant for point in self.result.points if point.answer.status == "missing")
+        return Counter(point.variant for point in self.result.points if point.answer.status is AnswerStatus.MISSING)

@@ -12,7 +12,7 @@ from reference_lcp.steady_state import exact_steady_state
 from reference_lcp.transition_matching import match_transitions
 from scenarios.agreement import difference_db
 from scenarios.evaluation import Evaluator
-from scenarios.questions import Answer, Question
+from scenarios.questions import USUAL_EXCITATION, Answer, AnswerStatus, Excitation, Question
 
 MAP_FRICTION_RATIOS = (0.1, 0.3, 0.6, 1.0)
 MAP_FREQUENCY_RATIOS = tuple(round(0.3 + 0.1 * k, 1) for k in range(14))
@@ -128,7 +128,7 @@ def accuracy(variant: Variant, answers: Mapping[Question, Answer], exact: Mappin
         for place, answer in places.items()
     ]
     times = [abs(error) for match in matches for error in match.time_errors]
-    blocked = [answer.reason for answer in answers.values() if answer.status == "blocked"]
+    blocked = [answer.reason for answer in answers.values() if answer.status is AnswerStatus.BLOCKED]
     return Accuracy(
         variant=variant,
         points_db={steps: _largest(_point_errors(certified, exact, steps)) for steps in ORDER_STEPS},
@@ -148,13 +148,14 @@ def accuracy(variant: Variant, answers: Mapping[Question, Answer], exact: Mappin
     )
 
 
-def exact_answer(place: Place) -> Answer:
+def exact_answer(place: Place, excitation: Excitation = USUAL_EXCITATION) -> Answer:
     """Answer by the event-driven solver, which has no error of a time step; takes about a second."""
-    asked = Question(variant=Variant("reference"), friction_ratio=place[0], frequency_ratio=place[1])
+    friction, eta = place
+    asked = Question(variant=Variant("reference"), friction_ratio=friction, frequency_ratio=eta, excitation=excitation)
     chain, drive = asked.setting()
     found = exact_steady_state(chain, drive)
     return Answer(
-        status=str(found.orbit.status),
+        status=AnswerStatus(found.orbit.status),
         transmittance_db=found.transmittance_db,
         residual=found.orbit.residual,
         period=drive.period,

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
-from scenarios.questions import Answer, repetition
+from scenarios.questions import Answer, AnswerStatus, repetition
 
 FLOOR_DB = -60.0
 """Below this transmittance the tolerance is absolute: what it is, as an amplitude, at the floor.
@@ -73,11 +73,11 @@ def compare_transmittance(answer: Answer, reference: Answer, tolerance_db: float
 
 def missing_steady_state(whose: str, answer: Answer) -> Comparison | None:
     """Say why there is nothing to compare; ``None`` where there is a certified steady state."""
-    if answer.status == "blocked":
+    if answer.status is AnswerStatus.BLOCKED:
         return Comparison(Verdict.BLOCKED, answer.reason)
     if answer.converged:
         return None
-    if answer.status == "missing":
+    if answer.status is AnswerStatus.MISSING:
         return Comparison(Verdict.INCONCLUSIVE, f"{whose.split(maxsplit=1)[0]}: {answer.reason}")
     reason = f"{whose}: {answer.status} after {answer.periods} periods, residual {answer.residual:.1e}"
     reason += repetition(answer.multiple)

@@ -15,7 +15,7 @@ from reference_lcp.stick_slip import air_fraction, creep_velocity, largest_gap
 from scenarios.failures import answered_together
 from scenarios.motion_answering import answer_motions
 from scenarios.motions import Motion
-from scenarios.questions import Answer, Asked, Question
+from scenarios.questions import Answer, AnswerStatus, Asked, Question
 
 
 def answer_batch(batch: Sequence[Asked]) -> list[Answer]:
@@ -66,14 +66,14 @@ def _answer(orbit: PeriodicOrbit, stick_margin: float, seconds: float) -> Answer
     if not math.isfinite(orbit.residual):
         return Answer.blocked(f"the engine's numbers are not finite, in period {orbit.periods} of the search")
     if orbit.status is OrbitStatus.DIVERGED:
-        return Answer(status=str(orbit.status), periods=orbit.periods, seconds=seconds)
+        return Answer(status=AnswerStatus(orbit.status), periods=orbit.periods, seconds=seconds)
     found = SteadyState.of(orbit, stick_margin)
     drive: Any = orbit.lane.drive
     length = drive.displacement_scale(orbit.lane.chain)
     speed = drive.angular_frequency * length
     modulated = orbit.lane.preload is not None
     return Answer(
-        status=str(orbit.status),
+        status=AnswerStatus(orbit.status),
         transmittance_db=found.transmittance_db,
         residual=orbit.residual,
         periods=orbit.periods,

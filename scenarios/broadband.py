@@ -21,7 +21,7 @@ from reference_lcp.validation import FloatArray
 from scenarios.agreement import Comparison, Tolerance, Verdict, compare
 from scenarios.evaluation import Evaluator
 from scenarios.motions import Motion
-from scenarios.questions import Answer, ChainRatios
+from scenarios.questions import Answer, AnswerStatus, ChainRatios
 from scenarios.refinement import REFINEMENTS, error_of_finest
 from scenarios.scenario import Finding, Metric, Scenario
 from scenarios.steady_case import REFERENCE
@@ -279,8 +279,8 @@ def refinements(coarsest: Motion) -> list[Motion]:
 def unfinished(answers: Sequence[Answer]) -> Comparison | None:
     """Say why motions cannot be compared; ``None`` if they can."""
     for answer in answers:
-        if answer.status == "missing":
+        if answer.status is AnswerStatus.MISSING:
             return Comparison(Verdict.INCONCLUSIVE, answer.reason)
-        if answer.status != "finished":
+        if answer.status is not AnswerStatus.FINISHED:
             return Comparison(Verdict.BLOCKED, answer.reason)
     return None

@@ -67,7 +67,7 @@ class Evaluator(Closing):
         why = cache(why_not_installed)  # asked once a variant: the answer for 100,000 points takes no time
         for question, kept in self._store.outcomes(questions):
             reason = None if kept else _refusal(question, why(question.variant))
-            known = kept if reason is None else Outcome("blocked", reason=reason)
+            known = kept if reason is None else Outcome.of(Answer.blocked(reason))
             if known is None:
                 missing.append(question)
             else:
@@ -104,6 +104,7 @@ class StoredAnswers(Evaluator):
     def __init__(self, store: ResultStore):
         self._store = store
         self._answered: dict[Asked, Answer] = {}
+        self.progress = self.recalled = _no_progress
         self._missing = cache(why_not_installed)
 
     def evaluate(self, questions: Sequence[Asked]) -> list[Answer]:
@@ -118,6 +119,14 @@ class StoredAnswers(Evaluator):
         for question, known in zip(lookup, self._store.answers(lookup), strict=True):
             self._answered[question] = known or Answer.missing()
         return [self._answered[question] for question in questions]
+
+    def complete(self, questions: Iterable[Asked]) -> Iterator[tuple[Asked, Outcome]]:
+        """Give how each question ended, in order: as `Evaluator.complete`, with nothing asked."""
+        for question, kept in self._store.outcomes(questions):
+            reason = None if kept else _refusal(question, self._missing(question.variant))
+            unknown = Answer.missing() if reason is None else Answer.blocked(reason)
+            self.recalled(question.variant, 1)
+            yield question, kept or Outcome.of(unknown)
 
     def close(self) -> None:
         """Leave the store open: it is its owner's."""

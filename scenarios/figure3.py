@@ -29,8 +29,8 @@ from scenarios.attenuation_band import (
     unresolved,
 )
 from scenarios.evaluation import Evaluator
-from scenarios.figure3_comparison import CONVERGED, PointAnswers, compare_point, refinements
-from scenarios.questions import Answer, ChainRatios, Question
+from scenarios.figure3_comparison import CONVERGED, GivenTolerance, PointAnswers, compare_point, refinements
+from scenarios.questions import Answer, AnswerStatus, ChainRatios, Excitation, Question
 from scenarios.steady_case import REFERENCE, amplification
 
 __all__ = [
@@ -122,6 +122,10 @@ class Figure3:
         The chain but for its friction.
     steps_per_period
         Fewest steps a period.
+    excitation
+        What drives the chain.
+    tolerance
+        By which engines are judged, where it is given; without it, it is derived at every point.
     band
         Definition of the attenuation band.
 
@@ -136,6 +140,8 @@ class Figure3:
     frequency_ratios: tuple[float, ...] = field(default_factory=lambda: default_frequency_ratios(ChainRatios()))
     ratios: ChainRatios = field(default_factory=ChainRatios)
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
+    excitation: Excitation = field(default_factory=Excitation)
+    tolerance: GivenTolerance | None = None
     band: BandDefinition = field(default_factory=BandDefinition)
 
     def __post_init__(self) -> None:
@@ -156,7 +162,7 @@ class Figure3:
         return [
             self.question(variant, friction, eta, refinement)
             for variant in self.all_variants
-            for refinement in (1.0, *refinements(variant))
+            for refinement in (1.0, *refinements(variant, self.tolerance))
             for friction in self.friction_ratios
             for eta in self.frequency_ratios
         ]
@@ -171,6 +177,7 @@ class Figure3:
             frequency_ratio=frequency_ratio,
             ratios=self.ratios,
             steps_per_period=max(int(self.steps_per_period * refinement), 3),
+            excitation=self.excitation,
         )
 
 
@@ -249,7 +256,7 @@ def run(asked: Figure3, evaluator: Evaluator) -> Figure3Result:
     places = [
         (variant, friction, eta) for variant in asked.all_variants for friction in grids for eta in grids[friction]
     ]
-    refined = [(place, refinement) for place in places for refinement in refinements(place[0])]
+    refined = [(place, refinement) for place in places for refinement in refinements(place[0], asked.tolerance)]
     found = evaluator.evaluate(
         [*(asked.question(*place) for place in places), *(asked.question(*place, times) for place, times in refined)]
     )
@@ -257,9 +264,7 @@ def run(asked: Figure3, evaluator: Evaluator) -> Figure3Result:
     others: dict[_Place, list[Answer]] = defaultdict(list)
     for (place, _), answer in zip(refined, found[len(places) :], strict=True):
         others[place].append(answer)
-    points = tuple(
-        Point(*place, answer, _compare(asked.ratios, place, answers, others)) for place, answer in answers.items()
-    )
+    points = tuple(Point(*place, answer, _compare(asked, place, answers, others)) for place, answer in answers.items())
     edges = tuple(_edges(asked, grids, answers, evaluator))
     return Figure3Result(asked, points, edges, _dense_reference(asked, evaluator))
 
@@ -289,7 +294,7 @@ _Place = tuple[Variant, float, float]
 
 
 def _compare(
-    ratios: ChainRatios,
+    asked: Figure3,
     place: _Place,
     answers: Mapping[_Place, Answer],
     others: Mapping[_Place, list[Answer]],
@@ -302,8 +307,9 @@ def _compare(
         others=tuple(others.get(place, ())),
         reference=answers[REFERENCE, friction, eta],
         converged=answers[CONVERGED, friction, eta],
-        amplified=amplification(ratios, eta),
+        amplified=amplification(asked.ratios, eta),
         refined=tuple(others.get((REFERENCE, friction, eta), ())),
+        given=asked.tolerance,
     )
     return compare_point(known)
 
@@ -322,13 +328,15 @@ def _edges(
     unanswered: set[tuple[Variant, float]] = {
         (variant, friction)
         for variant, friction in curves
-        if any(answers[variant, friction, eta].status == "missing" for eta in grids[friction])
+        if any(answers[variant, friction, eta].status is AnswerStatus.MISSING for eta in grids[friction])
     }
 
     def transmittance_db(index: NDArray[np.intp], eta: FloatArray) -> FloatArray:
         asks = [asked.question(owners[k][0], owners[k][1], float(ratio)) for k, ratio in zip(index, eta, strict=True)]
         found = evaluator.evaluate(asks)
-        unanswered.update(owners[k][:2] for k, one in zip(index, found, strict=True) if one.status == "missing")
+        unanswered.update(
+            owners[k][:2] for k, one in zip(index, found, strict=True) if one.status is AnswerStatus.MISSING
+        )
         return np.array([_decided(answer) for answer in found])
 
     crossings = refined_crossings(list(brackets.values()), transmittance_db, asked.band)
@@ -339,7 +347,7 @@ def _edges(
             comparison = compare_edge(found, refined.get((CONVERGED, friction, edge)))
             lacking = [one for one in (variant, CONVERGED) if (one, friction) in unanswered]
             curve_answers = [answers[variant, friction, eta] for eta in grids[friction]]
-            if all(answer.status == "blocked" for answer in curve_answers):
+            if all(answer.status is AnswerStatus.BLOCKED for answer in curve_answers):
                 comparison = Comparison(Verdict.BLOCKED, curve_answers[0].reason)
             elif lacking:
                 found = math.nan if variant in lacking else found

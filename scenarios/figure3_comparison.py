@@ -19,6 +19,7 @@ from scenarios.agreement import (
     Comparison,
     Tolerance,
     Verdict,
+    compare_transmittance,
     difference_db,
     missing_steady_state,
 )
@@ -28,16 +29,40 @@ from scenarios.steady_case import REFERENCE, resolution_db
 CONVERGED = Variant("reference", preset="converged")
 
 
-def ruler(variant: Variant) -> Variant:
+@dataclass(frozen=True, kw_only=True)
+class GivenTolerance:
+    """A tolerance that is given, instead of one that is derived at every point.
+
+    Parameters
+    ----------
+    transmittance_db
+        Largest difference that counts as agreement [dB] > 0, see `compare_transmittance`.
+    ruler
+        Whom variants are compared with: the reference or its converged preset.
+    """
+
+    transmittance_db: float
+    ruler: Variant
+
+    def judges(self, variant: Variant) -> bool:
+        """Say whether it is for this variant: for everybody but whom others are compared with."""
+        return variant not in (self.ruler, CONVERGED)
+
+
+def ruler(variant: Variant, given: GivenTolerance | None = None) -> Variant:
     """Give whom a variant is compared with."""
+    if given is not None and given.judges(variant):
+        return given.ruler
     return REFERENCE if variant.engine != REFERENCE.engine and variant.options.shares_scheme else CONVERGED
 
 
-def refinements(variant: Variant) -> tuple[float, ...]:
+def refinements(variant: Variant, given: GivenTolerance | None = None) -> tuple[float, ...]:
     """Give with how many times the steps a variant is asked too, for the sake of its own error.
 
-    With none where it shares the reference's error, or is the ruler itself.
+    With none where it shares the reference's error, is the ruler itself, or is judged by a tolerance that is given.
     """
+    if given is not None and given.judges(variant):
+        return ()
     if variant == REFERENCE:
         return (2.0, 4.0)
     return (0.5,) if ruler(variant) == CONVERGED != variant else ()
@@ -61,6 +86,8 @@ class PointAnswers:
         How many times farther from its steady state the answer may be than its residual, see `amplification`.
     refined
         The reference's answers at the same point with other numbers of steps.
+    given
+        The tolerance, where it is given; without it, it is derived.
     """
 
     variant: Variant
@@ -70,11 +97,15 @@ class PointAnswers:
     converged: Answer
     amplified: float
     refined: tuple[Answer, ...] = ()
+    given: GivenTolerance | None = None
 
 
 def compare_point(known: PointAnswers) -> Comparison:
     """Compare a point with its ruler."""
-    expected = known.reference if ruler(known.variant) == REFERENCE else known.converged
+    given = known.given
+    expected = known.reference if ruler(known.variant, given) == REFERENCE else known.converged
+    if given is not None and given.judges(known.variant):
+        return compare_transmittance(known.answer, expected, given.transmittance_db)
     missing = missing_steady_state("engine", known.answer) or missing_steady_state("reference", expected)
     if missing is not None:
         return missing

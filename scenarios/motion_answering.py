@@ -13,7 +13,7 @@ from reference_lcp.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray
 from scenarios.failures import answered_together
 from scenarios.motions import Motion
-from scenarios.questions import Answer, Series
+from scenarios.questions import Answer, AnswerStatus, Series
 
 STRETCH = 4096
 """Steps that are in memory at once."""
@@ -59,7 +59,7 @@ def _answers(motions: Sequence[Motion]) -> list[Answer]:
     finally:
         simulation.close()
     seconds = (time.perf_counter() - begin) / len(motions)
-    return [Answer(status="finished", series=record.series(), seconds=seconds) for record in records]
+    return [Answer(status=AnswerStatus.FINISHED, series=record.series(), seconds=seconds) for record in records]
 
 
 def kept_of(motion: Motion, run: Trajectory) -> Series:

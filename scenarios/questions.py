@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from functools import cache
 from typing import Any, NamedTuple, Self
 
@@ -13,11 +14,12 @@ from engines.registry import engine
 from engines.variant import Variant
 from reference_lcp.chain import CHAIN_STIFFNESS, Chain
 from reference_lcp.drive import HarmonicBase, HarmonicForce, PeriodicDrive
+from reference_lcp.periodic import OrbitStatus
 from reference_lcp.preload import Preload
 from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, steps_per_period_for
 from reference_lcp.stick_slip import STICK_MARGIN
 from reference_lcp.subharmonics import LONGEST_MULTIPLE
-from reference_lcp.validation import checked_array, checked_choice, checked_count, checked_scalar
+from reference_lcp.validation import ParameterError, checked_array, checked_choice, checked_count, checked_scalar
 
 ANSWER_FORMAT = 2
 """Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
@@ -224,7 +226,7 @@ class Question(Asked):
     def as_data(self) -> dict[str, Any]:
         """Give the question as plain data; what is usual (excitation, constant normal force) is left out."""
         data = super().as_data()
-        if self.excitation == _USUAL_EXCITATION:
+        if self.excitation == USUAL_EXCITATION:
             del data["excitation"]
         if self.modulation is None:
             del data["modulation"]
@@ -257,7 +259,38 @@ class Question(Asked):
         return content | {"options": {name: repr(option.value) for name, option in sorted(options.items())}}
 
 
-_USUAL_EXCITATION = Excitation()
+USUAL_EXCITATION = Excitation()
+
+
+class AnswerStatus(StrEnum):
+    """How a question ended."""
+
+    CONVERGED = OrbitStatus.CONVERGED.value
+    """A certified steady state."""
+    PERIOD_LIMIT = OrbitStatus.PERIOD_LIMIT.value
+    """The search for a steady state gave up."""
+    DIVERGED = OrbitStatus.DIVERGED.value
+    """The search for a steady state left every bound."""
+    FINISHED = "finished"
+    """A motion was simulated to its end."""
+    BLOCKED = "blocked"
+    """The engine cannot answer; the reason says why."""
+    MISSING = "missing"
+    """There is no answer so far, because the question was not put to the engine."""
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Give the status of this text.
+
+        Raises
+        ------
+        ParameterError
+            If there is no such status.
+        """
+        try:
+            return cls(text)
+        except ValueError:
+            raise ParameterError(f"status of an answer = {text!r}; allowed: {', '.join(cls)}") from None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -267,8 +300,7 @@ class Answer:
     Parameters
     ----------
     status
-        Of a steady state ``converged``, ``period limit`` or ``diverged``; of a motion ``finished``; ``blocked``;
-        ``missing`` where nobody has answered so far.
+        How the question ended.
     reason
         Why it is blocked or missing; empty otherwise.
     transmittance_db
@@ -298,9 +330,14 @@ class Answer:
         Wall-clock time that the point took, an even share of its batch.
     series
         What is kept of a motion; empty for a steady state.
+
+    Raises
+    ------
+    ParameterError
+        If the status is unknown.
     """
 
-    status: str
+    status: AnswerStatus
     reason: str = ""
     transmittance_db: float = math.nan
     residual: float = math.nan
@@ -316,20 +353,23 @@ class Answer:
     seconds: float = math.nan
     series: Series = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "status", AnswerStatus.parse(self.status))
+
     @property
     def converged(self) -> bool:
         """Whether the numbers belong to a steady state."""
-        return self.status == "converged"
+        return self.status is AnswerStatus.CONVERGED
 
     @classmethod
     def blocked(cls, reason: str) -> Self:
         """Say why there is no answer."""
-        return cls(status="blocked", reason=" ".join(reason.split()))
+        return cls(status=AnswerStatus.BLOCKED, reason=" ".join(reason.split()))
 
     @classmethod
     def missing(cls) -> Self:
         """Stand for an answer that nobody has given so far."""
-        return cls(status="missing", reason="not answered so far")
+        return cls(status=AnswerStatus.MISSING, reason="not answered so far")
 
     def to_json(self) -> str:
         """Give the answer as JSON; NaN becomes null."""
@@ -357,7 +397,7 @@ class Outcome(NamedTuple):
         As of `Answer`.
     """
 
-    status: str
+    status: AnswerStatus
     periods: int = 0
     multiple: int = 1
     reason: str = ""
@@ -371,7 +411,7 @@ class Outcome(NamedTuple):
     def from_json(cls, text: str) -> Self:
         """Read the list [status, periods, multiple]; answers of old have no multiple."""
         status, periods, multiple = json.loads(text)
-        return cls(status, periods, 1 if multiple is None else multiple)
+        return cls(AnswerStatus.parse(status), periods, 1 if multiple is None else multiple)
 
 
 def repetition(multiple: int) -> str:

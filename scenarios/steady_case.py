@@ -205,9 +205,11 @@ def evidence(
     answers: Mapping[Question, Answer],
     refusal: Comparison | None = None,
 ) -> Evidence:
-    """Collect what is known of a variant in a case, from the answers to `questions_of` it and of the reference."""
-    nothing = Answer(status="not asked")
-    own = [answers.get(question, nothing) for question in questions_of(variant, case)]
+    """Collect what is known of a variant in a case, from the answers to `questions_of` it and of the reference.
+
+    What a refused variant was not asked is `missing`.
+    """
+    own = [answers.get(question, Answer.missing()) for question in questions_of(variant, case)]
     coarse, middle, finest = (answers[question] for question in questions_of(REFERENCE, case))
     return Evidence(
         variant=variant,

@@ -7,7 +7,7 @@ from typing import ClassVar
 from engines.variant import Variant
 from scenarios.agreement import Comparison, Tolerance, Verdict, compare
 from scenarios.evaluation import Evaluator
-from scenarios.questions import Answer, Question
+from scenarios.questions import Answer, AnswerStatus, Question
 from scenarios.scenario import Finding, Metric, Scenario
 from scenarios.steady_case import (
     REFERENCE,
@@ -125,8 +125,8 @@ def refusal(
         known = [answer for answer in own if answer is not None]
         if len(known) < len(own):
             return Comparison(Verdict.INCONCLUSIVE, f"not asked, as it was not about {case.label}")
-        if any(answer.status == "blocked" for answer in known):
-            reason = next(answer.reason for answer in known if answer.status == "blocked")
+        if any(answer.status is AnswerStatus.BLOCKED for answer in known):
+            reason = next(answer.reason for answer in known if answer.status is AnswerStatus.BLOCKED)
             return Comparison(Verdict.BLOCKED, f"not asked: blocked at {case.label}, {reason}")
         costs.append((sum(answer.seconds for answer in known if math.isfinite(answer.seconds)), case.label))
     seconds, label = max(costs, default=(0.0, ""))

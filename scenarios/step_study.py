@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from itertools import repeat
 from multiprocessing import get_context
 from statistics import median
 from typing import Any
@@ -12,7 +13,7 @@ from engines.variant import Variant
 from reference_lcp.convergence import STICK_SLIP_POINTS
 from scenarios.accuracy import ORDER_STEPS, Place, exact_answer, transmittance_error_db
 from scenarios.evaluation import Evaluator
-from scenarios.questions import Answer, Question
+from scenarios.questions import USUAL_EXCITATION, Answer, AnswerStatus, Excitation, Question
 from scenarios.store import ResultStore
 
 
@@ -58,17 +59,23 @@ class ExactQuestion(Question):
         return {**super().content(), "solver": "event-driven"}
 
 
-def step_questions(variant: Variant) -> list[Question]:
+def step_questions(variant: Variant, excitation: Excitation = USUAL_EXCITATION) -> list[Question]:
     """Give what is asked of a variant: the six points at every number of steps."""
     return [
-        Question(variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=steps)
+        Question(
+            variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=steps,
+            excitation=excitation,
+        )
         for steps in ORDER_STEPS
         for friction, eta in STICK_SLIP_POINTS
-    ]
+    ]  # fmt: skip
 
 
 def step_study(
-    variants: Sequence[Variant], exact: Mapping[Place, Answer], evaluator: Evaluator
+    variants: Sequence[Variant],
+    exact: Mapping[Place, Answer],
+    evaluator: Evaluator,
+    excitation: Excitation = USUAL_EXCITATION,
 ) -> tuple[StepPoint, ...]:
     """Ask every variant the six points at every number of steps, and compare with the exact motion.
 
@@ -80,20 +87,22 @@ def step_study(
         The exact motion at the six points, by `exact_answers`; a place that is not there has no error.
     evaluator
         Who answers.
+    excitation
+        What drives the chain, here and in the exact motion.
 
     Returns
     -------
     tuple of StepPoint
         By variant, then by number of steps; what has no answer at all is there with ``answered`` zero.
     """
-    questions = [question for variant in variants for question in step_questions(variant)]
-    answers = dict(zip(questions, evaluator.evaluate(questions), strict=True))
+    questions = {variant: step_questions(variant, excitation) for variant in variants}
+    every = [question for own in questions.values() for question in own]
+    answers = dict(zip(every, evaluator.evaluate(every), strict=True))
     return tuple(
-        _step_point(variant, steps, [(q, answers[q]) for q in step_questions(variant) if q.steps_per_period == steps],
-                    exact)
-        for variant in variants
+        _step_point(variant, steps, [(q, answers[q]) for q in own if q.steps_per_period == steps], exact)
+        for variant, own in questions.items()
         for steps in ORDER_STEPS
-    )  # fmt: skip
+    )
 
 
 def _step_point(
@@ -110,8 +119,8 @@ def _step_point(
         step_seconds=_median(answer.seconds / (answer.periods * answer.steps_per_period) for answer in timed),
         seconds=_median(answer.seconds for answer in timed),
         certified=len(certified),
-        answered=sum(answer.status not in ("missing", "blocked") for _, answer in answered),
-        reason=next((answer.reason for _, answer in answered if answer.status == "blocked"), ""),
+        answered=sum(answer.status not in (AnswerStatus.MISSING, AnswerStatus.BLOCKED) for _, answer in answered),
+        reason=next((answer.reason for _, answer in answered if answer.status is AnswerStatus.BLOCKED), ""),
     )
 
 
@@ -122,21 +131,28 @@ def place_of(question: Question) -> Place:
 
 
 def exact_answers(
-    places: Sequence[Place], store: ResultStore, *, ask: bool = True, workers: int | None = None
+    places: Sequence[Place],
+    store: ResultStore,
+    *,
+    excitation: Excitation = USUAL_EXCITATION,
+    ask: bool = True,
+    workers: int | None = None,
 ) -> dict[Place, Answer]:
     """Give the exact motion at every place: from the store, or computed there and kept; takes a second each.
 
     Without `ask`, what the store does not know is left out.
     """
     questions = {
-        place: ExactQuestion(variant=Variant("reference"), friction_ratio=place[0], frequency_ratio=place[1])
-        for place in places
+        (friction, eta): ExactQuestion(
+            variant=Variant("reference"), friction_ratio=friction, frequency_ratio=eta, excitation=excitation
+        )
+        for friction, eta in places
     }
     found = {place: store.find(question) for place, question in questions.items()}
     unknown = [place for place, answer in found.items() if answer is None]
     if ask and unknown:
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            for place, answer in zip(unknown, pool.map(exact_answer, unknown), strict=True):
+            for place, answer in zip(unknown, pool.map(exact_answer, unknown, repeat(excitation)), strict=True):
                 store.keep([(questions[place], answer)])
                 found[place] = answer
     return {place: answer for place, answer in found.items() if answer is not None}

@@ -2,12 +2,13 @@
 
 import itertools
 import sqlite3
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import TypeVar
 
 from reference_lcp.validation import ParameterError
 from scenarios.closing import Closing
-from scenarios.questions import Answer, Asked, Outcome, key_of
+from scenarios.questions import Answer, AnswerStatus, Asked, Outcome, key_of
 
 APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""
@@ -17,6 +18,9 @@ LOOKUP = 500
 
 SCHEMA_VERSION = 1
 """Layout of the tables."""
+
+
+_Parsed = TypeVar("_Parsed", Answer, Outcome)
 
 
 class ResultStore(Closing):
@@ -64,17 +68,24 @@ class ResultStore(Closing):
     def find(self, question: Asked) -> Answer | None:
         """Give the answer to an equal question, or ``None``."""
         row = self._connection.execute("SELECT answer FROM answers WHERE key = ?", (question.key(),)).fetchone()
-        return None if row is None else Answer.from_json(row[0])
+        return None if row is None else self._read(Answer.from_json, row[0])
 
     def answers(self, questions: Iterable[Asked]) -> Iterator[Answer | None]:
         """Give the answer to each question, in order, or ``None``."""
         for _, text in self._texts(questions, "answer"):
-            yield None if text is None else Answer.from_json(text)
+            yield None if text is None else self._read(Answer.from_json, text)
 
     def outcomes(self, questions: Iterable[Asked]) -> Iterator[tuple[Asked, Outcome | None]]:
         """Give each question, in order, with how it ended, or ``None``; numbers are left unread."""
         for question, text in self._texts(questions, "json_extract(answer, '$.status', '$.periods', '$.multiple')"):
-            yield question, None if text is None else Outcome.from_json(text)
+            yield question, None if text is None else self._read(Outcome.from_json, text)
+
+    def _read(self, parse: Callable[[str], _Parsed], text: str) -> _Parsed:
+        """Read one answer; an error names the store."""
+        try:
+            return parse(text)
+        except ParameterError as problem:
+            raise ParameterError(f"store {self._file}: {problem}") from None
 
     def _texts(self, questions: Iterable[Asked], column: str) -> Iterator[tuple[Asked, str | None]]:
         """Look up an expression of SQL for each question, many at a time."""
@@ -87,7 +98,11 @@ class ResultStore(Closing):
 
     def keep(self, answered: Iterable[tuple[Asked, Answer]]) -> None:
         """Write answers in one transaction; blocked ones are not kept, so that they are tried again."""
-        texts = [(question.text(), answer.to_json()) for question, answer in answered if answer.status != "blocked"]
+        texts = [
+            (question.text(), answer.to_json())
+            for question, answer in answered
+            if answer.status is not AnswerStatus.BLOCKED
+        ]
         rows = [(key_of(text), text, answer) for text, answer in texts]
         with self._connection:
             self._connection.executemany("INSERT OR REPLACE INTO answers VALUES (?, ?, ?)", rows)

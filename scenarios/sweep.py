@@ -14,7 +14,7 @@ from engines.variant import Variant
 from reference_lcp.simulation import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import ParameterError, checked_count, checked_scalar
 from scenarios.evaluation import Evaluator
-from scenarios.questions import ChainRatios, Excitation, Question
+from scenarios.questions import AnswerStatus, ChainRatios, Excitation, Question
 from scenarios.store import ResultStore
 from scenarios.sweep_summary import SweepSummary
 
@@ -25,7 +25,10 @@ AXES = ("friction_ratio", "frequency_ratio", *CHAIN_AXES, "steps_per_period")
 _COUNTS = {"cells": 1, "steps_per_period": FEWEST_STEPS_PER_PERIOD}
 _POSITIVE = ("frequency_ratio", "mass_ratio", "stiffness_ratio")
 
-STATUSES = ("converged", "period limit", "diverged", "blocked", "missing")
+STATUSES = (
+    AnswerStatus.CONVERGED, AnswerStatus.PERIOD_LIMIT, AnswerStatus.DIVERGED, AnswerStatus.BLOCKED,
+    AnswerStatus.MISSING,
+)  # fmt: skip
 """How a point may have ended, by its number in exported files; missing: not answered so far."""
 
 
@@ -124,7 +127,7 @@ def dataset(sweep: Sweep, store: ResultStore) -> xr.Dataset:
     """
     sizes = (len(sweep.variants), *(len(values) for values in sweep.axes.values()))
     columns = {name: np.full(sweep.points, np.nan) for name in _COLUMNS}
-    status = np.full(sweep.points, STATUSES.index("missing"), dtype=np.int8)
+    status = np.full(sweep.points, STATUSES.index(AnswerStatus.MISSING), dtype=np.int8)
     for index, answer in enumerate(store.answers(sweep.questions())):
         if answer is None:
             continue

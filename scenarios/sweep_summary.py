@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from engines.variant import Variant
-from scenarios.questions import Outcome, repetition
+from scenarios.questions import AnswerStatus, Outcome, repetition
 
 
 @dataclass
@@ -25,7 +25,7 @@ class SweepSummary:
         Curves of an adaptive grid, by variant, that ended at its least spacing or at its most points.
     """
 
-    statuses: Counter[tuple[Variant, str]] = field(default_factory=Counter)
+    statuses: Counter[tuple[Variant, AnswerStatus]] = field(default_factory=Counter)
     reasons: Counter[tuple[Variant, str]] = field(default_factory=Counter)
     periods: Counter[tuple[Variant, int]] = field(default_factory=Counter)
     unresolved: Counter[Variant] = field(default_factory=Counter)
@@ -33,7 +33,7 @@ class SweepSummary:
     def add(self, variant: Variant, outcome: Outcome) -> None:
         """Count a point."""
         self.statuses[variant, outcome.status] += 1
-        if outcome.status == "converged":
+        if outcome.status == AnswerStatus.CONVERGED:
             self.periods[variant, outcome.periods] += 1
         else:
             self.reasons[variant, reason_of(outcome)] += 1
@@ -49,6 +49,6 @@ class SweepSummary:
 
 def reason_of(outcome: Outcome) -> str:
     """Say in words why a point has no steady state."""
-    if outcome.status == "period limit":
+    if outcome.status == AnswerStatus.PERIOD_LIMIT:
         return f"period limit{repetition(outcome.multiple)}"
     return outcome.reason or outcome.status

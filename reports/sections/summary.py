@@ -4,7 +4,7 @@ from typing import Any
 
 from engines.registry import engine
 from engines.variant import Variant
-from reports.findings import band_definition, blocked_reason, compared_with, findings
+from reports.findings import band_definition, blocked_reason, compared_with, drive_description, findings
 from reports.section import Section
 from scenarios.agreement import EDGE_TOLERANCE, FLOOR_DB, Verdict
 from scenarios.figure3 import CONVERGED
@@ -34,6 +34,7 @@ class Summary(Section):
             "first": asked.frequency_ratios[0],
             "last": asked.frequency_ratios[-1],
             "cells": asked.ratios.cells,
+            "drive": drive_description(asked),
             "verdicts": verdicts,
         }
 
@@ -44,7 +45,7 @@ class Summary(Section):
             "points": len(self.result.points_of(variant)),
             "missing": self.report.missing.get(variant, 0),
             "friction_law": str(engine(variant.engine).capabilities.friction_law),
-            "compared_with": compared_with(variant),
+            "compared_with": compared_with(variant, self.result.asked.tolerance),
             "blocked": blocked_reason(self.result, variant),
             "is_ruler": variant == CONVERGED,
         }

@@ -26,6 +26,7 @@ class Transmittance(Section):
     def context(self) -> dict[str, Any]:
         """What the captions name."""
         return {
+            "over": "P0 / k_c" if self.result.asked.excitation.kind == "force" else "the base's",
             "band": band_definition(self.result),
             "floor": FLOOR_DB,
             "lowest": LOWEST_DB,

@@ -107,3 +107,8 @@ def test_every_clause_of_the_contract_has_its_fault() -> None:
         if name.startswith("test_")
     }
     assert clauses == {fault.clause for fault in FAULTS}
+
+
+def test_a_sound_engine_passes_whatever_its_name(install) -> None:
+    command = "-m pytest -q -n 0 -p no:cacheprovider --engine mine+fast"
+    install("faulty").run(*command.split(), f"engines/contract/{SAID}.py", f"engines/contract/{MODULATED}.py")

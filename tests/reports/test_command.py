@@ -5,18 +5,22 @@ import json
 import os
 import sqlite3
 import tempfile
+from collections import Counter
 from pathlib import Path
 
 import pytest
 
 import reports.__main__ as command
+from engines.variant import Variant
 from reference_lcp.console import run_command
-from reports.gathering import Extent
+from reports.gathering import Extent, expected_questions
 from scenarios.evaluation import Evaluator
 from scenarios.figure3 import Figure3
 from scenarios.isolation import ProcessWorker
-from scenarios.questions import Answer
+from scenarios.questions import Answer, Excitation
 from scenarios.store import ResultStore
+from scenarios.sweep_file import read_sweep
+from scenarios.sweep_verdicts import verdicts
 
 SMALL = {"friction_ratios": (0.3,), "frequency_ratios": (0.3, 0.6, 0.63, 0.65, 0.7, 0.8, 0.9, 1.1)}
 
@@ -180,6 +184,67 @@ def test_a_sweep_that_was_stopped_is_shown_as_far_as_it_went(
     table = (tmp_path / "out" / "transmittance.csv").read_text()
     assert table.count("mujoco,joint,tuned,0.3,0.6,-1.0") == 1
     assert (tmp_path / "sweep.sqlite").read_bytes() == before
+
+
+PUSHED = """\
+engines = ["reference:joint", "mujoco:joint", "mujoco:joint:default"]
+[grid]
+friction_ratio = [0.3]
+frequency_ratio = [0.6, 0.9]
+[drive]
+kind = "force"
+amplitude = 10.0
+[tolerances]
+transmittance_db = 0.1
+"""
+"""Driven by a force, with a tolerance that a default keeps at one of the points only."""
+
+
+def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    extent = Extent(((0.3, 0.9),), (0.3,), (0.6, 0.9), step_study=False)
+    monkeypatch.setattr(command, "Extent", lambda: extent)
+    file, store = tmp_path / "sweep.toml", tmp_path / "results.sqlite"
+    file.write_text(PUSHED)
+    arguments = ["--sweep", str(file), "--store", str(store), "--out", str(tmp_path / "out"), "--workers", "1"]
+    assert run_command(command.app, arguments) == 0
+    read = read_sweep(file)
+    with ResultStore(store) as kept:
+        asked = {(q.variant, q.frequency_ratio): q for q in read.sweep.questions()}
+        found = {place: kept.find(question) for place, question in asked.items()}
+        expected = verdicts(read.sweep, kept, 0.1)
+    with sqlite3.connect(store) as connection:
+        contents = [json.loads(text)["question"] for (text,) in connection.execute("SELECT content FROM answers")]
+        motions = connection.execute("SELECT count(*) FROM motions").fetchone()[0]
+    connection.close()
+    # everything that was asked, map and lines of the reference among it, is about the force
+    assert all(one["excitation"] == {"kind": "force", "amplitude": 10.0} for one in contents)
+    assert motions == len(read.sweep.variants)
+    written = json.loads((tmp_path / "out" / "report.json").read_text())
+    names = ("engine", "formulation", "preset")
+    rows = {(Variant(*(row[n] for n in names)), row["frequency_ratio"]): row for row in written["transmittance"]}
+    assert all(rows[place]["transmittance_db"] == answer.transmittance_db for place, answer in found.items())
+    assert found[Variant("reference"), 0.6].transmittance_db == pytest.approx(-0.152416, abs=1e-6)  # base: -0.151560
+    for variant, counted in expected.items():
+        own = [row["verdict"] for (whose, eta), row in rows.items() if whose == variant and (whose, eta) in asked]
+        assert Counter(own) == Counter({str(verdict): count for verdict, count in counted.counts.items()})
+    assert {str(verdict) for one in expected.values() for verdict in one.counts} == {"agree", "disagree"}
+    origin = written["provenance"]
+    assert (origin["drive"]["kind"], origin["drive"]["amplitude"]) == ("force", 10.0)
+    assert origin["tolerances"]["given"] == {"transmittance_db": 0.1, "ruler": "reference"}
+    page = (tmp_path / "out" / "index.html").read_text()
+    assert "driven by a harmonic force on the outer mass of cell 1 (P<sub>0</sub> = 10 N" in page
+    assert "0.1 dB of transmittance from reference, as the file of the sweep says" in page
+    assert "on a base that moves" not in page
+
+
+def test_the_step_study_of_a_report_is_about_the_drive_of_its_sweep(tmp_path: Path) -> None:
+    (tmp_path / "sweep.toml").write_text(PUSHED)
+    asked = command._asked_by(tmp_path / "sweep.toml", None, quick=False)
+    expected = expected_questions(asked, Extent())
+    assert {question.steps_per_period for question in expected} >= {400, 800, 1600}
+    assert {question.excitation for question in expected} == {Excitation(kind="force", amplitude=10.0)}
 
 
 @pytest.mark.usefixtures("no_computation")

@@ -131,7 +131,7 @@ def test_every_axis_and_every_table_of_edges_names_the_definition_of_the_band(pa
 def test_findings_count_verdicts_and_name_the_worst_place(result: Figure3Result) -> None:
     found = findings(result, RUNS)
     assert found.verdicts == {"agree": 6, "disagree": 1, "inconclusive": 1, "blocked": 0}
-    assert found.worst_difference.difference == 0.03
+    assert found.worst_difference.difference == pytest.approx(0.03, abs=1e-12)
     assert (found.worst_difference.friction_ratio, found.worst_difference.frequency_ratio) == (0.0, 0.9)
     assert found.worst_edge.difference == pytest.approx(0.01)
     assert found.median_periods == 30

@@ -7,6 +7,7 @@ from scenarios.agreement import FLOOR_DB, Verdict
 from scenarios.figure3_comparison import (
     CONVERGED,
     REFERENCE,
+    GivenTolerance,
     PointAnswers,
     compare_point,
     refinements,
@@ -21,7 +22,7 @@ def answer(db, steps=400, status="converged") -> Answer:
     return Answer(status=status, transmittance_db=db, residual=1e-9, periods=30, steps_per_period=steps)
 
 
-def judged(variant, db, *others, reference=-10.02, converged=-10.0, amplified=1.0):
+def judged(variant, db, *others, reference=-10.02, converged=-10.0, amplified=1.0, given=None):
     known = PointAnswers(
         variant=variant,
         answer=answer(db),
@@ -29,6 +30,7 @@ def judged(variant, db, *others, reference=-10.02, converged=-10.0, amplified=1.
         reference=answer(reference),
         converged=answer(converged),
         amplified=amplified,
+        given=given,
     )
     return compare_point(known)
 
@@ -90,3 +92,19 @@ def test_below_the_floor_differences_are_those_of_amplitudes() -> None:
     deep = FLOOR_DB - 40
     found = judged(OWN, deep + 6, answer(deep + 6, 200), reference=deep, converged=deep)
     assert found.difference == pytest.approx(8.7 * 1e-2 * (10 ** (6 / 20) - 1), rel=0.02)
+
+
+@pytest.mark.parametrize(("whom", "level"), [(REFERENCE, -10.02), (CONVERGED, -10.0)])
+def test_a_given_tolerance_judges_everybody_but_whom_others_are_compared_with(whom, level) -> None:
+    given = GivenTolerance(transmittance_db=0.1, ruler=whom)
+    for variant in (SHARES, OWN):
+        assert ruler(variant, given) == whom
+        assert refinements(variant, given) == ()
+        assert judged(variant, level + 0.099, given=given).verdict is Verdict.AGREE
+        found = judged(variant, level - 0.101, given=given)
+        assert found.verdict is Verdict.DISAGREE
+        assert found.tolerance == pytest.approx(0.1, rel=1e-12)
+    # its own steps are its measure still
+    assert refinements(whom, given) == refinements(whom)
+    assert judged(REFERENCE, -10.02, answer(-10.02, 800), given=GivenTolerance(transmittance_db=9, ruler=REFERENCE)
+                  ).verdict is Verdict.DISAGREE  # fmt: skip

@@ -8,7 +8,7 @@ from engines.variant import Variant
 from reference_lcp.convergence import STICK_SLIP_POINTS
 from scenarios.accuracy import ORDER_STEPS, exact_answer
 from scenarios.evaluation import StoredAnswers
-from scenarios.questions import Answer
+from scenarios.questions import Answer, Excitation
 from scenarios.step_study import exact_answers, step_questions, step_study
 from scenarios.store import ResultStore
 
@@ -56,3 +56,17 @@ def test_the_exact_motion_is_computed_once_and_kept(store: ResultStore, monkeypa
     assert exact_answers([place], store, ask=False)[place].transitions == first.transitions
     store_of_engines = [q for q in step_questions(REFERENCE) if store.find(q) is not None]
     assert store_of_engines == []  # it is no answer of the reference
+
+
+def test_another_drive_asks_other_questions_and_has_an_exact_motion_of_its_own(store: ResultStore) -> None:
+    force = Excitation(kind="force", amplitude=10.0)
+    questions = step_questions(REFERENCE, force)
+    assert {question.excitation for question in questions} == {force}
+    store.keep((question, answer(question.steps_per_period)) for question in questions)
+    assert {point.answered for point in step_study([REFERENCE], EXACT, StoredAnswers(store))} == {0}
+    assert {point.answered for point in step_study([REFERENCE], EXACT, StoredAnswers(store), force)} == {6}
+    place = (0.3, 0.9)
+    pushed = exact_answers([place], store, excitation=force, workers=1)[place]
+    assert pushed.transmittance_db == pytest.approx(exact_answer(place, force).transmittance_db, abs=1e-12)
+    assert pushed.transitions != exact_answer(place).transitions
+    assert exact_answers([place], store, ask=False) == {}

@@ -8,10 +8,11 @@ from engines import variant
 from engines.interface import Capabilities, Engine, Formulation, FrictionLaw, Preset
 from engines.variant import Variant
 from reference_lcp import ParameterError
-from scenarios import answering, isolation
-from scenarios.evaluation import Evaluator
+from reference_lcp.periodic import OrbitStatus
+from scenarios import answering, evaluation, isolation
+from scenarios.evaluation import Evaluator, StoredAnswers
 from scenarios.isolation import LocalCrew
-from scenarios.questions import Answer, ChainRatios, Question
+from scenarios.questions import Answer, AnswerStatus, ChainRatios, Outcome, Question
 from scenarios.store import ResultStore
 
 SMALL = ChainRatios(cells=2)
@@ -91,6 +92,49 @@ def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
     assert sum(counted) == 2
     assert first[0] == first[2]
     assert all(answer.converged for answer in first)
+
+
+def test_stored_answers_complete_with_what_is_kept_and_say_what_is_missing(store, monkeypatch) -> None:
+    kept, unknown, absent = question(), question(eta=0.5), question(variant="pybullet")
+    store.keep([(kept, Answer(status=AnswerStatus.PERIOD_LIMIT, periods=400, multiple=0))])
+    monkeypatch.setattr(
+        evaluation, "why_not_installed", lambda asked: "no wheel" if asked.engine == "pybullet" else None
+    )
+    counted = []
+    with StoredAnswers(store) as stored:
+        stored.recalled = lambda asked, count: counted.append((asked, count))
+        found = list(stored.complete([kept, unknown, absent]))
+    assert found == [
+        (kept, Outcome(AnswerStatus.PERIOD_LIMIT, 400, 0)),
+        (unknown, Outcome(AnswerStatus.MISSING, reason="not answered so far")),
+        (absent, Outcome(AnswerStatus.BLOCKED, reason="not installed: no wheel")),
+    ]
+    assert counted == [(asked.variant, 1) for asked in (kept, unknown, absent)]
+
+
+def test_a_status_that_there_is_not_is_refused() -> None:
+    with pytest.raises(ParameterError, match="status of an answer = 'not asked'; allowed: converged, period limit, "):
+        Answer(status="not asked")
+    assert {str(status) for status in OrbitStatus} < set(AnswerStatus)
+
+
+def test_a_store_with_an_unknown_status_says_which_file_and_which_status(tmp_path) -> None:
+    file = tmp_path / "results.sqlite"
+    with ResultStore(file) as store:
+        store.keep([(question(), Answer(status=AnswerStatus.CONVERGED, transmittance_db=1.0))])
+        assert type(store.find(question()).status) is AnswerStatus
+    with sqlite3.connect(file) as connection:
+        changed = "UPDATE answers SET answer = replace(answer, '\"converged\"', '\"solved\"')"
+        assert connection.execute(changed).rowcount == 1
+    connection.close()
+    with ResultStore(file) as store:
+        for read in (
+            lambda: store.find(question()),
+            lambda: list(store.answers([question()])),
+            lambda: list(store.outcomes([question()])),
+        ):
+            with pytest.raises(ParameterError, match=r"results\.sqlite: status of an answer = 'solved'; allowed: "):
+                read()
 
 
 def test_number_of_workers_does_not_change_the_answers(tmp_path) -> None:

@@ -388,3 +388,9 @@ class LandsBetweenRuns(Faulty):
     class lane_model(Lane):  # noqa: N801
         def across(self, state, press):
             return super().across(dataclasses.replace(state, memory=None), press)
+
+
+class NamedWithASign(Faulty):
+    """Sound, with a name that means something else where a regular expression is read."""
+
+    name = "mine+fast"
