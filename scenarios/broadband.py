@@ -59,8 +59,9 @@ BANDS = {
 }
 """Bands of η_r in which transmissibility is read.
 
-Without friction the chain attenuates from 0.84 to 1.42: the third band lies within, the first and the last in
-pass bands; the second is where friction widens the attenuation to, or takes it back.
+Without friction, and with the dashpots of figure 3, the band of attenuation is 0.853 to 1.414: the third band lies
+within, the first and the last outside; the second is where friction widens the attenuation to, or takes it back. The
+dashpots of this chain round the edges off, and leave the third band below −35 dB.
 """
 
 BAND_METRICS = {

@@ -3,7 +3,7 @@
 import pytest
 import typer
 
-from tests.test_mistakes import APPS
+from tests.test_mistakes import APPS, COMMAND_LINES
 
 
 def commands():
@@ -49,3 +49,16 @@ def test_every_option_has_a_help_that_is_a_sentence(path) -> None:
         assert text[0].isupper() or text.startswith("c_"), text
         assert text.rstrip().endswith((".", ")"))
         assert "[" not in text.replace("[default", ""), "rich would take it for markup"
+
+
+def commands_without_mistake(lines):
+    """Commands that take something and with which no line makes a mistake."""
+    tried = {path for line in lines for path in COMMANDS if f"python -m {line} ".startswith(f"{path} ")}
+    return {path for path, command in COMMANDS.items() if command.params} - tried
+
+
+def test_a_mistake_is_tried_with_every_command() -> None:
+    lines = [line for line, _ in COMMAND_LINES]
+    assert commands_without_mistake(lines) == set()
+    fewer = [line for line in lines if not line.startswith("scenarios sweep")]
+    assert commands_without_mistake(fewer) == {"python -m scenarios sweep"}

@@ -9,6 +9,7 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 from reference_lcp import HarmonicBase, ParameterError, decibel, frictionless_transmittance
+from scenarios import adaptive_grid
 from scenarios.adaptive_grid import START_POINTS, AdaptiveAxis, AdaptiveCurve, level
 from scenarios.figure3 import resonances
 from scenarios.questions import ChainRatios
@@ -59,11 +60,29 @@ def test_even_grid_of_five_times_the_points_is_less_accurate() -> None:
     assert largest_error(ratios, even, levels, peaks) > AXIS.accuracy_db
 
 
-def test_points_crowd_at_resonances() -> None:
-    """Half of all points lie on a tenth of the axis."""
-    eta, _ = curve_of(ChainRatios(), AXIS).points
-    shares, _ = np.histogram(eta, bins=100, range=(0.3, 1.6))
-    assert np.sum(np.sort(shares)[-10:]) > eta.size / 3
+def share_at_resonances(ratios: ChainRatios, eta: np.ndarray) -> float:
+    """Part of the points that lie within 0.005 of a resonance: that is a tenth of the axis."""
+    distance = np.min(np.abs(np.subtract.outer(eta, resonances(ratios))), axis=1)
+    return float(np.mean(distance < 0.005))
+
+
+def added(curve: AdaptiveCurve, axis: AdaptiveAxis, ratios: ChainRatios) -> np.ndarray:
+    """Points that refinement has added; the first ones lie at the resonances anyway."""
+    return np.setdiff1d(curve.asked, axis.start(resonances(ratios).tolist()))
+
+
+def test_points_crowd_at_resonances(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three times as many as on an even grid, or as where every interval is halved whatever the curve does."""
+    ratios, even = ChainRatios(), np.linspace(0.3, 1.6, 1001)
+    assert share_at_resonances(ratios, even) == pytest.approx(0.108, abs=0.003)
+    curve = curve_of(ratios, AXIS)
+    least = 3 * share_at_resonances(ratios, even)
+    assert share_at_resonances(ratios, added(curve, AXIS, ratios)) > least
+    monkeypatch.setattr(adaptive_grid, "MARGIN", -1.0)
+    blind_axis = dataclasses.replace(AXIS, most_points=len(curve.asked))
+    blind = curve_of(ratios, blind_axis)
+    assert len(blind.asked) == len(curve.asked)
+    assert share_at_resonances(ratios, added(blind, blind_axis, ratios)) < least / 2
 
 
 def test_straight_line_needs_one_halving() -> None:

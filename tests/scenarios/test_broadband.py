@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from engines.variant import Variant
-from reference_lcp import ParameterError, RecordedBase
+from reference_lcp import HarmonicBase, ParameterError, RecordedBase, decibel, frictionless_transmittance
 from scenarios.agreement import Verdict
+from scenarios.attenuation_band import BandDefinition, Edge, edge_brackets
 from scenarios.broadband import BAND_METRICS, BANDS, DIFFERENCE, PEAK, RATIOS, ROWS_PER_PERIOD, STEPS_PER_PERIOD
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.filtered_noise import FilteredNoiseScenario
@@ -19,6 +20,7 @@ from scenarios.evaluation import Evaluator
 from scenarios.example_record import FILE, example_samples, write_example
 from scenarios.example_record import PEAK as EXAMPLE_PEAK
 from scenarios.motion_answering import answer_motions
+from scenarios.questions import ChainRatios
 from scenarios.refinement import error_of_finest
 from scenarios.store import ResultStore
 from tests.scenarios.motion_crew import Here, evaluator, rub_harder
@@ -223,7 +225,32 @@ def test_missing_record_is_named_before_any_work() -> None:
         Record(Path("nowhere.csv")).questions([REFERENCE])
 
 
+def frictionless_db(ratios: ChainRatios, eta: np.ndarray) -> np.ndarray:
+    """Transmittance [dB] of the closed form at each η_r."""
+    chain = ratios.chain(0.0)
+    return np.array([decibel(frictionless_transmittance(chain, HarmonicBase.from_ratio(chain, e))) for e in eta])
+
+
+def frictionless_band(ratios: ChainRatios) -> tuple[float, float]:
+    """Edges in η_r of the attenuation band: −10 dB deep, to 0 dB at its edges."""
+    eta = np.linspace(0.3, 2.0, 1701)
+    brackets = edge_brackets(eta, frictionless_db(ratios, eta), BandDefinition())
+    return brackets[Edge.LOWER][0], brackets[Edge.UPPER][1]
+
+
+def bands_lie_where_their_reasons_say(lower: float, upper: float) -> bool:
+    """The first two bands below the attenuation, the third within it, the last above it."""
+    (_, first), (second, below), (begin, end), (above, _) = BANDS.values()
+    return first < second < below < lower < begin < end < upper < above
+
+
 def test_bands_lie_where_their_reasons_say() -> None:
-    """The frictionless attenuation band, −10 dB deep and to 0 dB at its edges, is 0.84 to 1.42."""
-    assert BANDS["0.65–0.82"][1] < 0.84 < BANDS["0.9–1.35"][0]
-    assert BANDS["0.9–1.35"][1] < 1.42 < BANDS["1.5–2"][0]
+    lower, upper = frictionless_band(ChainRatios())
+    assert (lower, upper) == pytest.approx((0.853, 1.414), abs=0.002)
+    assert bands_lie_where_their_reasons_say(lower, upper)
+    assert np.max(frictionless_db(RATIOS, np.linspace(*BANDS["0.9–1.35"], 101))) < -35
+
+
+@pytest.mark.parametrize("ratio", [0.5, 2.0])
+def test_bands_do_not_fit_another_chain(ratio) -> None:
+    assert not bands_lie_where_their_reasons_say(*frictionless_band(ChainRatios(stiffness_ratio=ratio)))

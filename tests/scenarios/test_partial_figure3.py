@@ -28,7 +28,9 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Figure3Result:
 
 
 def test_points_that_are_not_answered_are_inconclusive_with_that_reason(result: Figure3Result) -> None:
-    for point in result.curve(STOPPED, 0.3):
+    curve = result.curve(STOPPED, 0.3)
+    assert [point.frequency_ratio for point in curve] == GRID
+    for point in curve:
         if point.frequency_ratio in GRID[:4]:
             assert point.comparison.verdict is Verdict.AGREE
         else:

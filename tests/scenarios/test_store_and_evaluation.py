@@ -1,5 +1,7 @@
 """Answers are kept, found again, and survive engines that fail."""
 
+import json
+import math
 import sqlite3
 
 import pytest
@@ -28,15 +30,33 @@ def store(tmp_path):
         yield opened
 
 
-def test_answer_survives_json() -> None:
-    answer = Answer(
-        status="converged", transmittance_db=-3.25, residual=1e-9, stuck_fraction=(0.5, 1.0),
-        transitions=((1, 0.25, "stick"),),
-    )  # fmt: skip
-    assert Answer.from_json(answer.to_json()) == Answer.from_json(Answer.from_json(answer.to_json()).to_json())
-    again = Answer.from_json(answer.to_json())
-    assert (again.transmittance_db, again.transitions) == (-3.25, ((1, 0.25, "stick"),))
-    assert "NaN" not in answer.to_json()
+FULL = Answer(
+    status="finished", reason="told", transmittance_db=-3.25, residual=1e-9, periods=33, multiple=2,
+    steps_per_period=400, period=0.25, stuck_fraction=(0.5, 1.0), transitions=((1, 0.25, "stick"),),
+    creep=(1e-6, 2e-6), air_fraction=(0.125, 0.0), largest_gap=(0.75, 0.0), seconds=0.5, series={"outer": (0.0, 1.5)},
+)  # fmt: skip
+"""Every field has another value than it has unless it is given: what is lost on the way is noticed."""
+
+
+def test_every_field_of_an_answer_survives_json() -> None:
+    usual = vars(Answer(status="converged"))
+    assert [name for name, value in vars(FULL).items() if value == usual[name]] == []
+    assert Answer.from_json(FULL.to_json()) == FULL
+
+
+@pytest.mark.parametrize("name", [name for name in vars(FULL) if name not in ("status", "transitions")])
+def test_answer_that_lost_a_field_is_another_one(name) -> None:
+    lost = {key: value for key, value in json.loads(FULL.to_json()).items() if key != name}
+    assert Answer.from_json(json.dumps(lost)) != FULL
+
+
+def test_answer_without_numbers_survives_json_as_nan() -> None:
+    text = Answer(status="diverged").to_json()
+    assert "NaN" not in text
+    again = Answer.from_json(text)
+    assert again.status == "diverged"
+    for name in ("transmittance_db", "residual", "period", "seconds"):
+        assert math.isnan(getattr(again, name)), name
 
 
 def test_kept_answer_is_found_by_an_equal_question_only(store) -> None:

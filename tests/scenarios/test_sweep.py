@@ -1,8 +1,8 @@
 """Sweeps: from a file, over any parameters, interrupted at any moment."""
 
+import contextlib
 import csv
 import os
-import random
 import signal
 import sqlite3
 import subprocess
@@ -141,21 +141,52 @@ def workers_of(client: int) -> list[int]:
     return [int(one) for one in children if "spawn_main" in Path(f"/proc/{one}/cmdline").read_text()]
 
 
+START_LIMIT = 60.0
+"""Seconds after which a sweep that has kept nothing new, on a machine that is busy, is taken for stuck."""
+
+
+def kept_in(store: Path) -> int:
+    """Answers in a store; none in one that is not there so far."""
+    try:
+        with contextlib.closing(sqlite3.connect(f"file:{store}?mode=ro", uri=True)) as kept:
+            return kept.execute("SELECT count(*) FROM answers").fetchone()[0]
+    except sqlite3.OperationalError:
+        return 0
+
+
+def wait_for(client: subprocess.Popen[bytes], store: Path, answers: int) -> None:
+    """Return when the store holds so many answers, and the client is still at work."""
+    until = time.monotonic() + START_LIMIT
+    while kept_in(store) < answers:
+        assert client.poll() is None, "the sweep ended before it could be killed"
+        assert time.monotonic() < until, "the sweep keeps nothing"
+        time.sleep(0.005)
+
+
+def kill_while_running(command: list[str], store: Path, answers: int, worker_first: bool) -> None:
+    """Start a sweep and kill it once the store holds so many answers; one of its workers first, where asked for."""
+    client = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        wait_for(client, store, answers)
+        if worker_first:
+            os.kill(workers_of(client.pid)[0], signal.SIGKILL)
+        client.kill()
+    finally:
+        client.kill()
+        ended = client.wait()
+    assert ended == -signal.SIGKILL, "the sweep had ended by itself"
+
+
 def interrupted_sweep(folder: Path, rows: int, kills: int) -> None:
-    """Kill the client, or one of its workers too, at random moments; compare the end with an undisturbed sweep."""
-    rng = random.Random(1)
+    """Kill the client, or one of its workers too, further and further on; compare the end with an undisturbed sweep."""
     file, store = folder / "many.toml", folder / "many.sqlite"
     file.write_text(MANY.format(rows=rows))
     command = [sys.executable, "-m", "scenarios", "sweep", str(file), "--store", str(store)]
+    points = 20 * rows
     for kill in range(kills):
-        client = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        time.sleep(rng.uniform(0.5, 5.0))
-        workers = workers_of(client.pid) if client.poll() is None else []
-        if kill % 2 and workers:
-            os.kill(rng.choice(workers), signal.SIGKILL)
-            time.sleep(rng.uniform(0.0, 1.0))
-        client.kill()
-        client.wait()
+        kept_before = kept_in(store)
+        kill_while_running(command, store, max(kept_before + 1, kill * points // (2 * kills)), bool(kill % 2))
+        assert kept_before < kept_in(store) < points, "the kill hit no sweep at work"
         with sqlite3.connect(store) as kept:
             assert kept.execute("PRAGMA integrity_check").fetchone() == ("ok",)
         kept.close()
@@ -167,8 +198,16 @@ def interrupted_sweep(folder: Path, rows: int, kills: int) -> None:
         tables = [dataset(asked, one).drop_vars("seconds") for one in (broken, whole)]
     xr.testing.assert_identical(*tables)
     with sqlite3.connect(store) as kept:
-        assert kept.execute("SELECT count(*), count(DISTINCT key) FROM answers").fetchone() == (20 * rows, 20 * rows)
+        assert kept.execute("SELECT count(*), count(DISTINCT key) FROM answers").fetchone() == (points, points)
     kept.close()
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs Linux's list of processes")
+def test_kill_that_comes_too_late_is_noticed(tmp_path: Path) -> None:
+    """Twin of the sweep: a program that ends at once and keeps nothing."""
+    late = [sys.executable, "-c", "pass"]
+    with pytest.raises(AssertionError, match="ended before it could be killed"):
+        kill_while_running(late, tmp_path / "none.sqlite", 1, worker_first=False)
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs Linux's list of processes")
