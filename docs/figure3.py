@@ -13,9 +13,9 @@ import numpy as np
 
 from engines import engine
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
-from reports.looks import COLUMN, PALETTE, PRINT_STYLE
-from scenarios.figure3 import resonances
-from scenarios.questions import ChainRatios
+from reports.figures.style import COLUMN, PALETTE, PRINT_STYLE
+from scenarios.studies.figure3 import resonances
+from scenarios.tasks.questions import ChainRatios
 
 STEPS = 400
 LOWEST = -80.0

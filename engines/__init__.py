@@ -1,6 +1,6 @@
 """Multibody engines that simulate the frictional chain, behind one contract."""
 
-from engines.interface import (
+from engines.interface.engine import (
     Capabilities,
     Engine,
     EngineNotInstalled,
@@ -10,8 +10,8 @@ from engines.interface import (
     Option,
     Preset,
 )
-from engines.registry import engine, engine_names
-from engines.variant import Variant, variants_of
+from engines.interface.registry import engine, engine_names
+from engines.interface.variant import Variant, variants_of
 
 __all__ = [
     "Capabilities",

@@ -9,7 +9,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from engines.registry import engine, engine_names
+from engines.interface.registry import engine, engine_names
 from reference_lcp.console import run_command
 
 app = typer.Typer(name="python -m engines", add_completion=False, pretty_exceptions_enable=False)

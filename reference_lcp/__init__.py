@@ -1,14 +1,26 @@
 """The reference: LCP time stepping of the frictional mass-in-mass chain after Sethi, Banerjee and Manna."""
 
-from reference_lcp.base_motion import FilteredNoise, RickerPulse, SweptSine
-from reference_lcp.chain import Chain
-from reference_lcp.compiled import CompiledSimulation
-from reference_lcp.drive import Drive, HarmonicBase, HarmonicForce, MovingBase, PeriodicDrive, StillBase
-from reference_lcp.error_bar import ErrorBar, measured_error_bar
-from reference_lcp.euler_lemke import LemkeSimulation, chain_step
-from reference_lcp.event_driven import EventDrivenChain, EventDrivenSimulation, EventsAccumulate
-from reference_lcp.exact_period import ExactPeriod
-from reference_lcp.frictional_lcp import (
+from reference_lcp.accuracy.error_bar import ErrorBar, measured_error_bar
+from reference_lcp.chain.harmonic import Drive, HarmonicBase, HarmonicForce, MovingBase, PeriodicDrive, StillBase
+from reference_lcp.chain.linear_response import (
+    frictionless_response,
+    frictionless_transmittance,
+    stuck_response,
+    stuck_transmittance,
+)
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.preload import Flight, Preload
+from reference_lcp.chain.record import RecordedBase
+from reference_lcp.chain.simulation import Lane, Simulation, steps_per_period_for
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.chain.transient import FilteredNoise, RickerPulse, SweptSine
+from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimulation, EventsAccumulate
+from reference_lcp.exact.exact_orbit import ExactPeriod
+from reference_lcp.lcp.frictional_system import FrictionalSystem, SystemTrajectory, simulate_system
+from reference_lcp.lcp.inclined_chain import PreloadedChain
+from reference_lcp.lcp.lemke import LemkeResult, LemkeStatus, lemke, natural_residual
+from reference_lcp.lcp.lemke_compiled import lemke_compiled
+from reference_lcp.lcp.time_step import (
     LCP_SOLVERS,
     ContactImpulses,
     FrictionalStep,
@@ -19,22 +31,7 @@ from reference_lcp.frictional_lcp import (
     solve_step,
     solve_step_given_normal_force,
 )
-from reference_lcp.frictional_system import FrictionalSystem, SystemTrajectory, simulate_system
-from reference_lcp.lemke import LemkeResult, LemkeStatus, lemke, natural_residual
-from reference_lcp.lemke_compiled import lemke_compiled
-from reference_lcp.linear_limits import (
-    frictionless_response,
-    frictionless_transmittance,
-    stuck_response,
-    stuck_transmittance,
-)
-from reference_lcp.periodic import OrbitStatus, PeriodicOrbit, periodic_orbits
-from reference_lcp.preload import Flight, Preload
-from reference_lcp.preloaded_chain import PreloadedChain
-from reference_lcp.recorded_base import RecordedBase
-from reference_lcp.simulation import Lane, Simulation, steps_per_period_for
-from reference_lcp.steady_state import SOLVERS, SteadyState, exact_steady_state, simulate, steady_state
-from reference_lcp.stick_slip import (
+from reference_lcp.observables.stick_slip import (
     Mode,
     Transition,
     air_fraction,
@@ -45,9 +42,16 @@ from reference_lcp.stick_slip import (
     stuck_fraction,
     transitions,
 )
-from reference_lcp.trajectory import State, Trajectory
-from reference_lcp.transmissibility import Transmissibility, stationary_transmissibility, transient_transmissibility
-from reference_lcp.transmittance import decibel, fundamental, rms_transmittance, transmittance
+from reference_lcp.observables.transmissibility import (
+    Transmissibility,
+    stationary_transmissibility,
+    transient_transmissibility,
+)
+from reference_lcp.observables.transmittance import decibel, fundamental, rms_transmittance, transmittance
+from reference_lcp.steady.orbits import OrbitStatus, PeriodicOrbit, periodic_orbits
+from reference_lcp.steady_state import SOLVERS, SteadyState, exact_steady_state, simulate, steady_state
+from reference_lcp.stepping.euler_compiled import CompiledSimulation
+from reference_lcp.stepping.euler_lemke import LemkeSimulation, chain_step
 from reference_lcp.validation import ParameterError
 
 __all__ = [

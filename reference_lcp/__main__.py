@@ -9,16 +9,16 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from reference_lcp.bench import bench, bench_cells
-from reference_lcp.chain import Chain
+from reference_lcp.accuracy.benchmark import bench, bench_cells
+from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS, Convergence, convergence, plot_convergence
+from reference_lcp.accuracy.plot import checked_picture_format, plot_period
+from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.console import checked_output_file, run_command
-from reference_lcp.convergence import STICK_SLIP_POINTS, Convergence, convergence, plot_convergence
-from reference_lcp.drive import HarmonicBase
-from reference_lcp.periodic import DEFAULT_PERIODS, DEFAULT_RESIDUAL
-from reference_lcp.plot import checked_picture_format, plot_period
-from reference_lcp.simulation import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.observables.stick_slip import Transition
+from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
 from reference_lcp.steady_state import EXACT_RESIDUAL, SOLVERS, SteadyState, steady_state
-from reference_lcp.stick_slip import Transition
 
 app = typer.Typer(name="python -m reference_lcp", add_completion=False, pretty_exceptions_enable=False)
 

@@ -9,19 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from reference_lcp.chain import Chain
-from reference_lcp.compiled import CompiledSimulation
-from reference_lcp.drive import Drive, PeriodicDrive
-from reference_lcp.error_bar import ErrorBar, measured_error_bar
-from reference_lcp.euler_lemke import LemkeSimulation
-from reference_lcp.event_driven import EventDrivenSimulation
-from reference_lcp.exact_period import ExactPeriod
-from reference_lcp.monodromy import polished
-from reference_lcp.periodic import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
-from reference_lcp.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, Simulation, steps_per_period_for
-from reference_lcp.stick_slip import STICK_MARGIN, Transition, stuck_fraction, transitions
-from reference_lcp.trajectory import State, Trajectory
-from reference_lcp.transmittance import decibel, transmittance
+from reference_lcp.accuracy.error_bar import ErrorBar, measured_error_bar
+from reference_lcp.chain.harmonic import Drive, PeriodicDrive
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, Simulation, steps_per_period_for
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.exact.event_driven import EventDrivenSimulation
+from reference_lcp.exact.exact_orbit import ExactPeriod
+from reference_lcp.exact.monodromy import polished
+from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, stuck_fraction, transitions
+from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
+from reference_lcp.stepping.euler_compiled import CompiledSimulation
+from reference_lcp.stepping.euler_lemke import LemkeSimulation
 from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_choice, checked_count
 
 SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(

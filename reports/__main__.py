@@ -8,32 +8,32 @@ from typing import Annotated
 
 import typer
 
-from engines.registry import engine_names, usual_engine_names
-from engines.variant import Variant
+from engines.interface.registry import engine_names, usual_engine_names
+from engines.interface.variant import Variant
 from reference_lcp.console import INTERRUPTED, checked_output_file, checked_output_folder, run_command
 from reference_lcp.validation import ParameterError
-from reports.animate import animate
-from reports.compare import compare
-from reports.files import FIGURES, FILES, PAGE, files_of, write_all
-from reports.gathering import QUICK, Extent, expected_questions, gather
-from reports.report import Report
-from scenarios.cluster import crew_of
-from scenarios.command_line import Limit, Workers
-from scenarios.evaluation import StoredAnswers
-from scenarios.figure3 import (
+from reports.cli.animate import animate
+from reports.cli.compare import compare
+from reports.data.collect import QUICK, Extent, expected_questions, gather
+from reports.data.report import Report
+from reports.export.files import FIGURES, FILES, PAGE, files_of, write_all
+from scenarios.cli.options import Limit, Workers
+from scenarios.execution.dask_cluster import crew_of
+from scenarios.execution.evaluator import StoredAnswers
+from scenarios.execution.local_processes import TIME_LIMIT, Crew
+from scenarios.execution.progress import Bars, CountingEvaluator
+from scenarios.execution.store import ResultStore
+from scenarios.studies.figure3 import (
     FRICTION_RATIOS,
     QUICK_FRICTION_RATIOS,
     Figure3,
     default_frequency_ratios,
     quick_frequency_ratios,
 )
-from scenarios.figure3_comparison import GivenTolerance
-from scenarios.isolation import TIME_LIMIT, Crew
-from scenarios.progress import Bars, CountingEvaluator
-from scenarios.questions import ChainRatios
-from scenarios.store import ResultStore
-from scenarios.sweep_file import SweepFile, read_sweep
-from scenarios.sweep_verdicts import ruler_of
+from scenarios.sweeps.spec_file import SweepFile, read_sweep
+from scenarios.sweeps.verdicts import ruler_of
+from scenarios.tasks.questions import ChainRatios
+from scenarios.verdicts.pointwise import GivenTolerance
 
 RARE_COLLECTIONS = (200_000, 20, 100)
 """Thresholds of Python's collector of cycles: looking through millions of live answers and curves takes an eighth of

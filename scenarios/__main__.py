@@ -12,16 +12,12 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import track
 
-from engines.bench import step_cost
-from engines.variant import Variant
+from engines.interface.variant import Variant
+from engines.shared.step_cost import step_cost
 from reference_lcp.console import INTERRUPTED, run_command
 from reference_lcp.validation import checked_scalar
-from scenarios.accuracy import PLACES, Accuracy, Place, accuracies, accuracy_questions, exact_answer
-from scenarios.accuracy_table import COLUMNS, Row, csv_table, markdown, remark
 from scenarios.catalogue import CATALOGUE
-from scenarios.catalogue_command import add_scenarios
-from scenarios.cluster import crew_of
-from scenarios.command_line import (
+from scenarios.cli.options import (
     Chosen,
     Limit,
     Scheduler,
@@ -31,18 +27,22 @@ from scenarios.command_line import (
     chosen_variants,
     store_of_run,
 )
-from scenarios.cost import COLUMNS as COST_COLUMNS
-from scenarios.cost import SECONDS, cost, cost_csv, cost_markdown, cost_rows
-from scenarios.evaluation import why_not_installed
-from scenarios.isolation import TIME_LIMIT, Crew
-from scenarios.printed_table import print_table, printed_table
-from scenarios.progress import Bars, CountingEvaluator
-from scenarios.questions import Answer
-from scenarios.steady_case import REFERENCE
-from scenarios.store import ResultStore
-from scenarios.sweep import write_dataset
-from scenarios.sweep_command import answer_sweep, dataset_of, print_summary, print_verdicts
-from scenarios.sweep_file import EXAMPLE, read_sweep
+from scenarios.cli.printed_table import print_table, printed_table
+from scenarios.cli.run import add_scenarios
+from scenarios.cli.sweep import answer_sweep, dataset_of, print_summary, print_verdicts
+from scenarios.execution.dask_cluster import crew_of
+from scenarios.execution.evaluator import why_not_installed
+from scenarios.execution.local_processes import TIME_LIMIT, Crew
+from scenarios.execution.progress import Bars, CountingEvaluator
+from scenarios.execution.store import ResultStore
+from scenarios.studies.accuracy import PLACES, Accuracy, Place, accuracies, accuracy_questions, exact_answer
+from scenarios.studies.accuracy_table import COLUMNS, Row, csv_table, markdown, remark
+from scenarios.studies.cost import COLUMNS as COST_COLUMNS
+from scenarios.studies.cost import SECONDS, cost, cost_csv, cost_markdown, cost_rows
+from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
+from scenarios.sweeps.sweep import write_dataset
+from scenarios.tasks.questions import Answer
+from scenarios.verdicts.steady_case import REFERENCE
 
 EXPERIMENTS = {
     "accuracy": "How wrong is the friction of each engine, formulation and preset? Against the exact motion.",

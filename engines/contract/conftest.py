@@ -3,9 +3,9 @@
 import pytest
 
 from engines.contract.lanes import label
-from engines.interface import NormalForce
-from engines.registry import engine, engine_names
-from engines.variant import Variant, variants_of
+from engines.interface.engine import NormalForce
+from engines.interface.registry import engine, engine_names
+from engines.interface.variant import Variant, variants_of
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

@@ -4,14 +4,14 @@ import dataclasses
 
 import numpy as np
 
-from engines.contract.tolerances import STEPS
-from engines.variant import Variant
-from reference_lcp.base_motion import QUIET, RickerPulse
-from reference_lcp.chain import Chain
-from reference_lcp.drive import HarmonicBase, PeriodicDrive
-from reference_lcp.preload import Preload
-from reference_lcp.simulation import Lane
-from reference_lcp.trajectory import State
+from engines.interface.tolerances import STEPS
+from engines.interface.variant import Variant
+from reference_lcp.chain.harmonic import HarmonicBase, PeriodicDrive
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.preload import Preload
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.chain.transient import QUIET, RickerPulse
 
 AMPLITUDE = 0.01
 """U0 of the base [m]."""

@@ -2,7 +2,7 @@
 
 import pytest
 
-from engines.registry import engine
+from engines.interface.registry import engine
 from reference_lcp.validation import ParameterError
 
 

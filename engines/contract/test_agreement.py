@@ -3,7 +3,8 @@
 import numpy as np
 
 from engines.contract.lanes import AMPLITUDE, lane_of, pulse_lane_of, random_state
-from engines.contract.tolerances import (
+from engines.interface.registry import engine
+from engines.interface.tolerances import (
     CONVERGED_TOLERANCE_DB,
     CREEP,
     FRICTION_TOLERANCE,
@@ -13,15 +14,14 @@ from engines.contract.tolerances import (
     STEPS,
     TRAJECTORY_TOLERANCE,
 )
-from engines.registry import engine
-from engines.variant import Variant
-from reference_lcp.chain import Chain
-from reference_lcp.convergence import STICK_SLIP_POINTS
-from reference_lcp.drive import HarmonicBase
-from reference_lcp.periodic import periodic_orbits
-from reference_lcp.simulation import Lane
-from reference_lcp.trajectory import State
-from reference_lcp.transmittance import decibel, transmittance
+from engines.interface.variant import Variant
+from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
+from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.steady.orbits import periodic_orbits
 
 
 def test_transmittance_at_six_points_agrees_with_the_reference(tuned: Variant) -> None:

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from engines.contract.lanes import AMPLITUDE, drive_of, lane_of, random_state
-from engines.contract.tolerances import BOUND_MARGIN, CREEP, ROUND_OFF, SLIDING, STEPS
-from engines.interface import FrictionLaw
-from engines.variant import Variant
-from reference_lcp.chain import Chain
-from reference_lcp.drive import HarmonicBase
-from reference_lcp.simulation import Lane
+from engines.interface.engine import FrictionLaw
+from engines.interface.tolerances import BOUND_MARGIN, CREEP, ROUND_OFF, SLIDING, STEPS
+from engines.interface.variant import Variant
+from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
 
 
 def test_normal_force_is_the_one_that_is_given(tuned: Variant) -> None:

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from engines.contract.lanes import drive_of, lane_of, random_state
-from engines.contract.tolerances import GROWTH, LINEAR_TOLERANCE_DB, MOMENTUM_TOLERANCE, STEPS
-from engines.variant import Variant
-from reference_lcp.chain import Chain
-from reference_lcp.drive import StillBase
-from reference_lcp.linear_limits import frictionless_transmittance, stuck_transmittance
-from reference_lcp.periodic import periodic_orbits
-from reference_lcp.simulation import Lane
-from reference_lcp.transmittance import decibel, transmittance
+from engines.interface.tolerances import GROWTH, LINEAR_TOLERANCE_DB, MOMENTUM_TOLERANCE, STEPS
+from engines.interface.variant import Variant
+from reference_lcp.chain.harmonic import StillBase
+from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.validation import FloatArray
 
 

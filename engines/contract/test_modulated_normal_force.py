@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from engines.contract.lanes import AMPLITUDE, modulated_lane
-from engines.contract.tolerances import (
+from engines.interface.engine import NormalForce
+from engines.interface.registry import engine
+from engines.interface.tolerances import (
     BOUND_MARGIN,
     CONVERGED_TOLERANCE_DB,
     CREEP,
@@ -17,14 +19,12 @@ from engines.contract.tolerances import (
     STEPS,
     TRAJECTORY_TOLERANCE,
 )
-from engines.interface import NormalForce
-from engines.registry import engine
-from engines.variant import Variant, variants_of
-from reference_lcp.periodic import periodic_orbits
-from reference_lcp.preload import Flight
-from reference_lcp.stick_slip import OPEN
-from reference_lcp.trajectory import State, Trajectory
-from reference_lcp.transmittance import decibel, transmittance
+from engines.interface.variant import Variant, variants_of
+from reference_lcp.chain.preload import Flight
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.observables.stick_slip import OPEN
+from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.validation import ParameterError
 
 

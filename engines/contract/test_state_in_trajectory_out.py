@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from engines.contract.lanes import AMPLITUDE, lane_of, random_state
-from engines.variant import Variant
+from engines.interface.variant import Variant
 
 
 def test_split_run_equals_whole_run(tested: Variant) -> None:

@@ -5,12 +5,12 @@ import re
 import pytest
 
 from engines.contract.lanes import lane_of
-from engines.contract.tolerances import ROUND_OFF, STEPS
-from engines.registry import engine
-from reference_lcp.chain import Chain
-from reference_lcp.drive import HarmonicBase
-from reference_lcp.simulation import Lane
-from reference_lcp.trajectory import State
+from engines.interface.registry import engine
+from engines.interface.tolerances import ROUND_OFF, STEPS
+from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import ParameterError
 
 

@@ -7,15 +7,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engines.variant import Variant
+from engines.interface.variant import Variant
+from reports.data.findings import blocked_reason
+from reports.figures.figure import Picture, layout, significant
 from reports.figures.scales import plot_scale, print_scale, stretched
-from reports.findings import blocked_reason
-from reports.looks import COLUMN, compared_variants, look_of
-from reports.numbers import ratio
-from reports.picture import Picture, layout, significant
-from scenarios.agreement import EDGE_TOLERANCE
-from scenarios.attenuation_band import EDGE_RESOLUTION, Edge
-from scenarios.figure3 import CONVERGED, REFERENCE, Figure3Result
+from reports.figures.style import COLUMN, compared_variants, look_of
+from reports.formatting import ratio
+from scenarios.studies.attenuation_band import EDGE_RESOLUTION, Edge
+from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3Result
+from scenarios.verdicts.verdict import EDGE_TOLERANCE
 
 LINEAR = EDGE_RESOLUTION / 10
 """Differences of η_r below are drawn to scale, larger ones by their logarithm."""

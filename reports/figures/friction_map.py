@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from reference_lcp.validation import FloatArray
+from reports.figures.figure import Picture, axis, layout, rounded
+from reports.figures.style import COLUMN
 from reports.figures.transmittance import FREQUENCY_LABEL, FREQUENCY_TITLE
-from reports.looks import COLUMN
-from reports.picture import Picture, axis, layout, rounded
-from scenarios.friction_map import FrictionMap
+from scenarios.studies.friction_map import FrictionMap
 
 LOWEST_DB, HIGHEST_DB = -60.0, 20.0
 """Range of the colours: beyond, curves tell more."""

@@ -7,13 +7,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from engines.variant import Variant
+from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
-from reports.looks import PAGE_WIDTH, look_of
-from reports.numbers import ratio
-from reports.picture import Picture, axis, layout, rounded
-from scenarios.figure3 import REFERENCE, Figure3
-from scenarios.recorded_period import RecordedPeriod
+from reports.figures.figure import Picture, axis, layout, rounded
+from reports.figures.style import PAGE_WIDTH, look_of
+from reports.formatting import ratio
+from scenarios.execution.recorded import RecordedPeriod
+from scenarios.studies.figure3 import REFERENCE, Figure3
 
 CORNER = 0.003
 """Points of a loop nearer than this to the straight line between their neighbours are left out on the page.

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-from reports.numbers import ratio
-from reports.picture import axis, rounded
+from reports.figures.figure import axis, rounded
+from reports.formatting import ratio
 
 
 def signed_ticks(positive: Sequence[float], limit: float) -> list[float]:

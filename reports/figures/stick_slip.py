@@ -8,12 +8,12 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from engines.variant import Variant
-from reference_lcp.stick_slip import Mode
-from reports.looks import PAGE_WIDTH
-from reports.numbers import ratio
-from reports.picture import Picture, axis, layout
-from scenarios.questions import Answer
+from engines.interface.variant import Variant
+from reference_lcp.observables.stick_slip import Mode
+from reports.figures.figure import Picture, axis, layout
+from reports.figures.style import PAGE_WIDTH
+from reports.formatting import ratio
+from scenarios.tasks.questions import Answer
 
 MODE_COLOURS = {Mode.STICK: "#2b2b2b", Mode.FORWARD: "#F0E442", Mode.BACKWARD: "#0072B2"}
 """Dark, light and middle: told apart in grey and by colour-blind readers."""

@@ -7,16 +7,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engines.contract.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
-from engines.variant import Variant
+from engines.interface.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
+from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
+from reports.data.findings import differences, reference_line
+from reports.figures.figure import Picture, axis, layout, rounded
 from reports.figures.scales import plot_scale, print_scale, stretched
-from reports.findings import differences, reference_line
-from reports.looks import COLUMN, compared_variants, curve_look, look_of
-from reports.numbers import ratio
-from reports.picture import Picture, axis, layout, rounded
-from scenarios.attenuation_band import Edge
-from scenarios.figure3 import CONVERGED, REFERENCE, Figure3Result, Point
+from reports.figures.style import COLUMN, compared_variants, curve_look, look_of
+from reports.formatting import ratio
+from scenarios.studies.attenuation_band import Edge
+from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3Result, Point
 
 FREQUENCY_LABEL = r"frequency ratio $\eta_r = \omega/\omega_r$ [-]"
 FREQUENCY_TITLE = "frequency ratio η<sub>r</sub> [-]"

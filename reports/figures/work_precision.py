@@ -9,12 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from engines.variant import Variant
-from reference_lcp.convergence import STICK_SLIP_POINTS
-from reports.looks import COLUMN, PAGE_WIDTH, look_of
-from reports.picture import Picture, axis, layout, significant
-from scenarios.figure3 import Figure3
-from scenarios.step_study import StepPoint
+from engines.interface.variant import Variant
+from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
+from reports.figures.figure import Picture, axis, layout, significant
+from reports.figures.style import COLUMN, PAGE_WIDTH, look_of
+from scenarios.studies.figure3 import Figure3
+from scenarios.studies.work_precision import StepPoint
 
 SMALLEST_DB = 1e-5
 """Errors below are drawn here: less than the steady states of engines repeat to."""

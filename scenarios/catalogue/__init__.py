@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.den_hartog import DenHartog
 from scenarios.catalogue.figure3 import Figure3Points
 from scenarios.catalogue.filtered_noise import FilteredNoiseScenario
@@ -15,7 +16,6 @@ from scenarios.catalogue.ricker_pulse import RickerPulseScenario
 from scenarios.catalogue.swept_sine import SweptSineScenario
 from scenarios.catalogue.unequal_cells import DisorderedChain, GradedChain
 from scenarios.catalogue.unit_cell import UnitCell
-from scenarios.scenario import Scenario
 
 SCENARIOS: tuple[Scenario, ...] = (
     UnitCell(),

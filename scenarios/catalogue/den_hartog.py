@@ -3,11 +3,11 @@
 import math
 from collections.abc import Mapping
 
-from reference_lcp.den_hartog import SlidingMotion
-from reference_lcp.stick_slip import Mode
-from scenarios.questions import Answer, ChainRatios, Question
-from scenarios.steady_case import Case, Expected
-from scenarios.steady_scenario import SteadyScenario
+from reference_lcp.exact.den_hartog import SlidingMotion
+from reference_lcp.observables.stick_slip import Mode
+from scenarios.catalogue.steady_base import SteadyScenario
+from scenarios.tasks.questions import Answer, ChainRatios, Question
+from scenarios.verdicts.steady_case import Case, Expected
 
 STANDING_RATIO = 1e6
 """Mass ratio of the cell: its inner mass moves by a millionth of what the outer one does."""

@@ -4,12 +4,12 @@ import dataclasses
 import math
 from collections.abc import Mapping
 
-from scenarios.agreement import Comparison, Tolerance, Verdict, compare, scheme_bar, step_estimate
-from scenarios.attenuation_band import BandDefinition
-from scenarios.questions import Answer
-from scenarios.scenario import Finding, Metric
-from scenarios.steady_case import Case, Evidence, Expected
-from scenarios.steady_scenario import SAME_STEP, TRANSMITTANCE, SteadyScenario
+from scenarios.catalogue.base import Finding, Metric
+from scenarios.catalogue.steady_base import SAME_STEP, TRANSMITTANCE, SteadyScenario
+from scenarios.studies.attenuation_band import BandDefinition
+from scenarios.tasks.questions import Answer
+from scenarios.verdicts.steady_case import Case, Evidence, Expected
+from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, compare, scheme_bar, step_estimate
 
 EDGE = Metric(
     "lower edge",

@@ -2,10 +2,10 @@
 
 import math
 
-from reference_lcp.base_motion import FilteredNoise
-from reference_lcp.transmissibility import Transmissibility, stationary_transmissibility
+from reference_lcp.chain.transient import FilteredNoise
+from reference_lcp.observables.transmissibility import Transmissibility, stationary_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.broadband import BASE_AMPLITUDE, RATIOS, ROWS_PER_PERIOD, Broadband, Case
+from scenarios.catalogue.transient_base import BASE_AMPLITUDE, RATIOS, ROWS_PER_PERIOD, Broadband, Case
 
 PERIODS = 300
 """Length of the noise in periods 2π / ω_r; it does not repeat before."""

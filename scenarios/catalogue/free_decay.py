@@ -6,20 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engines.variant import Variant
-from reference_lcp.chain import Chain
-from reference_lcp.drive import StillBase
-from reference_lcp.event_driven import EventDrivenSimulation
+from engines.interface.variant import Variant
+from reference_lcp.chain.harmonic import StillBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.validation import FloatArray
-from scenarios.agreement import Tolerance, compare
-from scenarios.broadband import refinements, unfinished
-from scenarios.evaluation import Evaluator
-from scenarios.motion_answering import kept_of
-from scenarios.motions import Motion
-from scenarios.questions import Answer, ChainRatios, Series
-from scenarios.refinement import REFINEMENTS, error_of_finest
-from scenarios.scenario import Finding, Metric, Scenario
-from scenarios.steady_case import REFERENCE
+from scenarios.catalogue.base import Finding, Metric, Scenario
+from scenarios.catalogue.transient_base import refinements, unfinished
+from scenarios.execution.evaluator import Evaluator
+from scenarios.execution.transient import kept_of
+from scenarios.tasks.questions import Answer, ChainRatios, Series
+from scenarios.tasks.transient import Motion
+from scenarios.verdicts.refinement import REFINEMENTS, error_of_finest
+from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.verdict import Tolerance, compare
 
 STEPS_PER_PERIOD = 100
 """Coarsest steps to a period 2π / ω_r; the finest of the three step sizes takes four times as many."""
@@ -54,7 +54,7 @@ class Decay:
     ratios, friction_ratio
         The chain.
     shape
-        Where it starts, one of `scenarios.motions.SHAPES`.
+        Where it starts, one of `scenarios.tasks.transient.SHAPES`.
     periods
         Length of the motion in periods 2π / ω_r.
     """

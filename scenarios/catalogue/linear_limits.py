@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 
-from reference_lcp.linear_limits import frictionless_transmittance, stuck_transmittance
-from reference_lcp.transmittance import decibel
-from scenarios.questions import Answer, ChainRatios, Question
-from scenarios.steady_case import Case, Expected
-from scenarios.steady_scenario import SteadyScenario
+from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
+from reference_lcp.observables.transmittance import decibel
+from scenarios.catalogue.steady_base import SteadyScenario
+from scenarios.tasks.questions import Answer, ChainRatios, Question
+from scenarios.verdicts.steady_case import Case, Expected
 
 THREE_CELLS = ChainRatios(cells=3)
 """Enough cells for pass band and stop band, few enough for engines that are slow."""

@@ -3,11 +3,11 @@
 import math
 from collections.abc import Mapping, Sequence
 
-from scenarios.agreement import scheme_bar, step_estimate
-from scenarios.figure3_comparison import CONVERGED
-from scenarios.questions import Answer, ChainRatios, Question
-from scenarios.steady_case import COARSE, FINE, FINEST, Case, Expected
-from scenarios.steady_scenario import SteadyScenario
+from scenarios.catalogue.steady_base import SteadyScenario
+from scenarios.tasks.questions import Answer, ChainRatios, Question
+from scenarios.verdicts.pointwise import CONVERGED
+from scenarios.verdicts.steady_case import COARSE, FINE, FINEST, Case, Expected
+from scenarios.verdicts.verdict import scheme_bar, step_estimate
 
 LENGTHS = (7, 15, 30, 50)
 

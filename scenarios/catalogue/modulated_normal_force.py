@@ -12,19 +12,19 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import ClassVar
 
-from engines.variant import Variant
-from reference_lcp.preload import Flight
-from reference_lcp.transition_matching import match_transitions
-from scenarios.agreement import SAFETY, Comparison, Tolerance, Verdict, compare, missing_steady_state, scheme_bar
-from scenarios.evaluation import Evaluator
-from scenarios.questions import Answer, Modulation, Question
-from scenarios.scenario import Finding, Metric, Scenario
+from engines.interface.variant import Variant
+from reference_lcp.chain.preload import Flight
+from reference_lcp.observables.transition_matching import match_transitions
+from scenarios.catalogue.base import Finding, Metric, Scenario
+from scenarios.execution.evaluator import Evaluator
+from scenarios.tasks.questions import Answer, Modulation, Question
+from scenarios.verdicts.verdict import SAFETY, Comparison, Tolerance, Verdict, compare, missing_steady_state, scheme_bar
 
 STEPS = (400, 800, 1600)
 """Steps a period of three answers to every case; compared are those with 800.
 
 An impact falls anywhere in a step, so that the difference of two steps may vanish where the error does not: it takes
-a third one, as in `reference_lcp.error_bar`.
+a third one, as in `reference_lcp.accuracy.error_bar`.
 """
 
 FRICTION_RATIO = 0.3

@@ -4,11 +4,19 @@ import math
 from functools import cached_property
 from pathlib import Path
 
-from reference_lcp.recorded_base import RecordedBase
-from reference_lcp.transmissibility import Transmissibility, transient_transmissibility
+from reference_lcp.chain.record import RecordedBase
+from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.broadband import BANDS, BASE_AMPLITUDE, RATIOS, ROWS_PER_PERIOD, STEPS_PER_PERIOD, Broadband, Case
-from scenarios.example_record import FILE
+from scenarios.catalogue.example_record import FILE
+from scenarios.catalogue.transient_base import (
+    BANDS,
+    BASE_AMPLITUDE,
+    RATIOS,
+    ROWS_PER_PERIOD,
+    STEPS_PER_PERIOD,
+    Broadband,
+    Case,
+)
 
 REST = 200
 """Periods 2π / ω_r after the record in which the chain dies out."""

@@ -1,9 +1,9 @@
 """A Ricker pulse of the base: a transient that holds all frequencies around ω_r at once."""
 
-from reference_lcp.base_motion import QUIET, RickerPulse
-from reference_lcp.transmissibility import Transmissibility, transient_transmissibility
+from reference_lcp.chain.transient import QUIET, RickerPulse
+from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.broadband import BASE_AMPLITUDE, RATIOS, Broadband, Case
+from scenarios.catalogue.transient_base import BASE_AMPLITUDE, RATIOS, Broadband, Case
 
 
 class RickerPulseScenario(Broadband):

@@ -2,10 +2,10 @@
 
 import math
 
-from reference_lcp.base_motion import SweptSine
-from reference_lcp.transmissibility import Transmissibility, transient_transmissibility
+from reference_lcp.chain.transient import SweptSine
+from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.broadband import BASE_AMPLITUDE, RATIOS, Broadband, Case
+from scenarios.catalogue.transient_base import BASE_AMPLITUDE, RATIOS, Broadband, Case
 
 SWEEP, REST = 250, 100
 """Periods 2π / ω_r of the sweep, and of the rest in which the chain dies out."""

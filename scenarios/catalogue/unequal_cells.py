@@ -5,9 +5,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from scenarios.questions import ChainRatios, Ratio
-from scenarios.steady_case import Case
-from scenarios.steady_scenario import SteadyScenario
+from scenarios.catalogue.steady_base import SteadyScenario
+from scenarios.tasks.questions import ChainRatios, Ratio
+from scenarios.verdicts.steady_case import Case
 
 SEED = 3
 """Of the disordered chain: five of its seven contacts slip at η_r = 0.6, in 22 transitions a period; six at 0.9."""

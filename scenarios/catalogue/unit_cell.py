@@ -1,8 +1,8 @@
 """Stick and slip of a single cell."""
 
-from scenarios.questions import ChainRatios
-from scenarios.steady_case import Case
-from scenarios.steady_scenario import SteadyScenario
+from scenarios.catalogue.steady_base import SteadyScenario
+from scenarios.tasks.questions import ChainRatios
+from scenarios.verdicts.steady_case import Case
 
 ONE_CELL = ChainRatios(cells=1)
 

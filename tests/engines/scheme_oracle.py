@@ -4,10 +4,10 @@ import dataclasses
 
 import numpy as np
 
-from reference_lcp.chain import Chain
-from reference_lcp.drive import HarmonicBase
-from reference_lcp.simulation import Lane
-from reference_lcp.trajectory import State, Trajectory
+from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
 
 AMPLITUDE = 0.01
 STEPS = 400

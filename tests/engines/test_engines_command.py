@@ -5,8 +5,8 @@ import json
 import pytest
 
 from engines.__main__ import app
+from engines.interface.registry import engine_names
 from engines.pybullet import PyBullet
-from engines.registry import engine_names
 from reference_lcp.console import run_command
 
 

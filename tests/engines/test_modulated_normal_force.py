@@ -6,15 +6,15 @@ import re
 import numpy as np
 import pytest
 
-from engines.contract.tolerances import CREEP, TRAJECTORY_TOLERANCE
-from engines.interface import NormalForce
-from engines.registry import engine, engine_names
-from engines.variant import Variant, variants_of
-from reference_lcp.chain import Chain
-from reference_lcp.drive import HarmonicBase
-from reference_lcp.preload import Flight, Preload
-from reference_lcp.simulation import Lane
-from reference_lcp.trajectory import State
+from engines.interface.engine import NormalForce
+from engines.interface.registry import engine, engine_names
+from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
+from engines.interface.variant import Variant, variants_of
+from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.preload import Flight, Preload
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import ParameterError
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, random_state, uneven_lane
 

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from engines.contract.tolerances import CREEP
-from engines.interface import Engine
-from engines.registry import engine
-from reference_lcp.chain import Chain
-from reference_lcp.drive import HarmonicBase
-from reference_lcp.simulation import Lane
-from reference_lcp.trajectory import State, Trajectory
+from engines.interface.engine import Engine
+from engines.interface.registry import engine
+from engines.interface.tolerances import CREEP
+from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import ParameterError
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
@@ -154,8 +154,8 @@ def test_it_is_silent_writes_nothing_and_survives_divergence(tested: Engine, tmp
     program = (
         f"import sys, numpy as np; from engines import engine; tested = engine({tested.name!r})\n"
         f"assert {tested.capabilities.package!r} not in sys.modules\n"
-        "from reference_lcp.chain import Chain; from reference_lcp.drive import HarmonicBase\n"
-        "from reference_lcp.simulation import Lane; from reference_lcp.trajectory import State\n"
+        "from reference_lcp.chain.mass_in_mass import Chain; from reference_lcp.chain.harmonic import HarmonicBase\n"
+        "from reference_lcp.chain.simulation import Lane; from reference_lcp.chain.trajectory import State\n"
         "chain = Chain.from_ratios(friction_ratio=0.1)\n"
         "unstable = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1), 20)\n"
         "end = tested.build([unstable]).advance(State.at_rest(1, 7), 0, 400)\n"

@@ -153,7 +153,7 @@ def test_long_chains_cost_as_much_a_cell_as_short_ones(capsys) -> None:
 
 
 def test_cost_of_long_chains_is_a_table_for_people(capsys, monkeypatch) -> None:
-    monkeypatch.setattr("reference_lcp.bench.CELL_STEPS_OF_A_SAMPLE", 1_000)
+    monkeypatch.setattr("reference_lcp.accuracy.benchmark.CELL_STEPS_OF_A_SAMPLE", 1_000)
     code, out, _ = run(capsys, "bench", "--cells")
     assert code == 0
     assert "100,000" in out

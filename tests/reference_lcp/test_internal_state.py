@@ -16,8 +16,8 @@ from reference_lcp import (
     Trajectory,
     periodic_orbits,
 )
-from reference_lcp.state_scales import StateScales
-from reference_lcp.transmittance import decibel, transmittance
+from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.steady.state_scales import StateScales
 
 STEPS = 400
 

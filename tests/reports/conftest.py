@@ -5,18 +5,18 @@ import math
 import numpy as np
 import pytest
 
-from engines.variant import Variant
-from reports.files import files_of
-from reports.report import Report
-from scenarios.agreement import Comparison, compare_edge
-from scenarios.attenuation_band import Edge
-from scenarios.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
-from scenarios.figure3_comparison import PointAnswers, compare_point, refinements
-from scenarios.friction_map import FrictionMap
-from scenarios.questions import Answer, ChainRatios
-from scenarios.recorded_period import RecordedPeriod
-from scenarios.steady_case import amplification
-from scenarios.step_study import StepPoint
+from engines.interface.variant import Variant
+from reports.data.report import Report
+from reports.export.files import files_of
+from scenarios.execution.recorded import RecordedPeriod
+from scenarios.studies.attenuation_band import Edge
+from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
+from scenarios.studies.friction_map import FrictionMap
+from scenarios.studies.work_precision import StepPoint
+from scenarios.tasks.questions import Answer, ChainRatios
+from scenarios.verdicts.pointwise import PointAnswers, compare_point, refinements
+from scenarios.verdicts.steady_case import amplification
+from scenarios.verdicts.verdict import Comparison, compare_edge
 
 RUNS = Variant("mujoco")
 MISSING = Variant("pybullet")

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from reports import numbers
+from reports import formatting as numbers
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,9 @@ import itertools
 
 import pytest
 
-from engines.variant import Variant
-from scenarios.answering import answer_batch
-from scenarios.questions import Question
+from engines.interface.variant import Variant
+from scenarios.execution.steady import answer_batch
+from scenarios.tasks.questions import Question
 
 WRONG = Variant("mujoco")
 """Whose answers are falsified: any variant that shares the scheme, for the reference answers in its place."""

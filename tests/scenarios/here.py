@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from concurrent.futures import Future
 
-from scenarios.answering import answer_batch
-from scenarios.questions import Answer, Question
+from scenarios.execution.steady import answer_batch
+from scenarios.tasks.questions import Answer, Question
 
 
 class Here:
-    """Takes the place of `ProcessPoolExecutor` in `scenarios.isolation`."""
+    """Takes the place of `ProcessPoolExecutor` in `scenarios.execution.local_processes`."""
 
     def __init__(self, *_arguments: object, **_options: object) -> None: ...
 

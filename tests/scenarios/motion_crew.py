@@ -2,10 +2,10 @@
 
 import dataclasses
 
-from engines.variant import Variant
+from engines.interface.variant import Variant
 from reference_lcp import CompiledSimulation
-from scenarios.answering import answer_batch
-from scenarios.evaluation import Evaluator
+from scenarios.execution.evaluator import Evaluator
+from scenarios.execution.steady import answer_batch
 
 
 class Here:

@@ -7,7 +7,7 @@ state in and gives a trajectory out, and one line in `pyproject.toml`.
 import numpy as np
 
 from engines import Capabilities, Engine, Formulation, FrictionLaw, Preset
-from engines.interface import LaneModel, LanewiseSimulation, constant_normal_force
+from engines.interface.engine import LaneModel, LanewiseSimulation, constant_normal_force
 from reference_lcp import State, Trajectory
 
 

@@ -1,0 +1,112 @@
+"""Box2D's contact formulation: in every cell a box, the inner mass, pressed on a plate, the outer one."""
+
+from typing import Any
+
+import numpy as np
+
+from engines.box2d.bodies import FARTHEST, Box2DLane, import_box2d
+from engines.interface.engine import Option, Preset
+from engines.shared.box_geometry import PressedBoxes
+from engines.shared.force_loop import Step
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import FloatArray
+
+CONTACT_TUNED = Preset(
+    "Boxes pressed on plates; springs, dashpots and drive as forces at the start of the step.",
+    {
+        "units": Option("lane", "SI", "Boxes are about as large as Box2D is made for."),
+        "springs": Option("forces", "distance joints", "At the start of the step, as in equation (5)."),
+        "velocityIterations": Option(2, 8, "Friction comes before the normal force, and is right in the second sweep."),
+        "positionIterations": Option(1, 3, "Boxes start as near to their plates as Box2D leaves them."),
+        "warmStarting": Option(False, True, "No memory of the last impulses."),
+        "AllowSleeping": Option(False, True, "Box2D stops what is slower than 0.01 for half a unit of time."),
+    },
+    shares_scheme=True,
+)
+
+CONTACT_DEFAULT = Preset(
+    "The same boxes, and distance joints as springs, in SI units, with the iterations that Box2D's manual suggests.",
+    {
+        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "springs": Option("distance joints", "distance joints", "Box2D's own: implicit, which damps every vibration."),
+        "velocityIterations": Option(8, 8, "Of the manual; springs that pull on each other are solved by sweeps."),
+        "positionIterations": Option(3, 3, "Of the manual."),
+        "warmStarting": Option(True, True, "Box2D's own: sweeps start from the impulses of the step before."),
+        "AllowSleeping": Option(True, True, "Box2D's own."),
+    },
+    # Sweeps that have not converged go on from the last impulses, which a state does not hold.
+    departure=(
+        "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
+        "the error is of first order, but not yet in proportion to the step"
+    ),
+    split_tolerance=1e-5,
+)
+
+FINENESS = 2.0**4
+"""Unit of length over the lane's own: boxes are some tenths of a unit, where Box2D rounds corners by a hundredth."""
+
+GAP = 3.0
+"""Distance of the outlines of a box and its plate over Box2D's linearSlop: each has a skin of twice that, and skins
+overlap by as much as Box2D leaves alone."""
+
+
+class Box2DContactLane(Box2DLane):
+    """One chain with a box on a plate in every cell."""
+
+    def __init__(self, lane: Lane, preset: Preset):
+        """Take the lane's parameters in its units."""
+        super().__init__(lane, preset, FINENESS)
+        self._sizes = PressedBoxes.of(lane, self._units)
+        cells = self._sizes.spacing * np.arange(lane.chain.cells)
+        self._heights = np.concatenate([cells, cells + GAP * import_box2d().b2_linearSlop])
+        self._pressing = np.concatenate([self._chain.normal_force, -self._chain.normal_force])
+
+    def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
+        polygon, (box, plate) = import_box2d().b2PolygonShape, (self._sizes.box, self._sizes.plate)
+        for cell, friction in enumerate(self._chain.friction_coefficient.tolist()):
+            # Box2D takes the root of the product of the coefficients of the two.
+            for body, shape in (
+                (outer[cell], polygon(vertices=[(-plate, -box), (plate, -box), (plate, 0.0), (-plate, 0.0)])),
+                (inner[cell], polygon(vertices=[(-box, 0.0), (box, 0.0), (box, 2 * box), (-box, 2 * box)])),
+            ):
+                body.CreateFixture(shape=shape, density=1.0, friction=friction, restitution=0.0)
+                body.userData = cell
+
+    def _begin(self, motion: FloatArray) -> Step:
+        self._touching = 0
+        self._points: list[tuple[int, Any]] = []
+        return super()._begin(motion)
+
+    def _contacts(self) -> FloatArray:
+        """Read friction impulse, as it acts on the inner mass, and normal impulse of every cell, shape (2, n)."""
+        if self._world.contactCount != self._touching:
+            # Points of contact refer to Box2D's memory, and hold what is there as long as their contact is.
+            self._touching = self._world.contactCount
+            self._points = [
+                (contact.fixtureA.body.userData, point)
+                for contact in self._world.contacts
+                for point in contact.manifold.points
+            ]
+        found = np.zeros((2, self._chain.cells))
+        for cell, point in self._points:
+            found[0, cell] += point.tangentImpulse
+            found[1, cell] += point.normalImpulse
+        return found
+
+    def _contact_forces(
+        self, read: FloatArray, motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        forces = read / self._time_step * self._units.force
+        return forces[:, 0], forces[:, 1]
+
+    def _state(self, motions: FloatArray) -> State:
+        end = super()._state(motions)
+        self._sizes.check_reach(end, self._units)
+        largest, limit = float(np.max(np.abs(motions[-1, motions.shape[1] // 2 :]))), 0.999 * FARTHEST / self._time_step
+        if largest > limit:
+            velocity = self._units.velocity
+            raise RuntimeError(
+                f"a mass moves at {largest * velocity:g} m/s; Box2D cuts off at {limit * velocity:g} m/s"
+            )
+        return end

@@ -1,0 +1,78 @@
+"""Box2D's joint formulation: in every cell the motor of a prismatic joint, or a friction joint."""
+
+from typing import Any
+
+from engines.box2d.bodies import Box2DLane
+from engines.interface.engine import NormalForce, Option, Preset
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.validation import FloatArray
+
+JOINT_TUNED = Preset(
+    "Motors of bounded force in prismatic joints; springs, dashpots and drive as forces at the start of the step.",
+    {
+        "units": Option("lane", "SI", "Steps stay far below the two units at which Box2D cuts them off."),
+        "springs": Option("forces", "distance joints", "At the start of the step, as in equation (5)."),
+        "joint": Option("prismatic", "friction", "Friction joints do not bound impulses below 1.2e-7."),
+        "velocityIterations": Option(1, 8, "Frictions do not touch each other's masses: the first sweep is exact."),
+        "positionIterations": Option(1, 3, "There is nothing to correct across the motion."),
+        "warmStarting": Option(False, True, "No memory of the last impulses."),
+        "AllowSleeping": Option(False, True, "Box2D stops what is slower than 0.01 for half a unit of time."),
+    },
+    shares_scheme=True,
+    split_tolerance=0.0,
+    normal_force=NormalForce.MODULATED,
+)
+
+JOINT_DEFAULT = Preset(
+    "Friction joints, and distance joints as springs, in SI units, with the iterations that Box2D's manual suggests.",
+    {
+        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "springs": Option("distance joints", "distance joints", "Box2D's own: implicit, which damps every vibration."),
+        "joint": Option("friction", "friction", "Box2D's own for dry friction."),
+        "velocityIterations": Option(8, 8, "Of the manual; springs that pull on each other are solved by sweeps."),
+        "positionIterations": Option(3, 3, "Of the manual."),
+        "warmStarting": Option(True, True, "Box2D's own: sweeps start from the impulses of the step before."),
+        "AllowSleeping": Option(True, True, "Box2D's own."),
+    },
+    # Sweeps that have not converged go on from the last impulses, which a state does not hold.
+    departure=(
+        "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
+        "the error is of first order, but not yet in proportion to the step"
+    ),
+    split_tolerance=1e-5,
+    normal_force=NormalForce.MODULATED,
+)
+
+FINENESS = 2.0**20
+"""Unit of length over the lane's own: no step comes near the length at which Box2D cuts it off."""
+
+
+class Box2DJointLane(Box2DLane):
+    """One chain with a joint in every cell."""
+
+    def __init__(self, lane: Lane, preset: Preset):
+        """Take the lane's parameters in its units."""
+        self._by_motor = preset["joint"] == "prismatic"
+        super().__init__(lane, preset, FINENESS)
+
+    def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
+        here, self._joints = (0.0, 0.0), []
+        for left, right, bound in zip(outer, inner, self._chain.friction_bound.tolist(), strict=True):
+            ends = {"bodyA": left, "bodyB": right, "localAnchorA": here, "localAnchorB": here}
+            if self._by_motor:
+                motor = {"enableMotor": True, "motorSpeed": 0.0, "maxMotorForce": bound}
+                self._joints.append(world.CreatePrismaticJoint(localAxisA=(1.0, 0.0), **ends, **motor))
+            else:
+                self._joints.append(world.CreateFrictionJoint(maxForce=bound, maxTorque=0.0, **ends))
+
+    def _press(self, press: FloatArray) -> None:
+        name = "maxMotorForce" if self._by_motor else "maxForce"
+        for joint, bound in zip(self._joints, (self._chain.friction_coefficient * press).tolist(), strict=True):
+            setattr(joint, name, bound)
+
+    def _contacts(self) -> list[float]:
+        """Read impulses over the time step, which act on the inner mass."""
+        rate = 1 / self._time_step
+        if self._by_motor:
+            return [joint.GetMotorForce(rate) for joint in self._joints]
+        return [joint.GetReactionForce(rate).x for joint in self._joints]

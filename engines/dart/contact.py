@@ -1,0 +1,198 @@
+"""DART's contact formulation: in every cell a box, or a sphere, the inner mass, pressed on a plate, the outer one."""
+
+from typing import Any
+
+import numpy as np
+
+from engines.dart.world import new_world
+from engines.interface.engine import NormalForce, Option, Preset
+from engines.shared.box_geometry import PressedBoxes
+from engines.shared.coordinates import ChainCoordinates
+from engines.shared.force_loop import ExplicitForcesLane, Step
+from engines.shared.units import Units
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import FloatArray, ParameterError
+
+SOFTNESS = 1e-5
+"""DART's constraint force mixing of a point of contact, which Python cannot set; four points share a box."""
+
+CONTACT_TUNED = Preset(
+    "Boxes pressed on plates; springs, dashpots and drive as forces at the start of the step.",
+    {
+        "units": Option("lane", "SI", "No number comes near DART's built-in smallest ones."),
+        "shape": Option("box", "box", "Its four points share DART's constraint force mixing of 1e-5 a point."),
+        "deactivation": Option(
+            False, True, "No body may be put to sleep for moving slowly; on, none was in the chains that were tried."
+        ),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-6,
+    softness=SOFTNESS / 4,
+    normal_force=NormalForce.LIFTING,
+)
+
+CONTACT_DEFAULT = Preset(
+    "The same boxes in SI units; springs are forces all the same, for DART's belong to joints.",
+    {
+        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "shape": Option("box", "box", "The plainest body to press on a plate."),
+        "deactivation": Option(True, True, "DART's own."),
+    },
+    split_tolerance=1e-6,
+    softness=SOFTNESS / 4,
+    normal_force=NormalForce.LIFTING,
+)
+
+CONTACT_SPHERE = Preset(
+    "Spheres, which do not roll, on plates: one point of contact a cell, and half the cost.",
+    {
+        **CONTACT_TUNED.options,
+        "shape": Option("sphere", "box", "One point of contact, with the whole of its constraint force mixing."),
+    },
+    split_tolerance=1e-5,
+    softness=SOFTNESS,
+    normal_force=NormalForce.LIFTING,
+)
+
+DEPTH = 2.0**-40
+"""Depth of a box in its plate over half its edge: DART pushes boxes out by a hundredth of it in a step."""
+
+LEAST_COEFFICIENT = 1e-3
+"""DART takes contacts with a coefficient of friction up to this for frictionless."""
+
+
+class DartContactLane(ExplicitForcesLane):
+    """One chain with a skeleton a cell: a plate that slides along x, and on it a body that is free in the plane.
+
+    A run makes its world anew, so that nothing is left of earlier runs. Cells whose friction is bounded by zero have
+    no contact.
+    """
+
+    coordinates = ChainCoordinates.CELLS
+
+    def __init__(self, lane: Lane, preset: Preset):
+        """Take the lane's parameters in its units."""
+        rubbing = lane.chain.friction_coefficient[lane.chain.friction_bound > 0]
+        least = float(np.min(rubbing, initial=1.0))
+        if least <= LEAST_COEFFICIENT:
+            raise ParameterError(
+                f"friction_coefficient = {least:g} is frictionless for DART; allowed: more than {LEAST_COEFFICIENT:g}"
+            )
+        self._preset = preset
+        super().__init__(lane, Units.named(preset["units"], lane))
+        self._sizes = PressedBoxes.of(lane, self._units)
+        self._rubbing = self._chain.friction_bound > 0
+
+    def bare_steps(self, steps: int) -> None:
+        """Take steps under constant forces that are set once: at rest, without any, contacts have nothing to do."""
+        world, skeletons = self._new_world()
+        for skeleton, bound, press in zip(skeletons, self._chain.friction_bound, self._pressing(), strict=True):
+            skeleton.setForces([0.0, bound / 2, press])
+        step = world.step
+        for _ in range(steps):
+            step(False)
+
+    def _begin(self, motion: FloatArray) -> Step:
+        self._world, skeletons = self._new_world()
+        # Degrees of freedom of a skeleton: along, relative to the plate, and across.
+        along = [skeleton.getDof(degree) for degree in (0, 1) for skeleton in skeletons]
+        for degree, place, rate in zip(along, *motion.reshape(2, -1).tolist(), strict=True):
+            degree.setPosition(place)
+            degree.setVelocity(rate)
+        self._aside = [skeleton.getDof(2) for skeleton in skeletons]
+        for degree, gap, rate in zip(self._aside, *self._across.tolist(), strict=True):
+            degree.setPosition(gap)
+            degree.setVelocity(rate)
+        # Forces stay, for a step that is told so does not clear them: these are set once.
+        for degree, press in zip(self._aside, self._pressing().tolist(), strict=True):
+            degree.setForce(press)
+        # Numbers go in and out in a fifth of the time of short arrays.
+        loads = [degree.setForce for degree in along]
+        reads = [degree.getPosition for degree in along] + [degree.getVelocity for degree in along]
+        advance = self._world.step
+
+        def step(force: FloatArray) -> None:
+            for load, value in zip(loads, force.tolist(), strict=True):
+                load(value)
+            advance(False)
+            motion[:] = [read() for read in reads]
+
+        return step
+
+    def _contacts(self) -> FloatArray:
+        """Read friction and normal force on every inner mass, shape (2, n): sums over the points of a contact."""
+        contacts = self._world.getLastCollisionResult().getContacts()
+        if not contacts:
+            return np.zeros((2, self._chain.cells))
+        forces = np.array([contact.force for contact in contacts])
+        points = np.array([contact.point for contact in contacts])
+        cells = np.rint(points[:, 2] / self._sizes.spacing).astype(np.intp)
+        # The force on either mass; the one that points up is on the inner.
+        forces *= np.where(forces[:, 1:2] > 0, 1.0, -1.0)
+        count = self._chain.cells
+        return np.array([np.bincount(cells, forces[:, axis], count) for axis in (0, 1)])
+
+    def _press(self, press: FloatArray) -> None:
+        for degree, value in zip(self._aside, np.where(self._rubbing, -press, 0.0).tolist(), strict=True):
+            degree.setForce(value)
+
+    def _gaps(self) -> FloatArray:
+        # At the coordinate zero a body is in its plate by less than anything that is measured.
+        degrees = self._aside
+        return np.array([[one.getPosition() for one in degrees], [one.getVelocity() for one in degrees]])
+
+    def _contact_forces(
+        self, read: FloatArray, motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        forces = read * self._units.force
+        return forces[:, 0], np.where(self._rubbing, forces[:, 1], given)
+
+    def _state(self, motions: FloatArray) -> State:
+        end = super()._state(motions)
+        self._sizes.check_reach(end, self._units)
+        return end
+
+    def _pressing(self) -> FloatArray:
+        """Forces across the joint of every inner mass, which act back on the plate."""
+        return np.where(self._rubbing, -self._chain.normal_force, 0.0)
+
+    def _new_world(self) -> tuple[Any, list[Any]]:
+        """Make a world with a skeleton a cell, a skeleton's bodies being allowed to touch each other."""
+        import dartpy
+
+        world = new_world(self._time_step, self._preset["deactivation"])
+        sizes, chain, skeletons = self._sizes, self._chain, []
+        depth = DEPTH * sizes.box
+        for cell in range(chain.cells):
+            skeleton = dartpy.dynamics.Skeleton()
+            skeleton.enableSelfCollisionCheck()
+            skeleton.enableAdjacentBodyCheck()
+            below, plate = skeleton.createPrismaticJointAndBodyNodePair()
+            above, body = skeleton.createTranslationalJoint2DAndBodyNodePair(plate)
+            below.setAxis([1.0, 0.0, 0.0])
+            for joint, place in ((below, [0.0, 0.0, cell * sizes.spacing]), (above, [0.0, 2 * sizes.box - depth, 0.0])):
+                frame = dartpy.math.Isometry3()
+                frame.set_translation(place)
+                joint.setTransformFromParentBodyNode(frame)
+            plate.setMass(chain.outer_mass[cell])
+            body.setMass(chain.inner_mass[cell])
+            if self._rubbing[cell]:
+                self._add_shapes(plate, body, float(chain.friction_coefficient[cell]))
+            world.addSkeleton(skeleton)
+            skeletons.append(skeleton)
+        return world, skeletons
+
+    def _add_shapes(self, plate: Any, body: Any, coefficient: float) -> None:
+        """Add the shapes that touch; DART takes the smaller coefficient of the two."""
+        from dartpy import dynamics
+
+        edge, length = 2 * self._sizes.box, 2 * self._sizes.plate
+        box = self._preset["shape"] == "box"
+        shape = dynamics.BoxShape([edge, edge, edge]) if box else dynamics.SphereShape(self._sizes.box)
+        for owner, solid in ((plate, dynamics.BoxShape([length, edge, edge])), (body, shape)):
+            node = owner.createShapeNode(solid)
+            node.createCollisionAspect()
+            surface = node.createDynamicsAspect()
+            surface.setFrictionCoeff(coefficient)
+            surface.setRestitutionCoeff(0.0)

@@ -1,0 +1,140 @@
+"""DART's joint formulation: a skeleton of sliders with Coulomb friction in the inner ones."""
+
+from typing import Any
+
+import numpy as np
+
+from engines.dart.world import new_world
+from engines.interface.engine import NormalForce, Option, Preset
+from engines.shared.coordinates import ChainCoordinates
+from engines.shared.force_loop import ExplicitForcesLane, Step
+from engines.shared.units import Units
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.validation import FloatArray
+
+SOFTNESS = 1e-9
+"""DART's constraint force mixing of joint friction: the least that it takes, and its default."""
+
+JOINT_TUNED = Preset(
+    "Coulomb friction of joints under springs, dashpots and drive as forces at the start of the step.",
+    {
+        "units": Option("lane", "SI", "No number comes near DART's built-in smallest ones."),
+        "springs": Option(
+            "forces", "of the joints", "At the start of the step, as in equation (5); DART's are implicit."
+        ),
+        "deactivation": Option(
+            False, True, "No body may be put to sleep for moving slowly; on, none was in the chains that were tried."
+        ),
+        "constraint force mixing": Option(SOFTNESS, SOFTNESS, "DART raises smaller values to this one."),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+    softness=SOFTNESS,
+    normal_force=NormalForce.MODULATED,
+)
+
+JOINT_DEFAULT = Preset(
+    "The joints' own springs, dashpots and Coulomb friction in SI units.",
+    {
+        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "springs": Option("of the joints", "of the joints", "DART's own: implicit, which damps every vibration."),
+        "deactivation": Option(True, True, "DART's own."),
+        "constraint force mixing": Option(SOFTNESS, SOFTNESS, "DART's own."),
+    },
+    departure=(
+        "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
+        "the error is of first order, but not yet in proportion to the step"
+    ),
+    split_tolerance=1e-12,
+    softness=SOFTNESS,
+    normal_force=NormalForce.MODULATED,
+)
+
+
+class DartJointLane(ExplicitForcesLane):
+    """One chain; a run makes its world anew, so that nothing is left of earlier runs."""
+
+    def __init__(self, lane: Lane, preset: Preset):
+        """Take the lane's parameters in its units."""
+        self._preset = preset
+        self._own_springs = preset["springs"] == "of the joints"
+        self.coordinates = ChainCoordinates.ROW if self._own_springs else ChainCoordinates.CELLS
+        super().__init__(lane, Units.named(preset["units"], lane))
+
+    def bare_steps(self, steps: int) -> None:
+        """Take steps under constant forces that are set once: DART leaves the friction of still joints out."""
+        world, skeleton = self._new_world()
+        cells = self._chain.cells
+        force = float(np.mean(self._chain.friction_bound)) / 2 * (-1.0) ** np.arange(cells)
+        skeleton.setForces(np.concatenate([force, -force]))
+        step = world.step
+        for _ in range(steps):
+            step(False)
+
+    def _force_matrix(self) -> FloatArray:
+        """Only the drive is left where DART has the springs."""
+        matrix = super()._force_matrix()
+        return np.zeros_like(matrix) if self._own_springs else matrix
+
+    def _begin(self, motion: FloatArray) -> Step:
+        world, self._skeleton = self._new_world()
+        skeleton, half = self._skeleton, motion.size // 2
+        positions, velocities = motion[:half], motion[half:]
+        skeleton.setPositions(positions)
+        skeleton.setVelocities(velocities)
+        load, advance = skeleton.setForces, world.step
+        read_positions, read_velocities = skeleton.getPositions, skeleton.getVelocities
+
+        def step(force: FloatArray) -> None:
+            load(force)
+            advance()
+            positions[:] = read_positions()
+            velocities[:] = read_velocities()
+
+        return step
+
+    def _press(self, press: FloatArray) -> None:
+        first = self._chain.cells
+        for cell, bound in enumerate((self._chain.friction_coefficient * press).tolist()):
+            self._skeleton.getJoint(first + cell).setCoulombFriction(0, bound)
+
+    def _contacts(self) -> FloatArray:
+        """Read the impulses of all joints: getConstraintForces divides them by the time step anew at every call."""
+        impulses: FloatArray = self._skeleton.getJointConstraintImpulses()
+        return impulses[self._chain.cells :] / self._time_step
+
+    def _new_world(self) -> tuple[Any, Any]:
+        """Make a world with one skeleton: sliders of the outer masses, then on each that of its inner mass."""
+        import dartpy
+
+        world, skeleton = new_world(self._time_step, self._preset["deactivation"]), dartpy.dynamics.Skeleton()
+        chain, carriers = self._chain, [None]
+        friction = zip(chain.outer_mass, chain.chain_stiffness, chain.chain_damping, np.zeros(chain.cells), strict=True)
+        for mass, stiffness, damping, bound in friction:
+            carrier = carriers[-1] if self._own_springs else None
+            carriers.append(self._add_slider(skeleton, carrier, mass, stiffness, damping, bound))
+        inner = zip(
+            carriers[1:],
+            chain.inner_mass,
+            chain.inner_stiffness,
+            chain.inner_damping,
+            chain.friction_bound,
+            strict=True,
+        )
+        for values in inner:
+            self._add_slider(skeleton, *values)
+        world.addSkeleton(skeleton)
+        return world, skeleton
+
+    def _add_slider(
+        self, skeleton: Any, carrier: Any, mass: float, stiffness: float, damping: float, bound: float
+    ) -> Any:
+        """Add a body that slides along x on its carrier, the ground if there is none."""
+        joint, body = skeleton.createPrismaticJointAndBodyNodePair(*([] if carrier is None else [carrier]))
+        joint.setAxis([1.0, 0.0, 0.0])
+        joint.setCoulombFriction(0, bound)
+        body.setMass(mass)
+        if self._own_springs:
+            joint.setSpringStiffness(0, stiffness)
+            joint.setDampingCoefficient(0, damping)
+        return body

@@ -1,0 +1,58 @@
+"""Drake: friction of a joint's actuator with bounded effort, or of spheres pressed on planes."""
+
+import importlib.util
+from importlib.metadata import version
+from typing import ClassVar
+
+from engines.drake.contact import (
+    CONTACT_DEFAULT,
+    CONTACT_SAP,
+    CONTACT_SIMILAR,
+    CONTACT_TUNED,
+    DrakeContactLane,
+)
+from engines.drake.joint import JOINT_DEFAULT, JOINT_TUNED, DrakeJointLane
+from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
+from reference_lcp.chain.simulation import Lane, Simulation
+
+
+class Drake(Engine):
+    """Drake's discrete `MultibodyPlant`, advanced by its own simulator."""
+
+    name: ClassVar[str] = "drake"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        title="Drake",
+        further=True,
+        package="drake",
+        licence="BSD-3-Clause",
+        friction_law=FrictionLaw.REGULARISED,
+        presets={
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {
+                "tuned": CONTACT_TUNED,
+                "sap": CONTACT_SAP,
+                "similar": CONTACT_SIMILAR,
+                "default": CONTACT_DEFAULT,
+            },
+        },
+        notes=(
+            "Friction is regularised within a narrow band of velocities, in the tuned presets so narrow that a stuck "
+            "contact creeps at 1e-5 of the motion. Springs act with their force at the start of a step, dashpots of "
+            "joints with the velocity at its end. Of the approximations of contact, kLagged, Drake's own, keeps the "
+            "normal force; with kSap and kSimilar friction lifts a sliding body, which then bounces."
+        ),
+    )
+
+    def version(self) -> str:
+        """Version of the package."""
+        return version("drake")
+
+    def why_not_installed(self) -> str | None:
+        """Say why Drake cannot be used here."""
+        if importlib.util.find_spec("pydrake") is None:
+            return "the package drake is not installed; pip install 'multibody-xval[engines]'"
+        return None
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        model = DrakeJointLane if formulation is Formulation.JOINT else DrakeContactLane
+        return LanewiseSimulation.build(lanes, lambda lane: model(lane, preset))

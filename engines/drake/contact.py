@@ -1,0 +1,270 @@
+"""Drake's contact formulation: in every cell a sphere, the inner mass, pressed on a plane, the outer one.
+
+Contacts are compliant. A sphere is free to move across its plane, λ_N presses both together, and at rest the sphere
+is so deep in the plane that the contact carries λ_N. Where friction acts back on the normal force, a sphere leaves
+this depth: its place across the plane, and the place a step later at the velocity that it has, are the memory of a
+state. Two places are as large as the depth; the velocity itself is zero but for round-off where nothing moves across,
+and would have no size by which a change of it could be judged.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from engines.drake.diagram import Mechanism, joint_numbers
+from engines.drake.lane import (
+    SHARED_DEFAULT_OPTIONS,
+    SHARED_TUNED_OPTIONS,
+    DrakeLane,
+    add_mass,
+    add_slider,
+    set_options,
+)
+from engines.interface.engine import Option, Preset, constant_normal_force
+from engines.shared.units import power_of_two
+from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import FloatArray
+
+SMOOTH_LAW_MARGIN = 1e-3
+"""Drake's friction is μ λ_N v / √(v² + v_s²): at 22 v_s it has come to within a thousandth of its bound, never nearer
+than (v_s / v)² / 2. Read with the margin of laws that reach the bound, a contact would stick up to 700 v_s."""
+
+_TUNED_OPTIONS = {
+    **SHARED_TUNED_OPTIONS,
+    "contact_model": Option("kPoint", "kHydroelasticWithFallback", "The same points; shapes are not asked for more."),
+    "stiction": Option(
+        3e-5, 1e-3, "v_stiction over s ω_r, with s the displacement scale of the drive, instead of in m/s. At 1e-7 "
+        "Drake's solver, which stops at a part of 1e-6, leaves so much that orbits of nearly stuck cells stall.",
+    ),
+    "depth": Option(
+        2.0**-3, 0.0, "Of the sphere at rest, over the displacement scale; sets point_stiffness, 1e6 N/m without it. "
+        "No matter for kLagged; with the others a sliding sphere would leave a stiffer plane.",
+    ),
+    "hunt_crossley_dissipation": Option(
+        0.0, 50.0, "[s/m] Nothing moves across the plane; the other approximations are compared without it."
+    ),
+}  # fmt: skip
+
+CONTACT_TUNED = Preset(
+    "Friction bounded by the normal force at the start of the step: nothing moves across the plane.",
+    {
+        **_TUNED_OPTIONS,
+        "approximation": Option("kLagged", "kLagged", "The others press and lift a sliding sphere; see their presets."),
+    },
+    departure=(
+        "friction is μ λ_N v / √(v² + v_s²) with the stiction velocity v_s = 3e-5 s ω_r: a stuck contact creeps, "
+        "and none reaches its bound, whatever the time step"
+    ),
+    split_tolerance=1e-12,
+    stick_margin=SMOOTH_LAW_MARGIN,
+)
+
+CONTACT_SIMILAR = Preset(
+    "As tuned, with the approximation that Drake advises for strong transients.",
+    {
+        **_TUNED_OPTIONS,
+        "approximation": Option(
+            "kSimilar",
+            "kLagged",
+            "A sliding sphere glides: friction lifts it by μ |ġ_T| δt, and moves it when it turns.",
+        ),
+    },
+    departure=(
+        "friction lifts a sliding sphere by μ |ġ_T| dt: it bounces, and its normal force, which bounds friction, swings"
+    ),
+    split_tolerance=1e-12,
+    stick_margin=SMOOTH_LAW_MARGIN,
+)
+
+CONTACT_SAP = Preset(
+    "As tuned, with the approximation of Drake's solver itself, the convex one of Castro et al., 2022.",
+    {
+        **_TUNED_OPTIONS,
+        "approximation": Option(
+            "kSap", "kLagged", "A sliding sphere glides as with kSimilar, and higher still with a relaxation time."
+        ),
+        "relaxation_time": Option(
+            0.0, 0.1, "[s] Dissipation of kSap; at 0.1 s a sliding sphere would leave its plane."
+        ),
+    },
+    departure=(
+        "friction lifts a sliding sphere by μ |ġ_T| dt: it bounces, and its normal force, which bounds friction, swings"
+    ),
+    split_tolerance=1e-12,
+    stick_margin=SMOOTH_LAW_MARGIN,
+)
+
+CONTACT_DEFAULT = Preset(
+    "A sphere on a plane with a coefficient of friction, in SI units, and everything else as Drake has it.",
+    {
+        **SHARED_DEFAULT_OPTIONS,
+        "contact_model": Option("kHydroelasticWithFallback", "kHydroelasticWithFallback", "Drake's own."),
+        "approximation": Option("kLagged", "kLagged", "Drake's own."),
+        "v_stiction": Option(1e-3, 1e-3, "[m/s] Drake's own: as fast may a stuck contact creep, at every time step."),
+        "point_stiffness": Option(1e6, 1e6, "[N/m] Drake's own, of each of the two bodies."),
+        "hunt_crossley_dissipation": Option(50.0, 50.0, "[s/m] Drake's own; nothing moves across the plane."),
+    },
+    departure=(
+        "friction is μ λ_N v / √(v² + v_s²) with the stiction velocity v_s = 1e-3 m/s: a stuck contact creeps, "
+        "and none reaches its bound, whatever the time step"
+    ),
+    split_tolerance=1e-12,
+    stick_margin=SMOOTH_LAW_MARGIN,
+)
+
+RADIUS = 4.0
+"""Radius of a sphere over the displacement scale of the drive; it enters round-off only."""
+
+WIDTH = 2.0**20
+"""Width of a plane over that scale: no sphere slides off; motions are bitwise those on a half space."""
+
+
+class DrakeContactLane(DrakeLane):
+    """Friction of compliant contacts, regularised within a tolerance of velocity."""
+
+    def _mechanism(self, builder: Any) -> Mechanism:
+        from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, ContactModel, DiscreteContactApproximation
+        from pydrake.multibody.tree import default_model_instance
+
+        plant, scene = AddMultibodyPlantSceneGraph(builder, self._time_step)
+        set_options(plant, self._preset)
+        plant.set_contact_model(getattr(ContactModel, self._preset["contact_model"]))
+        plant.set_discrete_contact_approximation(getattr(DiscreteContactApproximation, self._preset["approximation"]))
+        planes, spheres = self._add_bodies(plant)
+        plant.Finalize()
+        plant.set_stiction_tolerance(self._stiction_tolerance)
+        _keep_to_pairs(scene, planes, spheres)
+        cells = self._chain.cells
+        across = joint_numbers(plant, [f"across {cell}" for cell in range(cells)])
+        pressing = np.zeros(3 * cells)
+        pressing[across[self._rubbing]] = -self._chain.normal_force[self._rubbing]
+        forces = plant.get_generalized_contact_forces_output_port(default_model_instance())
+        return Mechanism(
+            plant,
+            outer=joint_numbers(plant, [f"outer {cell}" for cell in range(cells)]),
+            inner=joint_numbers(plant, [f"inner {cell}" for cell in range(cells)]),
+            across=across,
+            forces=forces if self._rubbing.size else None,
+            constant_force=pressing,
+        )
+
+    def _add_bodies(self, plant: Any) -> tuple[list[Any], list[Any]]:
+        """Add all masses; give the planes of the outer and the spheres of the inner ones that rub."""
+        chain = self._chain
+        planes, spheres = [], []
+        outer = plant.world_body()
+        for cell in range(chain.cells):
+            outer = add_slider(
+                plant, f"outer {cell}", outer, chain.outer_mass[cell], chain.chain_stiffness[cell],
+                chain.chain_damping[cell],
+            )  # fmt: skip
+            inner = self._add_inner(plant, outer, cell)
+            if chain.friction_bound[cell] > 0:
+                planes.append(self._add_plane(plant, outer, cell))
+                spheres.append(self._add_sphere(plant, inner, cell))
+        return planes, spheres
+
+    def _add_inner(self, plant: Any, outer: Any, cell: int) -> Any:
+        """Add a carriage without mass that slides on the outer mass, and on it the inner one, free to move across."""
+        from pydrake.multibody.tree import PrismaticJoint
+
+        chain = self._chain
+        carriage = add_slider(
+            plant, f"inner {cell}", outer, 0.0, chain.inner_stiffness[cell], chain.inner_damping[cell]
+        )
+        inner = add_mass(plant, f"sphere {cell}", chain.inner_mass[cell])
+        upwards = [0.0, 0.0, 1.0]
+        plant.AddJoint(PrismaticJoint(f"across {cell}", carriage.body_frame(), inner.body_frame(), upwards))
+        return inner
+
+    def _add_plane(self, plant: Any, body: Any, cell: int) -> Any:
+        """Add a wide box: of half spaces, which have no end, Drake's search for contacts takes thirteen at most."""
+        from pydrake.geometry import Box
+        from pydrake.math import RigidTransform
+
+        width, height = WIDTH * self._scale, RADIUS * self._scale
+        below = RigidTransform([0.0, 0.0, -height / 2])
+        return plant.RegisterCollisionGeometry(
+            body, below, Box(width, width, height), f"plane {cell}", self._material(cell)
+        )
+
+    def _add_sphere(self, plant: Any, body: Any, cell: int) -> Any:
+        """Add a sphere that touches its plane where the coordinate across is zero."""
+        from pydrake.geometry import Sphere
+        from pydrake.math import RigidTransform
+
+        radius = RADIUS * self._scale
+        above = RigidTransform([0.0, 0.0, radius])
+        return plant.RegisterCollisionGeometry(body, above, Sphere(radius), f"sphere {cell}", self._material(cell))
+
+    def _material(self, cell: int) -> Any:
+        """Make the properties of either body; Drake combines two equal coefficients to the same one."""
+        from pydrake.geometry import AddContactMaterial, ProximityProperties
+        from pydrake.multibody.plant import CoulombFriction
+
+        coefficient = float(self._chain.friction_coefficient[cell])
+        properties = ProximityProperties()
+        AddContactMaterial(
+            properties,
+            # Equal springs in series are half as stiff.
+            point_stiffness=2 * self._chain.normal_force[cell] / self._depth[cell],
+            dissipation=self._preset["hunt_crossley_dissipation"] * self._units.velocity,
+            friction=CoulombFriction(coefficient, coefficient),
+        )
+        if "relaxation_time" in self._preset.options:
+            relaxation_time = self._preset["relaxation_time"] / self._units.time
+            properties.AddProperty("material", "relaxation_time", relaxation_time)
+        return properties
+
+    @property
+    def _scale(self) -> float:
+        """Power of two near the displacement scale: depths are then exact."""
+        return power_of_two(self.lane.drive.displacement_scale(self.lane.chain)) / self._units.length
+
+    @property
+    def _depth(self) -> FloatArray:
+        """Depth of every sphere at rest; zero where nothing presses."""
+        chain, preset = self._chain, self._preset
+        if "depth" in preset.options:
+            depths = np.full(chain.cells, preset["depth"] * self._scale)
+        else:
+            depths = chain.normal_force / (preset["point_stiffness"] / 2)
+        return np.where(chain.friction_bound > 0, depths, 0.0)
+
+    @property
+    def _stiction_tolerance(self) -> float:
+        """Relative velocity at which friction is near its bound."""
+        if "v_stiction" in self._preset.options:
+            return float(self._preset["v_stiction"]) / self._units.velocity
+        speed = self.lane.drive.displacement_scale(self.lane.chain) * self.lane.chain.resonator_frequency
+        return float(self._preset["stiction"]) * speed / self._units.velocity
+
+    def _across(self, state: State) -> FloatArray:
+        if state.memory is None:
+            return np.stack([-self._depth, np.zeros(self._chain.cells)])
+        place, later = np.split(state.memory[0], 2)
+        return np.stack([place / self._units.length, (later - place) / self.lane.time_step / self._units.velocity])
+
+    def _memory(self, mechanism: Mechanism, vector: FloatArray) -> FloatArray:
+        place, velocity = (half[mechanism.across] for half in np.split(vector, 2))
+        place, velocity = place * self._units.length, velocity * self._units.velocity
+        return np.concatenate([place, place + self.lane.time_step * velocity])
+
+    def _contact_forces(self, mechanism: Mechanism, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+        steps = rows.shape[0]
+        given = constant_normal_force(self.lane, steps)
+        if mechanism.forces is None:
+            return np.zeros((steps, self._chain.cells)), given
+        forces = rows * self._units.force
+        measured = forces[:, mechanism.across]
+        return forces[:, mechanism.inner], np.where(self.lane.chain.friction_bound > 0, measured, given)
+
+
+def _keep_to_pairs(scene: Any, planes: list[Any], spheres: list[Any]) -> None:
+    """Let every sphere touch its own plane only: planes lie in each other, under all spheres."""
+    from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
+
+    declaration = CollisionFilterDeclaration().ExcludeWithin(GeometrySet(spheres)).ExcludeWithin(GeometrySet(planes))
+    for own, plane in enumerate(planes):
+        declaration.ExcludeBetween(GeometrySet([plane]), GeometrySet(spheres[:own] + spheres[own + 1 :]))
+    scene.collision_filter_manager().Apply(declaration)

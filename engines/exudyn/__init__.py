@@ -1,0 +1,80 @@
+"""Exudyn: the chain as one generic second-order object, with a dry-friction connector in every cell.
+
+The connector `CoordinateSpringDamperExt` knows two friction laws, and each is an engine of its own here:
+a force proportional to velocity within a narrow zone, and a bristle that sticks until it breaks. Discs pressed
+on planes know the first law only.
+"""
+
+import importlib.util
+from importlib.metadata import version
+from typing import ClassVar
+
+from engines.exudyn.contact import CONTACT_DEFAULT, CONTACT_TUNED, ContactLane
+from engines.exudyn.joint import (
+    BRISTLE_DEFAULT,
+    BRISTLE_TUNED,
+    REGULARISED_DEFAULT,
+    REGULARISED_TUNED,
+    BristleLane,
+    RegularisedLane,
+)
+from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
+from reference_lcp.chain.simulation import Lane, Simulation
+
+
+class _Exudyn(Engine):
+    """What both friction laws share."""
+
+    def version(self) -> str:
+        """Version of the package."""
+        return version("exudyn")
+
+    def why_not_installed(self) -> str | None:
+        """Say why Exudyn cannot be used here."""
+        if importlib.util.find_spec("exudyn") is None:
+            return "the package exudyn is not installed; pip install exudyn"
+        return None
+
+
+class ExudynRegularised(_Exudyn):
+    """Exudyn, friction proportional to the relative velocity within a narrow zone."""
+
+    name: ClassVar[str] = "exudyn-regularised"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        title="Exudyn, regularised",
+        package="exudyn",
+        licence="BSD-3-Clause",
+        friction_law=FrictionLaw.REGULARISED,
+        presets={
+            Formulation.JOINT: {"tuned": REGULARISED_TUNED, "default": REGULARISED_DEFAULT},
+            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+        },
+        notes=(
+            "Friction is proportional to the relative velocity below the width of a zone, so that a stuck contact "
+            "creeps; the transmittance errs in proportion to the width, most where cells hardly move."
+        ),
+    )
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        model = RegularisedLane if formulation is Formulation.JOINT else ContactLane
+        return LanewiseSimulation.build(lanes, lambda lane: model(lane, preset))
+
+
+class ExudynBristle(_Exudyn):
+    """Exudyn, friction as a bristle: a stiff spring and dashpot until the bound is reached."""
+
+    name: ClassVar[str] = "exudyn-bristle"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        title="Exudyn, bristle",
+        package="exudyn",
+        licence="BSD-3-Clause",
+        friction_law=FrictionLaw.BRISTLE,
+        presets={Formulation.JOINT: {"tuned": BRISTLE_TUNED, "default": BRISTLE_DEFAULT}},
+        notes=(
+            "A stuck contact is a stiff spring and dashpot and gives way by F / k_s; a slipping one sticks only from "
+            "the end of a substep on, so that the period map jumps, and some orbits repeat to 1e-3 and not to 1e-8."
+        ),
+    )
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        return LanewiseSimulation.build(lanes, lambda lane: BristleLane(lane, preset))

@@ -1,0 +1,216 @@
+"""Exudyn's joint formulation: a connector with dry friction between outer and inner mass, by two laws."""
+
+from typing import Any
+
+import numpy as np
+
+from engines.exudyn.lane import ExudynLane
+from engines.interface.engine import Option, Preset
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import FloatArray, checked_count
+
+_SHARED_OPTIONS = {
+    "units": Option("lane", "SI", "Tolerances are then relative to what moves, whatever its size."),
+    "module": Option("fast", "checked", "The build without range checks needs a quarter less time."),
+    "solver": Option("Newmark", "generalised alpha", "Accelerations then follow from the state: restarts are exact."),
+    "relative_tolerance": Option(1e-10, 1e-8, "Newton residual over the first; a period then repeats to 1e-8."),
+    "absolute_tolerance": Option(1e-13, 1e-10, "Newton residual in the units of the lane, where forces are small."),
+    "smallest_step": Option(1e-6, 1e-8, "Over dt, not in seconds: where adaptive steps give up."),
+}
+
+REGULARISED_TUNED = Preset(
+    "Steps and proportional zone small enough that creep stays below what a transmittance shows.",
+    {
+        **_SHARED_OPTIONS,
+        "substeps": Option(
+            8, 1, "Steps inside each dt: the trapezoidal rule rings where F h / m_red is many zones wide."
+        ),
+        "zone": Option(2.5e-4, 0.0, "frictionProportionalZone over s ω_r, with s the displacement scale of the drive."),
+        "zone_per_kick": Option(0.15, 0.0, "Smallest frictionProportionalZone over F h / m_red, for h the substep."),
+    },
+    departure=(
+        "friction is proportional to the slip velocity within a zone: a stuck contact creeps, and the error is in"
+        " proportion to the width of the zone, whatever the time step"
+    ),
+    split_tolerance=1e-9,
+)
+
+BRISTLE_TUNED = Preset(
+    "Bristles as stiff as the step resolves, and one correction of the friction state a step.",
+    {
+        **_SHARED_OPTIONS,
+        "substeps": Option(4, 1, "Steps inside each dt: reversals that graze are seen at the end of a step only."),
+        "bristle_phase": Option(
+            0.4, 0.0, "h √(k_s / m_red), and so stickingStiffness k_s; at 1.8 far cells err by 0.8 dB, at 0.6 by 0.5."
+        ),
+        "bristle_damping": Option(0.4, 0.0, "stickingDamping over 2 √(k_s m_red); more delays reversals, 0 rings."),
+        "discontinuous_iterations": Option(
+            1, 5, "Corrections of the friction state a step, whatever their error; 5 at coarse steps stall the orbit."
+        ),
+    },
+    departure=(
+        "a stuck contact is a stiff spring that gives way by F / k_s, and sticks only from the end of a substep "
+        "on: short sticks are missed or made up"
+    ),
+    split_tolerance=1e-9,
+)
+
+_SHARED_DEFAULTS = {
+    "units": Option("SI", "SI", "The numbers of the chain as they are."),
+    "module": Option("fast", "checked", "Changes the cost only."),
+    "solver": Option("generalised alpha", "generalised alpha", "Exudyn's own, of spectral radius 0.9."),
+    "relative_tolerance": Option(1e-8, 1e-8, "Exudyn's own."),
+    "absolute_tolerance": Option(1e-10, 1e-10, "Exudyn's own."),
+    "smallest_step": Option(1e-6, 1e-8, "Over dt, not in seconds; met by no motion of a stable step."),
+    "substeps": Option(1, 1, "One step inside each dt."),
+}
+
+# A restart has to find the accelerations anew, which generalised alpha carries from step to step: runs split inexactly.
+REGULARISED_DEFAULT = Preset(
+    "The solver as it comes, and a proportional zone as narrow as one would write without trying.",
+    {
+        **_SHARED_DEFAULTS,
+        "frictionProportionalZone": Option(
+            1e-3,
+            0.0,
+            "[m/s] Needed: without a zone or a bristle, friction jumps. Exudyn's own for spheres.",
+        ),
+    },
+    departure=(
+        "friction is proportional to the slip velocity within a zone of 1e-3 m/s: a stuck contact creeps, "
+        "whatever the time step"
+    ),
+    split_tolerance=1e-4,
+)
+
+BRISTLE_DEFAULT = Preset(
+    "The solver as it comes, and the bristle of Exudyn's own friction oscillator.",
+    {
+        **_SHARED_DEFAULTS,
+        "stickingStiffness": Option(1e4, 0.0, "[N/m] Needed; the value of Exudyn's example of a friction oscillator."),
+        "stickingDamping": Option(1e2, 0.0, "[N s/m] As there: a hundredth of the stiffness."),
+        "discontinuous_iterations": Option(5, 5, "Exudyn's own."),
+    },
+    departure="a stuck contact is a spring of 1e4 N/m, so soft that it gives way by as much as the chain moves",
+    split_tolerance=0.05,
+)
+
+
+def proportional_zone(lane: Lane, cell: int, preset: Preset) -> float:
+    """Narrowest zone [m/s] that neither creeps visibly nor rings."""
+    chain = lane.chain
+    inertia = 1 / chain.outer_mass[cell] + 1 / chain.inner_mass[cell]
+    kick = float(chain.friction_bound[cell] * inertia) * lane.time_step / preset["substeps"]
+    speed = lane.drive.displacement_scale(chain) * chain.resonator_frequency
+    return max(preset["zone"] * speed, preset["zone_per_kick"] * kick)
+
+
+class RegularisedLane(ExudynLane):
+    """Friction -F ġ_T / v_reg within |ġ_T| < v_reg, -F sign ġ_T beyond."""
+
+    def __init__(self, lane: Lane, preset: Preset):
+        self._preset = preset
+        super().__init__(lane, preset)
+
+    def _connector(self, cell: int) -> dict[str, Any]:
+        bound = float(self._chain.friction_bound[cell])
+        return {"dynamicFrictionForce": bound, "frictionProportionalZone": self._zone(cell) / self._units.velocity}
+
+    def _zone(self, cell: int) -> float:
+        """Width of the zone [m/s] in which friction is proportional to the relative velocity."""
+        if "frictionProportionalZone" in self._preset.options:
+            return float(self._preset["frictionProportionalZone"])
+        return proportional_zone(self.lane, cell, self._preset)
+
+
+class BristleLane(ExudynLane):
+    """Friction of a bristle, which remembers whether it slips and where its foot is.
+
+    The memory of a state is, in SI units, for each contact the slip force [N] with the sign of the
+    slip, 0 in stick; then for each contact the deflection of the bristle [m]. Deflections, unlike
+    the positions of the feet, stay valid when a solver of periodic orbits moves all masses.
+    """
+
+    def __init__(self, lane: Lane, preset: Preset):
+        self._preset = preset
+        super().__init__(lane, preset)
+
+    def _connector(self, cell: int) -> dict[str, Any]:
+        from exudyn import itemInterface
+
+        node = self._system.AddNode(
+            itemInterface.NodeGenericData(initialCoordinates=[0.0] * 3, numberOfDataCoordinates=3)
+        )
+        return {
+            "nodeNumber": node,
+            "dynamicFrictionForce": float(self._chain.friction_bound[cell]),
+            "stickingStiffness": float(self._stiffness[cell]),
+            "stickingDamping": float(self._damping[cell]),
+        }
+
+    @property
+    def _stiffness(self) -> FloatArray:
+        """Stiffness k_s of each bristle in the units of the lane."""
+        if "stickingStiffness" in self._preset.options:
+            unit = self._units.force / self._units.length
+            return np.full(self._chain.cells, self._preset["stickingStiffness"] / unit)
+        phase = self._preset["bristle_phase"] * self._substeps / self._time_step
+        stiffness: FloatArray = phase**2 * self._reduced_mass
+        return stiffness
+
+    @property
+    def _damping(self) -> FloatArray:
+        """Dashpot beside each bristle in the units of the lane."""
+        if "stickingDamping" in self._preset.options:
+            unit = self._units.force / self._units.velocity
+            return np.full(self._chain.cells, self._preset["stickingDamping"] / unit)
+        damping: FloatArray = self._preset["bristle_damping"] * 2 * np.sqrt(self._stiffness * self._reduced_mass)
+        return damping
+
+    def _solver_settings(self, preset: Preset) -> Any:
+        settings = super()._solver_settings(preset)
+        # With none, Exudyn reports success and leaves the chain where it is.
+        iterations = checked_count("discontinuous_iterations", preset["discontinuous_iterations"])
+        settings.timeIntegration.discontinuous.maxIterations = iterations
+        return settings
+
+    def _set_friction_state(self, state: State, start: int) -> None:
+        if state.memory is None:
+            slip, deflection = self._fresh(state, start)
+        else:
+            slip, deflection = np.split(state.memory[0], 2)
+            slip, deflection = self._nearest_slip(slip / self._units.force), deflection / self._units.length
+        outer, inner = np.split(state.positions[0] / self._units.length, 2)
+        data = np.stack([slip, inner - outer - deflection, np.zeros_like(slip)], axis=1)[self._rubbing]
+        self._system.systemData.SetDataCoordinates(data.ravel(), self._exudyn.ConfigurationType.Initial)
+
+    def _nearest_slip(self, slip: FloatArray) -> FloatArray:
+        """Slip forces that a bristle can have, 0 or ±μN: a search of periodic orbits mixes those of several periods."""
+        bound = self._chain.friction_bound
+        return np.where(np.abs(slip) > bound / 2, np.copysign(bound, slip), 0.0)
+
+    def _friction_state(self) -> FloatArray:
+        current = self._exudyn.ConfigurationType.Current
+        data = np.array(self._system.systemData.GetDataCoordinates(current)).reshape(-1, 3)
+        outer, inner = np.split(np.array(self._system.systemData.GetODE2Coordinates(current)), 2)
+        slip, deflection = np.zeros((2, self._chain.cells))
+        slip[self._rubbing] = data[:, 0]
+        deflection[self._rubbing] = (inner - outer)[self._rubbing] - data[:, 1]
+        return np.concatenate([slip * self._units.force, deflection * self._units.length])
+
+    def _fresh(self, state: State, start: int) -> tuple[FloatArray, FloatArray]:
+        """Slip forces and deflections without a history: each bristle holds the load that it meets.
+
+        A bristle that started unloaded would let go of a stuck contact and ring.
+        """
+        chain = self._chain
+        position, velocity = state.positions[0] / self._units.length, state.velocities[0] / self._units.velocity
+        load = -chain.stiffness_matrix @ position - chain.damping_matrix @ velocity
+        load[0] += self.lane.loads(start, 1)[0] / self._units.force
+        outer, inner = np.split(load / np.diag(chain.mass_matrix), 2)
+        holding = self._reduced_mass * (inner - outer)
+        force = holding + self._damping * (chain.contact_directions.T @ velocity)
+        slips = np.abs(force) >= chain.friction_bound
+        slip = np.where(slips, np.copysign(chain.friction_bound, force), 0.0)
+        return slip, np.where(slips, 0.0, holding / self._stiffness)

@@ -1,0 +1,296 @@
+"""One chain in Exudyn: masses, springs, load, sensors and solver; a friction law adds its connectors."""
+
+import contextlib
+import dataclasses
+import io
+import sys
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from engines.interface.engine import LaneModel, Preset, constant_normal_force
+from engines.shared.units import Units
+from reference_lcp.chain.harmonic import HarmonicBase, HarmonicForce
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.validation import FloatArray, checked_count
+
+
+class ExudynLane(LaneModel):
+    """One chain as a system of Exudyn, in the units of its lane.
+
+    Parameters
+    ----------
+    lane
+        The lane.
+    preset
+        Its options.
+    """
+
+    def __init__(self, lane: Lane, preset: Preset):
+        self.lane = lane
+        units = Units.named(preset["units"], lane)
+        # With dt as unit of time the solver adds up binary fractions: its times are exact, however late.
+        self._units = units if preset["units"] == "SI" else dataclasses.replace(units, time=lane.time_step)
+        self._time_step = lane.time_step / self._units.time
+        self._chain = self._units.scaled(lane.chain)
+        self._substeps = preset["substeps"]
+        self._reduced_mass = 1 / (1 / self._chain.outer_mass + 1 / self._chain.inner_mass)
+        self._rubbing = np.flatnonzero(self._chain.friction_bound > 0)
+        with imported(preset["module"]) as exudyn:
+            self._exudyn = exudyn
+            self._container = exudyn.SystemContainer()
+            self._system = self._container.AddSystem()
+            self._assemble(preset)
+        self._settings = self._solver_settings(preset)
+        self._loads: list[float] = []
+        self._first_load = 0
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state`; sensors record the ends of the steps."""
+        memory = self._solve(state, start, steps, record=True)
+        positions, velocities = self._recorded_motion(steps)
+        friction, normal_force = self._recorded_forces(steps)
+        return Trajectory(
+            self.lane.times(start, steps),
+            positions * self._units.length,
+            velocities * self._units.velocity,
+            friction,
+            normal_force,
+            memory,
+        )
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does and give the end only; without sensors it needs less time."""
+        memory = self._solve(state, start, steps, record=False)
+        data, current = self._system.systemData, self._exudyn.ConfigurationType.Current
+        position = self._along(np.array(data.GetODE2Coordinates(current)))
+        velocity = self._along(np.array(data.GetODE2Coordinates_t(current)))
+        return State(
+            position[None] * self._units.length,
+            velocity[None] * self._units.velocity,
+            None if memory is None else memory[None],
+        )
+
+    def bare_steps(self, steps: int) -> None:
+        """Let Exudyn's solver take steps from rest, nothing recorded; it computes the load itself."""
+        settings, data = self._settings, self._system.systemData
+        self._tabulate_load(0, steps)
+        settings.timeIntegration.startTime, settings.timeIntegration.endTime = 0, steps * self._time_step
+        settings.timeIntegration.numberOfSteps = steps * self._substeps
+        settings.solution.sensors.active = False
+        rest = np.zeros_like(data.GetODE2Coordinates())
+        data.SetODE2Coordinates(rest, self._exudyn.ConfigurationType.Initial)
+        data.SetODE2Coordinates_t(rest, self._exudyn.ConfigurationType.Initial)
+        with _silent(self._exudyn):
+            self._exudyn.MainSolverImplicitSecondOrder().SolveSystem(self._system, settings)
+
+    def close(self) -> None:
+        """Empty the system; Python frees the rest with the last reference."""
+        self._container.Reset()
+
+    def _connector(self, cell: int) -> dict[str, Any]:
+        """Parameters of the friction connector of one cell, in the units of the lane."""
+        raise NotImplementedError
+
+    def _along(self, coordinates: FloatArray) -> FloatArray:
+        """Pick the displacements of outer, then inner masses from Exudyn's coordinates; velocities likewise."""
+        return coordinates
+
+    def _coordinates(self, along: FloatArray) -> FloatArray:
+        """Give all of Exudyn's coordinates for displacements; velocities likewise."""
+        return along
+
+    def _recorded_motion(self, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Displacements and velocities of all masses at the ends of the steps, in the units of the lane."""
+        positions, velocities = (self._recorded(sensor, steps) for sensor in self._motion_sensors)
+        return positions, velocities
+
+    def _recorded_forces(self, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Friction and normal force of every contact [N]."""
+        friction = np.zeros((steps, self._chain.cells))
+        for cell, sensor in zip(self._rubbing, self._force_sensors, strict=True):
+            # The connector's force resists its elongation: it is -λ_T on the inner mass.
+            friction[:, cell] = -self._recorded(sensor, steps)[:, 0]
+        return friction * self._units.force, constant_normal_force(self.lane, steps)
+
+    def _set_friction_state(self, state: State, start: int) -> None:
+        """Set what the friction law remembers, if it does."""
+        return
+
+    def _friction_state(self) -> FloatArray | None:
+        """Give what the friction law remembers at the end of a run."""
+        return None
+
+    def _solve(self, state: State, start: int, steps: int, record: bool) -> FloatArray | None:
+        """Run the solver, a new one each time: none of its data outlive a run."""
+        checked_count("steps", steps)
+        data, initial = self._system.systemData, self._exudyn.ConfigurationType.Initial
+        data.SetODE2Coordinates(self._coordinates(state.positions[0] / self._units.length), initial)
+        data.SetODE2Coordinates_t(self._coordinates(state.velocities[0] / self._units.velocity), initial)
+        self._set_friction_state(state, start)
+        self._tabulate_load(start, steps)
+        integration = self._settings.timeIntegration
+        integration.startTime = start * self._time_step
+        integration.endTime = (start + steps) * self._time_step
+        integration.numberOfSteps = steps * self._substeps
+        self._settings.solution.sensors.active = record
+        solver = self._exudyn.MainSolverImplicitSecondOrder()
+        with _silent(self._exudyn):
+            succeeded = solver.SolveSystem(self._system, self._settings)
+        if not succeeded:
+            raise RuntimeError(f"exudyn stopped at {solver.it.currentTime * self._units.time:g} s: no convergence")
+        return self._friction_state()
+
+    def _recorded(self, sensor: Any, steps: int) -> FloatArray:
+        """Rows of a sensor at the ends of the steps, without its column of time and its initial row."""
+        rows: FloatArray = self._system.GetSensorStoredData(sensor)[1:, 1:]
+        if rows.shape[0] != steps:
+            raise RuntimeError(f"exudyn recorded {rows.shape[0]} rows in {steps} steps")
+        return rows
+
+    def _assemble(self, preset: Preset) -> None:
+        """Add masses, springs and dashpots as matrices, the friction connectors, the load and the sensors."""
+        from exudyn import itemInterface
+
+        system, cells = self._system, self._chain.cells
+        still = [0.0] * (2 * cells)
+        node = system.AddNode(
+            itemInterface.NodeGenericODE2(
+                numberOfODE2Coordinates=2 * cells,
+                referenceCoordinates=still,
+                initialCoordinates=still,
+                initialCoordinates_t=still,
+            )
+        )
+        system.AddObject(
+            itemInterface.ObjectGenericODE2(
+                nodeNumbers=[node],
+                massMatrix=self._chain.mass_matrix,
+                stiffnessMatrix=self._chain.stiffness_matrix,
+                dampingMatrix=self._chain.damping_matrix,
+            )
+        )
+        markers = [
+            system.AddMarker(itemInterface.MarkerNodeCoordinate(nodeNumber=node, coordinate=i))
+            for i in range(2 * cells)
+        ]
+        connectors = [
+            system.AddObject(
+                itemInterface.ObjectConnectorCoordinateSpringDamperExt(
+                    markerNumbers=[markers[cell], markers[cells + cell]], **self._connector(cell)
+                )
+            )
+            for cell in self._rubbing.tolist()
+        ]
+        self._add_load(markers[0])
+        self._add_sensors(node, connectors)
+        system.Assemble()
+
+    def _add_load(self, marker: Any) -> None:
+        """Load the outer mass of cell 1: harmonic drives by a compiled expression, others from a table."""
+        from exudyn import advancedUtilities, itemInterface
+
+        load = self._system.AddLoad(itemInterface.LoadCoordinate(markerNumber=marker, load=0.0))
+        harmonic = _harmonic_amplitudes(self.lane)
+        if harmonic is None:
+            function = self._tabulated_load
+        else:
+            sine, cosine = (float(amplitude / self._units.force) for amplitude in harmonic[:2])
+            omega = harmonic[2] * self._units.time
+            symbolic = self._exudyn.symbolic
+
+            def expression(mbs: Any, t: Any, load: Any) -> Any:  # noqa: ARG001 - names that Exudyn looks for
+                return sine * symbolic.sin(omega * t) + cosine * symbolic.cos(omega * t)
+
+            function = advancedUtilities.CreateSymbolicUserFunction(self._system, expression, "loadUserFunction", load)
+        self._load_function = function  # Exudyn does not keep it alive
+        self._system.SetLoadParameter(load, "loadUserFunction", function)
+
+    def _tabulate_load(self, start: int, steps: int) -> None:
+        """Compute a drive that is not harmonic at the ends of all substeps of a run, at once."""
+        if _harmonic_amplitudes(self.lane) is not None:
+            return
+        substeps = start * self._substeps + np.arange(steps * self._substeps + 1, dtype=np.float64)
+        loads = self.lane.drive.load(self.lane.chain, substeps * (self.lane.time_step / self._substeps))
+        self._loads, self._first_load = (loads / self._units.force).tolist(), start * self._substeps
+
+    def _tabulated_load(self, _system: Any, time: float, _load: float) -> float:
+        """Load at a time; between substeps, where the solver halves one, along a straight line."""
+        place = time / self._time_step * self._substeps - self._first_load
+        before = min(max(int(place), 0), len(self._loads) - 2)
+        part = place - before
+        return (1 - part) * self._loads[before] + part * self._loads[before + 1]
+
+    def _add_sensors(self, node: Any, connectors: Sequence[Any]) -> None:
+        """Record the motion of all masses and the force of each connector, in memory only."""
+        from exudyn import itemInterface
+
+        kinds = self._exudyn.OutputVariableType
+        self._motion_sensors = [
+            self._add_sensor(itemInterface.SensorNode(nodeNumber=node, outputVariableType=kind))
+            for kind in (kinds.Coordinates, kinds.Coordinates_t)
+        ]
+        self._force_sensors = [
+            self._add_sensor(itemInterface.SensorObject(objectNumber=connector, outputVariableType=kinds.Force))
+            for connector in connectors
+        ]
+
+    def _add_sensor(self, sensor: Any) -> Any:
+        """Add a sensor that records in memory only."""
+        sensor.storeInternal, sensor.writeToFile = True, False
+        return self._system.AddSensor(sensor)
+
+    def _solver_settings(self, preset: Preset) -> Any:
+        """Settings of the implicit solver, without any output to files or console."""
+        settings = self._exudyn.SimulationSettings()
+        settings.solution.file.write = False
+        # A little less than a step, for times in seconds add up with round-off.
+        settings.solution.sensors.writePeriod = self._time_step * (1 - 1e-9)
+        integration = settings.timeIntegration
+        integration.verboseMode = 0
+        integration.minimumStepSize = preset["smallest_step"] * self._time_step
+        integration.generalizedAlpha.useNewmark = preset["solver"] == "Newmark"
+        integration.newton.relativeTolerance = preset["relative_tolerance"]
+        integration.newton.absoluteTolerance = preset["absolute_tolerance"]
+        return settings
+
+
+def _harmonic_amplitudes(lane: Lane) -> tuple[float, float, float] | None:
+    """Sine and cosine amplitude [N] and ω [rad/s] of the force on cell 1, ``None`` for other drives."""
+    drive: Any = lane.drive
+    if type(drive) is HarmonicForce:
+        return drive.amplitude, 0.0, drive.angular_frequency
+    if type(drive) is HarmonicBase:
+        chain: Chain = lane.chain
+        spring = float(chain.chain_stiffness[0]) * drive.amplitude
+        dashpot = float(chain.chain_damping[0]) * drive.amplitude * drive.angular_frequency
+        return spring, dashpot, drive.angular_frequency
+    return None
+
+
+@contextlib.contextmanager
+def imported(module: str) -> Iterator[Any]:
+    """Import Exudyn without its greeting, and keep its console silent while a system is built."""
+    if "exudyn" not in sys.modules:
+        # The only switch for the fast build that is read at import and not inherited by other programs.
+        sys.exudynFast = module == "fast"  # type: ignore[attr-defined]
+    with contextlib.redirect_stdout(io.StringIO()):
+        import exudyn
+        import exudyn.advancedUtilities
+        import exudyn.itemInterface
+    with _silent(exudyn):
+        yield exudyn
+
+
+@contextlib.contextmanager
+def _silent(exudyn: Any) -> Iterator[None]:
+    """Keep Exudyn from printing; failures are raised, with their reason."""
+    printed = exudyn.config.printToConsole
+    exudyn.config.printToConsole = False
+    try:
+        yield
+    finally:
+        exudyn.config.printToConsole = printed

@@ -1,0 +1,1 @@
+"""The contract between engines and the suite: engine, presets, registry, variant, tolerances."""

@@ -1,0 +1,283 @@
+"""The contract that every engine fulfils."""
+
+import platform
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from typing import Any, ClassVar, Protocol, runtime_checkable
+
+import numpy as np
+
+from reference_lcp.chain.simulation import Lane, Simulation, common_cells
+from reference_lcp.observables.stick_slip import STICK_MARGIN
+from reference_lcp.steady.orbits import DEFAULT_RESIDUAL
+from reference_lcp.stepping.sequential import LaneModel, LanewiseSimulation
+from reference_lcp.validation import FloatArray, ParameterError, checked_choice
+
+__all__ = [
+    "BareStepping",
+    "Capabilities",
+    "Engine",
+    "EngineNotInstalled",
+    "Formulation",
+    "FrictionLaw",
+    "LaneModel",
+    "LanewiseSimulation",
+    "NormalForce",
+    "Option",
+    "Preset",
+    "constant_normal_force",
+]
+
+
+class FrictionLaw(StrEnum):
+    """How an engine represents Coulomb friction."""
+
+    COULOMB = "Coulomb"
+    REGULARISED = "regularised"
+    BRISTLE = "bristle"
+
+
+class Formulation(StrEnum):
+    """Where the friction acts: in a joint's own dry friction, or between two pressed bodies."""
+
+    JOINT = "joint"
+    CONTACT = "contact"
+
+
+class NormalForce(StrEnum):
+    """How a normal force may change in time, from the least that a preset can represent to the most."""
+
+    CONSTANT = "constant"
+    MODULATED = "modulated"
+    LIFTING = "modulated until contacts open"
+
+    @classmethod
+    def of(cls, lane: Lane) -> "NormalForce":
+        """Give what a lane asks for."""
+        if lane.preload is None:
+            return cls.CONSTANT
+        return cls.LIFTING if lane.opens else cls.MODULATED
+
+
+@dataclass(frozen=True)
+class Option:
+    """One setting of an engine.
+
+    Parameters
+    ----------
+    value
+        What the preset sets, as the engine takes it.
+    default
+        What the engine does without it.
+    reason
+        Why it is set, in one sentence.
+    """
+
+    value: Any
+    default: Any
+    reason: str
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A named, documented set of options of one formulation.
+
+    Parameters
+    ----------
+    description
+        What it is for, in a sentence.
+    options
+        What it sets, by name.
+    shares_scheme
+        With these options the engine advances velocities, then positions, by the same semi-implicit Euler
+        step as equation (5), so that at equal time step its trajectories equal the reference's.
+    split_tolerance
+        Largest difference between one run and the same run split in two, over the displacement scale.
+    softness
+        Part of the relative velocity which a contact would gain in a step without its forces, along it when it
+        sticks or across it, that is left to it, where the engine cannot be told to leave none.
+    departure
+        The law of the engine by which its motion departs from Coulomb's with these options, by more than its time
+        step explains; empty where there is none. Reports print it beside a disagreement.
+    stick_margin
+        Part of the bound that the friction of a stick leaves at least, as `contact_modes` reads it: wider where the
+        friction of a sliding contact only tends to its bound.
+    normal_force
+        How the normal force may change in time.
+    modulated_options
+        What it sets otherwise where it does.
+    modulated_softness
+        The softness where it does.
+    """
+
+    description: str
+    options: Mapping[str, Option] = field(default_factory=dict)
+    shares_scheme: bool = False
+    split_tolerance: float = 0.0
+    softness: float = 0.0
+    departure: str = ""
+    stick_margin: float = STICK_MARGIN
+    normal_force: NormalForce = NormalForce.CONSTANT
+    modulated_options: Mapping[str, Option] = field(default_factory=dict)
+    modulated_softness: float = 0.0
+
+    def __getitem__(self, name: str) -> Any:
+        return self.options[name].value
+
+    def modulated(self) -> "Preset":
+        """Give the options, and the softness, that hold where the normal force changes in time."""
+        options = {**self.options, **self.modulated_options}
+        return replace(self, options=options, softness=max(self.softness, self.modulated_softness))
+
+    def represents(self, needed: NormalForce) -> bool:
+        """Say whether the normal force may change like this."""
+        order = list(NormalForce)
+        return order.index(needed) <= order.index(self.normal_force)
+
+    def why_not_represented(self, lane: Lane, name: str) -> str | None:
+        """Say why a lane's normal force cannot be represented by what has this name; ``None`` if it can."""
+        if lane.preload is None or self.represents(NormalForce.of(lane)):
+            return None
+        allowed = {
+            NormalForce.CONSTANT: "a constant one, without a preload",
+            NormalForce.MODULATED: "up to 1, where contacts stay closed",
+        }[self.normal_force]
+        problem = f"{name} cannot represent a modulated normal force like this; allowed: {allowed}"
+        return f"modulation = {lane.preload.modulation:g}: {problem}"
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """What an engine can do, as data.
+
+    Parameters
+    ----------
+    title
+        The name that reports print.
+    package
+        The distribution that holds the engine, as pip knows it.
+    licence
+        Licence of the engine.
+    friction_law
+        How it represents Coulomb friction.
+    presets
+        Presets by formulation, then by name; a formulation that is not listed is not supported.
+    batch_lanes
+        Lanes that one simulation takes at best: few where lanes cost the same alone, many where they share work.
+    precision
+        Arithmetic of the engine.
+    residual
+        Periodicity residual that certifies a steady state: no engine repeats a motion closer than it computes.
+    deterministic
+        Repeated runs are bitwise equal.
+    notes
+        What a reader must know of its friction, in a sentence.
+    further
+        It comes with an extra or with the system and not with the suite: it takes part where it is asked for.
+    """
+
+    title: str
+    package: str
+    licence: str
+    friction_law: FrictionLaw
+    presets: Mapping[Formulation, Mapping[str, Preset]]
+    batch_lanes: int = 4
+    precision: str = "double"
+    residual: float = DEFAULT_RESIDUAL
+    deterministic: bool = True
+    notes: str = ""
+    further: bool = False
+
+
+@runtime_checkable
+class BareStepping(Protocol):
+    """A simulation, or the model of one lane, that can tell what the engine costs without its adapter."""
+
+    def bare_steps(self, steps: int) -> None:
+        """Take steps of the engine alone, of every lane: nothing is loaded, set or read in between.
+
+        They start from rest, or from a motion or under constant forces that keep contacts active.
+        """
+        ...
+
+
+class Engine(ABC):
+    """One simulation engine. Importing its module must not import the engine's own package."""
+
+    name: ClassVar[str]
+    capabilities: ClassVar[Capabilities]
+
+    @abstractmethod
+    def version(self) -> str:
+        """Version of the engine that is installed."""
+
+    def python(self) -> str:
+        """Version of the Python that the engine runs in; adapters override it where that is not this one."""
+        return platform.python_version()
+
+    @abstractmethod
+    def why_not_installed(self) -> str | None:
+        """Say why the engine cannot be used here, in a sentence; ``None`` if it can."""
+
+    @abstractmethod
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        """Build the lanes; the arguments are checked already."""
+
+    def preset(self, formulation: str, preset: str) -> Preset:
+        """Give a preset by name.
+
+        Raises
+        ------
+        ParameterError
+            If the engine has no such formulation or preset.
+        """
+        by_formulation = self.capabilities.presets
+        checked_choice(f"formulation of {self.name}", formulation, [str(name) for name in by_formulation])
+        presets = by_formulation[Formulation(formulation)]
+        checked_choice(f"preset of {self.name}", preset, list(presets))
+        return presets[preset]
+
+    def build(self, lanes: Sequence[Lane], formulation: str = "joint", preset: str = "tuned") -> Simulation:
+        """Build every lane in the engine.
+
+        Parameters
+        ----------
+        lanes
+            At least one; all chains have the same number of cells.
+        formulation, preset
+            Names that the engine's capabilities list.
+
+        Raises
+        ------
+        ParameterError
+            If lanes, formulation or preset are not what the engine takes; for one, if a normal force changes in time
+            and the preset cannot represent that.
+        EngineNotInstalled
+            If the engine cannot be used on this machine.
+        """
+        chosen = self.preset(formulation, preset)
+        common_cells(lanes)
+        _check_normal_forces(lanes, f"{self.name}:{formulation}:{preset}", chosen)
+        reason = self.why_not_installed()
+        if reason is not None:
+            raise EngineNotInstalled(f"{self.name}: {reason}")
+        return self._build(tuple(lanes), Formulation(formulation), chosen)
+
+
+class EngineNotInstalled(RuntimeError):
+    """The engine's own package is missing; the message says which and why."""
+
+
+def _check_normal_forces(lanes: Sequence[Lane], name: str, preset: Preset) -> None:
+    """Refuse lanes whose normal force changes in a way that the preset cannot represent."""
+    for lane in lanes:
+        reason = preset.why_not_represented(lane, name)
+        if reason is not None:
+            raise ParameterError(reason)
+
+
+def constant_normal_force(lane: Lane, steps: int) -> FloatArray:
+    """λ_N of a formulation in which it is a given number [N], shape (steps, n)."""
+    return np.broadcast_to(lane.chain.normal_force, (steps, lane.chain.cells))

@@ -1,0 +1,84 @@
+"""One way to simulate the chain: an engine, a formulation, a preset."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+from engines.interface.engine import Capabilities, Preset
+from engines.interface.registry import engine
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.validation import ParameterError
+
+
+@dataclass(frozen=True, order=True)
+class Variant:
+    """An engine, a formulation and a preset, by name."""
+
+    engine: str
+    formulation: str = "joint"
+    preset: str = "tuned"
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Read ``ENGINE``, ``ENGINE:FORMULATION`` or ``ENGINE:FORMULATION:PRESET``; joint and tuned are understood.
+
+        Raises
+        ------
+        ParameterError
+            If there are more parts, or the engine has no such formulation or preset.
+        """
+        parts = text.split(":")
+        if len(parts) > 3:
+            raise ParameterError(f"engine = {text!r} has {len(parts)} parts; allowed: ENGINE[:FORMULATION[:PRESET]]")
+        variant = cls(*parts)
+        engine(variant.engine).preset(variant.formulation, variant.preset)
+        return variant
+
+    def __str__(self) -> str:
+        """Give the shortest text that `parse` reads."""
+        if self.preset != "tuned":
+            return f"{self.engine}:{self.formulation}:{self.preset}"
+        return self.engine if self.formulation == "joint" else f"{self.engine}:{self.formulation}"
+
+    @property
+    def options(self) -> Preset:
+        """Give the preset itself."""
+        return engine(self.engine).preset(self.formulation, self.preset)
+
+    @property
+    def capabilities(self) -> Capabilities:
+        """Give the engine's capabilities."""
+        return engine(self.engine).capabilities
+
+    def build(self, lanes: Sequence[Lane]) -> Simulation:
+        """Build every lane; see `Engine.build`."""
+        return engine(self.engine).build(lanes, self.formulation, self.preset)
+
+    @property
+    def title(self) -> str:
+        """The name that reports print; joint and tuned are left out."""
+        special = [part for part, usual in ((self.formulation, "joint"), (self.preset, "tuned")) if part != usual]
+        return ", ".join([engine(self.engine).capabilities.title, *special])
+
+
+def variants_of(name: str) -> list[Variant]:
+    """Give every variant of an engine, in the order in which its capabilities list them.
+
+    Raises
+    ------
+    ParameterError
+        If no engine of this name is registered.
+    """
+    presets = engine(name).capabilities.presets
+    return [Variant(name, str(formulation), preset) for formulation, names in presets.items() for preset in names]
+
+
+def variants_named(text: str) -> list[Variant]:
+    """Give every variant of ``ENGINE``, or the one that ``ENGINE:FORMULATION[:PRESET]`` names.
+
+    Raises
+    ------
+    ParameterError
+        If no engine of this name is registered, or it has no such formulation or preset.
+    """
+    return [Variant.parse(text)] if ":" in text else variants_of(text)

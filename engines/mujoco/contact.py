@@ -1,0 +1,213 @@
+"""MuJoCo's contact formulation: in every cell a sphere, the inner mass, that dips into a plate, the outer one.
+
+The depth is fixed, and the stiffness of the contact chosen so that it presses with λ_N. Nothing moves across
+the plate, and so the normal force stays what it is.
+
+Where it changes in time the sphere is free across the plate, and an actuator presses it, or pulls it off.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from engines.interface.engine import NormalForce, Option, Preset
+from engines.mujoco.model import DEFAULT_OPTIONS, TUNED_OPTIONS, add_chain, add_slider, set_options
+from engines.shared.units import Units, power_of_two
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.validation import FloatArray, ParameterError
+
+CONTACT_TUNED = Preset(
+    "The elliptic cone, solved by one dual sweep and one without its softness: it then equals equation (5).",
+    {
+        **TUNED_OPTIONS,
+        "units": Option("contact", "SI", "The sweep's fixed tolerances of 1e-10 are then far below every number."),
+        "solver": Option("PGS", "Newton", "The dual problem: friction does not act back on the normal force."),
+        "cone": Option("elliptic", "pyramidal", "The pyramid's edges change the normal force with friction."),
+        "solreffriction": Option(
+            (-1.0, -1.0), (0.0, 0.0), "Direct form, in units of d_width / dt: a stuck contact stops in one step."
+        ),
+        "normal time constant": Option(0.02, 0.02, "Of solref [s]; its stiffness is chosen so that N = λ_N."),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+    normal_force=NormalForce.LIFTING,
+    modulated_options={
+        "solimp": Option(
+            (0.9999, 0.9999), (0.9, 0.95), "MuJoCo's hardest: a sphere sinks in by a thousandth of N δt² / m or so."
+        ),
+        "solref": Option(
+            (-0.1, -1.0),
+            (0.02, 1.0),
+            "Direct form, in units of d_width² / δt² and d_width / δt: a landing stops in one step, and ten take the "
+            "sphere out of the plate.",
+        ),
+    },
+    modulated_softness=1e-4,
+)
+
+CONTACT_DEFAULT = Preset(
+    "The same sphere and plate in SI units, with MuJoCo's own cone, solver and contact damping.",
+    {
+        **DEFAULT_OPTIONS,
+        "solreffriction": Option((0.0, 0.0), (0.0, 0.0), "MuJoCo's own: the damping of solref, for friction too."),
+        "normal time constant": Option(
+            0.02, 0.02, "MuJoCo's own damping 2 / 0.02 s; the stiffness beside it is needed to make N = λ_N."
+        ),
+    },
+    departure=(
+        "friction has a time constant of 0.02 s, whatever the time step, so that a stuck contact creeps; the "
+        "edges of the pyramidal cone let friction press, and keep it below the bound"
+    ),
+    split_tolerance=1e-9,
+    normal_force=NormalForce.LIFTING,
+    modulated_options={
+        "solimp": Option((0.9, 0.95), (0.9, 0.95), "MuJoCo's own: contacts are soft."),
+        "solref": Option((0.02, 1.0), (0.02, 1.0), "MuJoCo's own: a landing takes 0.02 s, whatever the time step."),
+    },
+)
+
+RADIUS = 4.0
+"""Radius of a sphere, and half of a plate's width, over the displacement scale of the drive."""
+
+DEPTH = 1.0
+"""Depth of a sphere in its plate over the displacement scale."""
+
+TOUCH = 2.0**-30
+"""Depth of a sphere that may leave its plate, over the displacement scale: at none it would begin without contact."""
+
+PLATE = 2.0**20
+"""Half of a plate's length over the displacement scale; beyond, spheres would fall off."""
+
+FINENESS = 2.0**14
+"""Displacement scale over the unit of length and the largest μ: makes forces of contacts some hundreds.
+
+MuJoCo's sweep solves for a sliding contact to 1e-10 in the square of its force, whatever the force.
+"""
+
+LEAST_COEFFICIENT, LEAST_SHARE = 1e-4, 0.01
+"""Smallest μ, and smallest μ over the largest of a chain: below, MuJoCo takes a contact for singular or cuts μ off."""
+
+
+def contact_units(lane: Lane, preset: Preset) -> Units:
+    """Choose units in which A μ² is near one, for A the inverse mass of a contact, and forces are some hundreds.
+
+    Raises
+    ------
+    ParameterError
+        If coefficients of friction are too small, or too different, for MuJoCo.
+    """
+    chain = lane.chain
+    rubbing = chain.friction_coefficient[chain.friction_bound > 0]
+    largest = float(np.max(rubbing, initial=0.0))
+    least = max(LEAST_COEFFICIENT, LEAST_SHARE * largest)
+    if np.any(rubbing < least):
+        raise ParameterError(f"friction_coefficient = {rubbing.min():g}; allowed: at least {least:g} in MuJoCo")
+    if preset["units"] != "contact" or rubbing.size == 0:
+        return Units.named("SI" if preset["units"] == "SI" else "lane", lane)
+    units = Units.of(lane)
+    coefficient = power_of_two(largest)
+    return Units(units.length * coefficient / FINENESS, units.mass / coefficient**2, units.time)
+
+
+def contact_model(lane: Lane, units: Units, preset: Preset) -> Any:
+    """Compile a lane: sliding plates in the world, on each a sphere, tendons between the plates."""
+    import mujoco
+
+    chain = units.scaled(lane.chain)
+    time_step = lane.time_step / units.time
+    scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
+    spec = mujoco.MjSpec()
+    set_options(spec.option, time_step, preset)
+    for cell in range(chain.cells):
+        outer, inner = _add_masses(spec, chain, cell, scale)
+        _add_geometry(outer, inner, cell, scale, DEPTH)
+        pair = _add_contact(spec, chain, cell, preset, time_step)
+        # In its direct form, negative, a solref holds stiffness and damping; this is the damping of a time constant.
+        pair.solref = [-1.0, -2 * units.time / preset["normal time constant"]]
+        if chain.friction_bound[cell] == 0:
+            pair.margin = -2 * DEPTH * scale
+    add_chain(spec, chain)
+    model = spec.compile()
+    _press(model, chain)
+    return model
+
+
+def lifting_model(lane: Lane, units: Units, preset: Preset) -> Any:
+    """Compile a lane as `contact_model` does, but with spheres that rest on their plates and may leave them."""
+    import mujoco
+
+    chain, time_step = units.scaled(lane.chain), lane.time_step / units.time
+    scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
+    spec = mujoco.MjSpec()
+    set_options(spec.option, time_step, preset)
+    for cell in range(chain.cells):
+        outer, inner = _add_masses(spec, chain, cell, scale)
+        inner.add_joint(name=f"above {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
+        _add_geometry(outer, inner, cell, scale, TOUCH)
+        pair = _add_contact(spec, chain, cell, preset, time_step)
+        stiffness, damping = preset["solref"]
+        # MuJoCo divides a direct solref by powers of d_width; a positive one is a time constant and a damping ratio.
+        width = pair.solimp[1]
+        direct = [stiffness * (width / time_step) ** 2, damping * width / time_step]
+        pair.solref = direct if stiffness < 0 else [stiffness / units.time, damping]
+    add_chain(spec, chain)
+    for cell in range(chain.cells):
+        spec.add_actuator(target=f"above {cell}", trntype=mujoco.mjtTrn.mjTRN_JOINT).set_to_motor()
+    return spec.compile()
+
+
+def _add_masses(spec: Any, chain: Chain, cell: int, scale: float) -> tuple[Any, Any]:
+    """Add an outer mass that slides in the world, and on it an inner one with its spring and its dashpot."""
+    import mujoco
+
+    outer = add_slider(spec.worldbody, f"outer {cell}", chain.outer_mass[cell], 4 * RADIUS * scale * cell)
+    inner = add_slider(outer, f"inner {cell}", chain.inner_mass[cell])
+    inner.joints[0].stiffness = [chain.inner_stiffness[cell], 0, 0]
+    inner.joints[0].damping = [chain.inner_damping[cell], 0, 0]
+    # MuJoCo solves for friction in the plane: without inertia across it, the problem is singular.
+    inner.add_joint(name=f"across {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 1, 0])
+    return outer, inner
+
+
+def _add_geometry(outer: Any, inner: Any, cell: int, scale: float, depth: float) -> None:
+    """Add a plate to the outer mass, and to the inner one a sphere that dips into it; others do not touch them."""
+    import mujoco
+
+    radius = RADIUS * scale
+    height = 2 * radius - depth * scale
+    for body, name, kind, size, place in (
+        (outer, "plate", mujoco.mjtGeom.mjGEOM_BOX, [PLATE * scale, radius, radius], [0, 0, 0]),
+        (inner, "sphere", mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0, 0], [0, 0, height]),
+    ):
+        body.add_geom(name=f"{name} {cell}", type=kind, size=size, pos=place, contype=0, conaffinity=0)
+
+
+def _add_contact(spec: Any, chain: Chain, cell: int, preset: Preset, time_step: float) -> Any:
+    """Pair plate and sphere, and measure the force between them; gives the pair."""
+    import mujoco
+
+    plate, sphere = f"plate {cell}", f"sphere {cell}"
+    force = 1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE)
+    coefficient = max(float(chain.friction_coefficient[cell]), LEAST_COEFFICIENT)
+    pair = spec.add_pair(name=f"contact {cell}", geomname1=plate, geomname2=sphere, condim=3)
+    pair.friction = [coefficient, coefficient, 0, 0, 0]
+    if "solimp" in preset.options:
+        pair.solimp[:2] = preset["solimp"]
+    pair.solreffriction = np.array(preset["solreffriction"]) * pair.solimp[1] / time_step
+    spec.add_sensor(
+        name=f"force {cell}", type=mujoco.mjtSensor.mjSENS_CONTACT, objtype=mujoco.mjtObj.mjOBJ_GEOM, objname=plate,
+        reftype=mujoco.mjtObj.mjOBJ_GEOM, refname=sphere, intprm=[force, 0, 1],
+    )  # fmt: skip
+    return pair
+
+
+def _press(model: Any, chain: Chain) -> None:
+    """Choose the stiffness of every contact, to which its force is proportional, so that the force is λ_N."""
+    import mujoco
+
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    force: FloatArray = data.sensordata[::3]
+    rubbing = chain.friction_bound > 0
+    model.pair_solref[rubbing, 0] *= chain.normal_force[rubbing] / force[rubbing]

@@ -1,0 +1,64 @@
+"""MuJoCo's joint formulation: the dry friction of a slide joint between outer and inner mass."""
+
+from typing import Any
+
+import numpy as np
+
+from engines.interface.engine import NormalForce, Option, Preset
+from engines.mujoco.model import DEFAULT_OPTIONS, TUNED_OPTIONS, add_chain, add_slider, set_options
+from engines.shared.units import Units
+from reference_lcp.chain.simulation import Lane
+
+JOINT_TUNED = Preset(
+    "The dual solver without its softness: friction stops a contact at the end of the step, as equation (5) does.",
+    {
+        **TUNED_OPTIONS,
+        "units": Option("lane", "SI", "No number comes near MuJoCo's built-in smallest and largest ones."),
+        "solver": Option("PGS", "Newton", "The friction forces are the unknowns, and each solves its own equation."),
+        "cone": Option("pyramidal", "pyramidal", "There are no contacts."),
+        "solref_friction": Option(
+            (-1.0, -1.0), (0.02, 1.0), "Direct form, in units of d_width / dt: a stuck contact stops in one step."
+        ),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
+)
+
+JOINT_DEFAULT = Preset(
+    "A joint's frictionloss in SI units, and MuJoCo's own options.",
+    {
+        **DEFAULT_OPTIONS,
+        "solref_friction": Option(
+            (0.02, 1.0), (0.02, 1.0), "MuJoCo's own: friction stops a contact within 0.02 s, whatever the time step."
+        ),
+    },
+    departure=(
+        "friction has a time constant of 0.02 s, whatever the time step: a stuck contact creeps, and a finer step"
+        " does not help"
+    ),
+    split_tolerance=1e-9,
+    normal_force=NormalForce.MODULATED,
+)
+
+
+def joint_model(lane: Lane, units: Units, preset: Preset) -> Any:
+    """Compile a lane: an outer slide in the world, on each an inner slide, tendons between outer slides."""
+    import mujoco
+
+    chain = units.scaled(lane.chain)
+    time_step = lane.time_step / units.time
+    spec = mujoco.MjSpec()
+    set_options(spec.option, time_step, preset)
+    for cell in range(chain.cells):
+        outer = add_slider(spec.worldbody, f"outer {cell}", chain.outer_mass[cell])
+        inner = add_slider(outer, f"inner {cell}", chain.inner_mass[cell])
+        joint = inner.joints[0]
+        joint.stiffness = [chain.inner_stiffness[cell], 0, 0]
+        joint.damping = [chain.inner_damping[cell], 0, 0]
+        joint.frictionloss = chain.friction_bound[cell]
+        solref = np.array(preset["solref_friction"])
+        # A direct solref, negative, is divided by d_width: this makes the reference acceleration -ġ_T / dt.
+        joint.solref_friction = solref if solref[0] > 0 else solref * joint.solimp_friction[1] / time_step
+    add_chain(spec, chain)
+    return spec.compile()

@@ -1,0 +1,75 @@
+"""Parts that MuJoCo's models of the chain share: options, sliding masses, chain springs."""
+
+from typing import Any
+
+from engines.interface.engine import Option, Preset
+from reference_lcp.chain.mass_in_mass import Chain
+
+TUNED_OPTIONS = {
+    "iterations": Option(1, 100, "Frictions do not touch each other's masses, so that the first sweep is exact."),
+    "noslip_iterations": Option(1, 0, "One sweep without the regularisation R; with it, stuck contacts creep."),
+    "jacobian": Option("dense", "auto", "The matrices are small."),
+    "integrator": Option("Euler", "Euler", "Velocities first, then positions, as equation (5)."),
+    "disable": Option(
+        ("eulerdamp", "warmstart", "island", "autoreset"),
+        (),
+        "Damping at the start of the step; no memory between runs; no search for islands; no silent reset.",
+    ),
+}
+"""Options of the whole model that the tuned presets of both formulations share."""
+
+DEFAULT_OPTIONS = {
+    "units": Option("SI", "SI", "The numbers of the chain as they are."),
+    "solver": Option("Newton", "Newton", "MuJoCo's own."),
+    "iterations": Option(100, 100, "MuJoCo's own."),
+    "noslip_iterations": Option(0, 0, "MuJoCo's own: a stuck contact creeps."),
+    "cone": Option("pyramidal", "pyramidal", "MuJoCo's own."),
+    "jacobian": Option("auto", "auto", "MuJoCo's own."),
+    "integrator": Option("Euler", "Euler", "MuJoCo's own."),
+    "disable": Option((), (), "MuJoCo's own."),
+}
+"""Options of the whole model that MuJoCo itself chooses."""
+
+
+def set_options(option: Any, time_step: float, preset: Preset) -> None:
+    """Set what holds for the whole model."""
+    import mujoco
+
+    option.timestep = time_step
+    option.gravity = [0, 0, 0]
+    option.solver = getattr(mujoco.mjtSolver, f"mjSOL_{preset['solver'].upper()}")
+    option.iterations = preset["iterations"]
+    option.noslip_iterations = preset["noslip_iterations"]
+    option.cone = getattr(mujoco.mjtCone, f"mjCONE_{preset['cone'].upper()}")
+    option.jacobian = getattr(mujoco.mjtJacobian, f"mjJAC_{preset['jacobian'].upper()}")
+    option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{preset['integrator'].upper()}")
+    for flag in preset["disable"]:
+        option.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag.upper()}"))
+
+
+def add_slider(parent: Any, name: str, mass: float, across: float = 0.0) -> Any:
+    """Add a body that slides along x, with a joint of the same name; its inertia never enters."""
+    import mujoco
+
+    place = [0, across, 0]
+    body = parent.add_body(name=name, mass=mass, inertia=[mass] * 3, ipos=[0, 0, 0], explicitinertial=True, pos=place)
+    body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[1, 0, 0])
+    return body
+
+
+def add_chain(spec: Any, chain: Chain) -> None:
+    """Add k_c and c_c at the left of every cell, and the force on cell 1, in which is the motion of the base."""
+    import mujoco
+
+    for cell in range(chain.cells):
+        _add_chain_spring(spec, cell, chain.chain_stiffness[cell], chain.chain_damping[cell])
+    actuator = spec.add_actuator(target="outer 0", trntype=mujoco.mjtTrn.mjTRN_JOINT)
+    actuator.set_to_motor()
+
+
+def _add_chain_spring(spec: Any, cell: int, stiffness: float, damping: float) -> None:
+    """Add a tendon between neighbouring outer masses, or from the world to the first."""
+    tendon = spec.add_tendon(stiffness=[stiffness, 0, 0], damping=[damping, 0, 0], springlength=[0, 0])
+    if cell > 0:
+        tendon.wrap_joint(f"outer {cell - 1}", -1)
+    tendon.wrap_joint(f"outer {cell}", 1)

@@ -1,0 +1,200 @@
+"""Lanes of MuJoCo, whatever their formulation, as the simulations of one batch."""
+
+import contextlib
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.shared.units import Units
+from reference_lcp.chain.simulation import Lane, common_cells
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.validation import FloatArray, ParameterError, checked_count
+
+LARGEST_COORDINATE = 1e10
+"""MuJoCo's mjMAXVAL: beyond, it stops a simulation; in units of the lane."""
+
+
+class MuJoCoSimulation:
+    """Lanes as the simulations of one batch, each with a model of its own.
+
+    Parameters
+    ----------
+    lanes
+        The lanes.
+    units
+        The units of each lane's model.
+    models
+        A compiled `mujoco.MjModel` a lane: in each cell, the joints of the outer mass and of the inner one
+        relative to it come first, and that across the plate last where a mass can leave it; then an actuator a cell
+        presses it. Where contacts have sensors, these give the contact force, its normal part first.
+    """
+
+    def __init__(self, lanes: Sequence[Lane], units: Sequence[Units], models: Sequence[Any]):
+        """Make the batch, on the calling thread alone: the suite runs processes side by side."""
+        from mujoco.batch import Batch
+
+        self.lanes = tuple(lanes)
+        self._models = tuple(models)
+        self._units = tuple(units)
+        self._joints = self._models[0].nq // common_cells(lanes)
+        self._presses = self._models[0].nu > 1
+        self._recorded = ("qpos", "qvel", "qfrc_constraint") + ("sensordata",) * (self._models[0].nsensor > 0)
+        self._length = np.array([[unit.length] for unit in units])
+        self._velocity = np.array([[unit.velocity] for unit in units])
+        self._batch = Batch(self._models[0], nsim=len(self._models), nthread=1)
+        self._batch.set_models(self._models)
+
+    def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
+        """Advance every lane; see `Simulation.run`.
+
+        A lane that diverges stops about 1e10 displacement scales away, and its last row is repeated.
+        """
+        record = self._rollout(state, start, steps, self._recorded)
+        return [
+            Trajectory(
+                lane.times(start, steps),
+                self._absolute(record["qpos"][index]) * units.length,
+                self._absolute(record["qvel"][index]) * units.velocity,
+                record["qfrc_constraint"][index, :, 1 :: self._joints] * units.force,
+                self._normal_force(index, record, start, steps),
+                self._normal_state(record["qpos"][index, -1], record["qvel"][index, -1], units),
+                record["qpos"][index, :, 3 :: self._joints] * units.length if self._presses else None,
+            )
+            for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
+        ]
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance every lane, keep the final state; see `Simulation.advance`."""
+        self._rollout(state, start, steps, ())
+        qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
+        position, velocity = self._absolute(qpos) * self._length, self._absolute(qvel) * self._velocity
+        if not self._presses:
+            return State(position, velocity)
+        across = (qpos[:, 3 :: self._joints] * self._length, qvel[:, 3 :: self._joints] * self._velocity)
+        return State(position, velocity, np.hstack(across))
+
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "MuJoCoSimulation":
+        """Give the lanes of these indices; they share the models."""
+        return MuJoCoSimulation(
+            [self.lanes[lane] for lane in lanes],
+            [self._units[lane] for lane in lanes],
+            [self._models[lane] for lane in lanes],
+        )
+
+    def bare_steps(self, steps: int) -> None:
+        """Take steps of MuJoCo's own loop on the model of one lane after the other, from rest."""
+        import mujoco
+
+        for model in self._models:
+            mujoco.mj_step(model, mujoco.MjData(model), steps)
+
+    def close(self) -> None:
+        """Nothing to do: memory is all that MuJoCo holds, and it goes with the last reference."""
+        return
+
+    def _rollout(self, state: State, start: int, steps: int, record: Sequence[str]) -> dict[str, FloatArray]:
+        """Set the state and take `steps` steps, with the load of each step as its control."""
+        checked_count("steps", steps)
+        state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
+        qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
+        qpos[:] = self._checked("positions", state.positions, self._length)
+        qvel[:] = self._checked("velocities", state.velocities, self._velocity)
+        if self._presses:
+            gap, speed = state.normal_state(self.lanes[0].chain.cells)
+            qpos[:, 3 :: self._joints], qvel[:, 3 :: self._joints] = gap / self._length, speed / self._velocity
+        self._batch.bind("qacc_warmstart")[:] = 0
+        with _no_warning_file():
+            return self._rolled(self._controls(start, steps), start, record)
+
+    def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
+        """Take a step for each control, shape (lanes, steps, nu)."""
+        import mujoco
+
+        rows: dict[str, FloatArray] = self._batch.rollout(
+            controls.shape[1], control=controls, control_spec=mujoco.mjtState.mjSTATE_CTRL, record=record
+        )
+        return rows
+
+    def _controls(self, start: int, steps: int) -> FloatArray:
+        """Give the force on cell 1, and what presses every cell where one can leave its plate, for every step."""
+        controls = []
+        for lane, units in zip(self.lanes, self._units, strict=True):
+            columns = [lane.loads(start, steps)[:, None]]
+            if self._presses:
+                columns.append(-lane.preloads(start, steps))
+            controls.append(np.hstack(columns) / units.force)
+        return np.stack(controls)
+
+    def _normal_state(self, position: FloatArray, velocity: FloatArray, units: Units) -> FloatArray | None:
+        """Give gaps and their rates, as a state carries them, of joint coordinates and velocities."""
+        if not self._presses:
+            return None
+        across = position[3 :: self._joints] * units.length, velocity[3 :: self._joints] * units.velocity
+        return np.concatenate(across)
+
+    def _checked(self, name: str, values: FloatArray, units: FloatArray) -> FloatArray:
+        """Give the joint coordinates of a state, or say that MuJoCo would stop there without a word."""
+        coordinates = self._joint_coordinates(values / units)
+        excess = np.abs(coordinates) / LARGEST_COORDINATE
+        if np.any(excess > 1):
+            largest = float(np.max(np.abs(values)))
+            raise ParameterError(f"initial {name} reach {largest:g}; allowed by MuJoCo: {largest / excess.max():g}")
+        return coordinates
+
+    def _normal_force(self, index: int, record: Mapping[str, FloatArray], start: int, steps: int) -> FloatArray:
+        """λ_N as the sensors of the contacts measured it; cells without friction have no contact."""
+        lane = self.lanes[index]
+        given = lane.preloads(start, steps)
+        if "sensordata" not in record:
+            return given
+        measured = record["sensordata"][index, :, ::3] * self._units[index].force
+        return np.where(lane.chain.friction_bound > 0, measured, given)
+
+    def _joint_coordinates(self, absolute: FloatArray) -> FloatArray:
+        """Turn (u, v) into (u_1, v_1 - u_1, ..., u_2, ...), the order of MuJoCo's joints; velocities likewise."""
+        outer, inner = np.split(absolute, 2, axis=-1)
+        coordinates = np.zeros((*outer.shape, self._joints))
+        coordinates[..., 0], coordinates[..., 1] = outer, inner - outer
+        return coordinates.reshape(*outer.shape[:-1], -1)
+
+    def _absolute(self, coordinates: FloatArray) -> FloatArray:
+        """Turn (u_1, v_1 - u_1, ..., u_2, ...) into (u, v); velocities likewise."""
+        outer, relative = coordinates[..., 0 :: self._joints], coordinates[..., 1 :: self._joints]
+        return np.concatenate([outer, outer + relative], axis=-1)
+
+
+class ModulatedJointSimulation(MuJoCoSimulation):
+    """Lanes whose joints rub harder and softer: a bound is a part of the model, and set before every step."""
+
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "ModulatedJointSimulation":
+        """Give the lanes of these indices; they share the models."""
+        part = super().subset(lanes)
+        return ModulatedJointSimulation(part.lanes, part._units, part._models)
+
+    def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
+        steps = controls.shape[1]
+        bounds = [
+            lane.chain.friction_coefficient * lane.preloads(start, steps) / units.force
+            for lane, units in zip(self.lanes, self._units, strict=True)
+        ]
+        rows = []
+        for step in range(steps):
+            for model, bound in zip(self._models, bounds, strict=True):
+                model.dof_frictionloss[1::2] = bound[step]
+            rows.append(super()._rolled(controls[:, step : step + 1], start + step, record))
+        return {name: np.concatenate([row[name] for row in rows], axis=1) for name in record}
+
+
+@contextlib.contextmanager
+def _no_warning_file() -> Iterator[None]:
+    """Keep MuJoCo from writing to MUJOCO_LOG.TXT when a motion diverges; the rows show it."""
+    import mujoco
+
+    handler = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda _: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(handler)

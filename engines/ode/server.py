@@ -1,0 +1,384 @@
+"""ODE, served by `child` in a Python that has pyode: sliders with motors, or spheres and boxes pressed on plates.
+
+A run builds its world anew: nothing is left of earlier runs. Springs, dashpots and the drive are forces that are
+computed here at the start of each step.
+"""
+
+import functools
+import shutil
+import struct
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import ode
+
+LOW_STOP, HIGH_STOP, VELOCITY, STOP_ERP, STOP_CFM = 0, 1, 2, 9, 10
+"""Numbers of parameters in ODE 0.16; some of pyode's constants are those of an older one."""
+
+ALONG = (1.0, 0.0, 0.0)
+
+BOX = 4.0
+"""Half of a box's edge, or a sphere's radius, over the displacement scale of the drive."""
+
+PLATE = 2.0**20
+"""Half of a plate's length over the displacement scale; beyond, inner masses fall off."""
+
+SPACING = 8 * BOX
+"""Distance of neighbouring cells over the displacement scale, across the motion."""
+
+DIVERGED = 1e8
+"""Motion over the displacement scale at which a run ends: further on, ODE would end the process."""
+
+
+def versions() -> dict[str, str]:
+    """Give the version of ODE; pyode states none, so that it is Debian's, or the one in the name of the library."""
+    query = shutil.which("dpkg-query")
+    if query is not None:
+        command = [query, "-W", "-f=${Version}", "libode8"]
+        debian = subprocess.run(command, capture_output=True, text=True, check=False).stdout
+        if debian:
+            return {"engine": debian.split(":")[-1].split("-")[0]}
+    loaded = {line.split()[-1] for line in Path("/proc/self/maps").read_text().splitlines() if "libode." in line}
+    return {"engine": " ".join(sorted(Path(name).name for name in loaded)) or "of unknown version"}
+
+
+class Lane:
+    """One chain.
+
+    Parameters
+    ----------
+    parameters
+        What `engines.out_of_process.lane` sends of a chain, and the options of its preset.
+    """
+
+    def __init__(self, parameters: dict[str, Any]):
+        model = ContactModel if str(parameters["formulation"]) == "contact" else JointModel
+        self._new_model = functools.partial(model, parameters)
+
+    def run(
+        self, position: Any, velocity: Any, loads: Any, record: bool, press: Any = None, across: Any = None
+    ) -> dict[str, Any]:
+        """Advance; gives position, velocity, friction and, for contacts, normal force and gaps, one row a step."""
+        model = self._new_model(position, velocity, record)
+        if press is not None:
+            model.modulate(press)
+        return model.run(loads, across)
+
+    def bare_steps(self, steps: int) -> None:
+        """Take steps from a motion in which friction has work to do, as in a run: at rest, ODE has less of it."""
+        model = self._new_model(None, None, False)
+        model.set_rubbing(steps)
+        step, time_step, before = model.world.step, model.time_step, model.before_step
+        for _ in range(steps):
+            if before is not None:
+                before()
+            step(time_step)
+
+
+class JointModel:
+    """Outer masses that slide in the world, on each an inner one whose slider has a motor that wants to stand still."""
+
+    def __init__(self, given: dict[str, Any], position: Any, velocity: Any, record: bool):
+        """Build a world in this state; forces of joints are measured if they are to be recorded."""
+        self._given = given
+        self._record = record
+        self.time_step = float(given["time_step"])
+        self._bound = given["normal"] * given["coefficient"]
+        self._cells = len(self._bound)
+        self._has_springs = str(given.get("springs")) == "stops"
+        self.world = ode.World()
+        self.world.setCFM(float(given["cfm"]))
+        self.world.setERP(float(given["erp"]))
+        masses = given["mass"].tolist()
+        self._bodies = [self._new_body(mass, place) for mass, place in zip(masses, self._places())]
+        # A joint ends with its last reference.
+        self._guides = list(self._sprung() if self._has_springs else self._guided())
+        self.before_step = self._add_friction()
+        if position is not None:
+            self._set_state(position.tolist(), velocity.tolist())
+
+    def run(self, loads: Any, across: Any = None) -> dict[str, Any]:
+        """Take a step for every load; a motion that diverges ends, and its last row is repeated."""
+        self._getters = [body.getPosition for body in self._bodies] + [body.getLinearVel for body in self._bodies]
+        coordinates = len(self._getters)
+        rows = np.zeros((len(loads) + 1, coordinates + (self._measures if self._record else 0)))
+        rows[0, :coordinates] = [get()[0] for get in self._getters]
+        taken = self._take(loads, rows)
+        rows[taken + 1 :] = rows[taken]
+        position, velocity, measured = np.split(rows[1:], [coordinates // 2, coordinates], axis=1)
+        return {"position": position, "velocity": velocity, **(self._named(measured) if self._record else {})}
+
+    def modulate(self, press: Any) -> None:
+        """Let every step begin with setting what its motors can do at most."""
+        bounds, fmax = iter((press * self._given["coefficient"]).tolist()), int(self._given["fmax"])
+
+        def before() -> None:
+            for motor, bound in zip(self._motors, next(bounds)):
+                motor.setParam(fmax, bound)
+
+        self.before_step = before
+
+    def _take(self, loads: Any, rows: Any) -> int:
+        """Take a step for every load, from the first row on, and fill the others; gives how many were taken."""
+        step, time_step, before = self.world.step, self.time_step, self.before_step
+        getters, pushes = self._getters, list(zip([body.setForce for body in self._bodies], self._pressing()))
+        matrix = -np.hstack([self._given["stiffness"], self._given["damping"]])
+        if self._has_springs:
+            # The load on cell 1 is the only force.
+            matrix, pushes = np.zeros_like(matrix[:1]), pushes[:1]
+        # These take a third of the time of np.dot, and of giving an array a list.
+        product, force = matrix.dot, np.empty(len(pushes))
+        write, memory, place = struct.Struct(f"{rows.shape[1]}d").pack_into, memoryview(rows).cast("B"), 0
+        limit = DIVERGED * float(self._given["length"])
+        for load, now in zip(loads.tolist(), rows[:, : len(getters)]):
+            product(now, force)
+            forces = force.tolist()
+            forces[0] += load
+            for value, (push, across) in zip(forces, pushes):
+                push((value, 0.0, across))
+            if before is not None:
+                before()
+            step(time_step)
+            values = [get()[0] for get in getters]
+            reached = sum(values)
+            if self._record:
+                values += self._measure()
+            place += rows.strides[0]
+            write(memory, place, *values)
+            if not -limit < reached < limit:
+                break
+        return place // int(rows.strides[0])
+
+    def _named(self, measured: Any) -> dict[str, Any]:
+        """Name what was measured."""
+        friction = np.zeros((len(measured), self._cells))
+        friction[:, self._bound > 0] = measured
+        return {"friction": friction}
+
+    def _pressing(self) -> list[float]:
+        """Force on every mass across its motion."""
+        return [0.0] * len(self._bodies)
+
+    def _places(self) -> Iterator[tuple[float, float]]:
+        """Where every mass is across its motion: sideways and in height."""
+        for _ in range(2 * self._cells):
+            yield 0.0, 0.0
+
+    def _new_body(self, mass: float, place: tuple[float, float]) -> Any:
+        """Make a mass; its inertia never enters."""
+        body, inertia = ode.Body(self.world), ode.Mass()
+        inertia.setParameters(mass, 0, 0, 0, mass, mass, mass, 0, 0, 0)
+        body.setMass(inertia)
+        body.setPosition((0.0, *place))
+        return body
+
+    def _set_state(self, position: list[float], velocity: list[float]) -> None:
+        for body, place, speed in zip(self._bodies, position, velocity):
+            body.setPosition((place, *body.getPosition()[1:]))
+            body.setLinearVel((speed, 0.0, 0.0))
+
+    def set_rubbing(self, steps: int) -> None:
+        """Give inner masses the velocity that friction alone would stop in half of so many steps."""
+        mass = self._given["mass"].reshape(2, -1)
+        speed = self._bound * np.sum(1 / mass, axis=0) * self.time_step * steps / 2
+        self._set_state([0.0] * len(self._bodies), [0.0] * self._cells + speed.tolist())
+
+    def _slider(self, body: Any, base: Any) -> Any:
+        slider = ode.SliderJoint(self.world)
+        slider.attach(body, base)
+        slider.setAxis(ALONG)
+        return slider
+
+    def _guided(self) -> Iterator[Any]:
+        """Let every outer mass slide in the world."""
+        for outer in self._bodies[: self._cells]:
+            yield self._slider(outer, ode.environment)
+
+    def _sprung(self) -> Iterator[Any]:
+        """Hang every mass on the one before it by a slider whose stops are both at zero, and as soft as the spring."""
+        outer, inner = self._bodies[: self._cells], self._bodies[self._cells :]
+        for kind, bodies, bases in (("chain", outer, [ode.environment, *outer]), ("inner", inner, outer)):
+            stiffness, damping = self._given[kind + "_stiffness"], self._given[kind + "_damping"]
+            for body, base, k, c in zip(bodies, bases, stiffness.tolist(), damping.tolist()):
+                slider = self._slider(body, base)
+                # After the stiffness and damping of constraints in ODE's manual.
+                implicit = self.time_step * k + c
+                slider.setParam(STOP_ERP, self.time_step * k / implicit)
+                slider.setParam(STOP_CFM, 1 / implicit)
+                slider.setParam(LOW_STOP, 0.0)
+                slider.setParam(HIGH_STOP, 0.0)
+                yield slider
+
+    def _motor(self, body: Any, base: Any) -> Any:
+        """Make the joint whose motor is to be the friction; one with a spring has none beside its stops."""
+        if not self._has_springs:
+            return self._slider(body, base)
+        motor = ode.LMotor(self.world)
+        motor.attach(body, base)
+        motor.setNumAxes(1)
+        motor.setAxis(0, 0, ALONG)
+        return motor
+
+    def _add_friction(self) -> Any:
+        """Put motors between outer and inner masses; nothing is to be done before a step."""
+        self._motors = []
+        for cell, bound in enumerate(self._bound.tolist()):
+            motor = self._motor(self._bodies[self._cells + cell], self._bodies[cell])
+            motor.setParam(VELOCITY, 0.0)
+            motor.setParam(int(self._given["fmax"]), bound)
+            motor.setFeedback(self._record)
+            self._motors.append(motor)
+        # ODE measures no motor of zero force: what its record held before would be taken for friction.
+        self._feedbacks = [motor.getFeedback for motor, bound in zip(self._motors, self._bound) if bound > 0]
+        self._measures = len(self._feedbacks)
+        return None
+
+    def _measure(self) -> list[float]:
+        """Give the friction in the last step on every inner mass that rubs."""
+        return [feedback()[0][0] for feedback in self._feedbacks]
+
+
+class ContactModel(JointModel):
+    """Spheres or boxes on plates, which press each other; every step finds its contacts and makes joints of them."""
+
+    def __init__(self, given: dict[str, Any], position: Any, velocity: Any, record: bool):
+        """Build a world in this state; see `JointModel`."""
+        self._scale = float(given["length"])
+        self._presses_constantly = True
+        super().__init__(given, position, velocity, record)
+        self.world.setContactSurfaceLayer(float(given["surface_layer"]) * self._scale)
+
+    def run(self, loads: Any, across: Any = None) -> dict[str, Any]:
+        """Take a step for every load, as long as every inner mass is on its plate.
+
+        Where contacts may open, `across` holds their gaps at the start and, below, the rates of these.
+        """
+        gaps = None if across is None else self._record_gaps(across.reshape(2, -1))
+        rows = super().run(loads)
+        if gaps is not None:
+            rows["gap"], rows["gap_rate"] = gaps(len(loads))
+        self._drop_contacts()
+        outer, inner = np.split(rows["position"], 2, axis=1)
+        reach = (PLATE - BOX) * self._scale
+        if np.any(np.abs(inner - outer)[:, self._bound > 0] > reach):
+            raise RuntimeError("an inner mass has left the plate of its outer one")
+        return rows
+
+    def _record_gaps(self, across: Any) -> Any:
+        """Open the contacts, and note their gaps before every step; gives what turns the notes into rows."""
+        inner = self._bodies[self._cells :]
+        rest = [place[1] for place in self._places()][self._cells :]
+        for body, height, gap, rate in zip(inner, rest, *across.tolist()):
+            along, aside, _ = body.getPosition()
+            body.setPosition((along, aside, height + gap))
+            body.setLinearVel((body.getLinearVel()[0], 0.0, rate))
+        notes: list[Any] = []
+        press = self.before_step
+
+        def note() -> None:
+            gaps = [body.getPosition()[2] - height for body, height in zip(inner, rest)]
+            notes.append((gaps, [body.getLinearVel()[2] for body in inner]))
+
+        def before() -> None:
+            note()
+            press()
+
+        def rows(steps: int) -> Any:
+            note()
+            every = notes[1:] + notes[-1:] * (steps + 1 - len(notes))
+            return np.array(every).swapaxes(0, 1)
+
+        self.before_step = before
+        return rows
+
+    def modulate(self, press: Any) -> None:
+        """Let every step begin with pressing the masses of every cell together, in place of the constant force."""
+        presses, find = iter(np.where(self._bound > 0, press, 0.0).tolist()), self.before_step
+        self._presses_constantly = False
+        pairs = list(zip(self._bodies[: self._cells], self._bodies[self._cells :]))
+
+        def before() -> None:
+            for (outer, inner), value in zip(pairs, next(presses)):
+                outer.addForce((0.0, 0.0, value))
+                inner.addForce((0.0, 0.0, -value))
+            find()
+
+        self.before_step = before
+
+    def set_rubbing(self, steps: int) -> None:
+        """Press inner masses on their plates by gravity, the one force that lasts: ODE clears others in a step."""
+        super().set_rubbing(steps)
+        self.world.setGravity((0.0, 0.0, -float(np.mean(self._given["normal"] / self._given["mass"][self._cells :]))))
+
+    def _named(self, measured: Any) -> dict[str, Any]:
+        friction, normal = np.split(measured, 2, axis=1)
+        return {"friction": friction, "normal": np.where(self._bound > 0, normal, self._given["normal"])}
+
+    def _pressing(self) -> list[float]:
+        pressing = np.where((self._bound > 0) & self._presses_constantly, self._given["normal"], 0.0)
+        return np.concatenate([pressing, -pressing]).tolist()
+
+    def _places(self) -> Iterator[tuple[float, float]]:
+        half, depth = BOX * self._scale, float(self._given["depth"]) * self._scale
+        for height in (-half, half - depth):
+            for cell in range(self._cells):
+                yield cell * SPACING * self._scale, height
+
+    def _add_friction(self) -> Any:
+        """Give all masses their shapes; before a step, contacts have to be found."""
+        edge = 2 * BOX * self._scale
+        self._contacts = ode.JointGroup()
+        self._rubbing = []
+        for cell in np.flatnonzero(self._bound > 0).tolist():
+            outer, inner = self._bodies[cell], self._bodies[self._cells + cell]
+            plate = ode.GeomBox(None, lengths=(2 * PLATE * self._scale, edge, edge))
+            if str(self._given["shape"]) == "sphere":
+                slider = ode.GeomSphere(None, edge / 2)
+            else:
+                slider = ode.GeomBox(None, lengths=(edge, edge, edge))
+            plate.setBody(outer)
+            slider.setBody(inner)
+            self._rubbing.append((inner, outer, slider, plate, float(self._given["coefficient"][cell]), cell))
+        self._found: list[tuple[int, Any]] = []
+        self._measures = 2 * self._cells
+        return self._find_contacts
+
+    def _find_contacts(self) -> None:
+        """Make a joint of every point at which an inner mass meets its plate."""
+        world, group, mode, record = self.world, self._contacts, int(self._given["mode"]), self._record
+        self._drop_contacts()
+        for inner, outer, slider, plate, coefficient, cell in self._rubbing:
+            for contact in ode.collide(slider, plate):
+                contact.setMode(mode)
+                contact.setMu(coefficient)
+                joint = ode.ContactJoint(world, group, contact)
+                joint.attach(inner, outer)
+                if record:
+                    joint.setFeedback(True)
+                    self._found.append((cell, joint))
+
+    def _drop_contacts(self) -> None:
+        """Empty the group; a measured joint that is destroyed by it takes the process along when pyode lets it go."""
+        for _, joint in self._found:
+            joint.setFeedback(False)
+        self._found.clear()
+        self._contacts.empty()
+
+    def _measure(self) -> list[float]:
+        """Give friction on every inner mass, then normal forces, in the last step: sums over points of contact."""
+        measured = [0.0] * self._measures
+        for cell, joint in self._found:
+            friction, _, normal = joint.getFeedback()[0]
+            measured[cell] += friction
+            measured[self._cells + cell] += normal
+        return measured
+
+    def _new_body(self, mass: float, place: tuple[float, float]) -> Any:
+        body, inertia = super()._new_body(mass, place), ode.Mass()
+        turning = float(self._given["inertia"]) * mass * (BOX * self._scale) ** 2
+        inertia.setParameters(mass, 0, 0, 0, turning, turning, turning, 0, 0, 0)
+        body.setMass(inertia)
+        return body

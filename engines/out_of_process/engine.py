@@ -1,0 +1,31 @@
+"""What all engines that live in another Python do alike."""
+
+from typing import ClassVar
+
+from engines.interface.engine import Engine, Formulation, LanewiseSimulation, Preset
+from engines.out_of_process.interpreter import OutsideEngine
+from engines.out_of_process.lane import OutsideLane
+from reference_lcp.chain.simulation import Lane, Simulation
+
+
+class EngineOutside(Engine):
+    """An engine whose lanes live in a child process; an adapter adds its name, its capabilities and its home."""
+
+    home: ClassVar[OutsideEngine]
+    lane_model: ClassVar[type[OutsideLane]] = OutsideLane
+
+    def version(self) -> str:
+        """Version of the engine, as its server states it."""
+        return self.home.versions()["engine"]
+
+    def python(self) -> str:
+        """Version of the Python that it runs in."""
+        return self.home.versions()["python"]
+
+    def why_not_installed(self) -> str | None:
+        """Say why the engine cannot be used here; another Python is asked once."""
+        return self.home.why_not_installed()
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        process = self.home.process()
+        return LanewiseSimulation.build(lanes, lambda lane: self.lane_model(process, lane, preset, str(formulation)))

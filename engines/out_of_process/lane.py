@@ -1,0 +1,154 @@
+"""One chain in an engine that lives in another Python."""
+
+import weakref
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from engines.interface.engine import LaneModel, Preset
+from engines.out_of_process.process import EngineProcess, EngineProcessError
+from engines.out_of_process.worker import Message
+from engines.shared.units import Units
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.validation import FloatArray, checked_array, checked_count
+
+REQUEST_LIMIT = 60.0
+"""Seconds that any request may take, on a machine that is busy."""
+
+STEP_LIMIT = 0.02
+"""Seconds that a step may take beside; a hundred times what one of the slowest engine here does."""
+
+
+class OutsideLane(LaneModel):
+    """One chain; the child builds it on first use, and a fresh child builds it again.
+
+    Parameters
+    ----------
+    process
+        The child of its engine.
+    lane
+        The lane.
+    preset
+        Its options; ``units`` is among them. The server gets the others by name.
+    formulation
+        As the server knows it.
+    """
+
+    def __init__(self, process: EngineProcess, lane: Lane, preset: Preset, formulation: str):
+        preset = preset if lane.preload is None else preset.modulated()
+        self.lane = lane
+        self._process = process
+        self._preset = preset
+        self._units = Units.named(preset["units"], lane)
+        self._parameters = self._chain_parameters() | {
+            **{name: option.value for name, option in preset.options.items()},
+            "formulation": formulation,
+        }
+        self._generation = 0
+        self._number = -1
+        self._forget: Callable[[], object] = int
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state`, in one request; see `LaneModel.run`."""
+        units, rows = self._units, self._rows(state, start, steps, record=True)
+        given = self.lane.preloads(start, steps)
+        return Trajectory(
+            self.lane.times(start, steps),
+            rows["position"] * units.length,
+            rows["velocity"] * units.velocity,
+            # Of a motor that may do nothing in a step an engine may report what it did in an earlier one.
+            np.where(given == 0, 0.0, rows["friction"] * units.force),
+            rows["normal"] * units.force if "normal" in rows else given,
+            self._memory(rows),
+            rows["gap"] * units.length if self.lane.opens else None,
+        )
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does; only the end is sent back."""
+        rows = self._rows(state, start, steps, record=False)
+        memory = self._memory(rows)
+        return State(
+            rows["position"] * self._units.length,
+            rows["velocity"] * self._units.velocity,
+            None if memory is None else memory[None],
+        )
+
+    def bare_steps(self, steps: int) -> None:
+        """Take steps of the engine alone, in one request; see `engines.interface.engine.BareStepping`."""
+        self._ask("bare_steps", checked_count("steps", steps), steps=steps)
+
+    def close(self) -> None:
+        """Let the child drop the chain; another use builds it again."""
+        self._forget()
+        self._generation = 0
+
+    def _loads(self, start: int, steps: int) -> FloatArray:
+        """Force on cell 1 in each step [N], shape (steps,): the one at its start, as equation (5) takes it."""
+        return self.lane.loads(start, steps)
+
+    def _chain_parameters(self) -> dict[str, Any]:
+        """Give what a server needs to know of the chain, in the units of the lane."""
+        chain = self._units.scaled(self.lane.chain)
+        scale = self.lane.drive.displacement_scale(self.lane.chain) / self._units.length
+        return {
+            "mass": np.diag(chain.mass_matrix),
+            "stiffness": chain.stiffness_matrix,
+            "damping": chain.damping_matrix,
+            "chain_stiffness": chain.chain_stiffness,
+            "chain_damping": chain.chain_damping,
+            "inner_stiffness": chain.inner_stiffness,
+            "inner_damping": chain.inner_damping,
+            "normal": chain.normal_force,
+            "coefficient": chain.friction_coefficient,
+            "time_step": self.lane.time_step / self._units.time,
+            "length": scale,
+        }
+
+    def _rows(self, state: State, start: int, steps: int, record: bool) -> Message:
+        checked_count("steps", steps)
+        # An engine that meets numbers which are not finite may loop for ever.
+        return self._ask(
+            "run",
+            steps,
+            position=checked_array("initial positions", state.positions[0]) / self._units.length,
+            velocity=checked_array("initial velocities", state.velocities[0]) / self._units.velocity,
+            loads=self._loads(start, steps) / self._units.force,
+            record=record,
+            **self._press(state, start, steps),
+        )
+
+    def _press(self, state: State, start: int, steps: int) -> Message:
+        """Give what the child has to know where the normal force changes in time."""
+        if self.lane.preload is None:
+            return {}
+        press = {"press": self.lane.preloads(start, steps) / self._units.force}
+        if not self.lane.opens:
+            return press
+        gap, speed = state.normal_state(self.lane.chain.cells)
+        return {**press, "across": np.concatenate([gap / self._units.length, speed / self._units.velocity])}
+
+    def _memory(self, rows: Message) -> FloatArray | None:
+        """Give what a state remembers of gaps; ``None`` where none opens."""
+        if not self.lane.opens:
+            return None
+        return np.concatenate([rows["gap"][-1] * self._units.length, rows["gap_rate"][-1] * self._units.velocity])
+
+    def _ask(self, request: str, steps: int, /, **values: Any) -> Message:
+        self._ensure_built()
+        try:
+            return self._process.ask(request, REQUEST_LIMIT + STEP_LIMIT * steps, number=self._number, **values)
+        except EngineProcessError as problem:
+            problem.add_note(f"lane: {self.lane.chain.cells} cells, time step {self.lane.time_step:g} s")
+            raise
+
+    def _ensure_built(self) -> None:
+        """Build the chain unless the child that runs has it."""
+        if self._generation == self._process.generation and self._process.alive():
+            return
+        self._forget()
+        self._number = self._process.new_number()
+        self._process.ask("build", REQUEST_LIMIT, number=self._number, **self._parameters)
+        self._generation = self._process.generation
+        self._forget = weakref.finalize(self, self._process.forget, self._number)

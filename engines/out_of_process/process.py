@@ -1,0 +1,240 @@
+"""A child process that runs an engine in another Python, and survives whatever happens to it."""
+
+import contextlib
+import fcntl
+import itertools
+import os
+import signal
+import subprocess
+import tempfile
+import threading
+import weakref
+from collections import deque
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from engines.out_of_process.worker import Message, NotAMessage, read_message, write_message
+
+CHILD = Path(__file__).with_name("worker.py")
+
+GRACE = 5.0
+"""Seconds after the limit at which a child ends by itself, should its parent be gone."""
+
+LAST_LINES = 5
+"""Lines of a crashed child's error stream that its message quotes."""
+
+LONGEST_LINE = 200
+"""Characters of a line that it quotes."""
+
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+"""The suite runs processes side by side."""
+
+
+class EngineProcessError(RuntimeError):
+    """The child crashed, took too long, or answered with an error; the message names the engine and says which."""
+
+
+class EngineProcess:
+    """An engine in a child process, which is started on first use and anew after it was lost.
+
+    Parameters
+    ----------
+    engine
+        Name that messages use.
+    interpreter
+        The Python that has the engine.
+    server
+        File that serves it; see `engines.out_of_process.worker`.
+
+    Notes
+    -----
+    Requests of several threads wait for each other. After a fork, the new process starts a child of its own.
+    """
+
+    def __init__(self, engine: str, interpreter: str, server: Path):
+        self.engine = engine
+        self._command = [interpreter, "-I", str(CHILD), str(server)]
+        self._lock = threading.Lock()
+        self._child: _Child | None = None
+        self._numbers = itertools.count()
+        self._forgotten: deque[int] = deque()
+        self.generation = 0
+        """Number of children so far: lanes that were built in an earlier one are gone."""
+
+    def new_number(self) -> int:
+        """Give a number for a lane; no other one has it."""
+        return next(self._numbers)
+
+    def forget(self, number: int) -> None:
+        """Let the child drop a lane, with the next request; safe in a finaliser."""
+        self._forgotten.append(number)
+
+    def alive(self) -> bool:
+        """Say whether the child that was started last would take another request."""
+        return self._child is not None and self._child.usable()
+
+    @property
+    def pid(self) -> int:
+        """Number of the child that was started last; 0 before the first request, and after a loss."""
+        return 0 if self._child is None else self._child.pid
+
+    def ask(self, request: str, limit: float, /, **values: Any) -> Message:
+        """Send a request and wait for its answer.
+
+        Parameters
+        ----------
+        request
+            What is asked for: ``"versions"``, ``"build"``, ``"run"`` or ``"bare_steps"``.
+        limit
+            Longest wait [s]; then the child is killed.
+        values
+            Arrays, numbers and texts of the request.
+
+        Raises
+        ------
+        EngineProcessError
+            If the child crashes, takes longer, or answers with an error. The next request starts a fresh one
+            if this one is lost.
+        """
+        with self._lock:
+            child = self._usable_child()
+            forget = [self._forgotten.popleft() for _ in range(len(self._forgotten))]
+            message = {**values, "request": request, "limit": limit + GRACE, "forget": forget}
+            try:
+                answer = self._exchange(child, message, limit)
+            except BaseException:
+                # Also when the user interrupts the wait: the answer would be taken for that of the next request.
+                self._lose()
+                raise
+        if "error" in answer:
+            problem = EngineProcessError(f"{self.engine} in {self._command[0]}: {answer['error']}")
+            problem.add_note(str(answer["traceback"]))
+            raise problem
+        return answer
+
+    def close(self) -> None:
+        """End the child; the next request starts another."""
+        with self._lock:
+            self._lose()
+
+    def _usable_child(self) -> "_Child":
+        if not self.alive():
+            self._lose()
+            try:
+                self._child = _Child(self._command)
+            except OSError as problem:
+                raise EngineProcessError(f"{self.engine}: {self._command[0]} does not start: {problem}") from problem
+            self.generation += 1
+        assert self._child is not None
+        return self._child
+
+    def _exchange(self, child: "_Child", message: Message, limit: float) -> Message:
+        """Give the answer, or say in one line what became of the child."""
+        child.truncate_errors()
+        with child.killed_after(limit) as expired:
+            try:
+                write_message(child.requests, message)
+                return read_message(child.replies)
+            except NotAMessage as problem:
+                raise EngineProcessError(f"{self.engine} answered with something else: {problem}") from problem
+            except (EOFError, OSError) as problem:
+                if expired.is_set():
+                    what = f"{self.engine} did not finish {message['request']!r} within {limit:g} s and was killed"
+                else:
+                    how, printed = child.how_it_ended()
+                    what = f"{self.engine} {how} during {message['request']!r}{printed}"
+                raise EngineProcessError(what) from problem
+
+    def _lose(self) -> None:
+        if self._child is not None:
+            self._child.end()
+            self._child = None
+
+
+class _Child:
+    """One process, its pipes and its error stream."""
+
+    def __init__(self, command: list[str]):
+        with contextlib.ExitStack() as undone:
+            self._errors = undone.enter_context(tempfile.TemporaryFile())
+            # The child goes on writing at the end, wherever that is after a truncation.
+            fcntl.fcntl(self._errors, fcntl.F_SETFL, fcntl.fcntl(self._errors, fcntl.F_GETFL) | os.O_APPEND)
+            self._process: subprocess.Popen[bytes] = subprocess.Popen(
+                command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=self._errors,
+                # Nothing of this environment: paths and libraries of this Python would be the wrong ones there.
+                env={"PATH": os.defpath, "LC_ALL": "C.UTF-8", **ONE_THREAD},
+                cwd=tempfile.gettempdir(),
+                start_new_session=True,
+            )
+            undone.pop_all()
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self.requests: BinaryIO = self._process.stdin  # type: ignore[assignment]
+        self.replies: BinaryIO = self._process.stdout  # type: ignore[assignment]
+        self._owner = os.getpid()
+        self.end = weakref.finalize(self, _end, self._process, self._errors, self._owner)
+
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+        return self._process.pid
+
+    def usable(self) -> bool:
+        """Say whether it runs, and belongs to this process rather than to the one that this was forked from."""
+        return self._owner == os.getpid() and self._process.poll() is None
+
+    def truncate_errors(self) -> None:
+        """Forget what was printed so far: an engine may warn in every step."""
+        self._errors.truncate(0)
+
+    def how_it_ended(self) -> tuple[str, str]:
+        """Say with which signal or code, and quote what it printed last."""
+        self._process.wait()
+        code = self._process.returncode
+        how = f"crashed with signal {-code} ({_signal_name(-code)})" if code < 0 else f"ended with code {code}"
+        self._errors.seek(0)
+        lines = self._errors.read().decode(errors="replace").strip().splitlines()[-LAST_LINES:]
+        quoted = " | ".join(line[:LONGEST_LINE] for line in lines)
+        return how, f"; it printed last: {quoted}" if lines else ""
+
+    @contextlib.contextmanager
+    def killed_after(self, limit: float) -> Iterator[threading.Event]:
+        """Kill the process after `limit` seconds; gives an event that says whether that happened."""
+        expired = threading.Event()
+
+        def expire() -> None:
+            expired.set()
+            self._process.kill()
+
+        timer = threading.Timer(limit, expire)
+        timer.daemon = True
+        timer.start()
+        try:
+            yield expired
+        finally:
+            timer.cancel()
+            timer.join()
+            if expired.is_set():
+                self._process.wait()
+
+
+def _end(process: subprocess.Popen[bytes], errors: Any, owner: int) -> None:
+    """End a process for good and free its pipes; in a fork of its owner, only free them."""
+    streams: tuple[Any, ...] = (process.stdin, process.stdout, errors)
+    for stream in streams:
+        with contextlib.suppress(OSError):
+            stream.close()
+    if process.returncode is None and os.getpid() == owner:
+        process.kill()
+        process.wait()
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return "unknown"

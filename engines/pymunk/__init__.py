@@ -1,0 +1,52 @@
+"""pymunk: a pivot joint of bounded force, or a box pressed on a plate."""
+
+import importlib.util
+from importlib.metadata import version
+from typing import ClassVar
+
+from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
+from engines.pymunk.contact import CONTACT_DEFAULT, CONTACT_TUNED, PymunkBoxes
+from engines.pymunk.joint import JOINT_DEFAULT, JOINT_TUNED, PymunkJoints
+from engines.pymunk.simulation import PymunkLane, PymunkSimulation
+from reference_lcp.chain.simulation import Lane, Simulation
+
+
+class Pymunk(Engine):
+    """pymunk, Chipmunk's bodies in the plane."""
+
+    name: ClassVar[str] = "pymunk"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        title="pymunk",
+        further=True,
+        package="pymunk",
+        licence="MIT",
+        friction_law=FrictionLaw.COULOMB,
+        presets={
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+        },
+        batch_lanes=16,
+        notes=(
+            "Coulomb's law, exact in stick: a joint that holds two bodies together with bounded force, or boxes "
+            "pressed on plates. Positions are advanced before velocities; the tuned presets evaluate forces in "
+            "between, which is the scheme of equation (5). A joint tells the size of its force, and the momentum "
+            "gained the sign."
+        ),
+    )
+
+    def version(self) -> str:
+        """Version of the package."""
+        return version("pymunk")
+
+    def why_not_installed(self) -> str | None:
+        """Say why pymunk cannot be used here."""
+        if importlib.util.find_spec("pymunk") is None:
+            return "the package pymunk is not installed; pip install 'multibody-xval[engines]'"
+        return None
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        kind = PymunkJoints if formulation is Formulation.JOINT else PymunkBoxes
+        if preset["units"] == "lane":
+            return PymunkSimulation(kind, lanes, preset)
+        # In SI units time steps differ, and with them what one space can take.
+        return LanewiseSimulation.build(lanes, lambda lane: PymunkLane(kind, lane, preset))

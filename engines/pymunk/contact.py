@@ -1,0 +1,106 @@
+"""pymunk's contact formulation: in every cell a box, the inner mass, pressed on a plate, the outer one."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from engines.interface.engine import Option, Preset
+from engines.pymunk.bodies import PymunkBodies, World
+from engines.shared.box_geometry import PressedBoxes
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import FloatArray
+
+CONTACT_TUNED = Preset(
+    "Boxes pressed on plates; springs, dashpots and drive as forces at the start of equation (5)'s step.",
+    {
+        "units": Option("lane", "SI", "Depths of contacts are below the slop, and no number is near Chipmunk's own."),
+        "springs": Option("forces", "damped springs", "At the start of the step, as in equation (5)."),
+        "positions": Option(
+            "of the step before", "as they are", "Chipmunk advances positions first: forces are evaluated after that."
+        ),
+        "iterations": Option(1, 10, "A contact's normal force is found before its friction, and no other touches it."),
+        "collision_slop": Option(0.1, 0.1, "pymunk's own; boxes are less deep in their plates, and not pushed out."),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+)
+
+CONTACT_DEFAULT = Preset(
+    "The same boxes and pymunk's damped springs, in SI units.",
+    {
+        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "springs": Option("damped springs", "damped springs", "pymunk's own, with dashpots that are implicit."),
+        "positions": Option("as they are", "as they are", "What Body.position and Body.velocity hold."),
+        "iterations": Option(10, 10, "pymunk's own."),
+        "collision_slop": Option(0.1, 0.1, "pymunk's own."),
+    },
+    split_tolerance=1e-12,
+)
+
+DEPTH = 2.0**-7
+"""Depth of a box in its plate over half its edge: at zero, round-off would lose a contact now and then."""
+
+
+class PymunkBoxes(PymunkBodies):
+    """Lanes with a box on a plate in every cell, side by side across the motion."""
+
+    def __init__(self, lanes: Sequence[Lane], preset: Preset):
+        """Take the lanes' parameters in their units."""
+        super().__init__(lanes, preset)
+        self._sizes = [PressedBoxes.of(lane, units) for lane, units in zip(lanes, self.units, strict=True)]
+        for index, (sizes, chain) in enumerate(zip(self._sizes, self.chains, strict=True)):
+            cells = sizes.spacing * np.arange(index * self.cells, (index + 1) * self.cells)
+            self._heights[index] = np.concatenate([cells, cells - DEPTH * sizes.box])
+            self._pressing[index] = np.concatenate([chain.normal_force, -chain.normal_force])
+
+    def _hold(self, space: Any, chain: Chain, outer: list[Any], inner: list[Any]) -> list[Any]:
+        import pymunk
+
+        sizes = self._sizes[len(space.bodies) // (2 * self.cells) - 1]
+        box, plate, shapes = sizes.box, sizes.plate, []
+        for below, above, friction in zip(outer, inner, chain.friction_coefficient, strict=True):
+            lower = pymunk.Poly(below, [(-plate, -box), (plate, -box), (plate, 0.0), (-plate, 0.0)])
+            upper = pymunk.Poly(above, [(-box, 0.0), (box, 0.0), (box, 2 * box), (-box, 2 * box)])
+            # Chipmunk multiplies the coefficients of the two shapes.
+            lower.friction, upper.friction = 1.0, float(friction)
+            shapes += [lower, upper]
+        space.add(*shapes)
+        return []
+
+    def reader(self, world: World) -> Callable[[], FloatArray]:
+        """Give what reads friction and normal impulse of every cell, shape (2, lanes, n)."""
+        from pymunk import batch
+
+        # Of each pair of bodies that touch, pymunk tells the impulse on the first and the normal away from it.
+        fields = batch.ArbiterFields
+        pairs, buffer = fields.BODY_A_ID | fields.TOTAL_IMPULSE | fields.NORMAL, batch.Buffer()
+        cells, space = self.cells, world.space
+        places = {
+            body.id: index // (2 * cells) * cells + index % cells for index, body in enumerate(world.bodies)
+        }  # fmt: skip
+
+        def contacts() -> FloatArray:
+            buffer.clear()
+            batch.get_space_arbiters(space, pairs, buffer)
+            found = np.zeros((len(self.lanes) * cells, 2))
+            touching = [places[body] for body in memoryview(buffer.int_buf()).cast("P").tolist()]
+            values = np.frombuffer(buffer.float_buf()).reshape(-1, 4)
+            # The normal points down from the box, and up from the plate.
+            found[touching] = values[:, :2] * -values[:, 3:]
+            return found.T.reshape(2, len(self.lanes), cells)
+
+        return contacts
+
+    def contact_forces(
+        self, read: list[FloatArray], motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Turn impulses into forces."""
+        friction, normal = np.stack(read, axis=1) / self.time_step
+        return friction, normal
+
+    def check_end(self, lane: int, positions: FloatArray) -> None:
+        """Refuse a motion in which a box has left its plate."""
+        self._sizes[lane].check_reach(State(positions[None], np.zeros((1, positions.size))), self.units[lane])

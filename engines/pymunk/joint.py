@@ -1,0 +1,106 @@
+"""pymunk's joint formulation: in every cell a pivot joint of bounded force, without its pull on positions."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from engines.interface.engine import NormalForce, Option, Preset
+from engines.pymunk.bodies import PymunkBodies, World
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.validation import FloatArray
+
+JOINT_TUNED = Preset(
+    "Pivot joints of bounded force; springs, dashpots and drive as forces at the start of equation (5)'s step.",
+    {
+        "units": Option("lane", "SI", "No number comes near Chipmunk's built-in smallest ones."),
+        "springs": Option("forces", "damped springs", "At the start of the step, as in equation (5)."),
+        "positions": Option(
+            "of the step before", "as they are", "Chipmunk advances positions first: forces are evaluated after that."
+        ),
+        "max_bias": Option(0.0, "infinite", "A pivot joint pulls its anchors together, as no friction does."),
+        "iterations": Option(1, 10, "Frictions do not touch each other's masses, so that the first sweep is exact."),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
+)
+
+JOINT_DEFAULT = Preset(
+    "Pivot joints as pymunk's own examples use them for friction, and its damped springs, in SI units.",
+    {
+        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "springs": Option("damped springs", "damped springs", "pymunk's own, with dashpots that are implicit."),
+        "positions": Option("as they are", "as they are", "What Body.position and Body.velocity hold."),
+        "max_bias": Option(0.0, "infinite", "Needed: a pivot joint pulls its anchors together, as no friction does."),
+        "iterations": Option(10, 10, "pymunk's own."),
+    },
+    split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
+)
+
+
+class PymunkJoints(PymunkBodies):
+    """Lanes with a joint in every cell; what it did is read as the size of its impulse."""
+
+    def __init__(self, lanes: Sequence[Lane], preset: Preset):
+        """Take the lanes' parameters in their units."""
+        super().__init__(lanes, preset)
+        self._bounds = np.concatenate([chain.friction_bound for chain in self.chains]).tolist()
+        self._kept: World | None = None
+
+    def fresh(self) -> World:
+        """Give the space of the run before, if its joints can be made to forget: to make it anew takes longer."""
+        if self._kept is None or not self._forgotten(self._kept):
+            self._kept = super().fresh()
+        return self._kept
+
+    def _hold(self, space: Any, chain: Chain, outer: list[Any], inner: list[Any]) -> list[Any]:
+        import pymunk
+
+        joints = []
+        for left, right, bound in zip(outer, inner, chain.friction_bound, strict=True):
+            joint = pymunk.PivotJoint(left, right, (0.0, 0.0), (0.0, 0.0))
+            joint.max_force, joint.max_bias = float(bound), self._preset["max_bias"]
+            joints.append(joint)
+        space.add(*joints)
+        return joints
+
+    def _forgotten(self, world: World) -> bool:
+        """Take a step without any friction, after which no joint has an impulse to begin the next one with."""
+        joints = world.holds
+        self.place(world, np.zeros((len(self.lanes), 4 * self.cells)))
+        for joint in joints:
+            joint.max_force = 0.0
+        world.space.step(self.time_step)
+        for joint, bound in zip(joints, self._bounds, strict=True):
+            joint.max_force = bound
+        return not any(joint.impulse for joint in joints)
+
+    def press(self, world: World, press: FloatArray) -> None:
+        """Set the bounds; see `PymunkBodies.press`."""
+        bounds = [chain.friction_coefficient * row for chain, row in zip(self.chains, press, strict=True)]
+        for joint, bound in zip(world.holds, np.concatenate(bounds).tolist(), strict=True):
+            joint.max_force = bound
+
+    def reader(self, world: World) -> Callable[[], list[float]]:
+        """Give what reads the sizes of all impulses."""
+        joints = world.holds
+        return lambda: [joint.impulse for joint in joints]
+
+    def contact_forces(
+        self, read: list[list[float]], motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Give the sizes of impulses the sign of the momentum that the other forces do not explain."""
+        cells, lanes = self.cells, len(self.lanes)
+        before, velocity = motions[:-1].copy(), motions[..., 3 * cells :]
+        if self.own_springs:
+            # They act at the positions that a step ends with.
+            before[..., : 2 * cells] = motions[1:, :, : 2 * cells]
+        inner_mass = np.stack([chain.inner_mass for chain in self.chains])
+        gained = inner_mass * np.diff(velocity, axis=0) / self.time_step
+        # One product a lane: it must not depend on what other lanes there are.
+        explained = [before[:, lane] @ matrix[cells:].T for lane, matrix in enumerate(self.spring_matrix())]
+        sizes = np.reshape(read, (len(read), lanes, cells)) / self.time_step
+        return np.copysign(sizes, gained - np.stack(explained, axis=1)), given

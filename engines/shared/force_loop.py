@@ -1,0 +1,183 @@
+"""Lanes whose springs, dashpots and drive are forces that the adapter computes at the start of each step.
+
+In many engines only masses and friction are the engine's own. One loop serves them all; an engine adds how
+bodies get a state, how they take a step under given forces, and how contacts are read.
+"""
+
+from abc import abstractmethod
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from engines.interface.engine import LaneModel
+from engines.shared.coordinates import ChainCoordinates
+from engines.shared.units import Units
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.validation import FloatArray, checked_count
+
+Step = Callable[[FloatArray], None]
+"""Takes one step under generalised forces, shape (2n,)."""
+
+
+LARGEST_MOTION = 1e15
+"""Coordinates and velocities in the lane's units beyond which a lane has diverged, and stops."""
+
+STEPS_BETWEEN_CHECKS = 16
+"""Few enough that an unstable motion does not grow from there to numbers of which engines complain at every step."""
+
+
+class ExplicitForcesLane(LaneModel):
+    """One chain under forces computed at the start of each step.
+
+    Everything that an engine sees is in the lane's `Units`. A motion is one vector of coordinates, then of their
+    velocities, shape (4n,); the loop owns it, and the engine writes what it reads into it.
+
+    Parameters
+    ----------
+    lane
+        The lane.
+    units
+        In which the engine computes.
+    """
+
+    coordinates: ChainCoordinates = ChainCoordinates.ABSOLUTE
+
+    def __init__(self, lane: Lane, units: Units):
+        """Take the lane's parameters in `units`."""
+        self.lane = lane
+        self._units = units
+        self._chain = units.scaled(lane.chain)
+        self._time_step = lane.time_step / units.time
+        self._forces = np.ascontiguousarray(self._force_matrix())
+        # Of what the loop hands to a step; an engine that wants something in proportion changes both.
+        self._force_unit = units.force
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state`; see `LaneModel.run`.
+
+        A lane that diverges stops, and its last row is repeated.
+        """
+        motion, step = self._started(state, start, steps)
+        # A matrix's own product goes round the dispatch of np.dot.
+        product, force, contacts = self._forces.dot, np.empty(motion.size // 2), self._contacts
+        motions = np.empty((steps + 1, motion.size))
+        motions[0] = motion
+        read, gaps = [], []
+        for row, load in zip(motions[1:], self._loads(start, steps, motion), strict=False):
+            product(motion, force)
+            force[0] += load
+            step(force)
+            row[:] = motion
+            read.append(contacts())
+            if self.lane.opens:
+                gaps.append(self._gaps()[0])
+        motions[len(read) + 1 :] = motion
+        read, gaps = (rows + rows[-1:] * (steps - len(rows)) for rows in (read, gaps))
+        friction, normal = self._contact_forces(np.array(read), motions, self.lane.preloads(start, steps))
+        end = self._state(motions[1:])
+        across = (self._memory(), np.array(gaps) * self._units.length) if gaps else (None, None)
+        return Trajectory(self.lane.times(start, steps), end.positions, end.velocities, friction, normal, *across)
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does, without reading the contacts."""
+        motion, step = self._started(state, start, steps)
+        product, force = self._forces.dot, np.empty(motion.size // 2)
+        for load in self._loads(start, steps, motion):
+            product(motion, force)
+            force[0] += load
+            step(force)
+        end, memory = self._state(motion[None]), self._memory()
+        return end if memory is None else replace(end, memory=memory[None])
+
+    @abstractmethod
+    def bare_steps(self, steps: int) -> None:
+        """Take steps of the engine alone; see `BareStepping`."""
+
+    @abstractmethod
+    def _begin(self, motion: FloatArray) -> Step:
+        """Give the bodies this motion; the step that is returned writes the new one into the same array."""
+
+    @abstractmethod
+    def _contacts(self) -> FloatArray | list[float]:
+        """Read what the engine says of the contacts after a step."""
+
+    def _press(self, press: FloatArray) -> None:
+        """Set what presses every cell in the next step, in the lane's units, shape (n,), where that changes in time."""
+        raise NotImplementedError(f"{type(self).__name__} has a constant normal force")
+
+    def _gaps(self) -> FloatArray:
+        """Read the gap of every contact, and its rate, in the lane's units, shape (2, n), where contacts open."""
+        raise NotImplementedError(f"{type(self).__name__} has contacts that stay closed")
+
+    def _contact_forces(
+        self, read: FloatArray, motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Turn what was read into friction on the inner masses and normal force [N], shape (steps, n) each.
+
+        Parameters
+        ----------
+        read
+            What `_contacts` gave, one row a step; here the friction itself, in the lane's units.
+        motions
+            The motion at the start, and at the end of each step, shape (steps + 1, 4n).
+        given
+            What presses the contacts in each step [N], shape (steps, n).
+        """
+        return read * self._units.force, given
+
+    def _force_matrix(self) -> FloatArray:
+        """Give the matrix that turns a motion into generalised forces, shape (2n, 4n)."""
+        return self.coordinates.force_matrix(self._chain)
+
+    def _motion(self, state: State) -> FloatArray:
+        """Give the motion of a state, a batch of one lane."""
+        position, velocity = state.positions[0] / self._units.length, state.velocities[0] / self._units.velocity
+        return np.concatenate([self.coordinates.of(position), self.coordinates.of(velocity)])
+
+    def _state(self, motions: FloatArray) -> State:
+        """Give positions and velocities of motions, shape (rows, 4n)."""
+        position, velocity = np.split(motions, 2, axis=1)
+        return State(
+            self.coordinates.absolute(position) * self._units.length,
+            self.coordinates.absolute(velocity) * self._units.velocity,
+        )
+
+    def _started(self, state: State, start: int, steps: int) -> tuple[FloatArray, Step]:
+        """Give the motion of `state` and the function that advances it."""
+        checked_count("steps", steps)
+        motion = self._motion(state)
+        # Gaps and their rates, which `_begin` gives the bodies too where contacts open.
+        self._across = np.zeros((2, self._chain.cells))
+        if self.lane.opens:
+            gap, speed = state.normal_state(self._chain.cells)
+            self._across[:] = gap[0] / self._units.length, speed[0] / self._units.velocity
+        step = self._begin(motion)
+        return motion, step if self.lane.preload is None else self._pressed(step, start, steps)
+
+    def _pressed(self, step: Step, start: int, steps: int) -> Step:
+        """Let every step begin with setting what presses the cells."""
+        presses, press = iter(self.lane.preloads(start, steps) / self._units.force), self._press
+
+        def pressed(force: FloatArray) -> None:
+            press(next(presses))
+            step(force)
+
+        return pressed
+
+    def _memory(self) -> FloatArray | None:
+        """Give what a state remembers of gaps, as `State.normal_state` reads it; ``None`` where none opens."""
+        if not self.lane.opens:
+            return None
+        gap, speed = self._gaps()
+        return np.concatenate([gap * self._units.length, speed * self._units.velocity])
+
+    def _loads(self, start: int, steps: int, motion: FloatArray) -> Iterator[float]:
+        """Give the force on cell 1 at the start of each step, until the motion has diverged."""
+        # Python's numbers are added faster than NumPy's.
+        loads: list[float] = (self.lane.loads(start, steps) / self._force_unit).tolist()
+        for first in range(0, steps, STEPS_BETWEEN_CHECKS):
+            yield from loads[first : first + STEPS_BETWEEN_CHECKS]
+            if not np.max(np.abs(motion)) < LARGEST_MOTION:
+                return

@@ -1,0 +1,94 @@
+"""What a step costs: in the adapter, with and without a record, and in the engine's own loop alone."""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from engines.interface.engine import BareStepping
+from engines.interface.variant import Variant
+from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.chain.trajectory import State
+from reference_lcp.stepping.sequential import LanewiseSimulation
+from reference_lcp.validation import checked_count
+
+STEPS = 400
+"""Steps of a sample: a period, as the search for a steady state asks for them."""
+
+SAMPLES = 7
+"""Samples of each kind, taken in turn; the fastest counts, for other programs only ever make one slower."""
+
+
+@dataclass(frozen=True)
+class StepCost:
+    """Seconds a step and lane of seven cells, on one core, in a batch of as many lanes as the engine takes at best.
+
+    Parameters
+    ----------
+    variant
+        Who was measured.
+    advance, run
+        By the adapter: the end of a period only, and with every step recorded.
+    bare
+        By the engine alone, from rest, in the tightest loop of its Python interface; NaN where it has none.
+        Lanes that are advanced one after the other cost the same alone, and one of them is measured.
+    """
+
+    variant: Variant
+    advance: float
+    run: float
+    bare: float
+
+    @property
+    def ratio(self) -> float:
+        """`advance` over `bare`."""
+        return self.advance / self.bare
+
+
+def step_cost(variant: Variant, samples: int = SAMPLES) -> StepCost:
+    """Measure one variant at (0.3, 0.9) of figure 3, in a batch of equal lanes, as the suite runs engines.
+
+    Raises
+    ------
+    ParameterError
+        If `samples` is not at least 1.
+    EngineNotInstalled
+        If the engine cannot be used on this machine.
+    """
+    checked_count("samples", samples)
+    chain = Chain.from_ratios(friction_ratio=0.3)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), STEPS)
+    lanes = variant.capabilities.batch_lanes
+    simulation = variant.build([lane] * lanes)
+    try:
+        start = State.at_rest(lanes, chain.cells)
+        timed: dict[str, Callable[[], object]] = {
+            "advance": lambda: simulation.advance(start, 0, STEPS),
+            "run": lambda: simulation.run(start, 0, STEPS),
+        }
+        taken = dict.fromkeys(timed, STEPS * lanes)
+        bare = bare_stepping(simulation)
+        if bare is not None:
+            timed["bare"] = lambda: bare.bare_steps(STEPS)
+            taken["bare"] = STEPS if isinstance(simulation, LanewiseSimulation) else STEPS * lanes
+        best = dict.fromkeys(("advance", "run", "bare"), math.inf)
+        for _ in range(samples):
+            for name, act in timed.items():
+                best[name] = min(best[name], _seconds(act) / taken[name])
+    finally:
+        simulation.close()
+    return StepCost(variant, best["advance"], best["run"], best["bare"] if bare is not None else math.nan)
+
+
+def bare_stepping(simulation: Simulation) -> BareStepping | None:
+    """Find who steps without the adapter: the simulation with all its lanes, or the model of its first one."""
+    candidate = simulation.models[0] if isinstance(simulation, LanewiseSimulation) else simulation
+    return candidate if isinstance(candidate, BareStepping) else None
+
+
+def _seconds(act: Callable[[], object]) -> float:
+    begin = time.perf_counter()
+    act()
+    return time.perf_counter() - begin

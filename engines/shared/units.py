@@ -1,0 +1,78 @@
+"""Units in which a lane's numbers are near one.
+
+Engines compare positions, velocities, masses and impulses with fixed numbers: the smallest pivot, the
+largest acceleration, the largest joint velocity. A chain of nanograms or one driven at a gigahertz would
+meet them in SI units. In a lane's own units it does not, and what an engine computes does not depend on
+the units of the chain. Every unit is a power of two, so that converting is exact.
+"""
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.validation import checked_choice
+
+
+@dataclass(frozen=True)
+class Units:
+    """Powers of two near the displacement scale, the outer mass and the time step of a lane.
+
+    Parameters
+    ----------
+    length, mass, time
+        Units [m], [kg], [s].
+    """
+
+    length: float
+    mass: float
+    time: float
+
+    @classmethod
+    def named(cls, name: str, lane: Lane) -> Self:
+        """Give ``"SI"`` units, or the ``"lane"``'s own.
+
+        A setting that an engine takes in seconds or metres per second means what its manual says in SI units only.
+        """
+        checked_choice("units", name, ("SI", "lane"))
+        return cls(1.0, 1.0, 1.0) if name == "SI" else cls.of(lane)
+
+    @classmethod
+    def of(cls, lane: Lane) -> Self:
+        """Choose the units of `lane`."""
+        length = lane.drive.displacement_scale(lane.chain)
+        mass = float(np.exp(np.mean(np.log(lane.chain.outer_mass))))
+        return cls(power_of_two(length), power_of_two(mass), power_of_two(lane.time_step))
+
+    @property
+    def velocity(self) -> float:
+        """Unit of velocity [m/s]."""
+        return self.length / self.time
+
+    @property
+    def force(self) -> float:
+        """Unit of force [N]."""
+        return self.mass * self.length / self.time**2
+
+    def scaled(self, chain: Chain) -> Chain:
+        """Give `chain` with its parameters in these units."""
+        stiffness, damping = self.mass / self.time**2, self.mass / self.time
+        return dataclasses.replace(
+            chain,
+            outer_mass=chain.outer_mass / self.mass,
+            inner_mass=chain.inner_mass / self.mass,
+            chain_stiffness=chain.chain_stiffness / stiffness,
+            inner_stiffness=chain.inner_stiffness / stiffness,
+            chain_damping=chain.chain_damping / damping,
+            inner_damping=chain.inner_damping / damping,
+            normal_force=chain.normal_force / self.force,
+        )
+
+
+def power_of_two(value: float) -> float:
+    """Give the power of two next below or at `value`."""
+    return math.ldexp(1.0, math.frexp(value)[1] - 1)

@@ -1,0 +1,1 @@
+"""How large the errors are: error bars, convergence, speed."""

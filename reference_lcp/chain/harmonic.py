@@ -1,0 +1,180 @@
+"""What sets the chain in motion: a moving base, or a force on cell 1."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol, Self
+
+import numpy as np
+
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.validation import FloatArray, checked_scalar
+
+
+class Drive(Protocol):
+    """Anything that loads the outer mass of cell 1.
+
+    A moving base acts on the chain through the spring and the dashpot of cell 1 alone; every drive
+    is therefore a force on the outer mass of cell 1, beside the matrices K and C of the chain.
+    """
+
+    def load(self, chain: Chain, time: FloatArray) -> FloatArray:
+        """Force on the outer mass of cell 1 [N] at `time` [s], of the same shape."""
+        ...
+
+    def displacement_scale(self, chain: Chain) -> float:
+        """Length [m] by which displacements are made non-dimensional."""
+        ...
+
+    def parameters(self) -> dict[str, Any]:
+        """Give the kind and the parameters, ready for JSON."""
+        ...
+
+
+class MovingBase(ABC):
+    """A base that moves in a known way; a `Drive`."""
+
+    kind: ClassVar[str]
+    """As `parameters` names it."""
+    amplitude: float
+    """Displacement scale [m]."""
+
+    @abstractmethod
+    def displacement(self, time: FloatArray) -> FloatArray:
+        """Displacement of the base [m] at `time` [s], of the same shape."""
+
+    @abstractmethod
+    def velocity(self, time: FloatArray) -> FloatArray:
+        """Velocity of the base [m/s] at `time` [s], of the same shape."""
+
+    def load(self, chain: Chain, time: FloatArray) -> FloatArray:
+        """k_c u_0 + c_c u̇_0 [N]: what the moving base adds to the force on cell 1."""
+        force: FloatArray = chain.chain_stiffness[0] * self.displacement(time)
+        if chain.chain_damping[0] > 0:
+            force = force + chain.chain_damping[0] * self.velocity(time)
+        return force
+
+    def displacement_scale(self, chain: Chain) -> float:
+        """Give the amplitude [m]."""
+        return self.amplitude
+
+    @abstractmethod
+    def parameters(self) -> dict[str, Any]:
+        """Give the kind and the parameters, ready for JSON."""
+
+
+@dataclass(frozen=True)
+class HarmonicBase(MovingBase):
+    """The base moves as U0 sin ωt.
+
+    Parameters
+    ----------
+    amplitude
+        U0 [m], > 0.
+    angular_frequency
+        ω [rad/s], > 0.
+    """
+
+    kind: ClassVar[str] = "harmonic base"
+    amplitude: float
+    angular_frequency: float
+
+    def __post_init__(self) -> None:
+        checked_scalar("base amplitude", self.amplitude, "> 0")
+        checked_scalar("angular_frequency", self.angular_frequency, "> 0")
+
+    @classmethod
+    def from_ratio(cls, chain: Chain, frequency_ratio: float, amplitude: float = 0.01) -> Self:
+        """Drive `chain` at η_r = ω / ω_r, with ω_r of its first cell.
+
+        Raises
+        ------
+        ParameterError
+            If `frequency_ratio` or `amplitude` is not > 0.
+        """
+        ratio = checked_scalar("frequency_ratio", frequency_ratio, "> 0")
+        return cls(checked_scalar("base_amplitude", amplitude, "> 0"), ratio * chain.resonator_frequency)
+
+    @property
+    def period(self) -> float:
+        """2π / ω [s]."""
+        return 2 * np.pi / self.angular_frequency
+
+    def displacement(self, time: FloatArray) -> FloatArray:
+        """Displacement of the base [m]."""
+        return self.amplitude * np.sin(self.angular_frequency * time)
+
+    def velocity(self, time: FloatArray) -> FloatArray:
+        """Velocity of the base [m/s]."""
+        return self.amplitude * self.angular_frequency * np.cos(self.angular_frequency * time)
+
+    def parameters(self) -> dict[str, Any]:
+        """Give the kind and the parameters, ready for JSON."""
+        return {"kind": self.kind, "amplitude": self.amplitude, "angular_frequency": self.angular_frequency}
+
+
+@dataclass(frozen=True)
+class HarmonicForce:
+    """The force P0 sin ωt acts on the outer mass of cell 1; the base stands still.
+
+    Parameters
+    ----------
+    amplitude
+        P0 [N], > 0.
+    angular_frequency
+        ω [rad/s], > 0.
+    """
+
+    amplitude: float
+    angular_frequency: float
+
+    def __post_init__(self) -> None:
+        checked_scalar("force amplitude", self.amplitude, "> 0")
+        checked_scalar("angular_frequency", self.angular_frequency, "> 0")
+
+    @property
+    def period(self) -> float:
+        """2π / ω [s]."""
+        return 2 * np.pi / self.angular_frequency
+
+    def load(self, chain: Chain, time: FloatArray) -> FloatArray:
+        """P0 sin ωt [N]."""
+        return self.amplitude * np.sin(self.angular_frequency * time)
+
+    def displacement_scale(self, chain: Chain) -> float:
+        """P0 / k_c [m], the static elongation of the first chain spring."""
+        return float(self.amplitude / chain.chain_stiffness[0])
+
+    def parameters(self) -> dict[str, Any]:
+        """Give the kind and the parameters, ready for JSON."""
+        return {"kind": "harmonic force", "amplitude": self.amplitude, "angular_frequency": self.angular_frequency}
+
+
+@dataclass(frozen=True)
+class StillBase:
+    """Nothing drives the chain: free motion from its initial state.
+
+    Parameters
+    ----------
+    length
+        The displacement scale [m], > 0; it enters no equation of motion.
+    """
+
+    length: float = 1.0
+
+    def __post_init__(self) -> None:
+        checked_scalar("length", self.length, "> 0")
+
+    def load(self, chain: Chain, time: FloatArray) -> FloatArray:
+        """Zero [N]."""
+        return np.zeros_like(np.asarray(time, dtype=np.float64))
+
+    def displacement_scale(self, chain: Chain) -> float:
+        """Give the length [m] that was chosen."""
+        return self.length
+
+    def parameters(self) -> dict[str, Any]:
+        """Give the kind and the parameters, ready for JSON."""
+        return {"kind": "still base", "length": self.length}
+
+
+PeriodicDrive = HarmonicBase | HarmonicForce

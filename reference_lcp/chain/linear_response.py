@@ -1,0 +1,82 @@
+"""The two limits without friction's nonlinearity: contacts that slide freely, contacts that never slide."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_lcp.chain.harmonic import HarmonicBase, PeriodicDrive
+from reference_lcp.chain.mass_in_mass import Chain
+
+
+def frictionless_response(chain: Chain, drive: PeriodicDrive) -> NDArray[np.complex128]:
+    """Complex amplitudes [m] of all masses with friction left out, shape (2n,), outer masses first.
+
+    Solves (K + iωC − ω²M) x = f; a displacement is Im(x exp(iωt)), as the base's is U0 sin ωt.
+    """
+    return _response(chain, drive, np.eye(2 * chain.cells))
+
+
+def stuck_response(chain: Chain, drive: PeriodicDrive) -> NDArray[np.complex128]:
+    """Complex amplitudes [m] with every inner mass fixed to its outer mass; as `frictionless_response`."""
+    return _response(chain, drive, stuck_basis(chain))
+
+
+def stuck_basis(chain: Chain) -> NDArray[np.float64]:
+    """Displacements of all masses in which both of a cell move alike, shape (2n, n)."""
+    return np.vstack([np.eye(chain.cells), np.eye(chain.cells)])
+
+
+def frictionless_transmittance(chain: Chain, drive: PeriodicDrive) -> float:
+    """|U_n| over the displacement scale with friction left out."""
+    return _transmittance(frictionless_response(chain, drive), chain, drive)
+
+
+def stuck_transmittance(chain: Chain, drive: PeriodicDrive) -> float:
+    """|U_n| over the displacement scale with every contact stuck."""
+    return _transmittance(stuck_response(chain, drive), chain, drive)
+
+
+def residual_amplification(chain: Chain, period: float) -> float:
+    """How many times farther from its steady state a motion may be than one period shows; >= 1.
+
+    A motion that comes back after a period T by r beside where it was is (I − J)⁻¹ r from the steady state, J being the
+    Jacobian of the period map. While no contact changes between stick and slip it is exp(A T), and the factor
+    1 / |1 − exp(λ T)|, λ being the eigenvalue of A for which it is largest: of a lightly damped mode of which nearly
+    a whole number of cycles fits into the period.
+
+    Parameters
+    ----------
+    chain
+        Taken with all contacts free and with all contacts stuck; the larger factor counts.
+    period
+        T [s].
+    """
+    bases = (np.eye(2 * chain.cells), stuck_basis(chain))
+    nearest = min(float(np.min(np.abs(1 - np.exp(_eigenvalues(chain, basis) * period)))) for basis in bases)
+    return max(1.0, 1 / nearest)
+
+
+def _eigenvalues(chain: Chain, basis: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Eigenvalues λ [1/s] of the free motion in the subspace of `basis`, shape (2k,)."""
+    mass, damping, stiffness = (
+        basis.T @ matrix @ basis for matrix in (chain.mass_matrix, chain.damping_matrix, chain.stiffness_matrix)
+    )
+    size = basis.shape[1]
+    rates = -np.linalg.solve(mass, np.hstack([stiffness, damping]))
+    return np.linalg.eigvals(np.vstack([np.eye(size, 2 * size, size), rates])).astype(np.complex128)
+
+
+def _transmittance(response: NDArray[np.complex128], chain: Chain, drive: PeriodicDrive) -> float:
+    return float(np.abs(response[chain.cells - 1]) / drive.displacement_scale(chain))
+
+
+def _response(chain: Chain, drive: PeriodicDrive, basis: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Solve in the subspace of `basis`, shape (2n, k)."""
+    omega = drive.angular_frequency
+    dynamic = chain.stiffness_matrix + 1j * omega * chain.damping_matrix - omega**2 * chain.mass_matrix
+    force = np.zeros(2 * chain.cells, dtype=np.complex128)
+    if isinstance(drive, HarmonicBase):
+        force[0] = (chain.chain_stiffness[0] + 1j * omega * chain.chain_damping[0]) * drive.amplitude
+    else:
+        force[0] = drive.amplitude
+    solution: NDArray[np.complex128] = basis @ np.linalg.solve(basis.T @ dynamic @ basis, basis.T @ force)
+    return solution

@@ -1,0 +1,197 @@
+"""The mass-in-mass chain with an internal Coulomb contact in every cell."""
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from reference_lcp.chain.natural_frequency import highest_square
+from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_count, checked_scalar
+
+CHAIN_STIFFNESS = 1000.0
+"""k_c [N/m] of chains that are made from ratios, unless one is given."""
+
+_REQUIREMENTS = {
+    "outer_mass": "> 0",
+    "inner_mass": "> 0",
+    "chain_stiffness": "> 0",
+    "inner_stiffness": "> 0",
+    "chain_damping": ">= 0",
+    "inner_damping": ">= 0",
+    "normal_force": ">= 0",
+    "friction_coefficient": ">= 0",
+}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Chain:
+    """A row of mass-in-mass cells (Sethi, Banerjee, Manna, figure 2), in SI units.
+
+    Cell *i* has an outer mass at u_i and an inner mass at v_i that slides inside it. The base is at
+    the left of cell 1; the right end is free. Every parameter is a number, or an array with one
+    value a cell; it is stored as a read-only array of shape ``(cells,)``.
+
+    Parameters
+    ----------
+    cells
+        Number of cells n.
+    outer_mass, inner_mass
+        m_o and m_i [kg], > 0.
+    chain_stiffness, chain_damping
+        k_c [N/m] > 0 and c_c [N s/m] >= 0 of the spring and the dashpot at the left of each cell.
+    inner_stiffness, inner_damping
+        k_i [N/m] > 0 and c_i [N s/m] >= 0 between outer and inner mass.
+    normal_force
+        λ_N [N] >= 0 that presses the inner on the outer mass.
+    friction_coefficient
+        μ [-] >= 0.
+
+    Raises
+    ------
+    ParameterError
+        If a value is not finite, outside its range, or not a scalar or of shape ``(cells,)``.
+    """
+
+    cells: int = 7
+    outer_mass: FloatArray
+    inner_mass: FloatArray
+    chain_stiffness: FloatArray
+    inner_stiffness: FloatArray
+    chain_damping: FloatArray = dataclasses.field(default_factory=lambda: np.zeros(()))
+    inner_damping: FloatArray = dataclasses.field(default_factory=lambda: np.zeros(()))
+    normal_force: FloatArray = dataclasses.field(default_factory=lambda: np.zeros(()))
+    friction_coefficient: FloatArray = dataclasses.field(default_factory=lambda: np.zeros(()))
+
+    def __post_init__(self) -> None:
+        checked_count("cells", self.cells)
+        for name, requirement in _REQUIREMENTS.items():
+            array = checked_array(name, getattr(self, name), requirement)
+            if array.shape not in ((), (1,), (self.cells,)):
+                raise ParameterError(f"{name} has shape {array.shape}; allowed: one number or ({self.cells},)")
+            per_cell = np.broadcast_to(array, (self.cells,)).copy()
+            per_cell.flags.writeable = False
+            object.__setattr__(self, name, per_cell)
+
+    @classmethod
+    def from_ratios(
+        cls,
+        *,
+        cells: int = 7,
+        mass_ratio: ArrayLike = 1.0,
+        stiffness_ratio: ArrayLike = 1.0,
+        damping_ratio: ArrayLike = 0.01,
+        friction_ratio: ArrayLike = 0.0,
+        inner_damping_ratio: ArrayLike = 0.0,
+        outer_mass_ratio: ArrayLike = 1.0,
+        chain_stiffness_ratio: ArrayLike = 1.0,
+        base_amplitude: float = 0.01,
+        outer_mass: float = 1.0,
+        chain_stiffness: float = CHAIN_STIFFNESS,
+        friction_coefficient: float = 0.5,
+    ) -> Self:
+        """Build a chain from non-dimensional ratios; the defaults are the canonical frictionless case.
+
+        Parameters
+        ----------
+        cells
+            Number of cells.
+        mass_ratio, stiffness_ratio
+            m_i / m_o and k_i / k_c, of the cell's own outer mass and chain spring.
+        damping_ratio, inner_damping_ratio
+            c_c / (2 √(k_c m_o)) and c_i / (2 √(k_i m_i)), of the cell's own masses and springs.
+        friction_ratio
+            μ λ_N / (k_c U0), the paper's non-dimensional maximum frictional force; k_c is `chain_stiffness`.
+        outer_mass_ratio, chain_stiffness_ratio
+            m_o over `outer_mass` and k_c over `chain_stiffness`, where cells differ.
+        base_amplitude
+            U0 [m], the displacement that the friction ratio refers to.
+        outer_mass, chain_stiffness
+            m_o [kg] and k_c [N/m], which fix the units of mass and time.
+        friction_coefficient
+            μ > 0; only the product μ λ_N enters the motion.
+
+        Raises
+        ------
+        ParameterError
+            If a ratio is outside its range; the message names the ratio.
+        """
+        mass = checked_scalar("outer_mass", outer_mass, "> 0")
+        stiffness = checked_scalar("chain_stiffness", chain_stiffness, "> 0")
+        amplitude = checked_scalar("base_amplitude", base_amplitude, "> 0")
+        mu = checked_scalar("friction_coefficient", friction_coefficient, "> 0")
+        outer = checked_array("outer_mass_ratio", outer_mass_ratio, "> 0") * mass
+        springs = checked_array("chain_stiffness_ratio", chain_stiffness_ratio, "> 0") * stiffness
+        inner_mass = checked_array("mass_ratio", mass_ratio, "> 0") * outer
+        inner_stiffness = checked_array("stiffness_ratio", stiffness_ratio, "> 0") * springs
+        zeta = checked_array("damping_ratio", damping_ratio, ">= 0")
+        inner_zeta = checked_array("inner_damping_ratio", inner_damping_ratio, ">= 0")
+        friction = checked_array("friction_ratio", friction_ratio, ">= 0")
+        return cls(
+            cells=cells,
+            outer_mass=outer,
+            inner_mass=inner_mass,
+            chain_stiffness=springs,
+            inner_stiffness=inner_stiffness,
+            chain_damping=2 * zeta * np.sqrt(springs * outer),
+            inner_damping=2 * inner_zeta * np.sqrt(inner_stiffness * inner_mass),
+            normal_force=friction * stiffness * amplitude / mu,
+            friction_coefficient=np.asarray(mu),
+        )
+
+    @property
+    def friction_bound(self) -> FloatArray:
+        """Largest friction force μ λ_N of each contact [N], shape (n,)."""
+        return self.friction_coefficient * self.normal_force
+
+    @property
+    def resonator_frequency(self) -> float:
+        """ω_r = √(k_i / m_i) of cell 1 [rad/s], the unit of the frequency ratio η_r = ω / ω_r."""
+        return float(np.sqrt(self.inner_stiffness[0] / self.inner_mass[0]))
+
+    @cached_property
+    def mass_matrix(self) -> FloatArray:
+        """M of equation (4) [kg], shape (2n, 2n); outer masses first, then inner ones."""
+        return np.diag(np.concatenate([self.outer_mass, self.inner_mass]))
+
+    @cached_property
+    def stiffness_matrix(self) -> FloatArray:
+        """K [N/m], shape (2n, 2n); the spring to the base is in its first entry."""
+        return self._element_matrix(self.chain_stiffness, self.inner_stiffness)
+
+    @cached_property
+    def damping_matrix(self) -> FloatArray:
+        """C [N s/m], shape (2n, 2n); the dashpot to the base is in its first entry."""
+        return self._element_matrix(self.chain_damping, self.inner_damping)
+
+    @cached_property
+    def contact_directions(self) -> FloatArray:
+        """W_T of equation (4), shape (2n, n): the relative velocity is ġ_T = v̇ − u̇ = W_Tᵀ q."""
+        identity = np.eye(self.cells)
+        return np.vstack([-identity, identity])
+
+    @cached_property
+    def highest_natural_frequency(self) -> float:
+        """Highest natural frequency of the frictionless chain [rad/s]; builds no matrix."""
+        squared = highest_square(self.outer_mass, self.inner_mass, self.chain_stiffness, self.inner_stiffness)
+        return math.sqrt(squared)
+
+    def parameters(self) -> dict[str, list[float]]:
+        """Give every parameter as a list with one value a cell, ready for JSON."""
+        return {name: getattr(self, name).tolist() for name in _REQUIREMENTS}
+
+    def _element_matrix(self, between_cells: FloatArray, within_cells: FloatArray) -> FloatArray:
+        """Sum the matrices of the elements between neighbours and inside the cells."""
+        elongation = np.eye(self.cells) - np.eye(self.cells, k=-1)
+        row = elongation.T @ np.diag(between_cells) @ elongation
+        inside = np.diag(within_cells)
+        return np.block([[row + inside, -inside], [-inside, inside]])
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Chain) and self.parameters() == other.parameters()
+
+    def __hash__(self) -> int:
+        return hash(tuple(getattr(self, name).tobytes() for name in _REQUIREMENTS))

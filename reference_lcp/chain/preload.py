@@ -1,0 +1,189 @@
+"""A preload that changes in time: what presses the masses of a cell together, and when they part.
+
+An actuator in every cell presses the inner mass on the outer one, across the row, with
+
+    N_i(t) = N0_i (1 + a sin(Ω t + φ)),
+
+N0_i being the chain's `normal_force`: `PreloadedChain` with faces along the row, α = 0. Nothing couples the normal
+direction to the motion along the row then (G_NT = 0): λ_N(t) is known before the row moves, friction under it is
+monotone, and a steady state is as unique as under a constant normal force.
+
+For a <= 1 the contact stays closed, and λ_N = N. For a > 1 the actuator pulls the inner mass off for a part of each
+cycle; it flies, falls back, and lands without rebound.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numba
+import numpy as np
+from scipy.optimize import brentq
+
+from reference_lcp.chain.harmonic import PeriodicDrive
+from reference_lcp.validation import FloatArray, ParameterError, checked_scalar
+
+LARGEST_PERIODIC_MODULATION = math.sqrt(1 + math.pi**2)
+"""Up to this a, about 3.3, a flight ends before the actuator pulls again; beyond, flights need not repeat."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Preload:
+    """How the force that presses the masses of every cell together changes, as a factor on its mean.
+
+    Parameters
+    ----------
+    modulation
+        a >= 0.
+    angular_frequency
+        Ω [rad/s], > 0.
+    phase
+        φ [rad].
+
+    Raises
+    ------
+    ParameterError
+        If a value is not finite or outside its range.
+    """
+
+    modulation: float
+    angular_frequency: float
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        checked_scalar("modulation", self.modulation, ">= 0")
+        checked_scalar("modulation_frequency", self.angular_frequency, "> 0")
+        checked_scalar("modulation_phase", self.phase)
+
+    @classmethod
+    def at_multiple(cls, drive: PeriodicDrive, modulation: float, multiple: float = 1.0, phase: float = 0.0) -> Self:
+        """Modulate at Ω = `multiple` ω, with ω of the drive.
+
+        Raises
+        ------
+        ParameterError
+            If a value is not finite or outside its range.
+        """
+        ratio = checked_scalar("modulation_multiple", multiple, "> 0")
+        return cls(modulation=modulation, angular_frequency=ratio * drive.angular_frequency, phase=phase)
+
+    @property
+    def opens(self) -> bool:
+        """Whether the actuator pulls for a part of each cycle, so that contacts open."""
+        return self.modulation > 1
+
+    def factor(self, time: FloatArray) -> FloatArray:
+        """N(t) / N0, negative where the actuator pulls; shape of `time` [s]."""
+        return 1 + self.modulation * np.sin(self.angular_frequency * time + self.phase)
+
+
+@dataclass(frozen=True)
+class Flight:
+    """The exact flight of an inner mass under a preload that opens its contact, once in a cycle of the preload.
+
+    With y'' = −N(t) / m from lift-off, where N falls through zero, to y = 0. Times do not depend on the masses, nor
+    does the impulse of the landing, ∫ N dt.
+
+    Parameters
+    ----------
+    lift_off, landing
+        Phases Ω t + φ [rad] of the preload, π < `lift_off` < 3π/2 and `landing` < `lift_off` + 2π.
+    highest
+        Largest gap over N0 / (m Ω²), m being the mass that flies.
+    """
+
+    lift_off: float
+    landing: float
+    highest: float
+
+    @classmethod
+    def of(cls, preload: Preload) -> Self:
+        """Integrate N(t) twice, and find the roots.
+
+        Raises
+        ------
+        ParameterError
+            If contacts do not open, or a flight does not end before the next one would begin.
+        """
+        a = preload.modulation
+        if not 1 < a < LARGEST_PERIODIC_MODULATION:
+            raise ParameterError(f"modulation = {a:g}; allowed for a flight a cycle: (1, √(1 + π²) = 3.3)")
+        start = math.pi + math.asin(1 / a)
+
+        def gap(phase: float) -> float:
+            flown = phase - start
+            return a * (math.sin(phase) - math.sin(start) - flown * math.cos(start)) - flown**2 / 2
+
+        def speed(phase: float) -> float:
+            return a * (math.cos(phase) - math.cos(start)) - (phase - start)
+
+        # It rises while it is pulled, falls after its highest point, and is below ground when a cycle is over.
+        pulled_until = 3 * math.pi - start
+        top = brentq(speed, pulled_until, start + 2 * math.pi)
+        landing = brentq(gap, top, start + 2 * math.pi)
+        return cls(start, landing, gap(top))
+
+    @property
+    def air_fraction(self) -> float:
+        """Part of the cycle that the contact is open."""
+        return (self.landing - self.lift_off) / (2 * math.pi)
+
+
+@dataclass(frozen=True)
+class NormalMotion:
+    """The normal direction of contacts over consecutive steps; row k belongs to the end of step k.
+
+    Parameters
+    ----------
+    normal_force
+        λ_N >= 0 [N] during the step, shape (steps, ...).
+    gap
+        g_N [m] at the end of the step, same shape.
+    speed
+        Its rate at the end of the last step [m/s], shape (...).
+    """
+
+    normal_force: FloatArray
+    gap: FloatArray
+    speed: FloatArray
+
+
+def normal_motion(
+    press: FloatArray, mass: FloatArray, time_step: FloatArray | float, gap: FloatArray, speed: FloatArray
+) -> NormalMotion:
+    """Advance the normal direction alone, by equation (7): 0 <= Λ_N ⟂ g_N + Δt ġ_N⁺ >= 0 with m Δġ_N = Λ_N − N Δt.
+
+    Parameters
+    ----------
+    press
+        N at the start of each step [N], negative where the actuator pulls, shape (steps, ...).
+    mass
+        Mass that moves across the row [kg], of a shape that broadcasts with (...).
+    time_step
+        Δt [s], likewise.
+    gap, speed
+        g_N >= 0 [m] and its rate [m/s] at the start, shape (...).
+    """
+    steps, shape = press.shape[0], press.shape[1:]
+    flat = [np.broadcast_to(part, shape).ravel() for part in (mass, time_step, gap, speed)]
+    rows, gaps, rate = _advance_normal(np.ascontiguousarray(press).reshape(steps, -1), *flat)
+    return NormalMotion(rows.reshape(press.shape), gaps.reshape(press.shape), rate.reshape(shape))
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _advance_normal(press: Any, mass: Any, time_step: Any, start: Any, rate: Any) -> Any:
+    """Advance contacts, shape (k,), through the rows of `press`; gives forces and gaps of every step, final rates."""
+    force, gaps, gap, speed = np.zeros_like(press), np.zeros_like(press), start.copy(), rate.copy()
+    for step in range(press.shape[0]):
+        for k in range(press.shape[1]):
+            dt, pressing = time_step[k], press[step, k]
+            needed = pressing - mass[k] * (speed[k] + gap[k] / dt) / dt
+            if needed > 0.0:
+                force[step, k] = needed
+                speed[k] = -gap[k] / dt
+                gap[k] = 0.0
+            else:
+                speed[k] -= dt * pressing / mass[k]
+                gap[k] += dt * speed[k]
+            gaps[step, k] = gap[k]
+    return force, gaps, speed

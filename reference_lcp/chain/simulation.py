@@ -1,0 +1,136 @@
+"""The contract between whatever advances chains in time and whatever reads the motion."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol, Self, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_lcp.chain.harmonic import Drive, PeriodicDrive
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.preload import Preload
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.validation import FloatArray, ParameterError, checked_count, checked_scalar
+
+MINIMUM_STEPS_PER_PERIOD = 400
+"""Coarsest sampling of a period: there the Euler scheme's error is below 0.01 dB on most of figure 3."""
+
+LARGEST_PHASE_STEP = 0.4
+"""Largest dt ω_max: a fifth of the stability limit 2 of the symplectic Euler scheme."""
+
+FEWEST_STEPS_PER_PERIOD = math.ceil(2 * math.pi / LARGEST_PHASE_STEP)
+"""Fewest steps a period that may be asked for, 16: with fewer the drive itself breaks dt ω <= 0.4, whatever the chain.
+
+Four a phase, too, of the cycle stick, forward slip, stick, backward slip.
+"""
+
+
+@dataclass(frozen=True)
+class Lane:
+    """One chain under one drive, advanced with one time step.
+
+    Parameters
+    ----------
+    chain, drive
+        What moves, and what moves it.
+    time_step
+        dt [s], > 0.
+    preload
+        How the normal force changes in time; ``None`` where it is constant.
+    """
+
+    chain: Chain
+    drive: Drive
+    time_step: float
+    preload: Preload | None = None
+
+    def __post_init__(self) -> None:
+        checked_scalar("time_step", self.time_step, "> 0")
+
+    @classmethod
+    def periodic(
+        cls, chain: Chain, drive: PeriodicDrive, steps_per_period: int, preload: Preload | None = None
+    ) -> Self:
+        """Divide the period of the drive into `steps_per_period` steps."""
+        checked_count("steps_per_period", steps_per_period, FEWEST_STEPS_PER_PERIOD)
+        return cls(chain, drive, drive.period / steps_per_period, preload)
+
+    @property
+    def opens(self) -> bool:
+        """Whether contacts open; then a state carries the gaps, see `State.normal_state`."""
+        return self.preload is not None and self.preload.opens
+
+    def preloads(self, start: int, steps: int) -> FloatArray:
+        """N at the *start* of each step [N], negative where contacts are pulled open, shape (steps, n).
+
+        Where contacts stay closed this is λ_N.
+        """
+        mean = self.chain.normal_force
+        if self.preload is None:
+            return np.broadcast_to(mean, (steps, self.chain.cells))
+        time = self.time_step * np.arange(start, start + steps, dtype=np.float64)
+        return self.preload.factor(time)[:, None] * mean
+
+    def loads(self, start: int, steps: int) -> FloatArray:
+        """Force on cell 1 at the *start* of each step [N], shape (steps,), as equation (5) takes h."""
+        return self.drive.load(self.chain, self.time_step * np.arange(start, start + steps, dtype=np.float64))
+
+    def times(self, start: int, steps: int) -> FloatArray:
+        """Ends of the steps [s], shape (steps,)."""
+        return self.time_step * np.arange(start + 1, start + steps + 1, dtype=np.float64)
+
+
+def steps_per_period_for(chain: Chain, drive: PeriodicDrive, minimum: int = MINIMUM_STEPS_PER_PERIOD) -> int:
+    """Give the number of steps a period that keeps dt ω_max <= 0.4, at least `minimum`.
+
+    Raises
+    ------
+    ParameterError
+        If `minimum` is below `FEWEST_STEPS_PER_PERIOD`.
+    """
+    checked_count("steps_per_period", minimum, FEWEST_STEPS_PER_PERIOD)
+    stable = math.ceil(drive.period * chain.highest_natural_frequency / LARGEST_PHASE_STEP)
+    return max(minimum, stable)
+
+
+@runtime_checkable
+class Simulation(Protocol):
+    """A batch of lanes that an engine has built and can advance.
+
+    There is no hidden memory: what a run does follows from the state that goes in, so that two runs
+    of 100 steps equal one of 200.
+    """
+
+    lanes: tuple[Lane, ...]
+
+    def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
+        """Advance every lane from `state` at step index `start`; give one trajectory a lane."""
+        ...
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance every lane as `run` does, but give the final state only."""
+        ...
+
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "Simulation":
+        """Give a simulation of the lanes of these indices."""
+        ...
+
+    def close(self) -> None:
+        """Free what the engine holds; the simulation is not used afterwards."""
+        ...
+
+
+def common_cells(lanes: Sequence[Lane]) -> int:
+    """Give the number of cells that all lanes share.
+
+    Raises
+    ------
+    ParameterError
+        If there is no lane, or chains of different lengths are mixed in one batch.
+    """
+    lengths = {lane.chain.cells for lane in lanes}
+    if len(lengths) != 1:
+        raise ParameterError(f"a batch holds chains of {sorted(lengths)} cells; allowed: one length, at least one lane")
+    return lengths.pop()

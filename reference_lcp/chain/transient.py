@@ -1,0 +1,286 @@
+"""Base motions that are not harmonic: a Ricker pulse, a swept sine, filtered noise.
+
+Each is a drive in closed form. The chain feels displacement and velocity of its base, through the spring and
+the dashpot of cell 1; both are exact at every time, so that no result depends on how a motion was sampled.
+All begin at rest, up to the tail of the pulse.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_lcp.chain.harmonic import MovingBase
+from reference_lcp.validation import FloatArray, ParameterError, checked_choice, checked_count, checked_scalar
+
+QUIET = 10.0
+"""Least delay of a Ricker pulse times its peak frequency: before time zero it is below 1e-9 of its amplitude."""
+
+BLOCK = 4096
+"""Times at which a sum of sines is evaluated together: the powers stay in the second-level cache."""
+
+
+@dataclass(frozen=True)
+class RickerPulse(MovingBase):
+    """The base moves as A (1 − ω_p²τ²/2) exp(−ω_p²τ²/4), with τ = t − delay: one pulse, and still again.
+
+    Its spectrum ω² exp(−ω²/ω_p²) is largest at ω_p (N. Ricker, "The form and laws of propagation of seismic
+    wavelets", Geophysics 18, 1953) and zero at ω = 0: the base ends where it began.
+
+    Parameters
+    ----------
+    amplitude
+        A [m], > 0, reached at t = delay.
+    peak_frequency
+        ω_p [rad/s], > 0.
+    delay
+        When the pulse is highest [s], at least `QUIET` / ω_p.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is outside its range.
+    """
+
+    kind: ClassVar[str] = "Ricker pulse"
+    amplitude: float
+    peak_frequency: float
+    delay: float
+
+    def __post_init__(self) -> None:
+        checked_scalar("pulse amplitude", self.amplitude, "> 0")
+        checked_scalar("peak_frequency", self.peak_frequency, "> 0")
+        least = QUIET / self.peak_frequency
+        if checked_scalar("delay", self.delay, "> 0") < least * (1 - 1e-12):
+            raise ParameterError(
+                f"delay = {self.delay:g} s cuts off the beginning of the pulse; allowed: >= {least:g} s, "
+                f"{QUIET:g} / peak_frequency"
+            )
+
+    def displacement(self, time: FloatArray) -> FloatArray:
+        """Displacement of the base [m]."""
+        square = (self.peak_frequency * (np.asarray(time, dtype=np.float64) - self.delay)) ** 2
+        pulse: FloatArray = self.amplitude * (1 - square / 2) * np.exp(-square / 4)
+        return pulse
+
+    def velocity(self, time: FloatArray) -> FloatArray:
+        """Velocity of the base [m/s]."""
+        phase = self.peak_frequency * (np.asarray(time, dtype=np.float64) - self.delay)
+        shape = phase * (phase**2 / 4 - 3 / 2) * np.exp(-(phase**2) / 4)
+        rate: FloatArray = self.amplitude * self.peak_frequency * shape
+        return rate
+
+    def parameters(self) -> dict[str, Any]:
+        """Give the kind and the parameters, ready for JSON."""
+        return {
+            "kind": self.kind,
+            "amplitude": self.amplitude,
+            "peak_frequency": self.peak_frequency,
+            "delay": self.delay,
+        }
+
+
+@dataclass(frozen=True)
+class SweptSine(MovingBase):
+    """The base moves as A w(t) sin φ(t), with φ̇ from one frequency to another; it is still afterwards.
+
+    A linear sweep has φ̇ = ω_1 + (ω_2 − ω_1) t / T, a logarithmic one φ̇ = ω_1 (ω_2 / ω_1)^(t/T). The window
+    w rises from 0 to 1 and falls again by half a cosine, in a part of T each.
+
+    Parameters
+    ----------
+    amplitude
+        A [m], > 0.
+    first_frequency, last_frequency
+        ω_1 and ω_2 [rad/s], > 0 and different; the sweep may go down.
+    duration
+        T [s], > 0.
+    sweep
+        ``"linear"`` or ``"logarithmic"``.
+    taper
+        Part of T that the rise takes, and the fall, in (0, 1/2].
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is outside its range.
+    """
+
+    kind: ClassVar[str] = "swept sine"
+    amplitude: float
+    first_frequency: float
+    last_frequency: float
+    duration: float
+    sweep: str = "logarithmic"
+    taper: float = 0.05
+
+    def __post_init__(self) -> None:
+        checked_scalar("sweep amplitude", self.amplitude, "> 0")
+        checked_scalar("first_frequency", self.first_frequency, "> 0")
+        checked_scalar("last_frequency", self.last_frequency, "> 0")
+        checked_scalar("duration", self.duration, "> 0")
+        checked_choice("sweep", self.sweep, ["linear", "logarithmic"])
+        if self.first_frequency == self.last_frequency:
+            raise ParameterError(f"last_frequency = {self.last_frequency:g}; allowed: other than first_frequency")
+        if not 0 < checked_scalar("taper", self.taper, "> 0") <= 0.5:
+            raise ParameterError(f"taper = {self.taper:g} is outside its range; allowed: > 0, <= 0.5")
+
+    def displacement(self, time: FloatArray) -> FloatArray:
+        """Displacement of the base [m]."""
+        phase, _ = self._phase(time)
+        window, _ = self._window(time)
+        moved: FloatArray = self.amplitude * window * np.sin(phase)
+        return moved
+
+    def velocity(self, time: FloatArray) -> FloatArray:
+        """Velocity of the base [m/s]."""
+        phase, frequency = self._phase(time)
+        window, rate = self._window(time)
+        moved: FloatArray = self.amplitude * (rate * np.sin(phase) + window * frequency * np.cos(phase))
+        return moved
+
+    def parameters(self) -> dict[str, Any]:
+        """Give the kind and the parameters, ready for JSON."""
+        return {
+            "kind": self.kind,
+            "amplitude": self.amplitude,
+            "first_frequency": self.first_frequency,
+            "last_frequency": self.last_frequency,
+            "duration": self.duration,
+            "sweep": self.sweep,
+            "taper": self.taper,
+        }
+
+    def _phase(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Give φ [rad] and φ̇ [rad/s]."""
+        t = np.clip(np.asarray(time, dtype=np.float64), 0.0, self.duration)
+        first, last = self.first_frequency, self.last_frequency
+        if self.sweep == "linear":
+            growth = (last - first) / self.duration
+            return first * t + growth * t**2 / 2, first + growth * t
+        exponent = np.log(last / first) / self.duration
+        return first * np.expm1(exponent * t) / exponent, first * np.exp(exponent * t)
+
+    def _window(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Give w and ẇ [1/s]."""
+        rise = self.taper * self.duration
+        t = np.asarray(time, dtype=np.float64)
+        up, rate_up = cosine_rise(t, rise)
+        down, rate_down = cosine_rise(self.duration - t, rise)
+        return up * down, rate_up * down - up * rate_down
+
+
+@dataclass(frozen=True)
+class FilteredNoise(MovingBase):
+    """The base moves as noise of a flat spectrum between two frequencies: a sum of sines of random phase.
+
+    Sines of equal amplitude at the multiples of 2π / repetition within the band; their phases are drawn
+    evenly. With many of them the displacement is nearly normally distributed (M. Shinozuka and C.-M. Jan,
+    "Digital simulation of random processes and its applications", J. Sound Vib. 25, 1972). It begins at
+    rest, by half a cosine.
+
+    Parameters
+    ----------
+    amplitude
+        √2 times the root mean square [m], > 0: that of a harmonic motion of the same power.
+    lowest_frequency, highest_frequency
+        The band [rad/s], 0 < lowest < highest.
+    repetition
+        Time after which the noise repeats [s]; at least ten multiples of 2π / repetition lie in the band.
+    rise
+        Time in which it comes up [s], > 0.
+    seed
+        Of the phases, >= 0.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is outside its range.
+    """
+
+    kind: ClassVar[str] = "filtered noise"
+    amplitude: float
+    lowest_frequency: float
+    highest_frequency: float
+    repetition: float
+    rise: float
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        checked_scalar("noise amplitude", self.amplitude, "> 0")
+        checked_scalar("rise", self.rise, "> 0")
+        checked_scalar("repetition", self.repetition, "> 0")
+        checked_count("seed", self.seed, 0)
+        lowest = checked_scalar("lowest_frequency", self.lowest_frequency, "> 0")
+        if checked_scalar("highest_frequency", self.highest_frequency, "> 0") <= lowest:
+            raise ParameterError(f"highest_frequency = {self.highest_frequency:g}; allowed: > {lowest:g}, the lowest")
+        if self._lines.size < 10:
+            raise ParameterError(
+                f"repetition = {self.repetition:g} s gives {self._lines.size} sines in the band; allowed: at least 10, "
+                f"from {22 * np.pi / (self.highest_frequency - lowest):.4g} s on"
+            )
+
+    def displacement(self, time: FloatArray) -> FloatArray:
+        """Displacement of the base [m]."""
+        t = np.asarray(time, dtype=np.float64)
+        return cosine_rise(t, self.rise)[0] * self._sum(self._phasors, t)
+
+    def velocity(self, time: FloatArray) -> FloatArray:
+        """Velocity of the base [m/s]."""
+        t = np.asarray(time, dtype=np.float64)
+        window, rate = cosine_rise(t, self.rise)
+        rates = 1j * self._lines * self._spacing * self._phasors
+        return rate * self._sum(self._phasors, t) + window * self._sum(rates, t)
+
+    def parameters(self) -> dict[str, Any]:
+        """Give the kind and the parameters, ready for JSON."""
+        return {
+            "kind": self.kind,
+            "amplitude": self.amplitude,
+            "lowest_frequency": self.lowest_frequency,
+            "highest_frequency": self.highest_frequency,
+            "repetition": self.repetition,
+            "rise": self.rise,
+            "seed": self.seed,
+        }
+
+    @property
+    def _spacing(self) -> float:
+        """Distance of neighbouring frequencies [rad/s]."""
+        return 2 * np.pi / self.repetition
+
+    @cached_property
+    def _lines(self) -> NDArray[np.intp]:
+        """Multiples of the spacing that lie in the band."""
+        first, last = self.lowest_frequency / self._spacing, self.highest_frequency / self._spacing
+        return np.arange(np.ceil(first), np.floor(last) + 1, dtype=np.intp)
+
+    @cached_property
+    def _phasors(self) -> NDArray[np.complex128]:
+        """Complex amplitude of each sine [m]."""
+        # the stream of a named bit generator does not change between versions of NumPy
+        turns = np.random.Generator(np.random.PCG64(self.seed)).random(self._lines.size)
+        phasors: NDArray[np.complex128] = self.amplitude / np.sqrt(self._lines.size) * np.exp(2j * np.pi * turns)
+        return phasors
+
+    def _sum(self, phasors: NDArray[np.complex128], time: FloatArray) -> FloatArray:
+        """Im Σ_k p_k z^k with z = exp(iΔω t), by Horner's rule: |z| = 1, so that no rounding grows."""
+        flat = np.ravel(time)
+        found = np.empty(flat.size)
+        for first in range(0, flat.size, BLOCK):
+            t = flat[first : first + BLOCK]
+            z = np.exp(1j * self._spacing * np.remainder(t, self.repetition))
+            total = np.full(t.size, phasors[-1])
+            for phasor in phasors[-2::-1]:
+                total *= z
+                total += phasor
+            found[first : first + BLOCK] = np.imag(total * z ** self._lines[0])
+        return found.reshape(np.shape(time))
+
+
+def cosine_rise(time: FloatArray, rise: float) -> tuple[FloatArray, FloatArray]:
+    """Half a cosine from 0 at time 0 to 1 at time `rise` [s], and its rate of change [1/s]; constant outside."""
+    phase = np.pi * np.clip(time / rise, 0.0, 1.0)
+    return (1 - np.cos(phase)) / 2, np.pi / (2 * rise) * np.sin(phase)

@@ -1,0 +1,1 @@
+"""Motion without a time step, and closed forms."""

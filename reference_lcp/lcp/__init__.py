@@ -1,0 +1,1 @@
+"""Lemke's method, equation (7), and frictional systems advanced by it."""

@@ -1,0 +1,218 @@
+"""Stick and slip: modes, transitions and stuck fraction of every contact over one period."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_lcp.steady.orbits import PeriodicOrbit
+from reference_lcp.validation import FloatArray
+
+STICK_MARGIN = 1e-6
+"""A contact sticks while |λ_T| < (1 − STICK_MARGIN) μ λ_N.
+
+Equation (1) has a strict inequality; the margin is far above the round-off with which engines hold
+the force at its bound, and far below any stick that matters. A friction law that only tends to the
+bound, with no velocity at which it is reached, is read with a wider margin.
+"""
+
+SHORTEST_STICK = 2
+"""Steps that a stick lasts at least; one of a single step is a reversal of the slip.
+
+Where the relative velocity changes its sign, the scheme ends the step in between at rest whether or
+not the contact would have stuck: a stick shorter than two steps is not resolved.
+"""
+
+UNREPEATED_SLIP = 4
+"""A slip travels farther than this many residuals of its orbit; a shorter one is counted as stick.
+
+Over a period that repeats to the residual r, the two masses of a cell come back to within 2 r of each other: a slip
+of that size, such as the creep of a contact towards the offset at which it sticks for good, need not come again.
+"""
+
+
+IMPACT_STEPS = 2
+"""Steps over which a scheme spreads the impact of a landing; they count to what follows them.
+
+In the first, equation (7) lets the gap close just at the end of the step; in the second it takes the rest of the
+velocity. The large normal force of an impact is over in no time, and holds a contact for no time.
+"""
+
+OPEN = 1e-9
+"""A contact is open while λ_N is at most this part of its mean: far above round-off, far below any press."""
+
+
+class Mode(StrEnum):
+    """The three cases of Coulomb's law, equation (1)."""
+
+    STICK = "stick"
+    FORWARD = "forward slip"
+    BACKWARD = "backward slip"
+
+
+MODE_OF_SIGN = {0: Mode.STICK, 1: Mode.FORWARD, -1: Mode.BACKWARD}
+
+
+@dataclass(frozen=True)
+class Transition:
+    """A change of the mode of one contact.
+
+    Parameters
+    ----------
+    cell
+        Number of the cell, from 1.
+    time
+        When the new mode begins [s], from the start of the period.
+    kind
+        The new mode.
+    """
+
+    cell: int
+    time: float
+    kind: Mode
+
+
+def contact_modes(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> NDArray[np.int8]:
+    """Mode of every contact in every step: −1 backward slip, 0 stick, +1 forward slip; shape (steps, n).
+
+    The force decides (equation 1), so that exact and regularised friction laws are read alike. A
+    contact without friction never sticks; the sign of its relative velocity gives its direction. So it is
+    with a contact that is open, whose bound is zero: it slips, forward or backward, until it has landed.
+
+    Parameters
+    ----------
+    orbit
+        One period.
+    stick_margin
+        Part of the bound that the friction of a stick leaves at least, in (0, 1).
+    """
+    trajectory = orbit.trajectory
+    bound = orbit.lane.chain.friction_coefficient * trajectory.normal_force
+    sticks = np.abs(trajectory.friction) < (1 - stick_margin) * bound
+    slip = np.where(bound > 0, -np.sign(trajectory.friction), np.sign(trajectory.relative_velocity))
+    modes = np.where(sticks, 0, slip).astype(np.int8)
+    rubs = orbit.lane.chain.friction_bound > 0
+    travel = trajectory.relative_velocity * orbit.lane.time_step
+    shortest = UNREPEATED_SLIP * orbit.residual * orbit.lane.drive.displacement_scale(orbit.lane.chain)
+    for cell, opened in enumerate(_open(orbit).T):
+        if opened.any():
+            _pass_impacts(modes[:, cell], opened)
+    _resolve(modes, travel, rubs, shortest)
+    return modes
+
+
+def transitions(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> list[Transition]:
+    """Changes of mode over one period, by cell and then by time.
+
+    The period is cyclic: a mode that begins with the first step is a transition at time zero if the
+    last step had another one. Contacts without friction have none. Parameters as in `contact_modes`.
+    """
+    modes = contact_modes(orbit, stick_margin)
+    rubbing = orbit.lane.chain.friction_bound > 0
+    cells, steps = np.nonzero(((modes != np.roll(modes, 1, axis=0)) & rubbing).T)
+    return [
+        Transition(int(cell) + 1, float(k * orbit.lane.time_step), MODE_OF_SIGN[int(modes[k, cell])])
+        for cell, k in zip(cells, steps, strict=True)
+    ]
+
+
+def stuck_fraction(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> FloatArray:
+    """Part of the period that each contact sticks, shape (n,). Parameters as in `contact_modes`."""
+    return np.mean(contact_modes(orbit, stick_margin) == 0, axis=0)
+
+
+def air_fraction(orbit: PeriodicOrbit) -> FloatArray:
+    """Part of the period that each contact is open, shape (n,); none is where there is nothing to press it."""
+    return np.mean(_open(orbit), axis=0)
+
+
+def largest_gap(orbit: PeriodicOrbit) -> FloatArray:
+    """Largest g_N of each contact over the period [m], shape (n,); zero where contacts cannot open."""
+    gap = orbit.trajectory.normal_gap
+    return np.zeros(orbit.trajectory.cells) if gap is None else np.max(gap, axis=0)
+
+
+def creep_velocity(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> FloatArray:
+    """Largest |ġ_T| of each contact while it sticks [m/s], shape (n,); zero if it never does.
+
+    Steps next to a slip are left out: in them even an exact contact still comes to rest. Parameters as in
+    `contact_modes`.
+    """
+    stuck = contact_modes(orbit, stick_margin) == 0
+    inside = stuck & np.roll(stuck, 1, axis=0) & np.roll(stuck, -1, axis=0)
+    return np.max(np.abs(orbit.trajectory.relative_velocity), axis=0, where=inside, initial=0.0)
+
+
+def dissipated_energy(orbit: PeriodicOrbit) -> FloatArray:
+    """Energy that each contact turns into heat over one period [J], shape (n,): −Σ λ_T ġ_T Δt."""
+    power = orbit.trajectory.friction * orbit.trajectory.relative_velocity
+    return -np.sum(power, axis=0) * orbit.lane.time_step
+
+
+def _open(orbit: PeriodicOrbit) -> NDArray[np.bool_]:
+    """Say in which steps which contacts are open, shape (steps, n)."""
+    mean = orbit.lane.chain.normal_force
+    return (orbit.trajectory.normal_force <= OPEN * mean) & (mean > 0)
+
+
+def _pass_impacts(column: NDArray[np.int8], opened: NDArray[np.bool_]) -> None:
+    """Give the steps of an impact the mode that follows them, in place."""
+    for landing in np.flatnonzero(~opened & np.roll(opened, 1)):
+        impact = np.arange(landing, landing + IMPACT_STEPS) % column.size
+        column[impact] = column[(landing + IMPACT_STEPS) % column.size]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _resolve(modes: Any, travel: Any, rubs: Any, shortest: float) -> None:
+    """Leave out of every column, in place, the sticks and the slips that the step and the residual do not resolve."""
+    for cell in range(modes.shape[1]):
+        column = modes[:, cell].copy()
+        _drop_short_sticks(column)
+        if rubs[cell]:
+            _drop_short_slips(column, travel[:, cell], shortest)
+        modes[:, cell] = column
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _drop_short_sticks(column: Any) -> None:
+    """Turn sticks of fewer than `SHORTEST_STICK` steps into the slip that follows, in place."""
+    before = column.copy()
+    starts = _starts(before)
+    for phase in range(starts.size):
+        first, following = starts[phase], starts[(phase + 1) % starts.size]
+        length = (following - first - 1) % column.size + 1
+        if before[first] == 0 and length < SHORTEST_STICK:
+            for k in range(first, first + length):
+                column[k % column.size] = before[following]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _drop_short_slips(column: Any, travel: Any, shortest: float) -> None:
+    """Turn slips into stick that travel less than `shortest` [m], in place."""
+    starts = _starts(column)
+    for phase in range(starts.size):
+        first, following = starts[phase], starts[(phase + 1) % starts.size]
+        length = (following - first - 1) % column.size + 1
+        if column[first] == 0:
+            continue
+        way = 0.0
+        for k in range(first, first + length):
+            way += travel[k % column.size]
+        if abs(way) < shortest:
+            for k in range(first, first + length):
+                column[k % column.size] = 0
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _starts(column: Any) -> Any:
+    """First steps of the uninterrupted modes of a cyclic period; none if the mode never changes."""
+    found = np.empty(column.size, dtype=np.int64)
+    count = 0
+    for k in range(column.size):
+        if column[k] != column[k - 1]:
+            found[count] = k
+            count += 1
+    return found[:count]

@@ -1,0 +1,36 @@
+"""Transmittance: what is read from the amplitude of a steady state."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_lcp.steady.orbits import PeriodicOrbit
+from reference_lcp.validation import FloatArray
+
+
+def fundamental(signal: FloatArray) -> NDArray[np.complex128]:
+    """Complex amplitude of the fundamental harmonic of one period, sampled at the ends of N steps.
+
+    A signal A sin(ωt + φ) gives A exp(iφ). `signal` has shape (N, ...); the result (...).
+    """
+    steps = signal.shape[0]
+    phase = 2 * np.pi * np.arange(1, steps + 1) / steps
+    amplitude: NDArray[np.complex128] = np.tensordot(2j * np.exp(-1j * phase) / steps, signal, axes=(0, 0))
+    return amplitude
+
+
+def transmittance(orbit: PeriodicOrbit) -> float:
+    """Amplitude of the fundamental harmonic of the last outer mass over the displacement scale."""
+    scale = orbit.lane.drive.displacement_scale(orbit.lane.chain)
+    return float(np.abs(fundamental(orbit.trajectory.outer_positions[:, -1])) / scale)
+
+
+def rms_transmittance(orbit: PeriodicOrbit) -> float:
+    """√2 times the RMS of the last outer mass over one period, over the displacement scale."""
+    scale = orbit.lane.drive.displacement_scale(orbit.lane.chain)
+    return float(np.sqrt(2 * np.mean(orbit.trajectory.outer_positions[:, -1] ** 2)) / scale)
+
+
+def decibel(ratio: float | FloatArray) -> float:
+    """20 log10 of an amplitude ratio; −inf for zero."""
+    with np.errstate(divide="ignore"):
+        return float(20 * np.log10(ratio))

@@ -1,0 +1,1 @@
+"""Steady states: fixed points of the period map."""

@@ -1,0 +1,266 @@
+"""Anderson acceleration: fixed points of the map that takes the state of a chain from one period to the next.
+
+Mixing the last iterates (Anderson 1965, in the form of Walker and Ni 2011) finds the fixed point in some
+thirty periods where plain ones need thousands, with nothing asked of an engine but to set and to read
+positions, velocities and what its law of friction remembers.
+
+As long as contacts neither stick anew nor slip anew the map is affine, and mixing is a Krylov method (GMRES): it
+ends once as many differences are kept as the state has dimensions, and may stagnate with fewer. Where they do,
+older differences belong to another map, and what they still say beside the newer ones is the least trustworthy part
+of them: a difference that lies nearly in the span of newer ones is left out (Pollock and Rebholz 2023).
+"""
+
+from typing import Any
+
+import numba
+import numpy as np
+
+from reference_lcp.chain.simulation import Simulation
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.steady.state_scales import StateScales
+from reference_lcp.validation import FloatArray
+
+FEWEST_KEPT = 20
+"""Differences kept by the acceleration at least, for chains of few cells."""
+
+KEPT_PER_CELL = 6
+"""Differences kept for each cell, whose state has four dimensions: half as many again, since some drop out."""
+
+MOST_KEPT = 400
+"""Differences kept at most: a usual search is over by then, and a thousand cells take 26 MB a lane."""
+
+WARM_UP_PERIODS = 6
+"""Plain periods before the first mixing: they leave the transient of the start behind."""
+
+DEPENDENT = 0.1
+"""A difference is left out whose part outside the span of newer ones is a smaller part of it than this.
+
+With 0.1 the slowest of 372 searches on the grid of figure 3 takes 81 periods, with 1e-6 128.
+"""
+
+CANCELLED = 0.7
+"""A difference of which less is left is made orthogonal once more: about 1/√2, as Daniel et al. advise."""
+
+SHORTEST_PATIENCE = 25
+"""Periods without a better residual, at least, after which a lane starts again from its best iterate.
+
+Mixing can be caught where contacts change between stick and slip from one iterate to the next. The
+history is then dropped, and plain periods, at every new start half as many again, lead out of the
+place.
+"""
+
+PATIENCE_PER_CELL = 5
+"""The same for each cell: a Krylov method may stand still until it has as many differences as there are dimensions,
+four a cell, and does so close to the resonances of undamped chains."""
+
+LARGEST_RISE = 1e3
+"""Residual over the best one beyond which a lane starts again from its best iterate at once.
+
+Differences of iterates that are as close together as an engine resolves are noise, and mixing them leads anywhere.
+"""
+
+DIVERGED = 1e6
+"""Residual, in displacement scales, beyond which a motion counts as diverged."""
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
+def _dot(a: Any, b: Any) -> float:
+    """Scalar product; written out, since vectors this short cost less than a call of BLAS."""
+    total = 0.0
+    for k in range(a.shape[0]):
+        total += a[k] * b[k]
+    return total
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _subtract(factor: float, a: Any, b: Any) -> None:
+    """Take `factor` times `a` from `b`, in place."""
+    for k in range(a.shape[0]):
+        b[k] -= factor * a[k]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _mixed(x: Any, f: Any, newest: int, kept: int) -> Any:
+    """Next iterate from the history of one lane.
+
+    `x` and `f` are rings (rows, d) of iterates and of their residuals g(x) − x; `newest` is the row
+    of the last one and `kept` the number of older rows to use. The differences of f are made
+    orthogonal, newest first, and those of g take part in the same operations: then the iterate
+    needs no triangular solve, and dependent differences (cells that stay stuck) simply drop out.
+    A second pass follows where the first one cancelled more than `CANCELLED` (Daniel et al. 1976).
+    """
+    rows, d = x.shape
+    q = np.empty((kept, d))
+    p = np.empty((kept, d))
+    used = 0
+    rest = f[newest].copy()
+    following = x[newest] + rest
+    for back in range(kept):
+        later = (newest - back) % rows
+        earlier = (newest - back - 1) % rows
+        direction = f[later] - f[earlier]
+        partner = direction + x[later] - x[earlier]
+        size = np.sqrt(_dot(direction, direction))
+        left = size
+        for _ in range(2):
+            before = left
+            for j in range(used):
+                overlap = _dot(q[j], direction)
+                _subtract(overlap, q[j], direction)
+                _subtract(overlap, p[j], partner)
+            left = np.sqrt(_dot(direction, direction))
+            if left > CANCELLED * before:
+                break
+        if left > DEPENDENT * size and left > 0.0:
+            q[used] = direction / left
+            p[used] = partner / left
+            weight = _dot(q[used], rest)
+            _subtract(weight, q[used], rest)
+            _subtract(weight, p[used], following)
+            used += 1
+    return following
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _mixed_lanes(x: Any, f: Any, lanes: Any, newest: int, kept: Any) -> Any:
+    """`_mixed` for the listed lanes of the histories (lanes, rows, d), each with its own `kept`."""
+    following = np.empty((lanes.shape[0], x.shape[2]))
+    for k in range(lanes.shape[0]):
+        following[k] = _mixed(x[lanes[k]], f[lanes[k]], newest, kept[lanes[k]])
+    return following
+
+
+def kept_differences(cells: int) -> int:
+    """Give how many differences are kept for a chain of so many cells."""
+    return min(max(FEWEST_KEPT, KEPT_PER_CELL * cells), MOST_KEPT)
+
+
+def _widened(vectors: FloatArray, factor: FloatArray) -> FloatArray:
+    """Vectors (lanes, d) or histories of them (lanes, rows, d), with zeros up to the width of `factor`, times it."""
+    missing = factor.shape[1] - vectors.shape[-1]
+    wide = np.concatenate([vectors, np.zeros((*vectors.shape[:-1], missing))], axis=-1) if missing else vectors
+    widened: FloatArray = wide * factor.reshape(factor.shape[0], *[1] * (vectors.ndim - 2), -1)
+    return widened
+
+
+class FixedPointSearch:
+    """The search for a fixed point of the map x(t) → x(t + k Δt), lane by lane; who converges or diverges leaves.
+
+    Parameters
+    ----------
+    simulation
+        The lanes.
+    scales
+        What makes their states non-dimensional.
+    steps
+        Steps k of one application of the map: a whole number of periods of the drive.
+    tolerance
+        Residual at which a lane has converged.
+    """
+
+    def __init__(self, simulation: Simulation, scales: StateScales, steps: int, tolerance: float):
+        self._simulation = simulation
+        self._steps = steps
+        self._tolerance = tolerance
+        self._scales = scales
+        cells = simulation.lanes[0].chain.cells
+        count, width = len(simulation.lanes), 4 * cells
+        self._memory = memory = kept_differences(cells)
+        self._patience = max(SHORTEST_PATIENCE, PATIENCE_PER_CELL * cells)
+        self._x = np.zeros((count, memory + 1, width))
+        self._f = np.zeros((count, memory + 1, width))
+        self._age = np.zeros(count, dtype=int)
+        self._plain = np.full(count, WARM_UP_PERIODS)
+        self._plain_next = np.full(count, WARM_UP_PERIODS)
+        self._stalled = np.zeros(count, dtype=int)
+        self.best = np.zeros((count, width))
+        self._best_change = np.zeros((count, width))
+        self.best_residual = np.full(count, np.inf)
+        self.periods = np.zeros(count, dtype=int)
+        self._last_residual = np.full(count, np.inf)
+        self._active = np.arange(count)
+        self._part = simulation
+
+    def run(self, start: State, periods: int) -> None:
+        """Apply the map until every lane has converged or diverged, at most `periods` times."""
+        self._learn(None, start)
+        following = self._scales.vectors(start, self._active)
+        for period in range(periods):
+            row = period % (self._memory + 1)
+            state = self._scales.state(following, self._active)
+            end = self._part.advance(state, 0, self._steps)
+            if end.memory is not None:
+                following = _widened(following, self._learn(state, end))
+            f = self._scales.vectors(end, self._active) - following
+            self._x[self._active, row], self._f[self._active, row] = following, f
+            self._keep(self._note(following, f))
+            if self._active.size == 0:
+                return
+            following = self._following(row)
+
+    def _learn(self, start: State | None, end: State) -> FloatArray:
+        """Take what a period has changed of internal state into its sizes; the history follows, the factors are given.
+
+        The start of a first period without internal state is recorded with zeros, so that such a period, from which
+        nobody knows whether internal state repeats, has a residual of one.
+        """
+        factor = self._scales.learn(start, end, self._active)
+        if factor.shape[1] > self.best.shape[1]:
+            every = np.ones((self.best.shape[0], factor.shape[1]))
+            self._x, self._f = _widened(self._x, every), _widened(self._f, every)
+            self.best, self._best_change = _widened(self.best, every), _widened(self._best_change, every)
+        if np.any(factor != 1):
+            for history in (self._x, self._f):
+                history[self._active] *= factor[:, None]
+            for best in (self.best, self._best_change):
+                best[self._active] *= factor
+        return factor
+
+    def _following(self, row: int) -> FloatArray:
+        """Next iterate of every active lane: mixed, plain, or from the best one again."""
+        caught = self._active[self._is_caught(self._active)]
+        self._x[caught, row] = self.best[caught]
+        self._f[caught, row] = self._best_change[caught]
+        self._age[caught], self._stalled[caught] = 0, 0
+        self._plain[caught] = self._plain_next[caught]
+        self._plain_next[caught] += self._plain_next[caught] // 2
+        kept = np.clip(self._age - self._plain + 1, 0, self._memory)
+        self._age[self._active] += 1
+        mixed: FloatArray = _mixed_lanes(self._x, self._f, self._active, row, kept)
+        return mixed
+
+    def _is_caught(self, lanes: Any) -> Any:
+        """Say which lanes have mixed for long without a better residual, or got a much worse one."""
+        rise = self._last_residual[lanes] > LARGEST_RISE * self.best_residual[lanes]
+        return (self._stalled[lanes] >= self._patience) | (rise & (self._age[lanes] >= self._plain[lanes]))
+
+    def _note(self, x: FloatArray, f: FloatArray) -> Any:
+        """Remember the best iterate of each active lane; say which lanes go on."""
+        residual = self._scales.residuals(x, f)
+        self._last_residual[self._active] = residual
+        self.periods[self._active] += 1
+        self._stalled[self._active] += 1
+        better = residual < self.best_residual[self._active]
+        lanes = self._active[better]
+        self.best[lanes], self.best_residual[lanes] = x[better], residual[better]
+        self._best_change[lanes], self._stalled[lanes] = f[better], 0
+        return (residual > self._tolerance) & (residual < DIVERGED)
+
+    def _keep(self, stays: Any) -> None:
+        """Leave the lanes that are done out of what is simulated next."""
+        if np.all(stays):
+            return
+        self._active = self._active[stays]
+        if self._active.size:
+            self._part = self._simulation.subset(self._active)
+
+    def start_of(self, lane: int) -> State:
+        """Best start of a period that was found for a lane."""
+        return self._scales.state(self.best[[lane]], [lane])
+
+    def residual(self, lane: int, start: State, trajectory: Trajectory) -> float:
+        """Residual of a recorded period, or of the period in which the search lost the lane."""
+        x = self._scales.vectors(start, [lane])
+        change = self._scales.vectors(trajectory.end, [lane]) - x
+        lost = self._last_residual[lane]
+        return float(self._scales.residuals(x, change)[0]) if lost < DIVERGED else float(lost)

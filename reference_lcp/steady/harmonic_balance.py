@@ -1,0 +1,107 @@
+"""Harmonic balance with one harmonic: about how a chain with Coulomb friction answers a periodic drive.
+
+A contact whose masses move past each other by Δ sin ωt dissipates 4 F Δ a cycle, as a dashpot 4 F / (π ω Δ) would
+(Jacobsen 1930; Den Hartog 1931). The chain with such dashpots is linear; they depend on Δ, which is found by
+iteration. A contact that sticks is one whose dashpot grows without end. Higher harmonics are left out: what is found
+is where a search for the steady state begins, and nothing else depends on it.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numba
+import numpy as np
+
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+
+ITERATIONS = 12
+"""Of the equivalent dashpots; more of them save no period in a hundred of the search on figure 3."""
+
+LEAST_SLIP = 1e-6
+"""Δ, in displacement scales of the drive, below which a dashpot grows no more."""
+
+LOSS_FACTOR = 1e-3
+"""Hysteretic damping of all springs: a resonance without friction or dashpots stays finite."""
+
+SAMPLES = 64
+"""Times in a period at which the drive's load is taken, for its first harmonic."""
+
+
+def harmonic_balance_start(lanes: Sequence[Lane], steps_per_period: int) -> State:
+    """Approximate the steady states of lanes at phase zero of their drives.
+
+    Parameters
+    ----------
+    lanes
+        Chains of one length, under periodic drives; of a preload, its mean counts.
+    steps_per_period
+        Steps of one period of each drive.
+
+    Returns
+    -------
+    State
+        Im x and ω Re x of the complex amplitudes x of all masses.
+    """
+    omega = np.array([2 * np.pi / (lane.time_step * steps_per_period) for lane in lanes])
+    amplitudes = np.array([_amplitudes(lane, float(w), steps_per_period) for lane, w in zip(lanes, omega, strict=True)])
+    return State(amplitudes.imag.copy(), omega[:, None] * amplitudes.real)
+
+
+def _amplitudes(lane: Lane, omega: float, steps_per_period: int) -> Any:
+    """Complex amplitudes [m] of all masses of a lane, shape (2n,), outer masses first."""
+    chain, least = lane.chain, LEAST_SLIP * lane.drive.displacement_scale(lane.chain)
+    loss = 1 + 1j * LOSS_FACTOR
+    springs = loss * chain.chain_stiffness + 1j * omega * chain.chain_damping
+    inner = loss * chain.inner_stiffness + 1j * omega * chain.inner_damping
+    inertia = omega**2 * np.array([chain.outer_mass, chain.inner_mass])
+    load = _first_harmonic(lane, steps_per_period)
+    return _balanced(springs, inner, inertia, 4j / np.pi * chain.friction_bound, load, least)
+
+
+def _first_harmonic(lane: Lane, steps_per_period: int) -> complex:
+    """Complex amplitude P [N] of the load Im(P exp(iωt)) on the outer mass of cell 1."""
+    phases = np.arange(SAMPLES) / SAMPLES
+    load = lane.drive.load(lane.chain, phases * lane.time_step * steps_per_period)
+    return complex(2j * np.mean(load * np.exp(-2j * np.pi * phases)))
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _balanced(springs: Any, inner: Any, inertia: Any, friction: Any, load: Any, least: float) -> Any:
+    """Amplitudes of a chain whose contacts are dashpots, after `ITERATIONS` of these.
+
+    `springs` and `inner` are complex stiffnesses, and `friction` that of a dashpot times its Δ. Inner masses follow
+    outer ones, and are eliminated; what is left for the outer masses is tridiagonal.
+    """
+    n = springs.shape[0]
+    slip_of = np.empty(n, np.complex128)
+    diagonal = np.empty(n, np.complex128)
+    outer = np.full(n, load / springs[0])
+    slip = outer.copy()
+    for _ in range(ITERATIONS):
+        for i in range(n):
+            coupling = inner[i] + friction[i] / max(abs(slip[i]), least)
+            slip_of[i] = inertia[1, i] / (coupling - inertia[1, i])
+            diagonal[i] = springs[i] - inertia[0, i] - coupling * slip_of[i]
+            if i + 1 < n:
+                diagonal[i] += springs[i + 1]
+        _solve_tridiagonal(diagonal, springs, load, outer)
+        slip = slip_of * outer
+    return np.concatenate((outer, outer + slip))
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _solve_tridiagonal(diagonal: Any, springs: Any, load: Any, x: Any) -> None:
+    """Solve for x, in place of `diagonal` too: a chain of `springs`, the load on its first mass.
+
+    Without pivots: the imaginary part of the matrix is positive definite, as every spring has a loss.
+    """
+    n = diagonal.shape[0]
+    x[0] = load
+    for i in range(1, n):
+        factor = springs[i] / diagonal[i - 1]
+        diagonal[i] -= factor * springs[i]
+        x[i] = factor * x[i - 1]
+    x[n - 1] /= diagonal[n - 1]
+    for i in range(n - 2, -1, -1):
+        x[i] = (x[i] + springs[i + 1] * x[i + 1]) / diagonal[i]

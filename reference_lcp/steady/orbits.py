@@ -1,0 +1,185 @@
+"""Periodic orbits: the fixed point of the period map, found by Anderson acceleration.
+
+A lightly damped chain needs thousands of periods to settle. The map x(t) → x(t + T) has the steady state as its fixed
+point, which the acceleration finds in some thirty periods, starting from harmonic balance. The residual of one plain
+period certifies what was found. Where there is no such point, motions that repeat after some periods of the drive
+only are looked for.
+"""
+
+import dataclasses
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, Lane, Simulation
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.steady.anderson import DIVERGED, FixedPointSearch
+from reference_lcp.steady.harmonic_balance import harmonic_balance_start
+from reference_lcp.steady.state_scales import StateScales
+from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE, repetitions
+from reference_lcp.validation import ParameterError, checked_count, checked_scalar
+
+DEFAULT_RESIDUAL = 1e-8
+"""Periodicity residual at which an orbit counts as found."""
+
+DEFAULT_PERIODS = 400
+"""Periods after which the search gives up."""
+
+
+class OrbitStatus(StrEnum):
+    """How the search for a periodic orbit ended."""
+
+    CONVERGED = "converged"
+    PERIOD_LIMIT = "period limit"
+    DIVERGED = "diverged"
+
+
+@dataclass(frozen=True)
+class PeriodicOrbit:
+    """One period of the steady state of one lane.
+
+    Parameters
+    ----------
+    lane
+        The chain, its drive and the time step.
+    trajectory
+        One period, one row a step, starting at phase zero of the drive.
+    residual
+        max(|Δ position| / s, |Δ velocity| / (s ω), |Δ internal state| / its size) over one plain period, with s the
+        displacement scale of the drive and ω its angular frequency; for the size see `StateScales`.
+    periods
+        Periods that were simulated to find it, the certifying one included.
+    status
+        Whether the residual that was asked for has been reached.
+    multiple
+        Periods of the drive after which the motion repeats, if the search has looked: more than one for a
+        subharmonic response, 0 where no repetition was found.
+    """
+
+    lane: Lane
+    trajectory: Trajectory
+    residual: float
+    periods: int
+    status: OrbitStatus
+    multiple: int = 1
+
+    @property
+    def converged(self) -> bool:
+        """Whether the residual that was asked for has been reached."""
+        return self.status is OrbitStatus.CONVERGED
+
+
+def periodic_orbits(
+    simulation: Simulation,
+    steps_per_period: int,
+    *,
+    start: State | None = None,
+    tolerance: float = DEFAULT_RESIDUAL,
+    max_periods: int = DEFAULT_PERIODS,
+    longest_multiple: int = LONGEST_MULTIPLE,
+) -> list[PeriodicOrbit]:
+    """Find the periodic orbit of every lane of a simulation.
+
+    Coulomb friction with a given normal force is monotone: the energy norm of the difference of two
+    motions under the same drive never grows. A fixed point of the period map is therefore the
+    attractor, unique up to the offsets of cells that stay stuck.
+
+    Parameters
+    ----------
+    simulation
+        The lanes; each has a time step of its drive's period over `steps_per_period`.
+    steps_per_period
+        Number of steps that make one period.
+    start
+        State from which the search starts; that of `harmonic_balance_start` without it.
+    tolerance
+        Residual that is asked for, see `PeriodicOrbit.residual`.
+    max_periods
+        Periods after which the search gives up; the best orbit found is then returned.
+    longest_multiple
+        Most periods of the drive after which a motion without a fixed point is looked at for a repetition; 1 for
+        no such look. See `repetitions`, whose periods come on top of `max_periods`.
+
+    Returns
+    -------
+    list of PeriodicOrbit
+        One a lane, in order. Orbits that did not converge say so in their status.
+
+    Raises
+    ------
+    ParameterError
+        If a number is outside its range, a lane's time step does not divide its drive's period, or that is no
+        period of its preload.
+    """
+    checked_scalar("tolerance", tolerance, "> 0")
+    checked_count("max_periods", max_periods)
+    checked_count("longest_multiple", longest_multiple)
+    for lane in simulation.lanes:
+        _check_period(lane, steps_per_period)
+    scales = StateScales(simulation.lanes, steps_per_period)
+    search = FixedPointSearch(simulation, scales, steps_per_period, tolerance)
+    search.run(start or harmonic_balance_start(simulation.lanes, steps_per_period), max_periods)
+    orbits = _certified(simulation, search, steps_per_period, tolerance)
+    if longest_multiple > 1:
+        _look_for_repetitions(orbits, simulation, search, steps_per_period, tolerance, longest_multiple)
+    return orbits
+
+
+def _certified(
+    simulation: Simulation, search: FixedPointSearch, steps_per_period: int, tolerance: float
+) -> list[PeriodicOrbit]:
+    """Record one plain period from the best start of each lane, and take its residual."""
+    starts = [search.start_of(lane) for lane in range(len(simulation.lanes))]
+    trajectories = simulation.run(State.stack(starts), 0, steps_per_period)
+    orbits = []
+    for lane, trajectory in enumerate(trajectories):
+        residual = search.residual(lane, starts[lane], trajectory)
+        periods, status = int(search.periods[lane]) + 1, _status(residual, tolerance)
+        orbits.append(PeriodicOrbit(simulation.lanes[lane], trajectory, residual, periods, status))
+    return orbits
+
+
+def _status(residual: float, tolerance: float) -> OrbitStatus:
+    """What a residual means."""
+    if residual <= tolerance:
+        return OrbitStatus.CONVERGED
+    return OrbitStatus.PERIOD_LIMIT if residual < DIVERGED else OrbitStatus.DIVERGED
+
+
+def _look_for_repetitions(
+    orbits: list[PeriodicOrbit],
+    simulation: Simulation,
+    search: FixedPointSearch,
+    steps_per_period: int,
+    tolerance: float,
+    longest: int,
+) -> None:
+    """Say of the orbits at the period limit, in place, after how many periods they repeat."""
+    late = [lane for lane, orbit in enumerate(orbits) if orbit.status is OrbitStatus.PERIOD_LIMIT]
+    if not late:
+        return
+    part = simulation.subset(late)
+    start = State.stack([search.start_of(lane) for lane in late])
+    found = repetitions(part, start, steps_per_period, tolerance, longest)
+    for k, lane in enumerate(late):
+        orbits[lane] = dataclasses.replace(orbits[lane], multiple=found.multiples[k])
+        if found.multiples[k] == 1:
+            period = part.subset([k]).run(found.states.subset([k]), 0, steps_per_period)[0]
+            periods, residual = orbits[lane].periods + found.periods + 1, float(found.distances[k, 0])
+            orbits[lane] = PeriodicOrbit(orbits[lane].lane, period, residual, periods, OrbitStatus.CONVERGED)
+
+
+def _check_period(lane: Lane, steps_per_period: int) -> None:
+    """Refuse a lane whose steps do not make up a period of its drive."""
+    checked_count("steps_per_period", steps_per_period, FEWEST_STEPS_PER_PERIOD)
+    period = getattr(lane.drive, "period", None)
+    if period is None:
+        raise ParameterError(f"{type(lane.drive).__name__} has no period; allowed: a periodic drive")
+    if not np.isclose(lane.time_step * steps_per_period, period, rtol=1e-12, atol=0):
+        steps = period / lane.time_step
+        raise ParameterError(f"the time step makes {steps:g} steps a period; allowed: {steps_per_period}")
+    if lane.preload is not None:
+        multiple = lane.preload.angular_frequency * period / (2 * np.pi)
+        if not np.isclose(multiple, max(1, round(multiple)), rtol=1e-12, atol=0):
+            raise ParameterError(f"the preload has {multiple:g} times the drive's frequency; allowed: whole multiples")

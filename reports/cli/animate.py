@@ -1,0 +1,161 @@
+"""``python -m reports animate``: the chain in motion over one period, stick and slip in colours."""
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import matplotlib as mpl
+import numpy as np
+import typer
+from matplotlib.animation import FuncAnimation, HTMLWriter, PillowWriter
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
+
+from engines.interface.variant import Variant
+from reference_lcp.console import checked_output_file
+from reference_lcp.observables.stick_slip import MODE_OF_SIGN
+from reference_lcp.validation import FloatArray, ParameterError, checked_count
+from reports.figures.stick_slip import MODE_COLOURS
+from reports.formatting import ratio
+from scenarios.execution.local_processes import TIME_LIMIT
+from scenarios.execution.recorded import RecordedPeriod, period_of
+from scenarios.tasks.questions import Question
+
+SPACING = 2.0
+"""Distance of neighbouring cells in the drawing, over the width of an outer mass."""
+
+REACH = 0.55
+"""Largest displacement in the drawing, on the same scale: neighbours never meet."""
+
+INNER_REACH = 0.27
+"""Largest displacement of an inner mass in its outer one, on the same scale: it stays inside."""
+
+HATCHES = {0: "", 1: "///", -1: "\\\\\\"}
+"""Of the inner mass by mode: told apart without colour too."""
+
+ENDINGS = (".gif", ".html")
+
+
+def animate(
+    chosen: Annotated[
+        str, typer.Option("--engine", metavar="NAME[:FORMULATION[:PRESET]]", help="Whose motion is drawn.")
+    ] = "reference",
+    friction_ratio: Annotated[float, typer.Option(help="Friction ratio μλ_N / (k_c U0), >= 0.")] = 0.3,
+    frequency_ratio: Annotated[float, typer.Option(help="Frequency ratio ω / ω_r, > 0.")] = 0.9,
+    out: Annotated[Path, typer.Option(help="File to write: .gif, or .html with controls.")] = Path("chain.gif"),
+    frames: Annotated[int, typer.Option(help="Pictures of one period, 8 to 400.")] = 80,
+    time_limit: Annotated[float, typer.Option(help="Seconds that the engine may take.")] = TIME_LIMIT,
+) -> None:
+    """Animate one period of the steady state: outer masses as frames, inner masses coloured by stick and slip.
+
+    Exit code 0: the file is written; 1: the engine has no steady state there, with the reason; 2: wrong input.
+
+    Example: python -m reports animate --engine mujoco:contact --friction-ratio 0.3 --out chain.gif
+    """
+    variant = Variant.parse(chosen)
+    question = Question(variant=variant, friction_ratio=friction_ratio, frequency_ratio=frequency_ratio)
+    question.setting()
+    checked_count("frames", frames, 8)
+    if frames > 400:
+        raise ParameterError(f"frames = {frames}; allowed: 8 to 400")
+    if out.suffix not in ENDINGS:
+        raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(ENDINGS)}")
+    checked_output_file("--out", out)
+    motion = period_of(question, time_limit)
+    if not motion.known:
+        print(f"{variant.title}: {motion.reason}", file=sys.stderr)
+        raise typer.Exit(1)
+    write_animation(question, motion, frames, out)
+    print(out)
+
+
+def write_animation(question: Question, motion: RecordedPeriod, frames: int, file: Path) -> None:
+    """Draw a known motion of `question`'s chain into `file`, as its ending says."""
+    drawing = ChainDrawing(question, motion, frames)
+    animation = FuncAnimation(drawing.figure, drawing.draw, frames=frames, interval=50, blit=False)
+    if file.suffix == ".gif":
+        animation.save(file, writer=PillowWriter(fps=20), dpi=100)
+        return
+    # the writer of matplotlib warns and leaves frames out where they take more than this
+    with mpl.rc_context({"animation.embed_limit": 200.0}):
+        animation.save(file, writer=HTMLWriter(fps=20, embed_frames=True, default_mode="loop"), dpi=100)
+
+
+class ChainDrawing:
+    """The chain as a row of boxes in boxes, with a clock of the period below it.
+
+    Parameters
+    ----------
+    question, motion
+        The point, and its motion.
+    frames
+        Pictures of one period.
+    """
+
+    def __init__(self, question: Question, motion: RecordedPeriod, frames: int):
+        self._motion = motion
+        self._rows = np.round(np.linspace(0, motion.outer.shape[0], frames, endpoint=False)).astype(int)
+        largest = max(1.0, float(np.max(np.abs(motion.outer))), float(np.max(np.abs(motion.inner))))
+        self._scale = min(REACH / largest, INNER_REACH / max(float(np.max(np.abs(motion.relative))), INNER_REACH))
+        cells = motion.outer.shape[1]
+        self.figure = Figure(figsize=(9, 3), layout="constrained")
+        self._axes: Axes = self.figure.subplots()
+        self._places: FloatArray = SPACING * np.arange(1, cells + 1)
+        self._outer = [self._box(1.0, 1.0, {"facecolor": "#f4f5f7", "edgecolor": "#1b1f24"}) for _ in range(cells)]
+        self._inner = [self._box(0.42, 0.5, {"edgecolor": "#1b1f24", "linewidth": 0.8}) for _ in range(cells)]
+        self._springs = [self._axes.plot([], [], color="#57606a", linewidth=1.2)[0] for _ in range(cells)]
+        self._base = self._box(0.3, 1.4, {"facecolor": "#57606a"})
+        self._clock = Rectangle((0, -1.05), 0, 0.08, facecolor="#0b5393")
+        self._axes.add_patch(self._clock)
+        self._length = SPACING * cells
+        self._frame_axes(question)
+
+    def draw(self, frame: int) -> list[Any]:
+        """Move everything to one instant; gives what has moved."""
+        row = int(self._rows[frame])
+        phase = float(self._motion.phase[row])
+        outer = self._places + self._scale * self._motion.outer[row]
+        inner = self._places + self._scale * self._motion.inner[row]
+        base = self._scale * float(np.sin(2 * np.pi * phase))
+        self._base.set_x(base - 0.15)
+        ends = [base + 0.15, *(outer[:-1] + 0.5)]
+        for cell, (box, mass, spring) in enumerate(zip(self._outer, self._inner, self._springs, strict=True)):
+            box.set_x(outer[cell] - 0.5)
+            mass.set_x(inner[cell] - 0.21)
+            mode = int(self._motion.modes[row, cell])
+            mass.set_facecolor(MODE_COLOURS[MODE_OF_SIGN[mode]])
+            mass.set_hatch(HATCHES[mode])
+            spring.set_data(*_zigzag(ends[cell], float(outer[cell]) - 0.5))
+        self._clock.set_width(self._length * phase)
+        return [self._base, self._clock, *self._outer, *self._inner, *self._springs]
+
+    def _box(self, width: float, height: float, look: dict[str, Any]) -> Rectangle:
+        box = Rectangle((0, -height / 2), width, height, **look)
+        self._axes.add_patch(box)
+        return box
+
+    def _frame_axes(self, question: Question) -> None:
+        """Set limits, title and legend."""
+        self._axes.set(xlim=(-1, self._length + 1.4), ylim=(-1.2, 1.1), aspect="equal")
+        self._axes.set_axis_off()
+        chain = (
+            f"friction ratio {ratio(question.friction_ratio)}, " if isinstance(question.friction_ratio, float) else ""
+        )
+        self._axes.set_title(
+            f"{question.variant.title}: {chain}frequency ratio {ratio(question.frequency_ratio)}; "
+            f"U0 is drawn as {self._scale:.2g} of a mass's width", fontsize=10,
+        )  # fmt: skip
+        handles = [
+            Patch(facecolor=MODE_COLOURS[mode], hatch=HATCHES[sign], edgecolor="#1b1f24", label=str(mode))
+            for sign, mode in MODE_OF_SIGN.items()
+        ]
+        self.figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
+
+
+def _zigzag(left: float, right: float) -> tuple[FloatArray, FloatArray]:
+    """Give the line of a spring between two ends."""
+    along = np.linspace(left, right, 12)
+    across = np.zeros(12)
+    across[2:-2] = 0.14 * (-1.0) ** np.arange(8)
+    return along, across

@@ -1,0 +1,1 @@
+"""What a report shows: collected results, findings, provenance."""

@@ -1,0 +1,1 @@
+"""The page: sections, one class and one template each."""

@@ -1,0 +1,50 @@
+"""What a section of a report is: one class and one template, from the suite or from anybody else."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from importlib.metadata import entry_points
+from typing import Any, ClassVar
+
+from reports.data.report import Report
+from reports.figures.figure import Picture
+
+ENTRY_POINT_GROUP = "multibody_xval.sections"
+"""Group under which a distribution registers sections of its own: names of classes, or of anything that makes one."""
+
+
+class Section(ABC):
+    """One section of a page.
+
+    A section of another package sets `templates` to that package, whose folder ``templates`` holds
+    ``<template>.html``. Templates are of jinja2; ``{{ picture("name") }}`` sets one of the section's pictures.
+
+    Parameters
+    ----------
+    report
+        Everything that was gathered.
+    """
+
+    title: ClassVar[str]
+    """The heading."""
+    template: ClassVar[str]
+    """Name of the template, without its ending; also the anchor of the section."""
+    templates: ClassVar[str] = "reports"
+    """Package that holds the template."""
+
+    def __init__(self, report: Report):
+        self.report = report
+        self.result = report.result
+
+    def pictures(self) -> list[Picture]:
+        """Pictures of the section, in the order in which they stand; their names are unique in a report."""
+        return []
+
+    @abstractmethod
+    def context(self) -> dict[str, Any]:
+        """What the template is given, beside its pictures."""
+
+
+def registered_sections() -> list[Callable[[Report], Section]]:
+    """Give the sections that installed distributions register, by name."""
+    found = sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda entry: entry.name)
+    return [entry.load() for entry in found]

@@ -1,0 +1,31 @@
+"""Friction and frequency: where the attenuation band is, and how it moves with friction."""
+
+from typing import Any
+
+from reports.data.findings import band_definition
+from reports.figures.figure import Picture
+from reports.figures.friction_map import HIGHEST_DB, LOWEST_DB, friction_map_picture
+from reports.page.section import Section
+
+
+class FrictionMap(Section):
+    """The map of the reference, with the contour of the band."""
+
+    title = "Friction and frequency"
+    template = "friction_map"
+
+    def pictures(self) -> list[Picture]:
+        """The map, if anybody answered."""
+        found = self.report.friction_map
+        return [friction_map_picture(found)] if found is not None and found.known else []
+
+    def context(self) -> dict[str, Any]:
+        """What the caption names, and how much is missing."""
+        found = self.report.friction_map
+        return {
+            "band": band_definition(self.result),
+            "lowest": LOWEST_DB,
+            "highest": HIGHEST_DB,
+            "points": 0 if found is None else found.transmittance_db.size,
+            "known": 0 if found is None else found.known,
+        }

@@ -1,0 +1,80 @@
+"""Open points: what disagrees, is inconclusive or is blocked, by name and with its reason."""
+
+import math
+from collections import defaultdict
+from typing import Any
+
+from engines.interface.registry import engine
+from engines.interface.variant import Variant
+from reports.data.findings import blocked_reason
+from reports.page.section import Section
+from scenarios.studies.figure3 import BandEdge, Point
+from scenarios.verdicts.verdict import Verdict
+
+LONGEST = 30
+"""Rows of one variant that the page shows, the largest differences first; files hold all of them."""
+
+
+class OpenPoints(Section):
+    """Everything that does not agree, by variant; points with the same verdict and reason in one row."""
+
+    title = "Points that do not agree"
+    template = "open_points"
+
+    def context(self) -> dict[str, Any]:
+        """Variants with their open rows."""
+        open_ones = []
+        for variant in self.result.asked.all_variants:
+            rows = self._rows(variant)
+            if rows:
+                of = engine(variant.engine)
+                departure = of.preset(variant.formulation, variant.preset).departure
+                law = f"What explains a disagreement: {departure}." if departure else ""
+                notes = " ".join(note for note in (of.capabilities.notes, law) if note)
+                left_out = max(len(rows) - LONGEST, 0)
+                open_ones.append({"title": variant.title, "notes": notes, "rows": rows[:LONGEST], "left_out": left_out})
+        return {"variants": open_ones}
+
+    def _rows(self, variant: Variant) -> list[dict[str, Any]]:
+        reason = blocked_reason(self.result, variant)
+        if reason is not None:
+            everywhere = "every point and every edge"
+            return [{"places": everywhere, "verdict": str(Verdict.BLOCKED), "size": math.nan, "reason": reason}]
+        rows = [*self._edges(variant), *self._points(variant)]
+        return sorted(rows, key=lambda row: 0.0 if math.isnan(row["size"]) else -row["size"])
+
+    def _points(self, variant: Variant) -> list[dict[str, Any]]:
+        places: dict[tuple[float, Verdict, str], list[Point]] = defaultdict(list)
+        for point in self.result.points_of(variant):
+            verdict = point.comparison.verdict
+            if verdict is not Verdict.AGREE:
+                places[point.friction_ratio, verdict, point.comparison.reason].append(point)
+        return [
+            {
+                "places": f"friction {friction:g}, η_r = {', '.join(f'{point.frequency_ratio:g}' for point in points)}",
+                "verdict": str(verdict),
+                "size": self._times_allowed(points[0]),
+                "reason": reason,
+            }
+            for (friction, verdict, reason), points in places.items()
+        ]
+
+    def _edges(self, variant: Variant) -> list[dict[str, Any]]:
+        open_ones = [
+            edge for edge in self.result.edges
+            if edge.variant == variant and edge.comparison.verdict is not Verdict.AGREE
+        ]  # fmt: skip
+        return [
+            {
+                "places": f"friction {edge.friction_ratio:g}, {edge.edge} edge",
+                "verdict": str(edge.comparison.verdict),
+                "size": self._times_allowed(edge),
+                "reason": edge.comparison.reason,
+            }
+            for edge in open_ones
+        ]
+
+    @staticmethod
+    def _times_allowed(found: Point | BandEdge) -> float:
+        """Difference over what is allowed."""
+        return abs(found.comparison.difference) / found.comparison.tolerance

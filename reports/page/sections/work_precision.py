@@ -1,0 +1,45 @@
+"""Work and precision: what accuracy costs in each engine, and how the error falls with the step."""
+
+from typing import Any
+
+from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
+from reports.figures.figure import Picture
+from reports.figures.work_precision import convergence, curves, work_precision
+from reports.page.section import Section
+from scenarios.studies.accuracy import ORDER_STEPS
+
+
+class WorkPrecision(Section):
+    """Two diagrams and their numbers."""
+
+    title = "Work and precision"
+    template = "work_precision"
+
+    def pictures(self) -> list[Picture]:
+        """The diagrams, if anybody was asked at all."""
+        steps = self.report.steps
+        return (
+            [work_precision(self.result.asked, steps), convergence(self.result.asked, steps)] if curves(steps) else []
+        )
+
+    def context(self) -> dict[str, Any]:
+        """Rows, one a variant and number of steps, and who is left out."""
+        shown = curves(self.report.steps)
+        asked = self.result.asked
+        reasons = {point.variant: point.reason for point in self.report.steps if point.reason}
+        absent: dict[str, list[str]] = {}
+        for variant in asked.all_variants:
+            if variant not in shown:
+                answered = any(point.variant == variant and point.answered for point in self.report.steps)
+                usual = (
+                    "not all six points are answered with a steady state"
+                    if answered
+                    else "not asked at these steps so far"
+                )
+                absent.setdefault(reasons.get(variant, usual), []).append(variant.title)
+        return {
+            "rows": [point for point in self.report.steps if point.answered],
+            "points": STICK_SLIP_POINTS,
+            "steps": ORDER_STEPS,
+            "absent": absent,
+        }

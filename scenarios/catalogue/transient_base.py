@@ -1,0 +1,287 @@
+"""Broadband and transient base motions: what of them arrives at the end of the chain, by spectra.
+
+Two motions under one drive never drift apart while the normal force is given (friction is monotone), so that
+errors of the steps before do not grow, and time series are compared as they are, over the whole motion.
+"""
+
+import dataclasses
+import math
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from engines.interface.variant import Variant
+from reference_lcp.chain.harmonic import MovingBase
+from reference_lcp.observables.transmissibility import Transmissibility
+from reference_lcp.observables.transmittance import decibel
+from reference_lcp.validation import FloatArray
+from scenarios.catalogue.base import Finding, Metric, Scenario
+from scenarios.execution.evaluator import Evaluator
+from scenarios.tasks.questions import Answer, AnswerStatus, ChainRatios
+from scenarios.tasks.transient import Motion
+from scenarios.verdicts.refinement import REFINEMENTS, error_of_finest
+from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, compare
+
+RATIOS = ChainRatios(damping_ratio=0.05, inner_damping_ratio=0.02)
+"""The canonical chain with dashpots that let a transient die out: to 1 % of its peak in 300 periods 2π / ω_r."""
+
+BASE_AMPLITUDE = 0.01
+"""U0 [m], which friction ratios refer to."""
+
+STEPS_PER_PERIOD = 50
+"""Coarsest steps to a period 2π / ω_r; the finest of the three step sizes takes four times as many."""
+
+ROWS_PER_PERIOD = 10
+"""Rows kept to a period 2π / ω_r: spectra reach five times ω_r, where the chain lets nothing pass any more."""
+
+REFERENCE_REFINEMENT = 16
+"""The reference takes so many times as many steps as the engines, and has a sixteenth of its error there."""
+
+SECOND_LOOK = 2
+"""Who disagrees, and not by far for a law of its own, is asked again with so many times as many steps.
+
+Where events fall between the steps is chance, and so is part of an error: three steps may show less of it than there
+is. Finer ones then show a smaller error; an engine that is wrong is as wrong with them, and is allowed less.
+"""
+
+BY_FAR = 2.0
+"""A difference of more than so many times what is allowed is no chance."""
+
+BANDS = {
+    "0.3–0.6": (0.3, 0.6),
+    "0.65–0.82": (0.65, 0.82),
+    "0.9–1.35": (0.9, 1.35),
+    "1.5–2": (1.5, 2.0),
+}
+"""Bands of η_r in which transmissibility is read.
+
+Without friction, and with the dashpots of figure 3, the band of attenuation is 0.853 to 1.414: the third band lies
+within, the first and the last outside; the second is where friction widens the attenuation to, or takes it back. The
+dashpots of this chain round the edges off, and leave the third band below −35 dB.
+"""
+
+BAND_METRICS = {
+    name: Metric(f"η_r {name}", "dB", "Root of the last cell's power over the base's, in this band of η_r.")
+    for name in BANDS
+}
+RMS = Metric("rms", "", "Root mean square of the last outer mass over that of the base.")
+PEAK = Metric("peak", "", "Largest displacement of the last outer mass over the base's scale.")
+DIFFERENCE = Metric(
+    "series", "", "Largest difference of the last outer mass from the reference's at any time, over the base's scale."
+)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One base motion under one friction.
+
+    Parameters
+    ----------
+    friction_ratio
+        μ λ_N / (k_c U0): friction for this amplitude, or one over the amplitude for a given friction.
+    base
+        How the base moves.
+    periods
+        Length of the motion in periods 2π / ω_r of the resonator.
+    steps_per_period
+        Coarsest steps to such a period, a multiple of `ROWS_PER_PERIOD`.
+    """
+
+    friction_ratio: float
+    base: MovingBase
+    periods: int
+    steps_per_period: int = STEPS_PER_PERIOD
+
+    def motion(self, variant: Variant) -> Motion:
+        """Ask a variant, with its coarsest step."""
+        period = 2 * math.pi / RATIOS.chain(self.friction_ratio).resonator_frequency
+        return Motion(
+            variant=variant,
+            ratios=RATIOS,
+            friction_ratio=self.friction_ratio,
+            base=self.base,
+            time_step=period / self.steps_per_period,
+            steps=self.periods * self.steps_per_period,
+            every=self.steps_per_period // ROWS_PER_PERIOD,
+        )
+
+    def base_rows(self) -> FloatArray:
+        """Displacement of the base at the rows of every motion, over its scale, shape (rows,)."""
+        return self.base.displacement(self.motion(REFERENCE).row_times()) / self.base.amplitude
+
+    @property
+    def title(self) -> str:
+        """As tables print it."""
+        return f"μλ_N/(k_c U0) = {self.friction_ratio:g}"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What is read of a motion with three step sizes.
+
+    Parameters
+    ----------
+    response
+        The last outer mass with the finest step, at each row, over the base's scale.
+    numbers
+        What is compared, with the finest step.
+    errors
+        Their errors as the three steps show them, and that of the response itself under `DIFFERENCE`.
+    """
+
+    response: FloatArray
+    numbers: dict[Metric, float]
+    errors: dict[Metric, float]
+
+
+class Broadband(Scenario):
+    """A base motion that holds many frequencies, at several amplitudes."""
+
+    source = (
+        "Spectra: Bendat and Piersol, Random Data, chapters 6 and 9; chain: figure 3 of Sethi, Banerjee and Manna "
+        "with ζ = 0.05, and 0.02 of the resonators."
+    )
+    expects = (
+        f"the reference with {REFERENCE_REFINEMENT} times as many steps; allowed: its error from three step sizes, and "
+        "the engine's own from three, or the reference's at the same ones if that is larger; who disagrees, and not by "
+        "far for a law of its own, is asked again with twice as many steps"
+    )
+    metrics = (*BAND_METRICS.values(), RMS, PEAK, DIFFERENCE)
+    friction_ratios: ClassVar[tuple[float, ...]]
+    """Cases; zero is the linear chain."""
+
+    @abstractmethod
+    def case(self, friction_ratio: float) -> Case:
+        """Give the base motion, and how long it is followed."""
+
+    @abstractmethod
+    def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
+        """Read the transmissibility of rows that are `time_step` [s] apart."""
+
+    def parameters(self) -> list[str]:
+        """Give chain, base and step sizes; see `Scenario.parameters`."""
+        case = self.case(self.friction_ratios[0])
+        base = ", ".join(f"{name} {value}" for name, value in case.base.parameters().items())
+        steps = ", ".join(str(case.steps_per_period * factor) for factor in REFINEMENTS)
+        return [
+            f"chain: {', '.join(f'{name} {value}' for name, value in RATIOS.as_data().items())}",
+            f"base (SI): {base}",
+            f"{case.periods} periods 2π / ω_r, in {steps} steps each",
+        ]
+
+    def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
+        """Put the question to every variant; see `Scenario.run`."""
+        evaluator.evaluate(self.questions(variants))
+        cases = [self.case(ratio) for ratio in self.friction_ratios]
+        exact = {case: self._read(case, evaluator.evaluate(refinements(self.ruler_motion(case)))) for case in cases}
+        scheme = {case: self._read(case, evaluator.evaluate(refinements(case.motion(REFERENCE)))) for case in cases}
+        found = []
+        for variant in variants:
+            for case in cases:
+                own = self._read(case, evaluator.evaluate(refinements(case.motion(variant))))
+                judged = self._findings(variant, case, own, (exact[case], scheme[case]))
+                if needs_second_look(judged):
+                    judged = self._second_look(variant, case, exact[case], evaluator) or judged
+                found += judged
+        return found
+
+    def _second_look(
+        self, variant: Variant, case: Case, exact: Reading | Comparison, evaluator: Evaluator
+    ) -> list[Finding]:
+        """Compare with finer steps; nothing where there is no answer with them."""
+        finer = (case.motion(one).refined(SECOND_LOOK) for one in (variant, REFERENCE))
+        own, scheme = (self._read(case, evaluator.evaluate(refinements(motion))) for motion in finer)
+        if isinstance(own, Comparison):
+            return []
+        return [_told(one) for one in self._findings(variant, case, own, (exact, scheme))]
+
+    def questions(self, variants: Sequence[Variant]) -> list[Motion]:
+        """Everything that `run` asks."""
+        cases = [self.case(ratio) for ratio in self.friction_ratios]
+        coarse = [self.ruler_motion(case) for case in cases]
+        coarse += [case.motion(variant) for variant in dict.fromkeys((REFERENCE, *variants)) for case in cases]
+        return [motion for one in coarse for motion in refinements(one)]
+
+    def ruler_motion(self, case: Case) -> Motion:
+        """Ask the reference, with the coarsest of its three steps."""
+        return case.motion(REFERENCE).refined(REFERENCE_REFINEMENT)
+
+    def numbers(self, case: Case, response: FloatArray) -> dict[Metric, float]:
+        """Read what is compared, but for the series itself, from the rows of a response."""
+        chain = RATIOS.chain(case.friction_ratio)
+        base, omega = case.base_rows(), chain.resonator_frequency
+        found = self.spectrum(base, response, 2 * math.pi / omega / ROWS_PER_PERIOD)
+        bands = {
+            metric: decibel(found.in_band(*(omega * edge for edge in BANDS[name])))
+            for name, metric in BAND_METRICS.items()
+        }
+        rms = float(np.sqrt(np.mean(response**2) / np.mean(base**2)))
+        return {**bands, RMS: rms, PEAK: float(np.max(np.abs(response)))}
+
+    def _read(self, case: Case, answers: Sequence[Answer]) -> Reading | Comparison:
+        """Read three answers, or say why there is nothing to read."""
+        missing = unfinished(answers)
+        if missing is not None:
+            return missing
+        rows = [np.array(answer.series["response"]) for answer in answers]
+        numbers = [self.numbers(case, one) for one in rows]
+        errors = {metric: error_of_finest([one[metric] for one in numbers]) for metric in numbers[-1]}
+        return Reading(rows[-1], numbers[-1], {**errors, DIFFERENCE: error_of_finest(rows)})
+
+    def _findings(
+        self,
+        variant: Variant,
+        case: Case,
+        own: Reading | Comparison,
+        reference: tuple[Reading | Comparison, Reading | Comparison],
+    ) -> list[Finding]:
+        """Compare a variant's reading with the reference's, in finer steps and in the same ones."""
+        exact, scheme = reference
+        if isinstance(own, Comparison):
+            return [Finding(variant, case.title, metric, math.nan, math.nan, own) for metric in self.metrics]
+        if isinstance(exact, Comparison) or isinstance(scheme, Comparison):
+            reason = exact.reason if isinstance(exact, Comparison) else "not at the same step"
+            blocked = Comparison(Verdict.INCONCLUSIVE, f"reference: {reason}")
+            return [Finding(variant, case.title, metric, math.nan, math.nan, blocked) for metric in self.metrics]
+        values = {**own.numbers, DIFFERENCE: float(np.max(np.abs(own.response - exact.response)))}
+        expected = {**exact.numbers, DIFFERENCE: 0.0}
+        found = []
+        for metric in self.metrics:
+            tolerance = Tolerance(exact.errors[metric], own.errors[metric], scheme=scheme.errors[metric])
+            compared = compare(values[metric], expected[metric], tolerance, metric.unit)
+            found.append(Finding(variant, case.title, metric, values[metric], expected[metric], compared))
+        return found
+
+
+def _told(finding: Finding) -> Finding:
+    """Say in the reason that it is of a second look."""
+    reason = f"{finding.comparison.reason}; with {SECOND_LOOK} times the usual steps"
+    return dataclasses.replace(finding, comparison=dataclasses.replace(finding.comparison, reason=reason))
+
+
+def needs_second_look(findings: Sequence[Finding]) -> bool:
+    """Say whether there is a disagreement that may be chance: without a law of the engine, or not by far."""
+    wrong = [one for one in findings if one.comparison.verdict is Verdict.DISAGREE]
+    return any(
+        not one.variant.options.departure or abs(one.comparison.difference) <= BY_FAR * one.comparison.tolerance
+        for one in wrong
+    )
+
+
+def refinements(coarsest: Motion) -> list[Motion]:
+    """Ask for a motion with three step sizes, its own first."""
+    return [coarsest.refined(factor) for factor in REFINEMENTS]
+
+
+def unfinished(answers: Sequence[Answer]) -> Comparison | None:
+    """Say why motions cannot be compared; ``None`` if they can."""
+    for answer in answers:
+        if answer.status is AnswerStatus.MISSING:
+            return Comparison(Verdict.INCONCLUSIVE, answer.reason)
+        if answer.status is not AnswerStatus.FINISHED:
+            return Comparison(Verdict.BLOCKED, answer.reason)
+    return None

@@ -1,0 +1,220 @@
+"""Verdicts as tables: for the terminal, for documents, for other programs."""
+
+import csv
+import io
+import json
+import math
+import platform
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+from engines.interface.registry import engine
+from engines.interface.variant import Variant
+from scenarios.catalogue.base import Finding, Metric, Scenario
+from scenarios.verdicts.verdict import Verdict
+
+Results = Mapping[Scenario, Sequence[Finding]]
+"""Findings by scenario, in the order in which they were run."""
+
+LEGEND = """\
+A number *agrees* if it is within what is allowed of what is expected: the error bar of the expected number, plus the
+error of the engine's own time step, estimated from two step sizes (and taken to be no less than the reference's at the
+same step), plus what neither can resolve. A disagreement is *explained* where the preset names a law of the engine by
+which it departs from Coulomb's, and *unexplained* otherwise. *Inconclusive*: there is no certified steady state,
+nothing to compare, or no answer so far (too slow to be asked, or left out by --no-ask). *Blocked*: the engine is not
+installed, or has failed. *Worst*: the largest difference over what is
+allowed for it.
+"""
+
+
+def explained(finding: Finding) -> bool:
+    """Say whether a disagreement has a law of the engine for its reason."""
+    return finding.comparison.verdict is Verdict.DISAGREE and bool(finding.variant.options.departure)
+
+
+def unexplained(findings: Sequence[Finding]) -> list[Finding]:
+    """Give the disagreements without a reason."""
+    return [one for one in findings if one.comparison.verdict is Verdict.DISAGREE and not explained(one)]
+
+
+def excess(finding: Finding) -> float:
+    """Difference over what is allowed; infinite where nothing is, NaN where there is no number."""
+    difference, allowed = abs(finding.comparison.difference), finding.comparison.tolerance
+    if math.isnan(difference) or math.isnan(allowed):
+        return math.nan
+    if allowed == 0:
+        return 0.0 if difference == 0 else math.inf
+    return difference / allowed
+
+
+@dataclass(frozen=True)
+class VariantRow:
+    """The verdicts of one variant in one scenario, counted."""
+
+    variant: Variant
+    findings: tuple[Finding, ...]
+
+    def count(self, verdict: Verdict) -> int:
+        """How many findings have this verdict."""
+        return sum(1 for one in self.findings if one.comparison.verdict is verdict)
+
+    @property
+    def worst(self) -> Finding | None:
+        """The finding whose difference is largest beside what is allowed; ``None`` where none has a number."""
+        known = [one for one in self.findings if not math.isnan(excess(one))]
+        return max(known, key=excess, default=None)
+
+    @property
+    def reason(self) -> str:
+        """Of the worst finding, or why there is none."""
+        if self.worst is None:
+            return self.findings[0].comparison.reason
+        return f"{self.worst.metric.name}, {self.worst.case}: {self.worst.comparison.reason}"
+
+    @property
+    def outcome(self) -> str:
+        """One word, and how many findings it is of."""
+        total = len(self.findings)
+        disagree = self.count(Verdict.DISAGREE)
+        if unexplained(self.findings):
+            return f"DISAGREES {disagree}/{total}"
+        if disagree:
+            return f"explained {disagree}/{total}"
+        for verdict in (Verdict.BLOCKED, Verdict.INCONCLUSIVE):
+            if self.count(verdict):
+                return f"{verdict} {self.count(verdict)}/{total}"
+        return f"agrees {total}"
+
+    def cells(self) -> list[str]:
+        """The row as tables print it, by `HEADINGS`."""
+        counts = [str(self.count(verdict)) for verdict in Verdict]
+        worst = "–" if self.worst is None else f"{excess(self.worst):.2g}".replace("inf", "∞")
+        return [str(self.variant), *counts, worst, self.reason]
+
+
+HEADINGS = ("engine:formulation:preset", *(str(verdict) for verdict in Verdict), "worst", "what")
+
+
+def rows_of(findings: Sequence[Finding]) -> list[VariantRow]:
+    """Give a row a variant, in their order."""
+    variants = dict.fromkeys(one.variant for one in findings)
+    return [VariantRow(variant, tuple(one for one in findings if one.variant == variant)) for variant in variants]
+
+
+def matrix(results: Results) -> list[list[str]]:
+    """Give variants × scenarios: a heading, then a line a variant with the outcome in each scenario."""
+    tables = {scenario: {row.variant: row.outcome for row in rows_of(found)} for scenario, found in results.items()}
+    variants = dict.fromkeys(variant for table in tables.values() for variant in table)
+    heading = ["engine:formulation:preset", *(scenario.name for scenario in tables)]
+    return [heading, *([str(v), *(table.get(v, "–") for table in tables.values())] for v in variants)]
+
+
+def details(findings: Sequence[Finding]) -> Iterator[tuple[Variant, list[str]]]:
+    """Give the variants that do not agree throughout, each with a line for every metric and verdict but agreement."""
+    for row in rows_of(findings):
+        wrong = [one for one in row.findings if one.comparison.verdict is not Verdict.AGREE]
+        if wrong:
+            order: dict[tuple[Metric, Verdict], list[Finding]] = {}
+            for one in wrong:
+                order.setdefault((one.metric, one.comparison.verdict), []).append(one)
+            yield row.variant, [_detail(group) for group in order.values()]
+
+
+def _detail(group: Sequence[Finding]) -> str:
+    """One line for findings of one metric and verdict: the worst of them, and how many there are."""
+    worst = max(group, key=lambda one: -1.0 if math.isnan(excess(one)) else excess(one))
+    more = f" (and {len(group) - 1} more)" if len(group) > 1 else ""
+    return f"{worst.comparison.verdict}, {worst.metric.name}, {worst.case}: {worst.comparison.reason}{more}"
+
+
+def law(variant: Variant) -> str:
+    """Give the law by which a variant departs from Coulomb's; empty where there is none."""
+    return variant.options.departure
+
+
+def markdown(results: Results, command: str) -> str:
+    """Give everything as a document, with how it was made."""
+    lines = ["# Verdicts", "", LEGEND, f"Made by `{command}`.", ""]
+    lines += [*_markdown_table(matrix(results)), "", "## Laws of the engines that explain disagreements", ""]
+    findings = [one for found in results.values() for one in found]
+    lines += [
+        f"- {variant}: {law(variant)}" for variant in dict.fromkeys(one.variant for one in findings if explained(one))
+    ]
+    for scenario, found in results.items():
+        lines += ["", f"## {scenario.name}", "", scenario.question, ""]
+        lines += [f"- from: {scenario.source}", f"- compared with: {scenario.expects}"]
+        lines += [
+            f"- {metric.name}{f' [{metric.unit}]' if metric.unit else ''}: {metric.meaning}"
+            for metric in scenario.metrics
+        ]
+        lines += [f"- {line}" for line in scenario.parameters()]
+        lines += ["", *_markdown_table([list(HEADINGS), *(row.cells() for row in rows_of(found))])]
+        wrong = list(details(found))
+        if wrong:
+            lines += ["", "What does not agree:", ""]
+        for variant, remarks in wrong:
+            lines += [f"- {variant}", *(f"  - {remark}" for remark in remarks)]
+    return "\n".join([*lines, "", f"Versions: {versions(findings)}; Python {platform.python_version()}.", ""])
+
+
+def _markdown_table(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Give lines of a table; the first row is the heading."""
+    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
+    return [lines[0], "|" + "---|" * len(rows[0]), *lines[1:]]
+
+
+COLUMNS = (
+    "scenario", "case", "engine", "formulation", "preset", "metric", "unit", "value", "expected", "verdict",
+    "explained", "difference", "allowed", "reason",
+)  # fmt: skip
+
+
+def records(results: Results) -> list[dict[str, object]]:
+    """Give every finding as plain data by `COLUMNS`; what is not known is ``None``."""
+    return [
+        dict(zip(COLUMNS, _record(scenario, one), strict=True)) for scenario, found in results.items() for one in found
+    ]
+
+
+def _record(scenario: Scenario, one: Finding) -> tuple[object, ...]:
+    numbers = (one.value, one.expected, one.comparison.difference, one.comparison.tolerance)
+    value, expected, difference, allowed = (None if math.isnan(number) else number for number in numbers)
+    variant, comparison = one.variant, one.comparison
+    return (
+        scenario.name, one.case, variant.engine, variant.formulation, variant.preset, one.metric.name, one.metric.unit,
+        value, expected, str(comparison.verdict), explained(one), difference, allowed, comparison.reason,
+    )  # fmt: skip
+
+
+def csv_table(results: Results) -> str:
+    """Give every finding as CSV, with full precision."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(records(results))
+    return text.getvalue()
+
+
+def json_text(results: Results, command: str) -> str:
+    """Give every finding, what was asked and the versions as JSON."""
+    findings = [one for found in results.values() for one in found]
+    content = {
+        "command": command,
+        "versions": versions(findings),
+        "scenarios": [
+            {"name": one.name, "question": one.question, "source": one.source, "expects": one.expects,
+             "parameters": one.parameters()}
+            for one in results
+        ],
+        "findings": records(results),
+        "laws": {str(one.variant): law(one.variant) for one in findings if explained(one)},
+    }  # fmt: skip
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def versions(findings: Sequence[Finding]) -> str:
+    """Name every engine's version once."""
+    names = [name for name, _ in groupby(sorted(one.variant.engine for one in findings))]
+    installed = [engine(name) for name in names if engine(name).why_not_installed() is None]
+    return ", ".join(f"{one.name} {one.version()}" for one in installed)

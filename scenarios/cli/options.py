@@ -1,0 +1,86 @@
+"""What the commands of ``python -m scenarios`` have in common: options, checks, a store for the run."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
+
+import typer
+
+from engines.interface.registry import engine_names
+from engines.interface.variant import Variant, variants_named
+from reference_lcp.console import INTERRUPTED, checked_output_file
+from reference_lcp.validation import ParameterError
+from scenarios.execution.store import ResultStore
+
+Chosen = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--engine",
+        metavar="NAME[:FORMULATION[:PRESET]]",
+        help="An engine in all its formulations and presets, or the one that is named; may be repeated. "
+        "Without it, or with all: every engine.",
+    ),
+]
+Store = Annotated[
+    Path | None, typer.Option(help="File that keeps every answer, so that a stopped run goes on; none without it.")
+]
+Workers = Annotated[int | None, typer.Option(help="Worker processes; without it, one a processor.")]
+Limit = Annotated[
+    float, typer.Option(help="Seconds that a batch of points may take; an engine that hangs is stopped then.")
+]
+Scheduler = Annotated[
+    str | None, typer.Option(help="Address of a dask scheduler whose workers compute, instead of this machine's.")
+]
+
+
+def chosen_variants(chosen: list[str] | None) -> list[Variant]:
+    """Read what is to be run: whole engines by name, or single variants.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such engine, formulation or preset.
+    """
+    names = engine_names() if not chosen or "all" in chosen else chosen
+    return list(dict.fromkeys(variant for name in names for variant in variants_named(name)))
+
+
+def check_out(out: Path | None, endings: tuple[str, ...]) -> None:
+    """Refuse a file that cannot be written, or whose ending names no format.
+
+    Raises
+    ------
+    ParameterError
+        Names the file, and what is allowed.
+    """
+    if out is None:
+        return
+    if out.suffix not in endings:
+        raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(endings)}")
+    checked_output_file("--out", out)
+
+
+@contextmanager
+def store_of_run(store: Path | None) -> Iterator[ResultStore]:
+    """Open the store of a run, one that goes with it if none is named; Ctrl-C says what is kept and ends the command.
+
+    Raises
+    ------
+    ParameterError
+        If `store` cannot be used.
+    """
+    with (
+        TemporaryDirectory() if store is None else nullcontext(store.parent) as folder,
+        ResultStore(Path(folder) / ("results.sqlite" if store is None else store.name)) as kept,
+    ):
+        try:
+            yield kept
+        except KeyboardInterrupt:
+            where = "nothing is kept without --store"
+            if store is not None:
+                where = f"answers are kept in {store}; the same command goes on from there"
+            print(f"interrupted: {where}", file=sys.stderr)
+            raise typer.Exit(INTERRUPTED) from None

@@ -1,0 +1,112 @@
+"""Answers kept in one SQLite file: what has been computed once is never computed again."""
+
+import itertools
+import sqlite3
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import TypeVar
+
+from reference_lcp.validation import ParameterError
+from scenarios.execution.closing import Closing
+from scenarios.tasks.questions import Answer, AnswerStatus, Asked, Outcome, key_of
+
+APPLICATION_ID = 0x4D425856
+"""Marks the file as a store of this suite ("MBXV") in SQLite's header."""
+
+LOOKUP = 500
+"""Questions that are looked up at once."""
+
+SCHEMA_VERSION = 1
+"""Layout of the tables."""
+
+
+_Parsed = TypeVar("_Parsed", Answer, Outcome)
+
+
+class ResultStore(Closing):
+    """Answers by the hash of their questions; every answer is on disk when `keep` returns.
+
+    Parameters
+    ----------
+    file
+        The store; made if it is missing.
+
+    Raises
+    ------
+    ParameterError
+        If `file` is not a store of this suite, is damaged or cannot be written; it is left as it is.
+    """
+
+    def __init__(self, file: Path):
+        self._file = file
+        try:
+            self._connection = sqlite3.connect(file)
+            self._open()
+        except sqlite3.Error as problem:
+            raise ParameterError(f"store {file} cannot be used: {problem}") from None
+
+    def _open(self) -> None:
+        """Check whose file it is, then make the table in a new one."""
+        owner = self._connection.execute("PRAGMA application_id").fetchone()[0]
+        tables = self._connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
+        if tables and owner != APPLICATION_ID:
+            raise ParameterError(f"store {self._file} belongs to another program; allowed: a new file or a store")
+        version = self._connection.execute("PRAGMA user_version").fetchone()[0]
+        if tables and version != SCHEMA_VERSION:
+            raise ParameterError(f"store {self._file} has layout {version}; allowed: {SCHEMA_VERSION}")
+        # takes and gives back the write lock: a file that cannot be written is found out before any work
+        self._connection.execute("BEGIN IMMEDIATE")
+        self._connection.rollback()
+        if not tables:
+            self._connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+            self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+            with self._connection:
+                self._connection.execute(
+                    "CREATE TABLE answers (key TEXT PRIMARY KEY, content TEXT NOT NULL, answer TEXT NOT NULL)"
+                )
+
+    def find(self, question: Asked) -> Answer | None:
+        """Give the answer to an equal question, or ``None``."""
+        row = self._connection.execute("SELECT answer FROM answers WHERE key = ?", (question.key(),)).fetchone()
+        return None if row is None else self._read(Answer.from_json, row[0])
+
+    def answers(self, questions: Iterable[Asked]) -> Iterator[Answer | None]:
+        """Give the answer to each question, in order, or ``None``."""
+        for _, text in self._texts(questions, "answer"):
+            yield None if text is None else self._read(Answer.from_json, text)
+
+    def outcomes(self, questions: Iterable[Asked]) -> Iterator[tuple[Asked, Outcome | None]]:
+        """Give each question, in order, with how it ended, or ``None``; numbers are left unread."""
+        for question, text in self._texts(questions, "json_extract(answer, '$.status', '$.periods', '$.multiple')"):
+            yield question, None if text is None else self._read(Outcome.from_json, text)
+
+    def _read(self, parse: Callable[[str], _Parsed], text: str) -> _Parsed:
+        """Read one answer; an error names the store."""
+        try:
+            return parse(text)
+        except ParameterError as problem:
+            raise ParameterError(f"store {self._file}: {problem}") from None
+
+    def _texts(self, questions: Iterable[Asked], column: str) -> Iterator[tuple[Asked, str | None]]:
+        """Look up an expression of SQL for each question, many at a time."""
+        asked = iter(questions)
+        while chunk := list(itertools.islice(asked, LOOKUP)):
+            keys = [question.key() for question in chunk]
+            marks = ",".join("?" * len(keys))
+            found = dict(self._connection.execute(f"SELECT key, {column} FROM answers WHERE key IN ({marks})", keys))
+            yield from ((question, found.get(key)) for question, key in zip(chunk, keys, strict=True))
+
+    def keep(self, answered: Iterable[tuple[Asked, Answer]]) -> None:
+        """Write answers in one transaction; blocked ones are not kept, so that they are tried again."""
+        texts = [
+            (question.text(), answer.to_json())
+            for question, answer in answered
+            if answer.status is not AnswerStatus.BLOCKED
+        ]
+        rows = [(key_of(text), text, answer) for text, answer in texts]
+        with self._connection:
+            self._connection.executemany("INSERT OR REPLACE INTO answers VALUES (?, ?, ?)", rows)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._connection.close()

@@ -1,0 +1,156 @@
+"""How a motion is answered: advance the chain in the engine, stretch by stretch, and keep what was asked for."""
+
+import time
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.validation import FloatArray
+from scenarios.execution.failures import answered_together
+from scenarios.tasks.questions import Answer, AnswerStatus, Series
+from scenarios.tasks.transient import Motion
+
+STRETCH = 4096
+"""Steps that are in memory at once."""
+
+AT_REST = 0.01
+"""A contact has come to rest when the two masses stay this near to where they end, over F / k_i.
+
+What an engine's stuck contact may creep, and a slip that nobody could call motion, is below.
+"""
+
+
+class MotionNotFinite(RuntimeError):
+    """An engine's numbers are not finite; the message says when."""
+
+
+def answer_motions(motions: Sequence[Motion]) -> list[Answer]:
+    """Answer motions of one variant and of chains of one length, in order; those with as many steps together."""
+    by_steps: dict[tuple[int, int], list[int]] = defaultdict(list)
+    for index, motion in enumerate(motions):
+        by_steps[motion.steps, motion.every].append(index)
+    answers: dict[int, Answer] = {}
+    for indices in by_steps.values():
+        found = answered_together([motions[index] for index in indices], _answers)
+        answers.update(zip(indices, found, strict=True))
+    return [answers[index] for index in range(len(motions))]
+
+
+def _answers(motions: Sequence[Motion]) -> list[Answer]:
+    """Run motions as one batch."""
+    begin = time.perf_counter()
+    lanes = [motion.lane() for motion in motions]
+    records = [_Record(lane, motion) for lane, motion in zip(lanes, motions, strict=True)]
+    steps, every = motions[0].steps, motions[0].every
+    stretch = every * max(1, STRETCH // every)
+    simulation = motions[0].variant.build(lanes)
+    try:
+        state = State.stack([motion.initial_state() for motion in motions])
+        for start in range(0, steps, stretch):
+            runs = simulation.run(state, start, min(stretch, steps - start))
+            for record, run in zip(records, runs, strict=True):
+                record.append(run)
+            state = State.stack([run.end for run in runs])
+    finally:
+        simulation.close()
+    seconds = (time.perf_counter() - begin) / len(motions)
+    return [Answer(status=AnswerStatus.FINISHED, series=record.series(), seconds=seconds) for record in records]
+
+
+def kept_of(motion: Motion, run: Trajectory) -> Series:
+    """Give what an answer keeps of a motion whose trajectory is there already."""
+    record = _Record(motion.lane(), motion)
+    record.append(run)
+    return record.series()
+
+
+@dataclass(frozen=True)
+class _Heat:
+    """What dashpots and contacts have turned into heat so far [J]."""
+
+    dashpots: float = 0.0
+    contacts: float = 0.0
+
+
+class _Record:
+    """Kept rows of one motion, and what is added up over all of its steps."""
+
+    def __init__(self, lane: Lane, motion: Motion):
+        self._lane, self._motion = lane, motion
+        initial = motion.initial_state()
+        self._last_positions, self._last_velocities = initial.positions, initial.velocities
+        self._rows: list[FloatArray] = []
+        self._heat = _Heat()
+        self._initial_energy = float(energy(lane.chain, initial.positions, initial.velocities)[0])
+        self._least_energy, self._growth = self._initial_energy, 0.0
+
+    def append(self, run: Trajectory) -> None:
+        """Take the next stretch."""
+        finite = np.all(np.isfinite(run.positions) & np.isfinite(run.velocities), axis=1)
+        if not np.all(finite):
+            raise MotionNotFinite(f"the engine's numbers are not finite at {run.time[np.argmin(finite)]:g} s")
+        every = self._motion.every
+        self._rows.append(run.positions[every - 1 :: every].copy())
+        if self._motion.recorded == "decay":
+            self._add_energies(run)
+        self._last_positions, self._last_velocities = run.positions[-1:].copy(), run.velocities[-1:].copy()
+
+    def series(self) -> Series:
+        """Give what was asked for, displacements over the displacement scale and energies over the initial one.
+
+        ``response``: the last outer mass at each kept row. ``decay``: see `_decay`.
+        """
+        rows = np.concatenate(self._rows)
+        chain = self._lane.chain
+        rows /= self._lane.drive.displacement_scale(chain)
+        if self._motion.recorded == "decay":
+            return self._decay(rows)
+        return {"response": tuple(rows[:, chain.cells - 1].tolist())}
+
+    def _decay(self, rows: FloatArray) -> Series:
+        """``rest`` [s]: when the last contact came to rest. ``offsets``: v − u of each cell at the end.
+
+        ``swing``: v − u of cell 1 at each kept row. ``energy``: left in the chain, taken by dashpots, taken by
+        contacts, and the largest growth of the chain's energy over the least so far.
+        """
+        chain, n = self._lane.chain, self._lane.chain.cells
+        scale = self._lane.drive.displacement_scale(chain)
+        slip = rows[:, n:] - rows[:, :n]
+        near = AT_REST * chain.friction_bound / chain.inner_stiffness / scale
+        away = np.any(np.abs(slip - slip[-1]) > near, axis=1)
+        last = int(np.flatnonzero(away)[-1]) + 1 if np.any(away) else 0
+        left = float(energy(chain, self._last_positions, self._last_velocities)[0])
+        energies = np.array([left, self._heat.dashpots, self._heat.contacts, self._growth]) / self._initial_energy
+        return {
+            "rest": (float(self._motion.row_times()[min(last, slip.shape[0] - 1)]),),
+            "offsets": tuple(slip[-1].tolist()),
+            "swing": tuple(slip[:, 0].tolist()),
+            "energy": tuple(energies.tolist()),
+        }
+
+    def _add_energies(self, run: Trajectory) -> None:
+        """Add up heat, velocities taken as the mean of both ends of a step, and look for energy that grows."""
+        chain, dt = self._lane.chain, self._lane.time_step
+        positions = np.vstack([self._last_positions, run.positions])
+        velocities = np.vstack([self._last_velocities, run.velocities])
+        mean = (velocities[1:] + velocities[:-1]) / 2
+        dashpots = dt * float(np.einsum("ti,ij,tj->", mean, chain.damping_matrix, mean))
+        contacts = -dt * float(np.sum(run.friction * (mean @ chain.contact_directions)))
+        self._heat = _Heat(self._heat.dashpots + dashpots, self._heat.contacts + contacts)
+        rows = energy(chain, positions[1:], velocities[1:])
+        least = np.minimum.accumulate(np.concatenate([[self._least_energy], rows]))
+        self._growth = max(self._growth, float(np.max(rows - least[:-1])))
+        self._least_energy = float(least[-1])
+
+
+def energy(chain: Chain, positions: FloatArray, velocities: FloatArray) -> FloatArray:
+    """Kinetic energy and energy of the springs of every row [J], the base at zero; rows have the shape (times, 2n)."""
+    kinetic = np.einsum("ti,ij,tj->t", velocities, chain.mass_matrix, velocities)
+    elastic = np.einsum("ti,ij,tj->t", positions, chain.stiffness_matrix, positions)
+    total: FloatArray = (kinetic + elastic) / 2
+    return total

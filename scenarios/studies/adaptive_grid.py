@@ -1,0 +1,150 @@
+"""Frequency grids that put their points where the curve bends: at resonances and at the edges of bands.
+
+A curve begins with even points and the natural frequencies of its chain. Then the middle of each interval is
+predicted from the points there are, by monotone cubic interpolation, and asked: where the prediction is wrong by
+more than the accuracy, both halves are looked at in the same way. So each part of the curve ends with points that
+were predicted right before they were added.
+"""
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from reference_lcp.validation import FloatArray, ParameterError, checked_count, checked_scalar
+from scenarios.verdicts.verdict import FLOOR_DB
+
+START_POINTS = 17
+"""Even points with which a curve begins."""
+
+LEAST_SPACING = 5e-5
+"""Smallest distance of neighbours in η_r unless one is given; figure 3's frictionless curve needs 1.3e-4 at 0.5 dB."""
+
+MOST_POINTS = 500
+"""Points after which a curve is left as it is unless a number is given."""
+
+MARGIN = 0.5
+"""Part of the accuracy that the prediction of a middle may miss by.
+
+The largest error lies beside the middle, and a middle may be right by chance. On the frictionless chain, whose
+curve is known between the points too, the largest error is then at most 1.4 times the accuracy at 0.1 dB, and below
+the accuracy at 0.5 and 2 dB.
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AdaptiveAxis:
+    """Frequency ratios from the first to the last, as many as the accuracy asks for.
+
+    Parameters
+    ----------
+    first, last
+        Ends of the axis in η_r, 0 < first < last.
+    accuracy_db
+        Error of the interpolated curve that is asked for [dB], > 0, of `level` as a function of η_r.
+    least_spacing
+        Smallest distance of neighbours in η_r, > 0; what is sharper is left unresolved.
+    most_points
+        Points of a curve at which refinement ends, >= `START_POINTS`.
+
+    Raises
+    ------
+    ParameterError
+        If a number is outside its range.
+    """
+
+    first: float
+    last: float
+    accuracy_db: float
+    least_spacing: float = LEAST_SPACING
+    most_points: int = MOST_POINTS
+
+    def __post_init__(self) -> None:
+        for name in ("first", "last", "accuracy_db", "least_spacing"):
+            checked_scalar(f"grid.frequency_ratio.{name}", getattr(self, name), "> 0")
+        checked_count("grid.frequency_ratio.most_points", self.most_points, START_POINTS)
+        if self.last <= self.first:
+            raise ParameterError(f"grid.frequency_ratio.last = {self.last:g}; allowed: > first = {self.first:g}")
+
+    def start(self, peaks: Iterable[float] = ()) -> tuple[float, ...]:
+        """Frequencies with which a curve begins: `peaks` that lie inside, and even ones where there is none."""
+        inside = {round(peak, 4) for peak in peaks if self.first < round(peak, 4) < self.last}
+        even, spacing = np.linspace(self.first, self.last, START_POINTS, retstep=True)
+        clear = [eta for eta in even[1:-1].tolist() if all(abs(eta - peak) > spacing / 4 for peak in inside)]
+        return tuple(sorted({self.first, *clear, *inside, self.last}))
+
+
+def level(transmittance_db: float) -> float:
+    """Give the transmittance with a floor: 10 log10(T² + floor²) [dB], as good as T itself 20 dB above `FLOOR_DB`.
+
+    Antiresonances reach −∞ dB, and nothing is gained by following them.
+    """
+    return 10 * math.log10(10 ** (transmittance_db / 10) + 10 ** (FLOOR_DB / 10))
+
+
+class AdaptiveCurve:
+    """The points of one curve, and those that it needs next.
+
+    Parameters
+    ----------
+    axis
+        What is asked for.
+    peaks
+        Frequencies of narrow peaks that are known beforehand.
+    """
+
+    def __init__(self, axis: AdaptiveAxis, peaks: Iterable[float] = ()):
+        self._axis = axis
+        self._values: dict[float, float] = {}
+        self._open: list[tuple[float, float]] = []
+        self._due: tuple[float, ...] = axis.start(peaks)
+        self.resolved = True
+
+    @property
+    def due(self) -> tuple[float, ...]:
+        """Frequencies to be asked now; none when the curve is done."""
+        return self._due
+
+    @property
+    def asked(self) -> tuple[float, ...]:
+        """Frequencies asked so far, ascending."""
+        return tuple(sorted(self._values))
+
+    @property
+    def points(self) -> tuple[FloatArray, FloatArray]:
+        """Frequencies asked so far, ascending, and the `level` [dB] there; NaN without a steady state."""
+        eta = np.array(self.asked)
+        return eta, np.array([self._values[one] for one in eta.tolist()])
+
+    def add(self, found: Mapping[float, float]) -> None:
+        """Take the transmittance [dB] at every frequency that was due; NaN where there is none.
+
+        Halves of an interval whose middle has no steady state are not looked at.
+        """
+        if self._values:
+            predicted = self._interpolant()
+            levels = {eta: level(found[eta]) for eta in self._due}
+            wrong = {eta for eta in levels if abs(predicted(eta) - levels[eta]) > MARGIN * self._axis.accuracy_db}
+            bends = [(a, b) for a, b in self._open if (a + b) / 2 in wrong]
+            halves = [half for a, b in bends for half in ((a, (a + b) / 2), ((a + b) / 2, b))]
+        else:
+            known = sorted(eta for eta in self._due if not math.isnan(found[eta]))
+            halves = list(itertools.pairwise(known))
+        self._values.update((eta, level(found[eta])) for eta in self._due)
+        self._choose(halves)
+
+    def _interpolant(self) -> PchipInterpolator:
+        eta, values = self.points
+        known = ~np.isnan(values)
+        return PchipInterpolator(eta[known], values[known])
+
+    def _choose(self, intervals: list[tuple[float, float]]) -> None:
+        """Take the intervals that may be halved; the widest first where points run short."""
+        wide = [one for one in intervals if one[1] - one[0] >= 2 * self._axis.least_spacing]
+        room = self._axis.most_points - len(self._values)
+        self._open = sorted(sorted(wide, key=lambda one: one[0] - one[1])[: max(room, 0)])
+        self.resolved = self.resolved and len(self._open) == len(intervals)
+        self._due = tuple((a + b) / 2 for a, b in self._open)

@@ -1,0 +1,156 @@
+"""What engines cost side by side: a step, a steady state, and what a second worker process gives."""
+
+import csv
+import io
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from engines.interface.variant import Variant
+from engines.shared.step_cost import StepCost, step_cost
+from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
+from scenarios.execution.local_processes import Batch, LocalCrew
+from scenarios.tasks.questions import Answer, ChainRatios, Question
+
+SECONDS = 2.0
+"""Length of a measurement with one worker that is aimed at unless one is given."""
+
+USUAL_PERIODS = 35
+"""Periods of a steady state from which the number of points is estimated: the mean over figure 3."""
+
+LEAST_BATCHES, MOST_BATCHES = 4, 64
+"""Batches of a measurement: even for two workers, and enough that the last one alone weighs little."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What one variant costs, on this machine and in this run.
+
+    Parameters
+    ----------
+    step
+        Of a step, in this process.
+    points, certified
+        Steady states that were searched for, and found.
+    periods
+        Median number of periods of the certified ones; NaN without any.
+    seconds
+        Wall-clock time of all points, by number of workers; the workers had been started and had imported the engine.
+    """
+
+    step: StepCost
+    points: int
+    certified: int
+    periods: float
+    seconds: dict[int, float]
+
+    @property
+    def cell_step(self) -> float:
+        """Seconds a cell and step of the adapter."""
+        return self.step.advance / ChainRatios().cells
+
+    @property
+    def point(self) -> float:
+        """Seconds a point with one worker."""
+        return self.seconds[1] / self.points
+
+    @property
+    def speed_up(self) -> float:
+        """How many times faster two workers are than one."""
+        return self.seconds[1] / self.seconds[2]
+
+
+def cost(variant: Variant, seconds: float = SECONDS) -> Cost:
+    """Measure one variant.
+
+    Steady states are those of the canonical chain, spread over friction ratios 0.1…1 and frequency ratios
+    0.3…1.6, as many as fill about `seconds`, in the batches that the engine takes at best.
+
+    Parameters
+    ----------
+    variant
+        Who is measured; installed.
+    seconds
+        Length of a measurement with one worker that is aimed at, > 0.
+    """
+    step = step_cost(variant)
+    batches = _batches(variant, step.advance * MINIMUM_STEPS_PER_PERIOD * USUAL_PERIODS, seconds)
+    taken: dict[int, float] = {}
+    for workers in (1, 2):
+        taken[workers], answers = _timed(batches, workers)
+    certified = [answer for answer in answers if answer.converged]
+    periods = float(np.median([answer.periods for answer in certified])) if certified else math.nan
+    return Cost(step, len(answers), len(certified), periods, taken)
+
+
+def _batches(variant: Variant, point: float, seconds: float) -> list[Batch]:
+    """Choose the points: batches smaller than the engine's best where a point alone takes long."""
+    lanes = min(variant.capabilities.batch_lanes, max(1, int(seconds / LEAST_BATCHES / point)))
+    count = 2 * round(seconds / point / lanes / 2)
+    count = min(max(count, LEAST_BATCHES), MOST_BATCHES)
+    # a golden-section sequence spreads any number of points evenly, and hard ones over the batches
+    places = np.arange(lanes * count)
+    friction, eta = 0.1 + 0.9 * (places + 0.5) / places.size, 0.3 + 1.3 * (places * (np.sqrt(5) - 1) / 2 % 1)
+    order = places.reshape(lanes, count).T
+    return [
+        [Question(variant=variant, friction_ratio=float(friction[k]), frequency_ratio=float(eta[k])) for k in row]
+        for row in order
+    ]
+
+
+def _timed(batches: Sequence[Batch], workers: int) -> tuple[float, list[Answer]]:
+    """Answer batches by so many workers; gives the seconds, and the answers."""
+    with LocalCrew(workers) as crew:
+        for _ in crew.answers([batches[0][:1]] * workers):  # starts the processes, and imports the engine in each
+            pass
+        begin = time.perf_counter()
+        answers = [answer for _, found in crew.answers(batches) for answer in found]
+        return time.perf_counter() - begin, answers
+
+
+Column = tuple[str, str, Callable[[Cost, Cost], float]]
+"""Heading, format, and how the number is read from a cost and the reference's."""
+
+COLUMNS: tuple[Column, ...] = (
+    ("advance [µs]", ".2f", lambda one, _: 1e6 * one.step.advance),
+    ("run [µs]", ".2f", lambda one, _: 1e6 * one.step.run),
+    ("bare [µs]", ".2f", lambda one, _: 1e6 * one.step.bare),
+    ("advance / bare", ".2f", lambda one, _: one.step.ratio),
+    ("run / bare", ".2f", lambda one, _: one.step.run / one.step.bare),
+    ("cell-step [ns]", ".2f", lambda one, _: 1e9 * one.cell_step),
+    ("step / reference", ".1f", lambda one, reference: one.step.advance / reference.step.advance),
+    ("points", ".0f", lambda one, _: one.points),
+    ("certified", ".0f", lambda one, _: one.certified),
+    ("periods", ".0f", lambda one, _: one.periods),
+    ("point [ms]", ".2f", lambda one, _: 1e3 * one.point),
+    ("point / reference", ".1f", lambda one, reference: one.point / reference.point),
+    ("two workers [ms]", ".2f", lambda one, _: 1e3 * one.seconds[2] / one.points),
+    ("speed-up", ".2f", lambda one, _: one.speed_up),
+)
+"""What is printed; times of steps are of one lane of seven cells, times of points those of the whole batch shared."""
+
+
+def cost_rows(costs: Sequence[Cost], reference: Cost, full: bool = False) -> Iterator[list[str]]:
+    """Give a row of text a cost, the variant first; with full precision for files that are read by programs."""
+    for one in costs:
+        numbers = [(read(one, reference), "" if full else form) for _, form, read in COLUMNS]
+        texts = ["–" if math.isnan(number) and not full else f"{number:{form}}" for number, form in numbers]
+        yield [str(one.step.variant), *texts]
+
+
+def cost_csv(costs: Sequence[Cost], reference: Cost) -> str:
+    """Give a table with full precision."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["variant", *(heading for heading, _, _ in COLUMNS)])
+    writer.writerows(cost_rows(costs, reference, full=True))
+    return text.getvalue()
+
+
+def cost_markdown(costs: Sequence[Cost], reference: Cost) -> str:
+    """Give a table for people."""
+    lines = [["engine:formulation:preset", *(heading for heading, _, _ in COLUMNS)], ["---"] * (len(COLUMNS) + 1)]
+    return "".join(f"| {' | '.join(line)} |\n" for line in [*lines, *cost_rows(costs, reference)])

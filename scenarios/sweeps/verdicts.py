@@ -1,0 +1,67 @@
+"""Whether the engines of a sweep agree with the reference, point by point."""
+
+import math
+from collections import Counter
+from dataclasses import dataclass, field, replace
+
+from engines.interface.variant import Variant
+from scenarios.execution.store import ResultStore
+from scenarios.sweeps.sweep import Sweep
+from scenarios.tasks.questions import Question
+from scenarios.verdicts.verdict import Comparison, Verdict, compare_transmittance
+
+RULERS = (Variant("reference", preset="converged"), Variant("reference"))
+"""Whom engines are compared with: the first of these that takes part."""
+
+
+def ruler_of(sweep: Sweep) -> Variant | None:
+    """Give whom the engines of a sweep are compared with; ``None`` if the reference takes no part."""
+    return next((ruler for ruler in RULERS if ruler in sweep.variants), None)
+
+
+@dataclass
+class Verdicts:
+    """How one variant compares.
+
+    Parameters
+    ----------
+    counts
+        Points by verdict; those that either has not answered are not among them.
+    largest
+        Largest difference [dB] where both have a steady state, and where it is; ``None`` without any.
+    """
+
+    counts: Counter[Verdict] = field(default_factory=Counter)
+    largest: tuple[float, Question] | None = None
+
+    def add(self, question: Question, comparison: Comparison) -> None:
+        """Count a point."""
+        self.counts[comparison.verdict] += 1
+        size = abs(comparison.difference)
+        if not math.isnan(size) and (self.largest is None or size > self.largest[0]):
+            self.largest = size, question
+
+
+def verdicts(sweep: Sweep, store: ResultStore, tolerance_db: float) -> dict[Variant, Verdicts]:
+    """Compare what the store knows of every variant with the reference at the same points.
+
+    Parameters
+    ----------
+    sweep
+        The points; the reference takes part.
+    store
+        Where the answers are.
+    tolerance_db
+        Largest difference that counts as agreement [dB], see `compare_transmittance`.
+    """
+    ruler = ruler_of(sweep)
+    if ruler is None:
+        return {}
+    found = {variant: Verdicts() for variant in sweep.variants if variant != ruler}
+    for variant, counted in found.items():
+        own = list(replace(sweep, variants=(variant,)).questions())
+        others = replace(sweep, variants=(ruler,)).questions()
+        for question, answer, right in zip(own, store.answers(own), store.answers(others), strict=True):
+            if answer is not None and right is not None:
+                counted.add(question, compare_transmittance(answer, right, tolerance_db))
+    return found

@@ -1,0 +1,1 @@
+"""When results agree: the judge, and what it is applied to."""

@@ -1,0 +1,222 @@
+"""One steady state as a case of a scenario: the question, what is expected, and what a variant has answered."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+
+from engines.interface.tolerances import CREEP, STEPS, TRAJECTORY_TOLERANCE
+from engines.interface.variant import Variant
+from reference_lcp.chain.harmonic import PeriodicDrive
+from reference_lcp.chain.linear_response import residual_amplification
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import steps_per_period_for
+from reference_lcp.exact.exact_orbit import ExactPeriod
+from reference_lcp.observables.transition_matching import TimedTransition
+from reference_lcp.steady_state import exact_steady_state
+from scenarios.tasks.questions import Answer, ChainRatios, Question, Ratio
+from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, missing_steady_state, scheme_bar, step_estimate
+
+REFERENCE = Variant("reference")
+
+COARSE, FINE, FINEST = 1, 2, 4
+"""Steps a period over the fewest that the case allows.
+
+Engines answer the first two, and the second is judged: the fewest are as few as the suite compares at, so that half
+of them would say little of the error. The reference answers the third too, which costs it next to nothing.
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """A chain under a harmonic base motion.
+
+    Parameters
+    ----------
+    label
+        What tells it from the other cases of its scenario.
+    friction_ratio
+        μ λ_N / (k_c U0), a number or one a cell.
+    frequency_ratio
+        ω / ω_r, with ω_r of the first cell.
+    ratios
+        The chain but for its friction.
+    """
+
+    label: str
+    friction_ratio: Ratio
+    frequency_ratio: float
+    ratios: ChainRatios = field(default_factory=ChainRatios)
+
+    def setting(self) -> tuple[Chain, PeriodicDrive]:
+        """Build the chain and its drive."""
+        return self.question(REFERENCE).setting()
+
+    def question(self, variant: Variant, refinement: int = COARSE) -> Question:
+        """Ask a variant, with `refinement` times the fewest steps that the case allows."""
+        asked = Question(
+            variant=variant,
+            friction_ratio=self.friction_ratio,
+            frequency_ratio=self.frequency_ratio,
+            ratios=self.ratios,
+        )
+        steps = steps_per_period_for(*asked.setting(), asked.steps_per_period)
+        return Question(
+            variant=variant,
+            friction_ratio=self.friction_ratio,
+            frequency_ratio=self.frequency_ratio,
+            ratios=self.ratios,
+            steps_per_period=steps * refinement,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Expected:
+    """What the steady state of a case is.
+
+    Parameters
+    ----------
+    transmittance_db
+        20 log10 |U_n| / U0.
+    bar_db
+        Its error bar [dB]; zero where it is exact.
+    transitions
+        Changes between stick and slip over a period; empty where they are not compared.
+    stuck_fraction
+        Part of the period that each contact sticks; empty where it is not compared.
+    travels
+        Distance, over U0, that the contact slips in the phase that each transition begins; without it, far.
+    """
+
+    transmittance_db: float
+    bar_db: float = 0.0
+    transitions: tuple[TimedTransition, ...] = ()
+    stuck_fraction: tuple[float, ...] = ()
+    travels: tuple[float, ...] = ()
+
+
+def exact_expected(case: Case) -> Expected:
+    """Find the exact motion by the event-driven solver; a second for seven cells, minutes from thirty on."""
+    chain, drive = case.setting()
+    found = exact_steady_state(chain, drive)
+    travels = ExactPeriod.following(found.orbit, drive.period).travels
+    return Expected(
+        transmittance_db=found.transmittance_db,
+        transitions=tuple((change.cell, change.time, str(change.kind)) for change in found.transitions),
+        stuck_fraction=tuple(found.stuck_fraction.tolist()),
+        travels=tuple(travel / drive.amplitude for travel in travels),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """What is known of one variant in one case.
+
+    Parameters
+    ----------
+    variant, case
+        Who was asked what.
+    coarse, fine
+        Its answers with the fewest steps and with twice as many; the second is judged.
+    scheme
+        The reference's answers with once, twice and four times the fewest steps.
+    expected
+        What the answer should be.
+    refusal
+        Why the variant was not asked; ``None`` if it was.
+    """
+
+    variant: Variant
+    case: Case
+    coarse: Answer
+    fine: Answer
+    scheme: tuple[Answer, Answer, Answer]
+    expected: Expected
+    refusal: Comparison | None = None
+
+    @property
+    def missing(self) -> Comparison | None:
+        """Say why nothing can be compared; ``None`` where every steady state is certified."""
+        if self.refusal is not None:
+            return self.refusal
+        for whose, answers in (("engine", (self.fine, self.coarse)), ("reference", self.scheme)):
+            for answer in answers:
+                gap = missing_steady_state(f"{whose} at {answer.steps_per_period} steps a period", answer)
+                if gap is not None:
+                    return gap
+        if self.fine.steps_per_period != 2 * self.coarse.steps_per_period:
+            taken = f"{self.coarse.steps_per_period} and {self.fine.steps_per_period}"
+            return Comparison(Verdict.INCONCLUSIVE, f"the engine took {taken} steps a period, not twice as many")
+        return None
+
+    def resolution_db(self, transmittance_db: float) -> float:
+        """What the judged answer leaves open of a transmittance near this one [dB]."""
+        amplified = amplification(self.case.ratios, self.case.frequency_ratio)
+        return resolution_db(self.variant, self.fine, transmittance_db, amplified)
+
+    @property
+    def transmittance_tolerance(self) -> Tolerance:
+        """How far the transmittance may be from what is expected [dB]."""
+        return Tolerance(
+            reference=self.expected.bar_db,
+            engine=step_estimate(self.coarse.transmittance_db, self.fine.transmittance_db),
+            resolution=self.resolution_db(self.expected.transmittance_db),
+            scheme=scheme_bar(*(answer.transmittance_db for answer in self.scheme)),
+        )
+
+
+def resolution_db(variant: Variant, answer: Answer, transmittance_db: float, amplified: float) -> float:
+    """What a variant's answer leaves open of a transmittance near this one [dB].
+
+    It is certified to repeat within the engine's residual, and is `amplified` times that from its steady state. A
+    contact that the engine cannot be told to make harder gives way by up to `CREEP` times its softness. Round-off adds
+    up as the contract derives it for forty periods of `STEPS` steps of a motion as large as the base's: in proportion
+    to the motion, and to the root of the number of steps, of all the periods that were simulated.
+    """
+    capabilities, softness = variant.capabilities, variant.options.softness
+    motion = max(1.0, 10 ** (transmittance_db / 20))
+    steps = max(answer.periods, 1) * answer.steps_per_period
+    round_off = TRAJECTORY_TOLERANCE[capabilities.precision] * math.sqrt(steps / (40 * STEPS)) * motion
+    return amplitude_in_db(capabilities.residual * amplified + CREEP * softness + round_off, transmittance_db)
+
+
+@cache
+def amplification(ratios: ChainRatios, frequency_ratio: float) -> float:
+    """Give `residual_amplification` of a chain under a drive of this frequency."""
+    chain = ratios.chain(0.0)
+    return residual_amplification(chain, 2 * math.pi / (frequency_ratio * chain.resonator_frequency))
+
+
+def amplitude_in_db(amplitude: float, transmittance_db: float) -> float:
+    """What a change of the amplitude, over U0, makes of a transmittance [dB]."""
+    return 20 * math.log10(1 + amplitude * 10 ** (-transmittance_db / 20))
+
+
+def questions_of(variant: Variant, case: Case) -> list[Question]:
+    """Give everything that is asked of a variant in a case."""
+    refinements = (COARSE, FINE, FINEST) if variant == REFERENCE else (COARSE, FINE)
+    return [case.question(variant, refinement) for refinement in refinements]
+
+
+def evidence(
+    variant: Variant,
+    case: Case,
+    expected: Expected,
+    answers: Mapping[Question, Answer],
+    refusal: Comparison | None = None,
+) -> Evidence:
+    """Collect what is known of a variant in a case, from the answers to `questions_of` it and of the reference.
+
+    What a refused variant was not asked is `missing`.
+    """
+    own = [answers.get(question, Answer.missing()) for question in questions_of(variant, case)]
+    coarse, middle, finest = (answers[question] for question in questions_of(REFERENCE, case))
+    return Evidence(
+        variant=variant,
+        case=case,
+        coarse=own[0],
+        fine=own[1],
+        scheme=(coarse, middle, finest),
+        expected=expected,
+        refusal=refusal,
+    )

@@ -1,0 +1,113 @@
+"""DART: what only its friction, its springs and its readings do."""
+
+import numpy as np
+import pytest
+
+from engines.dart import Dart
+from engines.dart.joint import SOFTNESS
+from engines.interface.engine import Formulation, Option, Preset
+from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.validation import ParameterError
+from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, with_coefficients
+
+pytestmark = pytest.mark.skipif(Dart().why_not_installed() is not None, reason="dartpy is not installed")
+
+
+def run(lane: Lane, state: State, steps: int, preset: Preset) -> Trajectory:
+    return Dart()._build((lane,), Formulation.JOINT, preset).run(state, 0, steps)[0]
+
+
+def tuned_but(**options: object) -> Preset:
+    tuned = Dart().preset("joint", "tuned")
+    return Preset("", {**tuned.options, **{name: Option(value, None, "") for name, value in options.items()}})
+
+
+def test_a_stuck_contact_keeps_the_softness_of_what_friction_takes_from_it() -> None:
+    lane = lane_of(5.0, 0.3)
+    found = run(lane, State.at_rest(1, 7), STEPS, tuned_but())
+    taken = found.friction * lane.time_step * (1 / lane.chain.outer_mass + 1 / lane.chain.inner_mass)
+    left = -found.relative_velocity / np.max(np.abs(taken), axis=0)
+    expected = SOFTNESS * taken / np.max(np.abs(taken), axis=0)
+    np.testing.assert_allclose(left, expected, rtol=0, atol=1e-5 * SOFTNESS)
+
+
+def test_friction_is_read_the_same_however_long_a_run_is() -> None:
+    """Skeleton.getConstraintForces divides what it reads by the time step once more at every call."""
+    lane, state = lane_of(), random_state()
+    found = run(lane, state, 3 * STEPS, tuned_but())
+    np.testing.assert_allclose(found.friction, scheme(lane, state, 3 * STEPS)[2], atol=1e-7 * AMPLITUDE * 1000)
+
+
+def test_own_springs_are_implicit_and_take_energy() -> None:
+    """At a tenth of the step they take a tenth as much: their error is of the first order."""
+    losses = []
+    for steps in (STEPS, 10 * STEPS):
+        chain = Chain.from_ratios(damping_ratio=0.0, friction_ratio=0.0)
+        lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, 1e-12), steps)
+        state = State(random_state().positions, np.zeros((1, 14)))
+        found = Dart().build([lane], preset="default").run(state, 0, steps)[0]
+        stretched, moving = found.positions[-1], found.velocities[-1]
+        energy = stretched @ chain.stiffness_matrix @ stretched + moving @ chain.mass_matrix @ moving
+        losses.append(1 - energy / (state.positions[0] @ chain.stiffness_matrix @ state.positions[0]))
+    assert 0.05 < losses[0] < 0.9
+    assert losses[0] / losses[1] == pytest.approx(10, rel=0.5)
+
+
+def test_slow_chains_do_not_fall_asleep() -> None:
+    """All bodies stay below DART's threshold of 0.01 m/s for more than its half second."""
+    chain = Chain.from_ratios(friction_ratio=0.3, base_amplitude=1e-5)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, 1e-5), STEPS)
+    found = run(lane, State.at_rest(1, 7), 8 * STEPS, tuned_but(units="SI"))
+    assert np.max(np.abs(found.velocities)) < 0.01
+    assert found.time[-1] > 1
+    np.testing.assert_allclose(found.positions, scheme(lane, State.at_rest(1, 7), 8 * STEPS)[0], atol=1e-8 * 1e-5)
+
+
+@pytest.mark.parametrize(
+    ("formulation", "preset", "tolerance"),
+    [("joint", "tuned", 1e-12), ("joint", "default", 1e-12), ("contact", "tuned", 1e-6), ("contact", "sphere", 1e-5)],
+)
+def test_the_rounding_of_a_state_is_not_passed_on(formulation: str, preset: str, tolerance: float) -> None:
+    """Joint coordinates are differences: a state that goes out and in is rounded. Contacts also settle anew."""
+    simulation = Dart().build([lane_of()], formulation, preset)
+    whole = simulation.run(random_state(), 0, STEPS)[0]
+    state = random_state()
+    for step in range(0, STEPS, 50):
+        state = simulation.advance(state, step, 50)
+    np.testing.assert_allclose(state.positions[0], whole.positions[-1], rtol=0, atol=tolerance * AMPLITUDE)
+
+
+def test_four_points_of_contact_are_four_times_as_hard_as_one() -> None:
+    """In the first step a contact keeps DART's constraint force mixing, a part of what presses it."""
+    lane = lane_of(0.3, 0.6)
+    errors = [
+        1
+        - Dart().build([lane], "contact", preset).run(State.at_rest(1, 7), 0, 1)[0].normal_force
+        / lane.chain.normal_force
+        for preset in ("tuned", "sphere")
+    ]
+    # The drive has reached the first cell only.
+    np.testing.assert_allclose(errors[0][0, 1:], 1e-5 / 4, rtol=1e-3)
+    np.testing.assert_allclose(errors[1][0, 1:], 1e-5, rtol=1e-3)
+
+
+def test_a_box_that_starts_deeper_is_pushed_harder(monkeypatch: pytest.MonkeyPatch) -> None:
+    """DART pushes out a hundredth of a depth in every step, which is a force beside the one that is given."""
+    lane = lane_of(0.3, 0.6)
+    monkeypatch.setattr("engines.dart.contact.DEPTH", 1e-3)
+    found = Dart().build([lane], "contact").run(State.at_rest(1, 7), 0, 10)[0]
+    assert np.max(found.normal_force / lane.chain.normal_force) > 1.001
+
+
+def test_coefficients_that_dart_takes_for_zero_are_refused() -> None:
+    with pytest.raises(ParameterError, match=r"friction_coefficient = 0.001 is frictionless for DART"):
+        Dart().build([with_coefficients(0.001)], "contact")
+
+
+def test_a_box_that_leaves_its_plate_is_reported() -> None:
+    state = State(np.concatenate([np.zeros(7), np.full(7, 1e6 * AMPLITUDE)])[None], np.zeros((1, 14)))
+    with pytest.raises(RuntimeError, match="its plate ends at"):
+        Dart().build([lane_of(0.3)], "contact").advance(state, 0, 1)

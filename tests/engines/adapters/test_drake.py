@@ -1,0 +1,311 @@
+"""Drake: what its actuators, its steps and its records do, and what of that the adapter has to mind."""
+
+import dataclasses
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from engines.drake import Drake
+from engines.interface.engine import BareStepping, Formulation, Preset
+from reference_lcp.chain.harmonic import HarmonicBase, StillBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.chain.trajectory import State, Trajectory
+from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, uneven_lane, with_coefficients
+
+pytestmark = pytest.mark.skipif(Drake().why_not_installed() is not None, reason="drake is not installed")
+
+
+both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
+gliding = pytest.mark.parametrize("preset", ["sap", "similar"])
+
+
+def run(lane: Lane, state: State, steps: int, formulation: str = "joint", preset: str = "tuned") -> Trajectory:
+    return Drake().build([lane], formulation, preset).run(state, 0, steps)[0]
+
+
+def with_option(name: str, value: object, lane: Lane, formulation: str = "joint", preset: str = "tuned") -> Simulation:
+    """Build a lane with one option of a preset replaced."""
+    usual = Drake().preset(formulation, preset)
+    option = dataclasses.replace(usual.options[name], value=value)
+    return Drake()._build((lane,), Formulation(formulation), Preset("", {**usual.options, name: option}))
+
+
+def linear_scheme(lane: Lane, state: State, steps: int, implicit: bool) -> np.ndarray:
+    """Euler steps without friction, velocities first, with dashpots at the start or at the end of the step."""
+    chain, dt = lane.chain, lane.time_step
+    mass, damping = chain.mass_matrix, chain.damping_matrix
+    # Drake's matrix is of joint coordinates, but (M + δt C) is the same form in any coordinates.
+    left = np.linalg.inv(mass + dt * damping * implicit)
+    position, velocity = state.positions[0], state.velocities[0]
+    rows = []
+    for load in lane.loads(0, steps):
+        force = -chain.stiffness_matrix @ position - damping @ velocity
+        force[0] += load
+        velocity = velocity + dt * left @ force
+        position = position + dt * velocity
+        rows.append(position)
+    return np.array(rows)
+
+
+def test_without_friction_and_dashpots_drake_takes_the_step_of_the_scheme() -> None:
+    """Velocities first, then positions, with springs and load at the start of the step."""
+    lane, state = lane_of(0.0, damping_ratio=0.0), random_state()
+    expected = scheme(lane, state, STEPS)[0]
+    np.testing.assert_allclose(run(lane, state, STEPS).positions, expected, rtol=0, atol=1e-12 * AMPLITUDE)
+
+
+def test_dashpots_of_joints_act_with_the_velocity_at_the_end_of_the_step() -> None:
+    """So that the tuned preset does not share the reference's scheme."""
+    uneven = uneven_lane()
+    chain = dataclasses.replace(uneven.chain, normal_force=np.zeros(7))
+    lane, state = dataclasses.replace(uneven, chain=chain), random_state()
+    found = run(lane, state, STEPS).positions
+    np.testing.assert_allclose(found, linear_scheme(lane, state, STEPS, implicit=True), rtol=0, atol=1e-12 * AMPLITUDE)
+    explicit = linear_scheme(lane, state, STEPS, implicit=False)
+    assert np.max(np.abs(found - explicit)) > 1e-3 * AMPLITUDE
+
+
+@both_formulations
+def test_motion_is_the_schemes_up_to_creep_and_implicit_dashpots(formulation: str) -> None:
+    lane = lane_of(0.3, 0.9)
+    expected = scheme(lane, State.at_rest(1, 7), STEPS)[0]
+    assert np.max(np.abs(run(lane, State.at_rest(1, 7), STEPS, formulation).positions - expected)) < 1e-3 * AMPLITUDE
+
+
+def test_beyond_drakes_own_limit_every_gain_acts_alike() -> None:
+    lane, state = lane_of(), random_state()
+    ends = [with_option("d", gain, lane).advance(state, 0, STEPS).positions for gain in (1e5, 1e6, 1e9)]
+    assert np.array_equal(ends[0], ends[1])
+    assert np.array_equal(ends[1], ends[2])
+
+
+def test_a_weak_gain_lets_a_stuck_contact_creep_with_the_force_over_the_gain() -> None:
+    lane = lane_of(5.0, 0.3)
+    trajectory = with_option("d", 100.0, lane).run(State.at_rest(1, 7), 0, STEPS)[0]
+    gain = 100.0 * 0.5 / lane.time_step
+    np.testing.assert_allclose(trajectory.relative_velocity, -trajectory.friction / gain, rtol=1e-6, atol=1e-14)
+    tuned = run(lane, State.at_rest(1, 7), STEPS)
+    speed = np.max(np.abs(trajectory.relative_velocity))
+    assert np.max(np.abs(tuned.relative_velocity)) < 0.02 * speed
+
+
+def test_a_stuck_contact_is_held_where_it_is_and_not_drawn_to_the_middle() -> None:
+    """Drake's stiffest actuators have no share of a spring."""
+    moving = lane_of(5.0)
+    lane = Lane(moving.chain, StillBase(AMPLITUDE), moving.time_step)
+    offset = 0.4 * AMPLITUDE
+    state = State(np.repeat([0.0, offset], 7)[None], np.zeros((1, 14)))
+    trajectory = run(lane, state, STEPS)
+    np.testing.assert_allclose(trajectory.friction, lane.chain.inner_stiffness[0] * offset, rtol=2e-3)
+    relative = trajectory.inner_positions - trajectory.outer_positions
+    np.testing.assert_allclose(relative, offset, rtol=1e-3)
+
+
+@both_formulations
+def test_forces_kept_from_the_step_before_are_those_of_the_step_that_begins(formulation: str) -> None:
+    """Drake keeps outputs until the next step unless told otherwise: the rows have to be taken one later."""
+    lane, state = uneven_lane(), random_state()
+    live = run(lane, state, STEPS, formulation)
+    kept = with_option("output ports", "sampled", lane, formulation).run(state, 0, STEPS)[0]
+    assert np.array_equal(live.positions, kept.positions)
+    assert np.array_equal(live.friction, kept.friction)
+
+
+@pytest.mark.parametrize("frequency_ratio", [0.23, 0.71, 1.37, 1.91])
+def test_no_step_is_lost_or_taken_twice_with_time_in_seconds(frequency_ratio: float) -> None:
+    """Drake counts steps by their times; those are no whole numbers in SI units."""
+    lane = lane_of(0.0, frequency_ratio)
+    trajectory = run(lane, State.at_rest(1, 7), 5000, preset="default")
+    expected = linear_scheme(lane, State.at_rest(1, 7), 5000, implicit=True)
+    assert trajectory.positions.shape == expected.shape
+    np.testing.assert_allclose(trajectory.positions, expected, rtol=0, atol=1e-9 * AMPLITUDE)
+
+
+def test_default_creeps_by_three_millimetres_a_second_at_three_newtons() -> None:
+    """F / d with the d that one would write, at every time step."""
+    lane = lane_of(5.0)
+    found = run(lane, State.at_rest(1, 7), 2 * STEPS, preset="default")
+    stuck = np.abs(found.friction) < 0.999 * lane.chain.friction_bound
+    assert stuck.all()
+    np.testing.assert_allclose(found.relative_velocity, -found.friction / 1e3, rtol=1e-6, atol=1e-12)
+
+
+@both_formulations
+@pytest.mark.parametrize(("mass", "stiffness", "length"), [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)])
+def test_units_do_not_matter(mass: float, stiffness: float, length: float, formulation: str) -> None:
+    """Nanometres at gigahertz move as metres at hertz do."""
+    chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS)
+    usual = lane_of(0.3, 0.6)
+    found, expected = (run(one, State.at_rest(1, 7), STEPS, formulation).positions for one in (lane, usual))
+    np.testing.assert_allclose(found / length, expected / AMPLITUDE, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("variant", ["joint:tuned", "contact:tuned", "contact:sap"])
+def test_nothing_is_remembered_between_runs(variant: str) -> None:
+    simulation = Drake().build([lane_of(), uneven_lane()], *variant.split(":"))
+    first = simulation.run(random_state(2), 0, STEPS)
+    simulation.advance(State.at_rest(2, 7), 50, 77)
+    again = simulation.run(random_state(2), 0, STEPS)
+    simulation.close()
+    reopened = simulation.run(random_state(2), 0, STEPS)
+    for one, two, three in zip(first, again, reopened, strict=True):
+        for name in ("positions", "velocities", "friction"):
+            assert np.array_equal(getattr(one, name), getattr(two, name))
+            assert np.array_equal(getattr(one, name), getattr(three, name))
+
+
+@both_formulations
+def test_bare_steps_leave_nothing_behind(formulation: str) -> None:
+    model = Drake().build([lane_of()], formulation).models[0]  # type: ignore[attr-defined]
+    assert isinstance(model, BareStepping)
+    before = model.advance(random_state(), 0, 10).positions
+    model.bare_steps(100)
+    assert np.array_equal(model.advance(random_state(), 0, 10).positions, before)
+
+
+def test_a_motion_that_diverges_stops_with_drakes_reason_and_leaves_nothing_behind() -> None:
+    chain = Chain.from_ratios(friction_ratio=0.1)
+    simulation = Drake().build([Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1), 20)])
+    before = simulation.advance(State.at_rest(1, 7), 0, 3).positions
+    with pytest.raises(RuntimeError, match=r"drake stopped in step \d+ of 4000: .*NaN"):
+        simulation.advance(State.at_rest(1, 7), 0, 4000)
+    assert np.array_equal(simulation.advance(State.at_rest(1, 7), 0, 3).positions, before)
+
+
+def test_it_is_silent_imports_late_and_writes_nothing(tmp_path: Path) -> None:
+    program = (
+        "import sys; from engines.drake import Drake; from reference_lcp.chain.trajectory import State\n"
+        "from engines.contract.lanes import lane_of\n"
+        "assert 'pydrake' not in sys.modules\n"
+        "for formulation, presets in Drake().capabilities.presets.items():\n"
+        "    for preset in presets:\n"
+        "        Drake().build([lane_of(0.3, 0.6)], formulation, preset).run(State.at_rest(1, 7), 0, 20)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-B", "-c", program],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_reason_for_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("engines.drake.importlib.util.find_spec", lambda _: None)
+    assert Drake().why_not_installed() == "the package drake is not installed; pip install 'multibody-xval[engines]'"
+
+
+def test_in_the_tuned_contact_nothing_moves_across_the_plane() -> None:
+    lane = lane_of()
+    trajectory = run(lane, random_state(), STEPS, "contact")
+    assert trajectory.memory is not None
+    depth = -trajectory.memory[:7]
+    np.testing.assert_allclose(depth, depth[0], rtol=1e-12)
+    np.testing.assert_allclose(trajectory.normal_force, lane.chain.normal_force[0], rtol=1e-12)
+
+
+@gliding
+def test_where_friction_acts_back_a_sliding_sphere_is_lifted_and_bounces(preset: str) -> None:
+    """The mean stays what presses, so that it is the same chain; the force itself swings, and friction with it."""
+    lane = lane_of(0.3, 0.6)
+    trajectory = run(lane, State.at_rest(1, 7), 8 * STEPS, "contact", preset)
+    share = trajectory.normal_force[:, 0] / lane.chain.normal_force[0]
+    assert np.ptp(share) > 0.1
+    assert np.mean(share) == pytest.approx(1, abs=0.01)
+
+
+@gliding
+def test_a_gliding_sphere_is_lifted_by_its_slip_in_a_step_times_the_coefficient(preset: str) -> None:
+    """Pulled along at constant speed, it swings about that height."""
+    chain = Chain.from_ratios(cells=1, friction_ratio=0.3)
+    lane = Lane(chain, StillBase(AMPLITUDE), 1e-3)
+    slip = 0.2
+    heights = []
+    for speed in (0.0, slip):
+        state = State(np.zeros((1, 2)), np.array([[0.0, speed]]))
+        simulation = Drake().build([lane], "contact", preset)
+        places = []
+        for step in range(800):
+            state = simulation.advance(state, step, 1)
+            assert state.memory is not None
+            places.append(state.memory[0, 0])
+            # Back where it was along the plane, and as fast as before.
+            state = State(np.zeros((1, 2)), np.array([[0.0, speed]]), state.memory)
+        heights.append(np.mean(places))
+    assert heights[1] - heights[0] == pytest.approx(0.5 * slip * lane.time_step, rel=0.1)
+
+
+def test_without_dissipation_both_gliding_approximations_are_nearly_one() -> None:
+    lane = lane_of(0.3, 0.6)
+    sap, similar, tuned = (
+        run(lane, State.at_rest(1, 7), 2 * STEPS, "contact", preset).positions for preset in ("sap", "similar", "tuned")
+    )
+    assert np.max(np.abs(sap - similar)) < 0.1 * np.max(np.abs(sap - tuned))
+
+
+@gliding
+def test_the_place_across_the_plane_is_part_of_the_state(preset: str) -> None:
+    simulation = Drake().build([lane_of()], "contact", preset)
+    whole = simulation.advance(random_state(), 0, 200)
+    half = simulation.advance(random_state(), 0, 100)
+    assert simulation.advance(half, 100, 100).positions == pytest.approx(whole.positions, abs=1e-12 * AMPLITUDE)
+    forgetful = simulation.advance(State(half.positions, half.velocities), 100, 100)
+    assert np.max(np.abs(forgetful.positions - whole.positions)) > 1e-6 * AMPLITUDE
+
+
+def test_the_default_contact_starts_where_drakes_own_stiffness_carries_the_normal_force() -> None:
+    lane = uneven_lane()
+    trajectory = run(lane, random_state(), STEPS, "contact", "default")
+    given = np.broadcast_to(lane.chain.normal_force, (STEPS, 7))
+    np.testing.assert_allclose(trajectory.normal_force, given, rtol=1e-8)
+
+
+def test_a_stuck_default_contact_creeps_by_drakes_stiction_tolerance() -> None:
+    """λ_T = −F v / √(v² + v_s²), at every time step."""
+    lane = lane_of(5.0)
+    found = run(lane, State.at_rest(1, 7), 2 * STEPS, "contact", "default")
+    slip = found.relative_velocity
+    expected = -lane.chain.friction_bound * slip / np.hypot(slip, 1e-3)
+    np.testing.assert_allclose(found.friction, expected, rtol=1e-5, atol=1e-6 * lane.chain.friction_bound[0])
+    assert np.max(np.abs(slip)) > 1e-4
+
+
+def test_below_drakes_own_floor_every_stiction_tolerance_acts_alike() -> None:
+    """μ R_t γ_n with R_t = 1e-3 w: there the orbits stall, and the tuned tolerance stays above it."""
+    lane = lane_of(1.0, 0.9)
+    ends = [
+        with_option("stiction", value, lane, "contact").advance(random_state(), 0, STEPS).positions
+        for value in (3e-5, 1e-9, 1e-12)
+    ]
+    assert np.array_equal(ends[1], ends[2])
+    assert not np.array_equal(ends[0], ends[1])
+
+
+@pytest.mark.parametrize("coefficient", [0.001, 0.1, 3.0, [0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]])
+def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: object) -> None:
+    """To what Drake's solver leaves: it stops relative to the largest impulse, which grows as 1 / μ."""
+    lane, usual = with_coefficients(coefficient), lane_of()
+    found, expected = (run(one, random_state(), STEPS, "contact") for one in (lane, usual))
+    tolerance = 1e-7 / float(np.min(coefficient)) * AMPLITUDE
+    np.testing.assert_allclose(found.positions, expected.positions, rtol=0, atol=tolerance)
+    assert found.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-9)
+
+
+def test_long_chain_of_contacts_moves_as_that_of_joints_does(capfd) -> None:
+    """Twenty planes: the fourteenth half space ends the process. Both laws differ by their creep only."""
+    chain = Chain.from_ratios(cells=20, friction_ratio=0.3)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.5, AMPLITUDE), STEPS)
+    contact, joint = (run(lane, State.at_rest(1, 20), 2 * STEPS, formulation) for formulation in ("contact", "joint"))
+    motion = np.max(np.abs(joint.positions)) / AMPLITUDE
+    difference = np.max(np.abs(contact.positions - joint.positions)) / AMPLITUDE
+    assert difference < 1e-3 < motion, difference
+    assert capfd.readouterr().err == "", "Drake warns of something"

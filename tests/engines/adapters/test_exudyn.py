@@ -1,0 +1,315 @@
+"""Exudyn: its two friction laws, its restarts and its units."""
+
+import dataclasses
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from engines.exudyn import ExudynBristle, ExudynRegularised
+from engines.interface.engine import Engine, Formulation, Preset
+from reference_lcp.chain.harmonic import Drive, HarmonicBase, HarmonicForce
+from reference_lcp.chain.linear_response import frictionless_response, stuck_transmittance
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.steady.orbits import periodic_orbits
+from reference_lcp.steady_state import exact_steady_state
+from reference_lcp.validation import ParameterError
+
+pytestmark = pytest.mark.skipif(ExudynBristle().why_not_installed() is not None, reason="exudyn is not installed")
+
+AMPLITUDE = 0.01
+STEPS = 400
+
+both_laws = pytest.mark.parametrize("engine", [ExudynRegularised(), ExudynBristle()], ids=lambda engine: engine.name)
+
+
+def lane_of(friction_ratio: object = 0.3, frequency_ratio: float = 0.6, steps: int = STEPS, **ratios: object) -> Lane:
+    chain = Chain.from_ratios(friction_ratio=friction_ratio, base_amplitude=AMPLITUDE, **ratios)
+    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, AMPLITUDE), steps)
+
+
+def built_with(engine: Engine, lane: Lane, **values: object) -> Simulation:
+    """Build one lane with some options changed."""
+    tuned = engine.preset("joint", "tuned")
+    options = {
+        name: dataclasses.replace(option, value=values.get(name, option.value))
+        for name, option in tuned.options.items()
+    }
+    return engine._build((lane,), Formulation.JOINT, Preset(tuned.description, options))
+
+
+def random_state(seed: int = 3) -> State:
+    rng = np.random.default_rng(seed)
+    return State(AMPLITUDE * rng.normal(size=(1, 14)), 10 * AMPLITUDE * rng.normal(size=(1, 14)))
+
+
+def decibels(trajectory: Trajectory) -> float:
+    """Transmittance over one period [dB]."""
+    phase = 2 * np.pi * np.arange(1, trajectory.steps + 1) / trajectory.steps
+    fundamental = 2 * np.mean(trajectory.outer_positions[:, -1] * np.exp(-1j * phase))
+    return float(20 * np.log10(np.abs(fundamental) / AMPLITUDE))
+
+
+def distance(one: State, other: State, lane: Lane) -> float:
+    """Largest difference of positions over U0 and of velocities over U0 ω_r."""
+    speed = AMPLITUDE * lane.chain.resonator_frequency
+    return float(
+        max(
+            np.max(np.abs(one.positions - other.positions)) / AMPLITUDE,
+            np.max(np.abs(one.velocities - other.velocities)) / speed,
+        )
+    )
+
+
+@both_laws
+def test_frictionless_chain_follows_the_harmonic_solution_at_second_order(engine: Engine) -> None:
+    errors = []
+    for steps in (100, 200):
+        lane = lane_of(0.0, 0.9, steps)
+        response = frictionless_response(lane.chain, lane.drive)
+        omega = lane.drive.angular_frequency
+        start = State(response.imag[None], (1j * omega * response).imag[None])
+        (trajectory,) = built_with(engine, lane, substeps=1).run(start, 0, steps)
+        exact = np.imag(np.exp(1j * omega * trajectory.time)[:, None] * response)
+        errors.append(np.max(np.abs(trajectory.positions - exact)) / AMPLITUDE)
+    assert errors[0] < 0.05
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.1)
+
+
+@both_laws
+@pytest.mark.parametrize(("friction_ratio", "frequency_ratio", "exact"), [(0.3, 0.6, -0.147), (0.6, 1.3, -15.244)])
+def test_steady_state_transmittance_is_the_event_driven_one(
+    engine: Engine, friction_ratio: float, frequency_ratio: float, exact: float
+) -> None:
+    lane = lane_of(friction_ratio, frequency_ratio)
+    (orbit,) = periodic_orbits(engine.build([lane]), STEPS)
+    assert orbit.converged
+    # The tuned presets are within 0.16 dB on all of figure 3 down to -60 dB.
+    assert decibels(orbit.trajectory) == pytest.approx(exact, abs=0.05)
+
+
+@both_laws
+def test_large_friction_locks_every_cell_into_one_mass(engine: Engine) -> None:
+    lane = lane_of(50.0, 0.5)
+    (orbit,) = periodic_orbits(engine.build([lane]), STEPS)
+    expected = 20 * np.log10(stuck_transmittance(lane.chain, lane.drive))
+    assert orbit.converged
+    # A lightly damped pass band: at order two, coarse steps shift its resonances.
+    assert decibels(orbit.trajectory) == pytest.approx(expected, abs=0.1)
+
+
+@both_laws
+def test_friction_stays_within_its_bound_and_takes_energy(engine: Engine) -> None:
+    lane = lane_of(np.array([0.3, 0.1, 0.0, 0.5, 0.2, 1.0, 0.05]), 0.9)
+    (trajectory,) = engine.build([lane]).run(random_state(), 0, 2 * STEPS)
+    assert np.all(np.abs(trajectory.friction) <= lane.chain.friction_bound * (1 + 1e-8))
+    assert np.any(np.abs(trajectory.friction[:, 0]) > 0.99 * lane.chain.friction_bound[0])
+    power = trajectory.friction * trajectory.relative_velocity
+    assert np.all(np.sum(power, axis=0)[lane.chain.friction_bound > 0] < 0)
+    assert np.all(trajectory.friction[:, lane.chain.friction_bound == 0] == 0)
+
+
+def test_regularised_friction_never_drives() -> None:
+    lane = lane_of(0.3, 0.9)
+    (trajectory,) = ExudynRegularised().build([lane]).run(random_state(), 0, STEPS)
+    assert np.all(trajectory.friction * trajectory.relative_velocity <= 0)
+
+
+def held_inner_mass(engine: Engine, force_ratio: float, **values: object) -> tuple[Lane, Trajectory]:
+    """One cell whose outer mass is pushed by a slow force; the contact carries part of it in stick."""
+    chain = Chain.from_ratios(cells=1, friction_ratio=1.0, stiffness_ratio=1e-3, damping_ratio=0.5)
+    force = HarmonicForce(force_ratio * float(chain.friction_bound[0]), 0.1 * np.sqrt(500.0))
+    lane = Lane.periodic(chain, force, STEPS)
+    simulation = built_with(engine, lane, **values)
+    start = simulation.advance(State.at_rest(1, 1), 0, 2 * STEPS)
+    return lane, simulation.run(start, 0, STEPS)[0]
+
+
+def test_stuck_contact_creeps_in_proportion_to_the_zone() -> None:
+    zones = (0.01, 0.02)
+    creep = [
+        np.max(np.abs(held_inner_mass(ExudynRegularised(), 0.5, zone=zone, zone_per_kick=0.0)[1].relative_velocity))
+        for zone in zones
+    ]
+    assert creep[0] > 0
+    assert creep[1] / creep[0] == pytest.approx(2, rel=0.01)
+
+
+def test_stuck_bristle_gives_way_by_force_over_stiffness() -> None:
+    lane, trajectory = held_inner_mass(ExudynBristle(), 0.5)
+    tuned = ExudynBristle().preset("joint", "tuned")
+    phase = tuned["bristle_phase"] * tuned["substeps"] / lane.time_step
+    stiffness = 0.5 * phase**2
+    elongation = np.ptp(trajectory.inner_positions - trajectory.outer_positions)
+    assert elongation == pytest.approx(np.ptp(trajectory.friction) / stiffness, rel=0.05)
+
+
+@both_laws
+@pytest.mark.parametrize("split", [1, 177, 399])
+def test_run_split_in_two_equals_the_whole(engine: Engine, split: int) -> None:
+    lane = lane_of(0.3, 0.6)
+    simulation = engine.build([lane])
+    start = simulation.advance(random_state(), 0, STEPS)
+    whole = simulation.advance(start, 0, STEPS)
+    halves = simulation.advance(simulation.advance(start, 0, split), split, STEPS - split)
+    assert distance(whole, halves, lane) <= engine.preset("joint", "tuned").split_tolerance
+
+
+@both_laws
+def test_run_depends_on_its_initial_state_alone(engine: Engine) -> None:
+    lane = lane_of(0.1, 1.5)
+    simulation = engine.build([lane])
+    first = simulation.advance(random_state(), 0, STEPS)
+    simulation.run(random_state(8), 5, 100)
+    (again,) = simulation.run(random_state(), 0, STEPS)
+    fresh = engine.build([lane]).advance(random_state(), 0, STEPS)
+    for other in (again.end, fresh):
+        np.testing.assert_array_equal(other.positions, first.positions)
+        np.testing.assert_array_equal(other.velocities, first.velocities)
+    if first.memory is not None:
+        np.testing.assert_array_equal(again.memory, first.memory[0])
+
+
+@both_laws
+def test_rows_lie_at_the_ends_of_the_steps(engine: Engine) -> None:
+    lane = lane_of(0.3, 0.6)
+    simulation = engine.build([lane])
+    start = 1000 * STEPS
+    (trajectory,) = simulation.run(random_state(), start, 2 * STEPS)
+    middle = simulation.advance(random_state(), start, 123)
+    assert trajectory.steps == 2 * STEPS
+    np.testing.assert_allclose(trajectory.positions[122], middle.positions[0], rtol=0, atol=1e-9 * AMPLITUDE)
+
+
+@both_laws
+def test_units_of_the_chain_do_not_matter(engine: Engine) -> None:
+    amplitude = 1e-9
+    tiny = Chain.from_ratios(friction_ratio=0.3, base_amplitude=amplitude, outer_mass=1e-6, chain_stiffness=1e7)
+    lanes = [
+        lane_of(0.3, 0.6),
+        Lane.periodic(tiny, HarmonicBase.from_ratio(tiny, 0.6, amplitude), STEPS),
+    ]
+    ends = [engine.build([lane]).advance(State.at_rest(1, 7), 0, STEPS).positions[0] for lane in lanes]
+    np.testing.assert_allclose(ends[1] / amplitude, ends[0] / AMPLITUDE, rtol=0, atol=1e-7)
+
+
+class Sampled:
+    """A drive that the engine does not know, with the load of another."""
+
+    def __init__(self, drive: Drive):
+        self._drive = drive
+        self.parameters = drive.parameters
+        self.displacement_scale = drive.displacement_scale
+        self.load = drive.load
+
+
+@both_laws
+def test_any_drive_loads_cell_1_as_its_function_says(engine: Engine) -> None:
+    lane = lane_of(0.3, 0.6)
+    unknown = Lane(lane.chain, Sampled(lane.drive), lane.time_step)
+    ends = [engine.build([each]).advance(State.at_rest(1, 7), 0, STEPS) for each in (lane, unknown)]
+    assert np.max(np.abs(ends[0].positions)) > 0.1 * AMPLITUDE
+    assert distance(ends[0], ends[1], lane) < 1e-9
+
+
+def test_fresh_bristle_carries_the_load_that_it_meets() -> None:
+    """A stuck contact that starts without a memory must not let go."""
+    lane = lane_of(5.0, 0.6)
+    simulation = ExudynBristle().build([lane])
+    state = simulation.advance(State.at_rest(1, 7), 0, STEPS)
+    forgotten = State(state.positions, state.velocities)
+    kept, lost = (simulation.run(start, 0, STEPS)[0] for start in (state, forgotten))
+    difference = np.max(np.abs(kept.positions - lost.positions)) / AMPLITUDE
+    assert 0 < difference < 1e-3
+
+
+def test_nothing_is_printed_and_no_file_is_written(tmp_path: Path) -> None:
+    program = (
+        "from reference_lcp.chain.mass_in_mass import Chain; from reference_lcp.chain.harmonic import HarmonicBase\n"
+        "from reference_lcp.chain.simulation import Lane; from reference_lcp.chain.trajectory import State\n"
+        "from engines.exudyn import ExudynBristle, ExudynRegularised\n"
+        "chain = Chain.from_ratios(friction_ratio=0.3)\n"
+        "lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6), 400)\n"
+        "for engine in (ExudynBristle(), ExudynRegularised()):\n"
+        "    engine.build([lane]).run(State.at_rest(1, 7), 0, 10)\n"
+    )
+    root = Path(__file__).parents[3]
+    result = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(root)},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disc_moves_as_the_connector_of_the_same_zone_does() -> None:
+    """Two implementations of one law: what differs is the integration across the corners of the zone."""
+    lane = lane_of(0.3, 0.9)
+    zone = {"zone": 0.01, "substeps": 4, "zone_per_kick": 0.0}
+    tuned = ExudynRegularised().preset("contact", "tuned")
+    options = {name: dataclasses.replace(one, value=zone.get(name, one.value)) for name, one in tuned.options.items()}
+    disc = ExudynRegularised()._build((lane,), Formulation.CONTACT, Preset("", options))
+    (pressed,), (joined,) = (
+        simulation.run(random_state(), 0, STEPS) for simulation in (disc, built_with(ExudynRegularised(), lane, **zone))
+    )
+    assert np.max(np.abs(pressed.positions - joined.positions)) < 1e-3 * AMPLITUDE
+    assert pressed.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-6)
+
+
+@pytest.mark.parametrize("split", [1, 177])
+def test_a_run_of_discs_split_in_two_equals_the_whole(split: int) -> None:
+    """Nothing is kept but positions and velocities: discs are at their static depth, and slip follows."""
+    lane = lane_of(0.3, 0.6)
+    simulation = ExudynRegularised().build([lane], "contact")
+    start = simulation.advance(random_state(), 0, STEPS)
+    whole = simulation.advance(start, 0, STEPS)
+    halves = simulation.advance(simulation.advance(start, 0, split), split, STEPS - split)
+    assert distance(whole, halves, lane) <= ExudynRegularised().preset("contact", "tuned").split_tolerance
+
+
+def largest_creep(engine: Engine, lane: Lane, preset: str) -> float:
+    """Largest relative velocity from rest under friction that no motion overcomes, over U0 ω."""
+    (trajectory,) = engine.build([lane], preset=preset).run(State.at_rest(1, 7), 0, STEPS)
+    scale = lane.drive.displacement_scale(lane.chain)
+    return float(np.max(np.abs(trajectory.relative_velocity)) / (scale * lane.drive.angular_frequency))
+
+
+def test_bristles_without_iterations_would_not_move_and_are_refused() -> None:
+    with pytest.raises(ParameterError, match=r"discontinuous_iterations = 0 .* whole numbers >= 1"):
+        built_with(ExudynBristle(), lane_of(), discontinuous_iterations=0)
+
+
+def test_a_default_bristle_is_so_soft_that_stuck_contacts_move() -> None:
+    creep = [largest_creep(ExudynBristle(), lane_of(5.0), preset) for preset in ("tuned", "default")]
+    assert creep[0] < 1e-3
+    assert creep[1] > 0.01
+
+
+def test_a_default_zone_in_metres_per_second_is_too_wide_for_small_motions() -> None:
+    chain = Chain.from_ratios(friction_ratio=5.0, base_amplitude=AMPLITUDE / 100)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, AMPLITUDE / 100), STEPS)
+    assert largest_creep(ExudynRegularised(), lane, "tuned") < 0.01
+    assert largest_creep(ExudynRegularised(), lane, "default") > 0.03
+
+
+def test_error_of_transmittance_is_in_proportion_to_the_zone() -> None:
+    """The law of regularised friction: where cells hardly move, creep within the zone is all of the error."""
+    lane = lane_of(0.1, 1.4)
+    exact = exact_steady_state(lane.chain, lane.drive).transmittance_db
+    errors = []
+    for zone in (4e-3, 2e-3, 1e-3):
+        simulation = built_with(ExudynRegularised(), lane, zone=zone)
+        errors.append(decibel(transmittance(periodic_orbits(simulation, STEPS)[0])) - exact)
+    assert errors[0] / errors[1] == pytest.approx(2, rel=0.05)
+    assert errors[1] / errors[2] == pytest.approx(2, rel=0.05)

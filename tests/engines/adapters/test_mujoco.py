@@ -1,0 +1,77 @@
+"""MuJoCo: what only its friction, its options and its limits do."""
+
+import numpy as np
+import pytest
+
+from engines.interface.engine import Formulation, Option, Preset
+from engines.mujoco import MuJoCo
+from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import ParameterError
+from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, with_coefficients
+
+pytestmark = pytest.mark.skipif(MuJoCo().why_not_installed() is not None, reason="mujoco is not installed")
+
+
+both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
+
+
+def test_states_where_mujoco_would_stop_are_refused() -> None:
+    simulation = MuJoCo().build([lane_of()])
+    with pytest.raises(ParameterError, match=r"initial positions reach 1e\+12"):
+        simulation.advance(State(np.full((1, 14), 1e12), np.zeros((1, 14))), 0, 1)
+
+
+def test_a_diverged_run_leaves_nothing_behind() -> None:
+    chain = Chain.from_ratios(friction_ratio=0.1)
+    unstable = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1), 20)
+    simulation = MuJoCo().build([unstable])
+    before = simulation.advance(State.at_rest(1, 7), 0, 3).positions
+    simulation.advance(State.at_rest(1, 7), 0, 100)
+    assert np.array_equal(simulation.advance(State.at_rest(1, 7), 0, 3).positions, before)
+
+
+def test_without_the_no_slip_sweep_a_stuck_contact_creeps() -> None:
+    """The option that removes MuJoCo's softness is needed: the law itself is regularised."""
+    tuned = MuJoCo().preset("joint", "tuned")
+    soft = Preset("", {**tuned.options, "noslip_iterations": Option(0, 0, "")})
+    simulation = MuJoCo()._build((lane_of(5.0, 0.3),), Formulation.JOINT, soft)
+    trajectory = simulation.run(State.at_rest(1, 7), 0, STEPS)[0]
+    assert np.max(np.abs(trajectory.relative_velocity)) > 1e-6 * AMPLITUDE
+
+
+@pytest.mark.parametrize("coefficient", [1e-5, [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.004]])
+def test_coefficients_that_mujoco_would_cut_off_or_take_for_singular_are_refused(coefficient: object) -> None:
+    with pytest.raises(ParameterError, match=r"friction_coefficient = .* at least"):
+        MuJoCo().build([with_coefficients(coefficient)], "contact")
+
+
+def test_in_other_units_the_sweep_over_sliding_contacts_is_inexact() -> None:
+    """MuJoCo solves for them to a fixed 1e-10: the units of the contact formulation are needed."""
+    tuned = MuJoCo().preset("contact", "tuned")
+    coarse = Preset("", {**tuned.options, "units": Option("lane", "SI", "")})
+    lane, state = with_coefficients(3.0), random_state()
+    simulation = MuJoCo()._build((lane,), Formulation.CONTACT, coarse)
+    difference = simulation.run(state, 0, STEPS)[0].positions - scheme(lane, state, STEPS)[0]
+    assert np.max(np.abs(difference)) > 1e-8 * AMPLITUDE
+
+
+@both_formulations
+def test_a_default_contact_creeps_and_a_finer_step_does_not_help(formulation: str) -> None:
+    """A time constant of 0.02 s, whatever the step: friction never stops a contact."""
+    creep = []
+    for steps in (STEPS, 4 * STEPS):
+        coarse = lane_of(5.0)
+        lane = Lane.periodic(coarse.chain, coarse.drive, steps)
+        trajectory = MuJoCo().build([lane], formulation, "default").run(State.at_rest(1, 7), 0, 2 * steps)[0]
+        creep.append(np.max(np.abs(trajectory.relative_velocity)) / (AMPLITUDE * lane.drive.angular_frequency))
+    assert creep[0] > 0.01
+    assert creep[1] == pytest.approx(creep[0], rel=0.1)
+
+
+def test_in_the_default_pyramid_friction_presses_the_contact() -> None:
+    lane = lane_of(0.3, 0.9)
+    trajectory = MuJoCo().build([lane], "contact", "default").run(State.at_rest(1, 7), 0, STEPS)[0]
+    assert np.max(trajectory.normal_force / lane.chain.normal_force) > 1.5

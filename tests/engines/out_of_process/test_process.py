@@ -1,0 +1,327 @@
+"""Engines in another Python: whatever their process does, the suite says what it was, and goes on."""
+
+import io
+import os
+import re
+import signal
+import struct
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from engines.interface.engine import Option, Preset
+from engines.out_of_process.interpreter import OutsideEngine
+from engines.out_of_process.lane import OutsideLane
+from engines.out_of_process.process import EngineProcess, EngineProcessError
+from engines.out_of_process.worker import NotAMessage, read_message, write_message
+from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import ParameterError
+from tests.engines.scheme_oracle import lane_of, random_state
+
+SERVER = Path(__file__).with_name("faulty_server.py")
+ROOT = Path(__file__).parents[3]
+LIMIT = 30.0
+STILL = {"position": np.zeros(2), "velocity": np.ones(2), "loads": np.zeros(3), "record": True}
+
+
+@pytest.fixture
+def process() -> Iterator[EngineProcess]:
+    one = EngineProcess("tested", sys.executable, SERVER)
+    yield one
+    one.close()
+
+
+def run(process: EngineProcess, trouble: str, limit: float = LIMIT) -> dict[str, np.ndarray]:
+    process.ask("build", LIMIT, number=1, trouble=trouble)
+    return process.ask("run", limit, number=1, **STILL)
+
+
+def lane_in(process: EngineProcess, trouble: str = "none") -> OutsideLane:
+    return OutsideLane(
+        process, lane_of(), Preset("", {"units": Option("SI", "", ""), "trouble": Option(trouble, "", "")}), "joint"
+    )
+
+
+def ends(process: int, within: float) -> bool:
+    """Whether a process that is no child of this one ends in time; a zombie has ended."""
+    until = time.monotonic() + within
+    while time.monotonic() < until:
+        status = Path(f"/proc/{process}/stat")
+        if not status.exists() or status.read_text().rsplit(")", 1)[1].split()[0] == "Z":
+            return True
+        time.sleep(0.02)
+    return False
+
+
+def python(program: str) -> subprocess.Popen[str]:
+    start = (
+        "import os, sys; from pathlib import Path; from engines.out_of_process import process as outside\n"
+        f"process = outside.EngineProcess('tested', sys.executable, Path({str(SERVER)!r}))\n"
+    )
+    return subprocess.Popen(
+        [sys.executable, "-c", start + textwrap.dedent(program)],
+        stdin=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_a_run_comes_back_as_it_was_computed(process: EngineProcess) -> None:
+    rows = run(process, "none")
+    assert np.array_equal(rows["position"], [[1, 1], [2, 2], [3, 3]])
+    assert rows["position"].dtype == np.float64
+
+
+def test_only_the_end_is_sent_when_no_record_is_asked_for(process: EngineProcess) -> None:
+    process.ask("build", LIMIT, number=1, trouble="none")
+    end = process.ask("run", LIMIT, number=1, **{**STILL, "record": False})
+    assert set(end) == {"position", "velocity"}
+    assert np.array_equal(end["position"], [[3, 3]])
+
+
+def test_a_segmentation_fault_is_named_and_the_next_use_starts_afresh(process: EngineProcess) -> None:
+    with pytest.raises(EngineProcessError, match=r"tested crashed with signal 11 \(SIGSEGV\) during 'run'; .*nowhere"):
+        run(process, "crash")
+    assert run(process, "none")["position"].shape == (3, 2)
+    assert process.generation == 2
+
+
+def test_what_was_printed_in_earlier_requests_is_not_quoted(process: EngineProcess) -> None:
+    run(process, "print")
+    process.ask("build", LIMIT, number=1, trouble="crash")
+    with pytest.raises(EngineProcessError, match=r"printed last: about to read nowhere$"):
+        process.ask("run", LIMIT, number=1, **STILL)
+
+
+def test_an_engine_that_ends_by_itself_is_named(process: EngineProcess) -> None:
+    with pytest.raises(EngineProcessError, match="tested ended with code 3"):
+        run(process, "exit")
+
+
+def test_a_hang_in_compiled_code_is_killed_at_its_limit(process: EngineProcess) -> None:
+    start = time.monotonic()
+    with pytest.raises(EngineProcessError, match=r"tested did not finish 'run' within 0\.5 s and was killed"):
+        run(process, "hang", limit=0.5)
+    assert time.monotonic() - start < 10
+    assert run(process, "none")["position"].shape == (3, 2)
+
+
+def test_a_request_larger_than_a_pipe_holds_does_not_block_on_a_stopped_child(process: EngineProcess) -> None:
+    process.ask("build", LIMIT, number=1, trouble="none")
+    os.kill(process.pid, signal.SIGSTOP)
+    with pytest.raises(EngineProcessError, match=r"within 0\.5 s"):
+        process.ask("run", 0.5, number=1, **{**STILL, "loads": np.zeros(1_000_000)})
+
+
+def test_a_message_is_read_as_it_was_written() -> None:
+    written: dict[str, Any] = {
+        "columns": np.arange(6.0).reshape(2, 3).T,
+        "number": 0.1,
+        "yes": True,
+        "text": "μ λ_N",
+        "nothing": "",
+        "none": np.zeros((0, 3)),
+        "numbers": [1, 2],
+    }
+    stream = io.BytesIO()
+    write_message(stream, written)
+    write_message(stream, {})
+    stream.seek(0)
+    found = read_message(stream)
+    assert list(found) == list(written)
+    for name, value in written.items():
+        assert np.array_equal(found[name], np.asarray(value))
+        assert found[name].dtype.kind == np.asarray(value).dtype.kind
+    found["columns"][0] = 1.0
+    assert read_message(stream) == {}
+    with pytest.raises(EOFError):
+        read_message(stream)
+
+
+@pytest.mark.parametrize(
+    "array", ["1", '["a", "|O", [1]]', '["a", "<f8", [2]]', '["a", "<f8", [-2]]', '["a", "x", []]', "["]
+)
+def test_what_holds_no_arrays_is_no_message(array: str) -> None:
+    head = f"[{array}]".encode()
+    stream = io.BytesIO(struct.pack("<QQ", len(head) + 8, len(head)) + head + bytes(8))
+    with pytest.raises(NotAMessage):
+        read_message(stream)
+
+
+@pytest.mark.parametrize("trouble", ["garble", "half"])
+def test_a_garbled_answer_is_refused_and_the_next_use_starts_afresh(process: EngineProcess, trouble: str) -> None:
+    with pytest.raises(EngineProcessError, match=r"answered with something else|ended with code 0"):
+        run(process, trouble)
+    assert run(process, "none")["position"].shape == (3, 2)
+
+
+def test_an_exception_is_told_with_its_traceback_and_the_child_lives_on(process: EngineProcess) -> None:
+    with pytest.raises(EngineProcessError, match="ArithmeticError: the solver lost its way") as caught:
+        run(process, "raise")
+    assert "faulty_server.py" in "".join(caught.value.__notes__)
+    with pytest.raises(EngineProcessError, match="ValueError: no spring is that stiff"):
+        run(process, "refuse")
+    assert run(process, "none")["position"].shape == (3, 2)
+    assert process.generation == 1
+
+
+def test_what_an_engine_prints_disturbs_nobody(process: EngineProcess, capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(process, "print")["position"].shape == (3, 2)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_the_child_sees_nothing_of_this_environment(
+    process: EngineProcess, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setenv("LD_LIBRARY_PATH", str(tmp_path))
+    answer = {name: str(value) for name, value in process.ask("versions", LIMIT).items()}
+    assert str(tmp_path) not in answer["path"]
+    assert "LD_LIBRARY_PATH" not in answer["environment"]
+    # Else a server called siconos.py would hide the package.
+    assert str(SERVER.parent) not in answer["path"].split(os.pathsep)
+    assert not {"engines", "reference_lcp", "scipy"} & set(answer["modules"].split())
+    assert answer["read"] == ""
+
+
+def test_an_interrupted_wait_does_not_mix_up_answers(process: EngineProcess) -> None:
+    def interrupt(_number: int, _frame: object) -> None:
+        raise KeyboardInterrupt
+
+    previous = signal.signal(signal.SIGALRM, interrupt)
+    signal.setitimer(signal.ITIMER_REAL, 1.0)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            run(process, "hang")
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, previous)
+    assert run(process, "none")["position"].shape == (3, 2)
+
+
+def test_threads_take_turns(process: EngineProcess) -> None:
+    models = [lane_in(process) for _ in range(4)]
+    states = [random_state(size=0.1 * (k + 1)) for k in range(4)]
+    ends: list[State | None] = [None] * 4
+
+    def work(k: int) -> None:
+        for _ in range(20):
+            ends[k] = models[k].advance(states[k], 0, 5)
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for state, end in zip(states, ends, strict=True):
+        assert end is not None
+        assert end.positions == pytest.approx(state.positions + 5 * state.velocities)
+
+
+def test_a_child_ends_with_its_parent_even_if_that_is_killed() -> None:
+    with python("process.ask('versions', 30.0); print(process.pid, flush=True); sys.stdin.read()") as parent:
+        assert parent.stdout is not None
+        child = int(parent.stdout.readline())
+        parent.kill()
+    assert ends(child, 10)
+
+
+def test_a_hanging_child_of_a_killed_parent_ends_at_its_limit() -> None:
+    program = """
+        outside.GRACE = 0.5
+        process.ask("build", 30.0, number=1, trouble="hang")
+        print(process.pid, flush=True)
+        still = [0.0, 0.0]
+        process.ask("run", 2.0, number=1, position=still, velocity=still, loads=[0.0], record=True)
+    """
+    with python(program) as parent:
+        assert parent.stdout is not None
+        child = int(parent.stdout.readline())
+        time.sleep(0.5)
+        parent.kill()
+    assert Path(f"/proc/{child}").exists()
+    assert ends(child, 10)
+
+
+def test_a_program_that_ends_takes_its_child_along_without_a_word() -> None:
+    parent = python("process.ask('versions', 30.0); print(process.pid)")
+    child = int(parent.communicate()[0])
+    assert parent.returncode == 0
+    assert ends(child, 1)
+
+
+def test_a_forked_process_has_a_child_of_its_own() -> None:
+    parent = python("""
+        process.ask("versions", 30.0)
+        first = process.pid
+        fork = os.fork()
+        process.ask("versions", 30.0)
+        if fork == 0:
+            os._exit(process.pid == first)
+        assert os.waitpid(fork, 0)[1] == 0
+        process.ask("versions", 30.0)
+        assert process.pid == first
+    """)
+    parent.communicate()
+    assert parent.returncode == 0
+
+
+def test_a_lane_is_built_again_where_its_child_was_lost(process: EngineProcess) -> None:
+    model = lane_in(process)
+    before = model.run(random_state(), 0, 5)
+    os.kill(process.pid, signal.SIGKILL)
+    assert ends(process.pid, 10)
+    assert np.array_equal(model.run(random_state(), 0, 5).positions, before.positions)
+    assert process.generation == 2
+
+
+def test_a_closed_lane_is_built_again_and_a_deleted_one_is_forgotten(process: EngineProcess) -> None:
+    model = lane_in(process)
+    first = model.run(random_state(), 0, 1)
+    model.close()
+    assert np.array_equal(model.run(random_state(), 0, 1).positions, first.positions)
+    number = model._number
+    del model
+    process.ask("versions", LIMIT)
+    with pytest.raises(EngineProcessError, match="KeyError"):
+        process.ask("run", LIMIT, number=number, **STILL)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_state_that_is_not_finite_never_reaches_the_engine(process: EngineProcess, value: float) -> None:
+    model = lane_in(process)
+    state = random_state()
+    state.velocities[0, 3] = value
+    with pytest.raises(ParameterError, match=re.escape(f"initial velocities = {value:g}")):
+        model.run(state, 0, 1)
+    assert process.generation == 0
+
+
+def test_a_missing_interpreter_is_a_reason_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    engine = OutsideEngine("tested", SERVER, "TESTED_PYTHON", "apt install python3-tested")
+    monkeypatch.setenv("TESTED_PYTHON", "/nowhere/python3")
+    reason = engine.why_not_installed()
+    assert reason is not None
+    assert "/nowhere/python3 does not start" in reason
+    assert reason.endswith("apt install python3-tested, or let TESTED_PYTHON name a Python that has it")
+
+
+def test_a_python_without_the_engine_is_asked_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    server, log = tmp_path / "server.py", tmp_path / "log"
+    server.write_text(f"open({str(log)!r}, 'a').write('asked ')\nimport no_such_engine\n")
+    engine = OutsideEngine("tested", server, "TESTED_PYTHON", "apt install python3-tested")
+    monkeypatch.setenv("TESTED_PYTHON", sys.executable)
+    reasons = {engine.why_not_installed() for _ in range(3)}
+    assert len(reasons) == 1
+    assert "No module named 'no_such_engine'; apt install" in str(reasons.pop())
+    assert log.read_text() == "asked "
+    engine.process().close()

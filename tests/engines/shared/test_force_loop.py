@@ -1,0 +1,100 @@
+"""Coordinates and forces that engines with forces of the adapter's share, and what they cost."""
+
+import numpy as np
+import pytest
+
+from engines.interface.registry import engine
+from engines.interface.variant import variants_of
+from engines.shared.coordinates import ChainCoordinates
+from engines.shared.force_loop import LARGEST_MOTION, ExplicitForcesLane, Step
+from engines.shared.step_cost import bare_stepping
+from engines.shared.units import Units
+from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from tests.engines.scheme_oracle import AMPLITUDE, STEPS, assert_equals_scheme, lane_of, random_state, uneven_lane
+
+NAMES = [name for name in ("dart", "pymunk", "box2d", "pinocchio") if engine(name).why_not_installed() is None]
+
+every_coordinate = pytest.mark.parametrize("coordinates", list(ChainCoordinates))
+
+
+class ByHand(ExplicitForcesLane):
+    """The closed solution of a contact in the coordinates of a body each: what an engine is expected to do."""
+
+    def bare_steps(self, steps: int) -> None:
+        return
+
+    def _begin(self, motion: np.ndarray) -> Step:
+        chain, dt = self._chain, self._time_step
+        position, velocity = np.split(motion, 2)
+        masses, directions = np.diag(chain.mass_matrix), chain.contact_directions
+        self._friction = np.zeros(chain.cells)
+
+        def step(force: np.ndarray) -> None:
+            velocity[:] += dt * force / masses
+            needed = -(directions.T @ velocity) / (dt * (1 / chain.outer_mass + 1 / chain.inner_mass))
+            self._friction = np.clip(needed, -chain.friction_bound, chain.friction_bound)
+            velocity[:] += dt * (directions @ self._friction) / masses
+            position[:] += dt * velocity
+
+        return step
+
+    def _contacts(self) -> np.ndarray:
+        return self._friction
+
+
+@every_coordinate
+def test_coordinates_are_undone_for_one_row_and_for_many(coordinates: ChainCoordinates) -> None:
+    absolute = np.random.default_rng(1).normal(size=(5, 14))
+    there = coordinates.of(absolute)
+    assert np.array_equal(there[2], coordinates.of(absolute[2]))
+    back = coordinates.absolute(there)
+    assert np.array_equal(back[2], coordinates.absolute(there[2]))
+    np.testing.assert_allclose(back, absolute, rtol=0, atol=1e-14)
+
+
+@every_coordinate
+def test_forces_do_the_same_work_in_every_coordinate(coordinates: ChainCoordinates) -> None:
+    """f · δq is a number that knows no coordinates."""
+    chain = uneven_lane().chain
+    rng = np.random.default_rng(2)
+    position, velocity, shift = rng.normal(size=(3, 14))
+    force = -chain.stiffness_matrix @ position - chain.damping_matrix @ velocity
+    motion = np.concatenate([coordinates.of(position), coordinates.of(velocity)])
+    found = coordinates.force_matrix(chain) @ motion
+    assert found @ coordinates.of(shift) == pytest.approx(force @ shift, rel=1e-12)
+
+
+@pytest.mark.parametrize("units", ["SI", "lane"])
+def test_the_loop_takes_the_steps_of_the_scheme(units: str) -> None:
+    lane, state = uneven_lane(), random_state()
+    model = ByHand(lane, Units.named(units, lane))
+    assert_equals_scheme(lane, state, model.run(state, 0, STEPS))
+    end = model.advance(state, 0, STEPS)
+    assert np.array_equal(end.positions, model.run(state, 0, STEPS).positions[-1:])
+
+
+def test_a_lane_that_diverges_stops_and_repeats_its_last_row() -> None:
+    chain = Chain.from_ratios(friction_ratio=0.1)
+    unstable = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1), 20)
+    units = Units.of(unstable)
+    model = ByHand(unstable, units)
+    run = model.run(State.at_rest(1, 7), 0, 400)
+    assert np.max(np.abs(run.positions[-1])) > LARGEST_MOTION * AMPLITUDE / 2
+    assert np.all(np.isfinite(run.positions))
+    assert np.array_equal(run.positions[-1], run.positions[100])
+    assert run.friction.shape == (400, 7)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_variant_can_tell_what_the_engine_costs_alone(name: str) -> None:
+    """And no state is touched by it."""
+    for variant in variants_of(name):
+        simulation = variant.build([lane_of()])
+        before = simulation.advance(random_state(), 0, 10)
+        bare = bare_stepping(simulation)
+        assert bare is not None
+        bare.bare_steps(20)
+        assert np.array_equal(simulation.advance(random_state(), 0, 10).positions, before.positions)

@@ -1,0 +1,100 @@
+"""The linear limits against Bloch's theorem for the infinite chain and the closed form of the finite one."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from reference_lcp import Chain, HarmonicBase, HarmonicForce, frictionless_response, frictionless_transmittance
+from reference_lcp import stuck_transmittance as stuck
+from reference_lcp.chain.linear_response import residual_amplification
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.steady.orbits import periodic_orbits
+from reference_lcp.steady.state_scales import StateScales
+from reference_lcp.stepping.euler_compiled import CompiledSimulation
+
+UNDAMPED = {"damping_ratio": 0.0}
+
+
+def wave_number(chain, omega, *, locked=False):
+    """Complex Bloch wave number κ: cos κ = 1 − ω² m_eff / (2 k_c)."""
+    outer, inner, stiffness = chain.outer_mass[0], chain.inner_mass[0], chain.chain_stiffness[0]
+    resonator = chain.resonator_frequency**2
+    effective = outer + inner if locked else outer + inner * resonator / (resonator - omega**2)
+    return np.arccos(1 - omega**2 * effective / (2 * stiffness) + 0j)
+
+
+def closed_form(chain, omega, *, locked=False):
+    """|U_n| / U0 of a chain of n cells with a free end: cos(κ/2) / cos((n + 1/2) κ)."""
+    kappa = wave_number(chain, omega, locked=locked)
+    return float(np.abs(np.cos(kappa / 2) / np.cos((chain.cells + 0.5) * kappa)))
+
+
+@pytest.mark.parametrize("cells", [1, 2, 7, 20])
+@pytest.mark.parametrize("ratio", [0.2, 0.55, 0.83, 0.95, 1.05, 1.3, 1.5, 1.9, 2.4])
+def test_finite_chain_has_the_transmittance_of_its_closed_form(cells, ratio) -> None:
+    """In pass bands and in gaps; the transfer matrix of the finite chain (Al Ba'ba'a, Nouh, Singh 2017)."""
+    chain = Chain.from_ratios(cells=cells, mass_ratio=0.7, stiffness_ratio=0.6, **UNDAMPED)
+    drive = HarmonicBase.from_ratio(chain, ratio)
+    exact = closed_form(chain, drive.angular_frequency)
+    assert frictionless_transmittance(chain, drive) == pytest.approx(exact, rel=1e-9)
+
+
+@pytest.mark.parametrize("ratio", [0.2, 0.55, 0.95, 1.3, 1.9])
+def test_chain_of_locked_cells_is_a_chain_of_single_masses(ratio) -> None:
+    chain = Chain.from_ratios(**UNDAMPED)
+    drive = HarmonicBase.from_ratio(chain, ratio)
+    assert stuck(chain, drive) == pytest.approx(closed_form(chain, drive.angular_frequency, locked=True), rel=1e-9)
+
+
+def test_band_edges_of_the_infinite_chain_bound_the_attenuation_of_a_long_one() -> None:
+    """Bloch: κ = π at the lower edge, κ = 0 at the upper one, √(1 + m_i/m_o); 60 cells attenuate between them."""
+    chain = Chain.from_ratios(cells=60, **UNDAMPED)
+    omega_r = chain.resonator_frequency
+
+    def cosine_above_minus_one(eta):
+        return np.real(np.cos(wave_number(chain, eta * omega_r))) + 1
+
+    lower, upper = brentq(cosine_above_minus_one, 0.5, 0.99), np.sqrt(2.0)
+    for eta in np.linspace(lower + 0.02, upper - 0.02, 9):
+        assert frictionless_transmittance(chain, HarmonicBase.from_ratio(chain, eta)) < 1e-3
+    inside = [
+        frictionless_transmittance(chain, HarmonicBase.from_ratio(chain, eta)) for eta in (0.3, 0.6, 0.8, 1.5, 2.0)
+    ]
+    assert min(inside) > 0.3
+    assert np.real(wave_number(chain, lower * omega_r)) == pytest.approx(np.pi, abs=1e-5)
+
+
+def test_force_drive_of_a_single_cell_has_the_response_of_two_masses() -> None:
+    """One cell by hand: (k_c + k_i − m_o ω²) u − k_i v = P, −k_i u + (k_i − m_i ω²) v = 0."""
+    chain = Chain.from_ratios(cells=1, mass_ratio=0.5, stiffness_ratio=0.3, **UNDAMPED)
+    omega = 0.4 * chain.resonator_frequency
+    m_o, m_i = chain.outer_mass[0], chain.inner_mass[0]
+    k_c, k_i = chain.chain_stiffness[0], chain.inner_stiffness[0]
+    inner = k_i / (k_i - m_i * omega**2)
+    outer = 2.0 / (k_c + k_i - m_o * omega**2 - k_i * inner)
+    found = frictionless_response(chain, HarmonicForce(2.0, omega))
+    assert found == pytest.approx([outer, outer * inner])
+
+
+def test_residual_of_a_resonant_cell_is_amplified_as_its_slower_mode_tells() -> None:
+    """What is left after 100 plain periods is one mode, at whose frequency the base moves: 1 / |1 − exp(λT)|."""
+    chain = Chain.from_ratios(cells=1)
+    drive = HarmonicBase.from_ratio(chain, (np.sqrt(5) - 1) / 2)
+    lane = Lane.periodic(chain, drive, 1600)
+    simulation, scales = CompiledSimulation([lane]), StateScales([lane], 1600)
+    (orbit,) = periodic_orbits(simulation, 1600, tolerance=1e-12)
+    state = State.at_rest(1, 1)
+    for _ in range(100):
+        before, state = state, simulation.advance(state, 0, 1600)
+    last, earlier, steady = (scales.vectors(one, [0]) for one in (state, before, orbit.trajectory.end))
+    residual, distance = np.linalg.norm(last - earlier), np.linalg.norm(earlier - steady)
+    assert residual > 1e-7, "round-off is all that is left"
+    factor = residual_amplification(chain, drive.period)
+    assert factor > 20
+    assert distance / residual == pytest.approx(factor, rel=0.02)
+
+
+def test_residual_of_a_well_damped_chain_is_hardly_amplified() -> None:
+    chain = Chain.from_ratios(damping_ratio=0.5, inner_damping_ratio=0.5)
+    assert residual_amplification(chain, HarmonicBase.from_ratio(chain, 0.1).period) == pytest.approx(1.0, abs=0.1)

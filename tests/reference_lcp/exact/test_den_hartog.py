@@ -1,0 +1,117 @@
+"""The friction oscillator in the exact solver: free decay, Den Hartog's sliding motion, stops."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from reference_lcp import (
+    Chain,
+    EventDrivenChain,
+    HarmonicForce,
+    Lane,
+    Mode,
+    ParameterError,
+    State,
+    StillBase,
+    simulate,
+    steady_state,
+)
+from reference_lcp.exact.den_hartog import SlidingMotion, largest_sliding_force_ratio
+from tests.reference_lcp.cases import STANDING
+
+
+def test_free_decay_loses_four_bounds_over_stiffness_a_cycle_and_rests_in_the_dead_band() -> None:
+    """Coulomb friction lowers the amplitude by 4 F / k a cycle, until |x| <= F / k at a turn."""
+    friction, stiffness, start = 2.0, 100.0, 0.27
+    chain = Chain(
+        cells=1, outer_mass=STANDING, inner_mass=np.asarray(1.0), chain_stiffness=np.asarray(1.0),
+        inner_stiffness=np.asarray(stiffness), normal_force=np.asarray(friction), friction_coefficient=np.asarray(1.0),
+    )  # fmt: skip
+    period = 2 * np.pi / np.sqrt(stiffness)
+    run = simulate(chain, StillBase(), time_step=period / 8, steps=40, positions=np.array([0.0, start]), solver="exact")
+    turns = run.inner_positions[3::4, 0]
+    expected = start - 2 * friction / stiffness * np.arange(1, 7)
+    assert turns[:6] * (-1.0) ** np.arange(1, 7) == pytest.approx(expected, abs=1e-10)
+    assert np.ptp(run.inner_positions[-8:, 0]) < 1e-12
+    assert abs(turns[-1]) <= friction / stiffness
+
+
+@pytest.mark.parametrize(("frequency_ratio", "force_ratio"), [(0.8, 0.3), (0.8, 0.6), (1.3, 0.4), (0.6, 0.2)])
+def test_sliding_friction_oscillator_moves_as_den_hartog_found(frequency_ratio, force_ratio) -> None:
+    """The outer mass slides on an inner one that stands still; it turns at x0 in Den Hartog's phase."""
+    stiffness, load = 100.0, 10.0
+    chain = Chain(
+        cells=1, outer_mass=np.asarray(1.0), inner_mass=STANDING, chain_stiffness=np.asarray(60.0),
+        inner_stiffness=np.asarray(40.0), normal_force=np.asarray(force_ratio * load),
+        friction_coefficient=np.asarray(1.0),
+    )  # fmt: skip
+    drive = HarmonicForce(load, frequency_ratio * np.sqrt(stiffness))
+    sliding = SlidingMotion.of(frequency_ratio, force_ratio)
+    amplitude, turn = sliding.amplitude, sliding.turn * drive.period
+    state = State(np.array([[amplitude * load / stiffness, 0.0]]), np.zeros((1, 2)))
+    segments = list(EventDrivenChain(Lane(chain, drive, 1.0)).segments(state, turn, turn + 3 * drive.period))
+    assert all(segment.modes[0] != 0 for segment in segments)
+    changes = [s for before, s in pairwise(segments) if s.modes[0] != before.modes[0]]
+    assert len(changes) >= 5
+    for k, segment in enumerate(changes[:5], start=1):
+        assert segment.start == pytest.approx(turn + k * drive.period / 2, abs=1e-10 * drive.period)
+        expected = (-1) ** k * amplitude * load / stiffness
+        assert segment.coefficients[0, 0] == pytest.approx(expected, abs=1e-10)
+
+
+def modes_over_a_period(frequency_ratio, force_ratio, **how) -> list[Mode]:
+    """Modes that a friction oscillator driven by P0 sin ωt runs through in its steady state."""
+    chain = Chain(
+        cells=1, outer_mass=np.asarray(1.0), inner_mass=STANDING, chain_stiffness=np.asarray(60.0),
+        inner_stiffness=np.asarray(40.0), normal_force=np.asarray(force_ratio * 10.0),
+        friction_coefficient=np.asarray(1.0),
+    )  # fmt: skip
+    found = steady_state(chain, HarmonicForce(10.0, frequency_ratio * 10.0), with_error_bar=False, **how)
+    return [change.kind for change in found.transitions]
+
+
+@pytest.mark.parametrize("frequency_ratio", [0.45, 0.6, 0.8, 1.3])
+def test_oscillator_begins_to_stop_twice_a_cycle_at_den_hartogs_limit(frequency_ratio) -> None:
+    limit = largest_sliding_force_ratio(frequency_ratio)
+    assert modes_over_a_period(frequency_ratio, 0.99 * limit, solver="exact").count(Mode.STICK) == 0
+    assert modes_over_a_period(frequency_ratio, 1.01 * limit, solver="exact").count(Mode.STICK) == 2
+
+
+@pytest.mark.parametrize(
+    ("frequency_ratio", "force_ratio", "stops", "turns"),
+    [(0.8, 0.5, 0, 2), (0.8, 0.95, 2, 0), (0.35, 0.03, 0, 2), (0.35, 0.1, 2, 2), (0.3, 0.1, 4, 0), (0.2, 0.4, 4, 0)],
+)
+def test_stops_of_the_oscillator_come_in_pairs_and_more_of_them_at_low_frequency(
+    frequency_ratio, force_ratio, stops, turns
+) -> None:
+    """Hong and Liu 2001: 0, 2, 4, … stops a cycle; the scheme at a fine step counts the same.
+
+    At (0.35, 0.1) the mass stops and goes on in the same direction, and turns without stopping.
+    """
+    for how in ({"solver": "exact"}, {"steps_per_period": 25_600}):
+        modes = modes_over_a_period(frequency_ratio, force_ratio, **how)
+        cyclic = [*modes, modes[0]]
+        assert modes.count(Mode.STICK) == stops
+        assert sum(Mode.STICK not in pair for pair in pairwise(cyclic)) == turns
+
+
+@pytest.mark.parametrize(("frequency_ratio", "force_ratio"), [(0.8, 0.3), (1.3, 0.4), (0.6, 0.2), (0.35, 0.03)])
+def test_fundamental_of_the_sliding_motion_is_that_of_the_event_driven_one(frequency_ratio, force_ratio) -> None:
+    chain = Chain(
+        cells=1, outer_mass=np.asarray(1.0), inner_mass=STANDING, chain_stiffness=np.asarray(60.0),
+        inner_stiffness=np.asarray(40.0), normal_force=np.asarray(force_ratio * 10.0),
+        friction_coefficient=np.asarray(1.0),
+    )  # fmt: skip
+    found = steady_state(chain, HarmonicForce(10.0, frequency_ratio * 10.0), solver="exact")
+    # displacements are over P0 / k_c here and over P0 / (k_c + k_i) in Den Hartog's formula
+    expected = 0.6 * abs(SlidingMotion.of(frequency_ratio, force_ratio).fundamental)
+    assert 10 ** (found.transmittance_db / 20) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("frequency_ratio", "force_ratio"), [(1.0, 0.1), (0.5, 0.1), (0.8, 0.99), (0.8, -0.1), (-1, 0.1)]
+)
+def test_motion_that_den_hartog_does_not_describe_is_refused(frequency_ratio, force_ratio) -> None:
+    with pytest.raises(ParameterError, match="allowed"):
+        SlidingMotion.of(frequency_ratio, force_ratio)

@@ -1,0 +1,266 @@
+"""Event-driven motion: closed-form oscillators, linear limits, energy, and the Euler scheme's limit."""
+
+import numpy as np
+import pytest
+
+from reference_lcp import (
+    Chain,
+    CompiledSimulation,
+    EventDrivenChain,
+    EventDrivenSimulation,
+    EventsAccumulate,
+    ExactPeriod,
+    HarmonicBase,
+    HarmonicForce,
+    Lane,
+    Mode,
+    OrbitStatus,
+    ParameterError,
+    State,
+    StillBase,
+    chain_step,
+    event_driven,
+    exact_steady_state,
+    frictionless_response,
+    periodic_orbits,
+    simulate,
+    steady_state,
+    stuck_response,
+    transmittance,
+)
+from reference_lcp.exact.monodromy import monodromy_matrix
+from reference_lcp.lcp.time_step import solve_step_given_normal_force
+from tests.reference_lcp.cases import EXACT_DB, STANDING, random_chain
+
+ROUND_OFF = 1e-11
+"""Of a whole run, relative to the drive: some ten thousand roundings, amplified by no unstable motion."""
+
+
+def canonical(friction_ratio, frequency_ratio, **ratios) -> tuple[Chain, HarmonicBase]:
+    chain = Chain.from_ratios(friction_ratio=friction_ratio, **ratios)
+    return chain, HarmonicBase.from_ratio(chain, frequency_ratio)
+
+
+def random_case(seed) -> tuple[Chain, HarmonicBase, State]:
+    rng = np.random.default_rng(seed)
+    cells = int(rng.integers(1, 6))
+    chain = random_chain(rng, cells)
+    state = State(rng.normal(0, 0.01, (1, 2 * cells)), rng.normal(0, 0.1, (1, 2 * cells)))
+    return chain, HarmonicBase(0.01, rng.uniform(5, 60)), state
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.62, 0.9, 1.1, 1.6])
+@pytest.mark.parametrize(("friction", "limit"), [(0.0, frictionless_response), (100.0, stuck_response)])
+def test_linear_limits_are_those_of_the_direct_solution(ratio, friction, limit) -> None:
+    chain, drive = canonical(friction, ratio)
+    found = exact_steady_state(chain, drive)
+    harmonic = ExactPeriod.following(found.orbit, drive.period).harmonic()
+    response = limit(chain, drive)
+    assert np.max(np.abs(harmonic - response)) <= 1e-10 * np.max(np.abs(response))
+    assert found.transmittance_db == pytest.approx(20 * np.log10(abs(response[6]) / drive.amplitude), abs=1e-9)
+    assert np.all(found.stuck_fraction == (0.0 if friction == 0 else 1.0))
+    assert found.transitions == []
+
+
+@pytest.mark.parametrize("place", EXACT_DB)
+def test_canonical_transmittance(place) -> None:
+    found = exact_steady_state(*canonical(*place))
+    assert found.orbit.residual <= 1e-11
+    assert found.transmittance_db == pytest.approx(EXACT_DB[place], abs=1e-3)
+
+
+@pytest.mark.parametrize("place", [(0.1, 0.6), (0.3, 0.62), (0.6, 1.3), (1.0, 0.9)])
+@pytest.mark.parametrize("damping", [0.0, 0.01])
+def test_work_of_the_drive_over_a_period_is_the_heat_of_friction_and_dashpots(place, damping) -> None:
+    chain, drive = canonical(*place, damping_ratio=damping)
+    period = ExactPeriod.following(exact_steady_state(chain, drive).orbit, drive.period)
+    heat = period.dashpot_heat + period.friction_heat.sum()
+    assert period.work_of_load == pytest.approx(heat, rel=1e-9)
+    assert np.all(period.friction_heat >= 0)
+    travelled = np.zeros(chain.cells)
+    for change, travel in zip(period.transitions, period.travels, strict=True):
+        assert (travel == 0) == (change.kind is Mode.STICK)
+        travelled[change.cell - 1] += travel
+    changing = [change.cell - 1 for change in period.transitions]
+    assert (chain.friction_bound * travelled)[changing] == pytest.approx(period.friction_heat[changing], rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_event_is_missed_in_random_chains(seed) -> None:
+    """Against the Euler scheme at 40,000 and 80,000 steps: its distance is small, and halves.
+
+    An event missed would leave a distance that does not fall with the step.
+    """
+    chain, drive, state = random_case(seed)
+    exact = EventDrivenSimulation([Lane.periodic(chain, drive, 400)]).run(state, 0, 1200)[0]
+    errors = []
+    for steps in (40_000, 80_000):
+        fine = CompiledSimulation([Lane.periodic(chain, drive, steps)]).run(state, 0, 3 * steps)[0]
+        rows = slice(steps // 400 - 1, None, steps // 400)
+        errors.append(np.max(np.abs(fine.positions[rows] - exact.positions)) / drive.amplitude)
+    assert errors[1] < 5e-4
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.15)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_two_parts_of_a_run_equal_the_whole(seed) -> None:
+    chain, drive, state = random_case(seed)
+    simulation = EventDrivenSimulation([Lane.periodic(chain, drive, 400)])
+    whole = simulation.run(state, 0, 1200)[0]
+    first = simulation.run(state, 0, 531)[0]
+    parts = first.joined(simulation.run(first.end, 531, 669)[0])
+    speed = drive.amplitude * drive.angular_frequency
+    assert np.max(np.abs(parts.positions - whole.positions)) <= ROUND_OFF * drive.amplitude
+    assert np.max(np.abs(parts.velocities - whole.velocities)) <= ROUND_OFF * speed
+
+
+def test_repeated_runs_are_bitwise_equal_and_lanes_are_what_they_are_alone() -> None:
+    lanes = [Lane.periodic(*canonical(friction, 0.62), 400) for friction in (0.1, 0.3)]
+    one, other = (EventDrivenSimulation(lanes).run(State.at_rest(2, 7), 0, 800) for _ in range(2))
+    alone = EventDrivenSimulation(lanes).subset([1]).run(State.at_rest(1, 7), 0, 800)[0]
+    assert np.array_equal(one[1].positions, other[1].positions)
+    assert np.array_equal(one[1].friction, other[1].friction)
+    assert np.array_equal(alone.velocities, one[1].velocities)
+
+
+def test_rows_obey_coulombs_law() -> None:
+    chain, drive = canonical([0.1, 0.3, 0.0, 0.6, 1.0, 0.05, 0.3], 0.62)
+    run = simulate(chain, drive, time_step=drive.period / 400, steps=4000, solver="exact")
+    bound, slip = chain.friction_bound, run.relative_velocity
+    assert np.all(np.abs(run.friction) <= bound * (1 + 1e-12))
+    assert np.all(run.friction * slip <= 0)
+    inside = np.abs(run.friction) < bound * (1 - 1e-9)
+    assert np.all(slip[inside] == 0)
+    assert np.count_nonzero(inside) > 1000
+
+
+@pytest.mark.parametrize("ratio", [0.1, 0.6, 1.3])
+def test_distance_of_two_motions_under_one_drive_never_grows(ratio) -> None:
+    """Coulomb friction is monotone; without a time-step error the energy norm falls to round-off exactly."""
+    chain, drive = canonical(0.3, ratio)
+    rng = np.random.default_rng(1)
+    state = State(rng.normal(0, 0.01, (2, 14)), rng.normal(0, 0.2, (2, 14)))
+    lane = Lane.periodic(chain, drive, 400)
+    one, other = EventDrivenSimulation([lane, lane]).run(state, 0, 2000)
+    x, v = one.positions - other.positions, one.velocities - other.velocities
+    energy = np.einsum("ti,ij,tj->t", v, chain.mass_matrix, v) + np.einsum("ti,ij,tj->t", x, chain.stiffness_matrix, x)
+    assert np.all(np.diff(energy) <= 1e-12 * energy[0])
+    assert energy[-1] < 0.9 * energy[0]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_modes_at_rest_solve_the_lcp_on_the_level_of_accelerations(seed) -> None:
+    """Lemke's method on (g̈_T⁺, λ_TR), for contacts all at rest, finds the same forces cell by cell."""
+    chain, drive, state = random_case(seed)
+    n = chain.cells
+    velocity = np.tile(state.velocities[:, :n], 2)
+    position = state.positions[0]
+    segment = next(EventDrivenChain(Lane(chain, drive, 1.0)).segments(State(position[None], velocity), 0.0, 1.0))
+    load = float(drive.load(chain, np.asarray(0.0)))
+    lemke = solve_step_given_normal_force(chain_step(chain, position, velocity[0], load, 1.0), chain.normal_force)
+    assert segment.friction[0] == pytest.approx(lemke.tangential, abs=1e-12 * np.max(chain.friction_bound) + 1e-12)
+    acceleration = lemke.relative_velocity
+    still = np.abs(acceleration) < 1e-9 * np.max(np.abs(acceleration))
+    assert np.array_equal(segment.modes, np.where(still, 0, np.sign(acceleration)))
+
+
+def test_monodromy_matrix_is_the_derivative_of_the_period_map() -> None:
+    """Central differences over a period with stops, starts and turns, along slipping directions."""
+    chain, drive = canonical(0.3, 0.62)
+    lane = Lane.periodic(chain, drive, 400)
+    state = exact_steady_state(chain, drive).orbit.trajectory.end
+    segments = list(EventDrivenChain(lane).segments(state, 0.0, drive.period))
+    assert len({segment.modes.tobytes() for segment in segments}) > 5
+    matrix = monodromy_matrix(EventDrivenChain(lane), segments)
+    rng = np.random.default_rng(0)
+    step = rng.normal(0, 1, (1, 28))
+    stuck = np.flatnonzero(segments[0].modes == 0)
+    step[0, 21 + stuck] = step[0, 14 + stuck]
+    ends = []
+    for sign in (1, -1):
+        moved = State(state.positions + sign * 1e-8 * step[:, :14], state.velocities + sign * 1e-8 * step[:, 14:])
+        end = EventDrivenSimulation([lane]).advance(moved, 0, 400)
+        ends.append(np.concatenate([end.positions[0], end.velocities[0]]))
+    difference = (ends[0] - ends[1]) / 2e-8
+    assert matrix @ step[0] == pytest.approx(difference, abs=1e-5 * np.max(np.abs(difference)))
+
+
+def test_exact_observables_are_those_of_a_finely_sampled_orbit() -> None:
+    chain, drive = canonical(0.3, 0.9)
+    exact = exact_steady_state(chain, drive)
+    sampled = steady_state(chain, drive, steps_per_period=25_600)
+    assert exact.stuck_fraction == pytest.approx(sampled.stuck_fraction, abs=1e-3)
+    assert [(t.cell, t.kind) for t in exact.transitions] == [(t.cell, t.kind) for t in sampled.transitions]
+    times = np.array([t.time for t in exact.transitions])
+    assert times == pytest.approx([t.time for t in sampled.transitions], abs=1e-3 * drive.period)
+    assert transmittance(exact.orbit) == pytest.approx(10 ** (exact.transmittance_db / 20), rel=1e-7)
+
+
+def test_transitions_come_in_pairs_half_a_period_apart() -> None:
+    """The drive changes its sign after half a period; so does the steady state, to round-off."""
+    chain, drive = canonical(0.3, 0.9)
+    opposite = {Mode.STICK: Mode.STICK, Mode.FORWARD: Mode.BACKWARD, Mode.BACKWARD: Mode.FORWARD}
+    found = [(t.cell, t.time / drive.period, t.kind) for t in exact_steady_state(chain, drive).transitions]
+    assert found
+    for cell, time, kind in found:
+        partners = [t for c, t, k in found if c == cell and k is opposite[kind]]
+        assert min(abs((t - time) % 1 - 0.5) for t in partners) < 1e-10
+
+
+def test_contact_that_creeps_to_where_it_sticks_counts_as_sticking() -> None:
+    """At friction ratio 1 and η_r = 0.9 cell 1 just reaches its bound; nothing slips forward and never back."""
+    found = exact_steady_state(*canonical(1.0, 0.9))
+    assert found.stuck_fraction[0] == 1.0
+    assert {t.cell for t in found.transitions} == {3, 5}
+
+
+def test_force_at_its_bound_that_does_not_rise_further_holds_the_contact() -> None:
+    """The spring of a resting inner mass pulls with exactly μ λ_N: Coulomb's law lets it rest."""
+    chain = Chain(
+        cells=1, outer_mass=STANDING, inner_mass=np.asarray(1.0), chain_stiffness=np.asarray(1.0),
+        inner_stiffness=np.asarray(100.0), normal_force=np.asarray(2.0), friction_coefficient=np.asarray(1.0),
+    )  # fmt: skip
+    run = simulate(chain, StillBase(), time_step=0.01, steps=50, positions=np.array([0.0, 0.02]), solver="exact")
+    assert np.max(np.abs(run.inner_positions - 0.02)) < 1e-12
+
+
+def test_critically_damped_and_resonant_chains_have_exact_solutions_too() -> None:
+    """Where the first-order matrix has no full set of eigenvectors, or a force meets an undamped resonance."""
+    chain = Chain(
+        cells=1, outer_mass=STANDING, inner_mass=np.asarray(1.0), chain_stiffness=np.asarray(1.0),
+        inner_stiffness=np.asarray(100.0), inner_damping=np.asarray(20.0),
+    )  # fmt: skip
+    run = simulate(chain, StillBase(), time_step=0.05, steps=20, positions=np.array([0.0, 1.0]), solver="exact")
+    assert run.inner_positions[:, 0] == pytest.approx((1 + 10 * run.time) * np.exp(-10 * run.time), abs=1e-12)
+    resonant = Chain(
+        cells=1, outer_mass=np.asarray(1.0), inner_mass=STANDING, chain_stiffness=np.asarray(60.0),
+        inner_stiffness=np.asarray(40.0),
+    )  # fmt: skip
+    run = simulate(resonant, HarmonicForce(1.0, 10.0), time_step=0.05, steps=100, solver="exact")
+    expected = (np.sin(10 * run.time) / 10 - run.time * np.cos(10 * run.time)) / 20
+    assert run.outer_positions[:, 0] == pytest.approx(expected, abs=1e-12)
+
+
+def test_event_driven_map_has_its_orbits_found_as_any_simulation() -> None:
+    lanes = [Lane.periodic(*canonical(0.3, 0.62), 400), Lane.periodic(*canonical(0.6, 0.62), 400)]
+    orbits = periodic_orbits(EventDrivenSimulation(lanes), 400, tolerance=1e-12)
+    assert [orbit.status for orbit in orbits] == [OrbitStatus.CONVERGED] * 2
+
+
+def test_contacts_that_change_modes_without_end_are_reported(monkeypatch) -> None:
+    monkeypatch.setattr(event_driven, "EVENTS_PER_SPAN", 0)
+    chain, drive = canonical(0.3, 0.62)
+    with pytest.raises(EventsAccumulate, match="changes of mode between"):
+        simulate(chain, drive, time_step=drive.period / 400, steps=400, solver="exact")
+
+
+def test_drive_without_harmonic_form_is_refused() -> None:
+    class Ramp(StillBase):
+        pass
+
+    class Record:
+        displacement_scale = StillBase.displacement_scale
+
+    with pytest.raises(ParameterError, match="Record has no event-driven solution; allowed: HarmonicBase"):
+        EventDrivenSimulation([Lane(Chain.from_ratios(), Record(), 1e-3)])
+    EventDrivenSimulation([Lane(Chain.from_ratios(), Ramp(), 1e-3)])

@@ -1,0 +1,55 @@
+"""First roots of polynomials on [0, 1]: none missed, close pairs and touches included."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from numpy.polynomial import Polynomial
+
+from reference_lcp.exact.polynomial_roots import first_roots
+
+
+def first_root(polynomial: Polynomial, size: int = 21) -> float:
+    coefficients = np.zeros((size, 1))
+    coefficients[: polynomial.coef.size, 0] = polynomial.coef
+    return float(first_roots(coefficients)[0])
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.lists(st.integers(-64, 96).filter(bool), min_size=1, max_size=6, unique=True), st.sampled_from([29, 32]))
+def test_first_root_is_the_smallest_one_on_the_interval(numerators, denominator) -> None:
+    """With 32 as denominator roots fall on the ends of halved intervals, where signs are round-off."""
+    roots = [numerator / denominator for numerator in numerators]
+    # Round-off decides whether a root at the very end is in this interval or at the start of the next one.
+    assume(1.0 not in roots)
+    polynomial = Polynomial.fromroots(roots)
+    polynomial = polynomial * float(np.sign(polynomial(0.0)))
+    inside = [root for root in roots if 0 < root <= 1]
+    assert first_root(polynomial) == pytest.approx(min(inside, default=np.inf), abs=1e-7)
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6, 3e-7])
+def test_pair_of_close_roots_is_not_missed(gap) -> None:
+    """A force that passes its bound for 3e-7 of the interval only."""
+    pair = Polynomial.fromroots([0.3141 - gap / 2, 0.3141 + gap / 2])
+    assert first_root(pair) == pytest.approx(0.3141 - gap / 2, abs=1e-15 / gap + 1e-15)
+    apart = pair + gap**2 / 2
+    assert first_root(apart) == np.inf
+
+
+def test_passing_zero_by_more_than_round_off_is_told_from_reaching_it() -> None:
+    for touch in (0.3, 0.5, 0.7):
+        assert first_root(Polynomial.fromroots([touch, touch]) - 1e-14) == pytest.approx(touch, abs=2e-7)
+        assert first_root(Polynomial.fromroots([touch, touch]) + 1e-14) == np.inf
+
+
+def test_polynomials_of_one_sign_have_no_root() -> None:
+    columns = np.zeros((5, 3))
+    columns[:, 0] = [1.0, 0, 0, 0, 0]
+    columns[:, 1] = [1.0, -0.5, 0.2, 0, 0]
+    columns[:, 2] = [0.1, 0.0, 0.0, 0.0, 3.0]
+    assert np.all(first_roots(columns) == np.inf)
+
+
+def test_root_at_the_end_of_the_interval_counts() -> None:
+    assert first_root(Polynomial([1.0, -1.0])) == pytest.approx(1.0)

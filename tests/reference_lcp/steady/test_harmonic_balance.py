@@ -1,0 +1,101 @@
+"""Harmonic balance: exact in the linear limits, near the exact motion in between, and what it saves the search."""
+
+import numpy as np
+import pytest
+
+from reference_lcp import Chain, HarmonicBase, HarmonicForce
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.exact.event_driven import EventDrivenSimulation
+from reference_lcp.steady.harmonic_balance import LEAST_SLIP, LOSS_FACTOR, harmonic_balance_start
+from reference_lcp.steady.orbits import periodic_orbits
+from reference_lcp.stepping.euler_compiled import CompiledSimulation
+
+STEPS = 400
+
+
+def start(chain, drive):
+    """Non-dimensional positions and velocities at phase zero."""
+    state = harmonic_balance_start([Lane.periodic(chain, drive, STEPS)], STEPS)
+    scale = drive.displacement_scale(chain)
+    return state.positions[0] / scale, state.velocities[0] / (scale * drive.angular_frequency)
+
+
+def drives(chain):
+    frequency = 0.7 * chain.resonator_frequency
+    return [HarmonicBase(0.01, frequency), HarmonicForce(30.0, frequency)]
+
+
+def linear_response(chain, drive, basis):
+    """Non-dimensional complex amplitudes in the subspace of `basis`, with the loss factor in all springs."""
+    omega = drive.angular_frequency
+    dynamic = (1 + 1j * LOSS_FACTOR) * chain.stiffness_matrix + 1j * omega * chain.damping_matrix
+    dynamic = dynamic - omega**2 * chain.mass_matrix
+    force = np.zeros(2 * chain.cells, dtype=complex)
+    quarter = np.array([0.0, drive.period / 4])
+    force[0] = drive.load(chain, quarter) @ [1j, 1.0]
+    found = basis @ np.linalg.solve(basis.T @ dynamic @ basis, basis.T @ force)
+    return found / drive.displacement_scale(chain)
+
+
+@pytest.mark.parametrize("kind", [0, 1], ids=["moving base", "force"])
+def test_without_friction_it_is_the_linear_response(kind) -> None:
+    chain = Chain.from_ratios(friction_ratio=0.0)
+    drive = drives(chain)[kind]
+    exact = linear_response(chain, drive, np.eye(14))
+    positions, velocities = start(chain, drive)
+    assert np.allclose(positions, exact.imag, rtol=0, atol=1e-12)
+    assert np.allclose(velocities, exact.real, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", [0, 1], ids=["moving base", "force"])
+def test_under_strong_friction_it_is_the_response_of_single_masses_but_for_the_least_slip(kind) -> None:
+    chain = Chain.from_ratios(friction_ratio=1e4)
+    drive = drives(chain)[kind]
+    exact = linear_response(chain, drive, np.vstack([np.eye(7), np.eye(7)]))
+    positions, velocities = start(chain, drive)
+    assert np.allclose(positions, exact.imag, rtol=0, atol=10 * LEAST_SLIP)
+    assert np.allclose(velocities, exact.real, rtol=0, atol=10 * LEAST_SLIP)
+
+
+@pytest.mark.parametrize("frequency_ratio", [0.45, 0.7, 0.9, 1.6])
+def test_first_harmonic_of_a_sliding_cell_is_that_of_its_exact_motion_within_a_ninth(frequency_ratio) -> None:
+    """What is left out: friction's third harmonic, a third of the first, and as much less again by acting back."""
+    chain = Chain.from_ratios(cells=1, friction_ratio=0.1)
+    drive = HarmonicBase.from_ratio(chain, frequency_ratio)
+    (orbit,) = periodic_orbits(EventDrivenSimulation([Lane.periodic(chain, drive, STEPS)]), STEPS)
+    positions, velocities = start(chain, drive)
+    phases = np.exp(-2j * np.pi * (np.arange(STEPS) + 1) / STEPS)
+    first = 2j * np.mean(orbit.trajectory.positions * phases[:, None], axis=0) / drive.amplitude
+    found = velocities + 1j * positions
+    assert np.max(np.abs(found - first)) < np.max(np.abs(first)) / 9
+
+
+def test_undamped_resonance_is_finite() -> None:
+    chain = Chain.from_ratios(cells=1, damping_ratio=0.0)
+    resonance = np.sqrt((3 - np.sqrt(5)) / 2)
+    positions, velocities = start(chain, HarmonicBase.from_ratio(chain, resonance))
+    assert np.all(np.isfinite([positions, velocities]))
+    assert np.max(np.abs([positions, velocities])) == pytest.approx(1 / LOSS_FACTOR, rel=0.5)
+
+
+def test_lane_starts_the_same_whoever_is_beside_it() -> None:
+    chains = [Chain.from_ratios(friction_ratio=ratio) for ratio in (0.0, 0.3, 5.0)]
+    lanes = [Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6), STEPS) for chain in chains]
+    together = harmonic_balance_start(lanes, STEPS)
+    for k, lane in enumerate(lanes):
+        alone = harmonic_balance_start([lane], STEPS)
+        assert np.array_equal(alone.positions[0], together.positions[k])
+        assert np.array_equal(alone.velocities[0], together.velocities[k])
+
+
+def test_resonance_that_takes_long_to_ring_up_is_found_in_half_the_periods() -> None:
+    """Friction ratio 1 at the chain's lowest resonance: the motion grows to tens of the base's, and slides there."""
+    chain = Chain.from_ratios(friction_ratio=1.0)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1478), STEPS)
+    simulation = CompiledSimulation([lane])
+    (from_rest,) = periodic_orbits(simulation, STEPS, start=State.at_rest(1, 7))
+    (balanced,) = periodic_orbits(simulation, STEPS)
+    assert balanced.converged
+    assert from_rest.converged
+    assert 2 * balanced.periods < from_rest.periods

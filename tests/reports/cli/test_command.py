@@ -1,0 +1,268 @@
+"""``python -m reports``: what it refuses, what it writes, what it keeps."""
+
+import errno
+import json
+import os
+import sqlite3
+import tempfile
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+import reports.__main__ as command
+from engines.interface.variant import Variant
+from reference_lcp.console import run_command
+from reports.data.collect import Extent, expected_questions
+from scenarios.execution.evaluator import Evaluator
+from scenarios.execution.local_processes import ProcessWorker
+from scenarios.execution.store import ResultStore
+from scenarios.studies.figure3 import Figure3
+from scenarios.sweeps.spec_file import read_sweep
+from scenarios.sweeps.verdicts import verdicts
+from scenarios.tasks.questions import Answer, Excitation
+
+SMALL = {"friction_ratios": (0.3,), "frequency_ratios": (0.3, 0.6, 0.63, 0.65, 0.7, 0.8, 0.9, 1.1)}
+
+
+@pytest.fixture
+def no_computation(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_arguments: object) -> None:
+        raise AssertionError("something was computed")
+
+    monkeypatch.setattr(Evaluator, "evaluate", refuse)
+
+
+@pytest.fixture
+def small_grid(monkeypatch: pytest.MonkeyPatch) -> None:
+    def asked(names: list[str], quick: bool) -> Figure3:
+        return Figure3(variants=tuple(command.Variant(name) for name in names), **SMALL)
+
+    monkeypatch.setattr(command, "_asked", asked)
+    monkeypatch.setattr(command, "Extent", lambda: Extent(((0.3, 0.9),), (0.3,), (0.6, 0.9), step_study=False))
+
+
+def one_line(capsys: pytest.CaptureFixture[str]) -> str:
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert captured.err.startswith("error: ")
+    return captured.err
+
+
+@pytest.mark.usefixtures("no_computation")
+def test_an_unknown_engine_is_refused_and_leaves_no_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(command.app, ["--engine", "mujocco", "--out", str(tmp_path / "report")]) == 2
+    assert "mujocco" in one_line(capsys)
+    assert not (tmp_path / "report").exists()
+
+
+@pytest.mark.usefixtures("no_computation")
+def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("")
+    assert run_command(command.app, ["--quick", "--out", str(tmp_path / "file" / "report")]) == 2
+    assert "--out" in one_line(capsys)
+
+
+@pytest.mark.usefixtures("no_computation")
+def test_a_folder_that_cannot_be_written_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(**_arguments: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(tempfile, "TemporaryFile", full)
+    assert run_command(command.app, ["--quick", "--out", str(tmp_path)]) == 2
+    assert "No space left on device" in one_line(capsys)
+
+
+@pytest.mark.usefixtures("no_computation")
+def test_a_page_that_is_a_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "index.html").mkdir()
+    assert run_command(command.app, ["--quick", "--out", str(tmp_path)]) == 2
+    assert "index.html" in one_line(capsys)
+
+
+@pytest.mark.usefixtures("no_computation")
+def test_a_store_of_another_program_is_refused_and_left_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    foreign = tmp_path / "foreign.sqlite"
+    with sqlite3.connect(foreign) as connection:
+        connection.execute("CREATE TABLE notes (text TEXT)")
+    connection.close()
+    before = foreign.read_bytes()
+    assert run_command(command.app, ["--quick", "--out", str(tmp_path), "--store", str(foreign)]) == 2
+    assert "another program" in one_line(capsys)
+    assert foreign.read_bytes() == before
+
+
+@pytest.mark.usefixtures("no_computation")
+@pytest.mark.parametrize("workers", ["0", "two"])
+def test_a_wrong_number_of_workers_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str], workers: str) -> None:
+    assert run_command(command.app, ["--workers", workers, "--out", str(tmp_path / "report")]) == 2
+    assert "workers" in one_line(capsys)
+    assert not (tmp_path / "report").exists()
+
+
+@pytest.mark.usefixtures("small_grid")
+def test_a_second_run_answers_from_the_store(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arguments = ["--engine", "reference", "--workers", "1", "--out", str(tmp_path)]
+    assert run_command(command.app, arguments) == 0
+    assert capsys.readouterr().out == f"{tmp_path / 'index.html'}\n"
+    first = {file.name: file.read_text() for file in tmp_path.glob("*.csv")}
+    assert {file.name for file in tmp_path.iterdir()} == {*command.FILES, "figures", "results.sqlite"}
+    figures = {file.name for file in (tmp_path / "figures").iterdir()}
+    assert figures >= {"figure3.svg", "figure3.pdf", "hysteresis-0.3-0.9.svg", "stick-slip-0.3-0.9.pdf"}
+
+    def refuse(*_arguments: object) -> None:
+        raise AssertionError("something was computed again")
+
+    monkeypatch.setattr(ProcessWorker, "submit", refuse)
+    assert run_command(command.app, arguments) == 0
+    assert {file.name: file.read_text() for file in tmp_path.glob("*.csv")} == first
+    assert json.loads((tmp_path / "report.json").read_text())["provenance"]["command"] == (
+        "python -m reports --engine reference"
+    )
+
+
+@pytest.mark.usefixtures("small_grid")
+def test_an_interrupted_run_says_that_answers_are_kept_and_writes_no_page(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(*_arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ProcessWorker, "submit", interrupt)
+    assert run_command(command.app, ["--engine", "reference", "--out", str(tmp_path)]) == 130
+    assert f"kept in {tmp_path / 'results.sqlite'}" in capsys.readouterr().err
+    assert {file.name for file in tmp_path.iterdir() if file.is_file()} == {"results.sqlite"}
+
+
+SWEEP = """\
+engines = ["mujoco:joint"]
+[grid]
+friction_ratio = [0.3]
+frequency_ratio = [0.6, 0.62, 0.63, 0.64, 0.65, 0.9]
+"""
+
+
+@pytest.fixture
+def stopped(tmp_path: Path) -> list[str]:
+    """A sweep that was stopped after two of its six points."""
+    (tmp_path / "sweep.toml").write_text(SWEEP)
+    asked = command._asked_by(tmp_path / "sweep.toml", None, quick=False)
+    with ResultStore(tmp_path / "sweep.sqlite") as store:
+        questions = [asked.question(command.Variant("mujoco"), 0.3, eta) for eta in (0.6, 0.9)]
+        store.keep((question, Answer(status="converged", transmittance_db=-1.0)) for question in questions)
+    return [
+        "--sweep",
+        str(tmp_path / "sweep.toml"),
+        "--store",
+        str(tmp_path / "sweep.sqlite"),
+        "--out",
+        str(tmp_path / "out"),
+    ]
+
+
+def test_a_sweep_that_was_stopped_is_shown_as_far_as_it_went(
+    stopped: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_arguments: object) -> None:
+        raise AssertionError("something was computed")
+
+    monkeypatch.setattr(ProcessWorker, "submit", refuse)
+    before = (tmp_path / "sweep.sqlite").read_bytes()
+    assert run_command(command.app, [*stopped, "--no-ask"]) == 0
+    page = (tmp_path / "out" / "index.html").read_text()
+    assert "16 points of the grid are not answered so far" in page  # 4 of MuJoCo, 6 of the reference, 6 converged
+    assert "engine: not answered so far" in page
+    assert "reference: not answered so far" in page
+    assert "No point of the map is answered so far" in page
+    table = (tmp_path / "out" / "transmittance.csv").read_text()
+    assert table.count("mujoco,joint,tuned,0.3,0.6,-1.0") == 1
+    assert (tmp_path / "sweep.sqlite").read_bytes() == before
+
+
+PUSHED = """\
+engines = ["reference:joint", "mujoco:joint", "mujoco:joint:default"]
+[grid]
+friction_ratio = [0.3]
+frequency_ratio = [0.6, 0.9]
+[drive]
+kind = "force"
+amplitude = 10.0
+[tolerances]
+transmittance_db = 0.1
+"""
+"""Driven by a force, with a tolerance that a default keeps at one of the points only."""
+
+
+def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    extent = Extent(((0.3, 0.9),), (0.3,), (0.6, 0.9), step_study=False)
+    monkeypatch.setattr(command, "Extent", lambda: extent)
+    file, store = tmp_path / "sweep.toml", tmp_path / "results.sqlite"
+    file.write_text(PUSHED)
+    arguments = ["--sweep", str(file), "--store", str(store), "--out", str(tmp_path / "out"), "--workers", "1"]
+    assert run_command(command.app, arguments) == 0
+    read = read_sweep(file)
+    with ResultStore(store) as kept:
+        asked = {(q.variant, q.frequency_ratio): q for q in read.sweep.questions()}
+        found = {place: kept.find(question) for place, question in asked.items()}
+        expected = verdicts(read.sweep, kept, 0.1)
+    with sqlite3.connect(store) as connection:
+        contents = [json.loads(text)["question"] for (text,) in connection.execute("SELECT content FROM answers")]
+        motions = connection.execute("SELECT count(*) FROM motions").fetchone()[0]
+    connection.close()
+    # everything that was asked, map and lines of the reference among it, is about the force
+    assert all(one["excitation"] == {"kind": "force", "amplitude": 10.0} for one in contents)
+    assert motions == len(read.sweep.variants)
+    written = json.loads((tmp_path / "out" / "report.json").read_text())
+    names = ("engine", "formulation", "preset")
+    rows = {(Variant(*(row[n] for n in names)), row["frequency_ratio"]): row for row in written["transmittance"]}
+    assert all(rows[place]["transmittance_db"] == answer.transmittance_db for place, answer in found.items())
+    assert found[Variant("reference"), 0.6].transmittance_db == pytest.approx(-0.152416, abs=1e-6)  # base: -0.151560
+    for variant, counted in expected.items():
+        own = [row["verdict"] for (whose, eta), row in rows.items() if whose == variant and (whose, eta) in asked]
+        assert Counter(own) == Counter({str(verdict): count for verdict, count in counted.counts.items()})
+    assert {str(verdict) for one in expected.values() for verdict in one.counts} == {"agree", "disagree"}
+    origin = written["provenance"]
+    assert (origin["drive"]["kind"], origin["drive"]["amplitude"]) == ("force", 10.0)
+    assert origin["tolerances"]["given"] == {"transmittance_db": 0.1, "ruler": "reference"}
+    page = (tmp_path / "out" / "index.html").read_text()
+    assert "driven by a harmonic force on the outer mass of cell 1 (P<sub>0</sub> = 10 N" in page
+    assert "0.1 dB of transmittance from reference, as the file of the sweep says" in page
+    assert "on a base that moves" not in page
+
+
+def test_the_step_study_of_a_report_is_about_the_drive_of_its_sweep(tmp_path: Path) -> None:
+    (tmp_path / "sweep.toml").write_text(PUSHED)
+    asked = command._asked_by(tmp_path / "sweep.toml", None, quick=False)
+    expected = expected_questions(asked, Extent())
+    assert {question.steps_per_period for question in expected} >= {400, 800, 1600}
+    assert {question.excitation for question in expected} == {Excitation(kind="force", amplitude=10.0)}
+
+
+@pytest.mark.usefixtures("no_computation")
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (["--no-ask", "--store", "nowhere.sqlite"], "nowhere.sqlite does not exist"),
+        (["--sweep", "{sweep}", "--quick"], "neither --engine nor --quick"),
+        (["--sweep", "{wide}"], "grid.mass_ratio is varied"),
+        (["--sweep", "nowhere.toml"], "nowhere.toml"),
+    ],
+)
+def test_wrong_ways_to_say_what_is_shown_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], named: str
+) -> None:
+    files = {"sweep": tmp_path / "sweep.toml", "wide": tmp_path / "wide.toml"}
+    files["sweep"].write_text(SWEEP)
+    files["wide"].write_text(SWEEP + "mass_ratio = [1.0, 2.0]\n")
+    asked = [argument.format(**files) for argument in arguments]
+    assert run_command(command.app, [*asked, "--out", str(tmp_path / "out")]) == 2
+    assert named in one_line(capsys)

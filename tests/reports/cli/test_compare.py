@@ -1,0 +1,145 @@
+"""``python -m reports compare``: a changed option is found, with its points; equal stores are no change."""
+
+import csv
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from engines.interface import variant
+from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Option, Preset
+from engines.interface.variant import Variant
+from reference_lcp.console import run_command
+from reference_lcp.validation import ParameterError
+from reports.__main__ import app
+from scenarios.execution.store import ResultStore
+from scenarios.tasks import questions
+from scenarios.tasks.questions import Answer, Question
+from scenarios.verdicts.regression import Kept, Thresholds, change, compare_stores
+
+SOFT, HARD = Option(1, 5, "soft"), Option(100, 5, "hard")
+
+
+class Softening(Engine):
+    """An engine whose option decides how hard its friction is; its answers are made by `answered`."""
+
+    name = "softening"
+
+    def __init__(self, option: Option):
+        preset = Preset("As hard as it says.", {"iterations": option})
+        self.capabilities = Capabilities(  # type: ignore[misc]
+            title="Softening", package="softening", licence="MIT", friction_law=FrictionLaw.COULOMB,
+            presets={Formulation.JOINT: {"tuned": preset}},
+        )  # fmt: skip
+
+    def version(self) -> str:
+        return "1.0"
+
+    def why_not_installed(self) -> str | None:
+        return None
+
+    def _build(self, *_: object):
+        raise NotImplementedError
+
+
+def answered(question: Question, softness: float) -> Answer:
+    """Only where contacts slip is the transmittance changed by their softness."""
+    slips = question.frequency_ratio > 0.5
+    return Answer(
+        status="converged", transmittance_db=-5.0 + softness * slips, residual=1e-9, periods=30, steps_per_period=400,
+        period=1.0, stuck_fraction=(0.5, 1.0), transitions=((1, 0.2 + softness * slips / 1000, "stick"),),
+    )  # fmt: skip
+
+
+def fill(file: Path, option: Option, softness: float, monkeypatch: pytest.MonkeyPatch) -> Path:
+    engine = Softening(option)
+    monkeypatch.setattr(questions, "engine", lambda _name: engine)
+    monkeypatch.setattr(variant, "engine", lambda _name: engine)
+    questions._identity.cache_clear()
+    with ResultStore(file) as store:
+        asked = [
+            Question(variant=Variant("softening"), friction_ratio=0.3, frequency_ratio=eta) for eta in (0.3, 0.6, 0.9)
+        ]
+        store.keep((question, answered(question, softness)) for question in asked)
+    questions._identity.cache_clear()
+    return file
+
+
+@pytest.fixture
+def before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    return fill(tmp_path / "before.sqlite", HARD, 0.0, monkeypatch)
+
+
+def compared(*arguments: object) -> int:
+    return run_command(app, ["compare", *map(str, arguments)])
+
+
+def test_a_changed_option_is_found_with_the_points_that_it_changed(
+    before: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    now = fill(tmp_path / "now.sqlite", SOFT, 0.5, monkeypatch)
+    table = tmp_path / "changes.csv"
+    assert compared(before, now, "--out", table) == 1
+    printed = capsys.readouterr().out
+    assert "softening:joint:tuned: option iterations 100 → 1" in printed
+    assert "2 points beyond" in printed
+    rows = {row["frequency_ratio"]: row for row in csv.DictReader(table.read_text().splitlines())}
+    assert {eta for eta, row in rows.items() if row["beyond"]} == {"0.6", "0.9"}
+    assert float(rows["0.6"]["transmittance_db_change"]) == pytest.approx(0.5)
+    assert float(rows["0.6"]["transition_change"]) == pytest.approx(0.0005)
+
+
+def test_a_changed_option_that_changes_nothing_is_named_and_passes(
+    before: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    now = fill(tmp_path / "now.sqlite", SOFT, 0.01, monkeypatch)
+    assert compared(before, now) == 0
+    assert "option iterations 100 → 1" in capsys.readouterr().out
+    assert compared(before, now, "--db", "0.005") == 1
+
+
+def test_a_store_equals_itself(before: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert compared(before, before) == 0
+    assert "option" not in capsys.readouterr().out
+
+
+def test_points_of_one_store_alone_are_counted(before: Path, tmp_path: Path) -> None:
+    now = tmp_path / "now.sqlite"
+    other = Question(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
+    with ResultStore(now) as store:
+        store.keep([(other, answered(other, 0.0))])
+    found = compare_stores(before, now)
+    assert found.changes == ()
+    assert (found.only_first, found.only_second) == ({"softening:joint:tuned": 3}, {"reference:joint:tuned": 1})
+    assert compared(before, now) == 2
+
+
+@pytest.mark.parametrize(
+    ("now", "beyond"),
+    [
+        ({"status": "period limit"}, "converged before, period limit now"),
+        ({"stuck_fraction": (0.5, 0.9)}, "stuck fraction 0.1"),
+        ({"transitions": ((1, 0.21, "stick"),)}, "a transition 1 % of the period away"),
+        ({"transitions": ()}, "1 transitions without a partner"),
+        ({"transitions": ((1, 0.999, "stick"),)}, "2 transitions without a partner"),
+    ],
+)
+def test_every_kind_of_change_passes_its_threshold(now: dict[str, object], beyond: str) -> None:
+    question = Question(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
+    old = answered(question, 0.0)
+    kept = [Kept({}, "1", {}, answer) for answer in (old, dataclasses.replace(old, **now))]
+    assert beyond in change(*kept, Thresholds()).beyond
+    assert change(kept[0], kept[0], Thresholds()).beyond == ()
+
+
+@pytest.mark.parametrize(
+    "arguments", [["missing.sqlite"], ["{}", "--db", "0"], ["{}", "--out", "changes.txt"], ["{}", "--transition", "2"]]
+)
+def test_wrong_input_is_refused(before: Path, arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert compared(before, *(one.format(before) for one in arguments)) == 2
+    assert capsys.readouterr().err.startswith("error: ")
+
+
+def test_thresholds_name_what_is_wrong() -> None:
+    with pytest.raises(ParameterError, match=r"threshold of stuck_fraction = 0"):
+        Thresholds(stuck_fraction=0)

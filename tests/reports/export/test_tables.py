@@ -1,0 +1,123 @@
+"""CSV and JSON: columns, full numbers, the same in both."""
+
+import csv
+import dataclasses
+import io
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from reports.data.report import Report
+from reports.export.files import dataset, write_all
+from scenarios.studies.figure3 import Figure3Result
+
+COLUMNS = {
+    "band_edges.csv": "engine,formulation,preset,friction_ratio,edge,frequency_ratio,difference,verdict,reason",
+    "transmittance.csv": (
+        "engine,formulation,preset,friction_ratio,frequency_ratio,transmittance_db,residual,difference_db,verdict,reason"
+    ),
+    "transitions.csv": "engine,formulation,preset,friction_ratio,frequency_ratio,cell,time_s,kind",
+}
+
+
+@pytest.fixture(scope="module")
+def texts(files: dict[str, bytes]) -> dict[str, str]:
+    return {name: content.decode() for name, content in files.items() if name.endswith((".csv", ".json"))}
+
+
+def rows(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_csv_has_exactly_the_columns_promised(texts: dict[str, str], name: str) -> None:
+    assert texts[name].splitlines()[0] == COLUMNS[name]
+
+
+def test_every_point_of_every_variant_has_a_row_with_its_verdict(texts: dict[str, str], result: Figure3Result) -> None:
+    table = rows(texts["transmittance.csv"])
+    assert len(table) == len(result.points)
+    found = {(row["engine"], row["preset"], row["friction_ratio"], row["frequency_ratio"]): row for row in table}
+    assert found["mujoco", "tuned", "0.0", "0.9"]["verdict"] == "disagree"
+    assert found["mujoco", "tuned", "0.3", "1.3"]["verdict"] == "inconclusive"
+    assert found["pybullet", "tuned", "0.3", "0.6"]["verdict"] == "blocked"
+
+
+def test_csv_numbers_are_in_full(texts: dict[str, str], result: Figure3Result) -> None:
+    for row, point in zip(rows(texts["transmittance.csv"]), result.points, strict=True):
+        assert row["transmittance_db"] == repr(point.answer.transmittance_db)
+        assert row["residual"] == repr(point.answer.residual)
+
+
+@pytest.mark.parametrize("name", ["band_edges.csv", "transmittance.csv"])
+def test_json_holds_the_numbers_of_the_csv(texts: dict[str, str], name: str) -> None:
+    listed = json.loads(texts["report.json"])[name.removesuffix(".csv")]
+    for written, read in zip(listed, rows(texts[name]), strict=True):
+        assert list(written) == list(read)
+        for column, value in written.items():
+            assert read[column] == ("nan" if value is None else str(value))
+
+
+def test_json_writes_null_where_there_is_no_number(texts: dict[str, str]) -> None:
+    def refuse(constant: str) -> float:
+        raise AssertionError(constant)
+
+    report = json.loads(texts["report.json"], parse_constant=refuse)
+    blocked = [row for row in report["transmittance"] if row["verdict"] == "blocked"]
+    assert blocked
+    assert all(row["transmittance_db"] is None for row in blocked)
+
+
+def test_json_says_where_the_numbers_come_from(texts: dict[str, str]) -> None:
+    origin = json.loads(texts["report.json"])["provenance"]
+    assert origin["command"] == "python -m reports --quick --engine '<b>'"
+    assert origin["tolerances"]["residual"] == 1e-8
+    assert origin["band"]["depth_db"] == -10.0
+    mujoco = next(variant for variant in origin["variants"] if variant["engine"] == "mujoco")
+    assert {option["name"] for option in mujoco["options"]} >= {"solver", "noslip_iterations"}
+    assert mujoco["worst_residual"] == 3e-9
+
+
+def test_an_edge_outside_the_grid_is_nan_and_a_blocked_engine_has_no_difference(texts: dict[str, str]) -> None:
+    table = rows(texts["band_edges.csv"])
+    absent = [row for row in table if (row["friction_ratio"], row["edge"]) == ("0.3", "upper")]
+    assert len(absent) == 4
+    for row in [*absent, *(row for row in table if row["engine"] == "pybullet")]:
+        assert math.isnan(float(row["frequency_ratio"]))
+        assert math.isnan(float(row["difference"]))
+
+
+def test_files_are_replaced_whole(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("old")
+    write_all(tmp_path, {"a.csv": b"new", "figures/b.svg": b"more"})
+    found = {str(file.relative_to(tmp_path)): file.read_text() for file in tmp_path.rglob("*") if file.is_file()}
+    assert found == {"a.csv": "new", "figures/b.svg": "more"}
+
+
+def test_netcdf_holds_every_point_and_edge_with_its_labels(
+    report: Report, files: dict[str, bytes], tmp_path: Path
+) -> None:
+    file = tmp_path / "report.nc"
+    file.write_bytes(files["report.nc"])
+    with xr.open_dataset(file, engine="h5netcdf") as read:
+        assert read.transmittance.attrs["units"] == "dB"
+        for point in report.result.points:
+            place = {"variant": str(point.variant), "friction_ratio": point.friction_ratio}
+            one = read.sel(place).sel(frequency_ratio=point.frequency_ratio)
+            np.testing.assert_equal(float(one.transmittance), point.answer.transmittance_db)
+            meaning = read.verdict.attrs["flag_meanings"].split()
+            assert meaning[int(one.verdict)] == str(point.comparison.verdict)
+        for edge in report.result.edges:
+            place = {"variant": str(edge.variant), "friction_ratio": edge.friction_ratio, "edge": str(edge.edge)}
+            expected = math.nan if edge.frequency_ratio is None else edge.frequency_ratio
+            np.testing.assert_equal(float(read.band_edge.sel(place)), expected)
+
+
+def test_points_that_were_not_asked_are_told_from_those_without_a_number(result: Figure3Result) -> None:
+    fewer = dataclasses.replace(result, points=result.points[1:])
+    assert int(dataset(fewer).verdict.min()) == -1
+    assert int(dataset(result).verdict.min()) == 0

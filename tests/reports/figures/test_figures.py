@@ -1,0 +1,131 @@
+"""Pictures: what plotly is given is what it knows, colours and shapes are told apart, loops keep their shape."""
+
+import itertools
+import math
+from collections.abc import Callable
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+
+from engines.interface.variant import Variant
+from reports.data.report import Report
+from reports.figures.hysteresis import CORNER, corners
+from reports.figures.stick_slip import MODE_COLOURS, phases
+from reports.figures.style import PALETTE, Look, look_of
+from reports.page.render import sections
+from reports.page.sections import StickSlip
+from scenarios.studies.figure3 import Figure3, Figure3Result
+from scenarios.tasks.questions import Answer
+
+RGB = tuple[float, float, float]
+
+# Machado, Oliveira and Fernandes (2009), severity 1.0, on linear RGB
+PROTANOPIA = [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]
+DEUTERANOPIA = [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]
+TRITANOPIA = [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]]
+
+
+def linear(colour: str) -> np.ndarray:
+    value = np.array([int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)])
+    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+
+
+def lightness(colour: np.ndarray) -> float:
+    """L* of CIELAB: 0 black, 100 white."""
+    luminance = float(np.clip(colour, 0, 1) @ [0.2126, 0.7152, 0.0722])
+    return 116 * luminance ** (1 / 3) - 16 if luminance > 0.008856 else 903.3 * luminance
+
+
+@pytest.fixture
+def many() -> Figure3:
+    class Registered(Figure3):
+        """Forty-eight variants, whether or not anybody has registered them."""
+
+        def __post_init__(self) -> None:
+            return
+
+    return Registered(variants=tuple(Variant(f"engine{k}") for k in range(48)))
+
+
+def test_plotly_knows_everything_that_it_is_given(report: Report) -> None:
+    pictures = [picture for part in sections(report) for picture in part.pictures()]
+    assert len(pictures) > 8
+    for picture in pictures:
+        figure = go.Figure(picture.plot)  # raises at the first unknown name or wrong value
+        assert figure.data, picture.name
+
+
+def test_every_variant_of_forty_eight_has_a_look_of_its_own(many: Figure3) -> None:
+    looks = [look_of(many, variant) for variant in many.variants]
+    assert len({(look.colour, look.symbol) for look in looks}) == 48
+
+
+def test_neighbours_are_told_apart_without_colour(many: Figure3) -> None:
+    looks = [look_of(many, variant) for variant in many.variants]
+    assert all(a.marker != b.marker and a.dash != b.dash for a, b in itertools.pairwise(looks))
+
+
+@pytest.mark.parametrize("deficiency", [PROTANOPIA, DEUTERANOPIA, TRITANOPIA])
+def test_stick_and_slip_are_told_apart_by_colour_blind_readers_and_in_grey(deficiency: list[list[float]]) -> None:
+    for seen in (np.array(deficiency), np.eye(3)):
+        levels = sorted(lightness(seen @ linear(colour)) for colour in MODE_COLOURS.values())
+        assert min(b - a for a, b in itertools.pairwise(levels)) > 25
+
+
+@pytest.mark.parametrize("deficiency", [PROTANOPIA, DEUTERANOPIA])
+def test_colours_of_neighbours_differ_for_the_commonest_deficiencies(deficiency: list[list[float]]) -> None:
+    seen = [np.array(deficiency) @ linear(colour) for colour in PALETTE]
+    assert min(float(np.linalg.norm(a - b)) for a, b in itertools.pairwise(seen)) > 0.15
+
+
+def test_printed_looks_and_looks_on_the_screen_have_the_same_colour(many: Figure3) -> None:
+    look: Look = look_of(many, many.variants[7])
+    assert look.printed()["color"] == look.plotly_marker["color"] == look.plotly_line["color"]
+
+
+def test_phases_of_a_contact_fill_the_period_once() -> None:
+    answer = Answer(
+        status="converged", period=2.0, stuck_fraction=(0.5, 1.0, 0.0),
+        transitions=((1, 0.5, "forward slip"), (1, 1.5, "stick")),
+    )  # fmt: skip
+    found = phases(answer)
+    assert [(p.cell, p.start, p.length, str(p.mode)) for p in found] == [
+        (1, 0.0, 0.25, "stick"),
+        (1, 0.25, 0.5, "forward slip"),
+        (1, 0.75, 0.25, "stick"),
+        (2, 0.0, 1.0, "stick"),
+    ]
+
+
+def test_a_raster_has_the_reference_and_every_engine_with_a_steady_state(result: Figure3Result) -> None:
+    pictures = StickSlip(Report(result, "")).pictures()
+    assert [picture.name for picture in pictures] == ["stick-slip-0.3-0.6", "stick-slip-0.3-0.9"]
+    assert "Reference (LCP); MuJoCo" in pictures[0].caption
+    assert "PyBullet" not in pictures[0].caption
+
+
+@pytest.mark.parametrize("curve", [lambda t: (np.cos(t), np.sin(t)), lambda t: (np.sign(np.cos(t)), np.sin(3 * t))])
+def test_points_that_a_curve_does_not_need_lie_on_its_lines(
+    curve: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+) -> None:
+    x, y = curve(np.linspace(0, 2 * math.pi, 400))
+    kept = corners(x, y)
+    assert 4 < len(kept) < 200
+    assert (kept[0], kept[-1]) == (0, 399)
+    along = np.arange(400)
+    for first, last in itertools.pairwise(kept):
+        line = np.array([x[last] - x[first], y[last] - y[first]]) / [np.ptp(x), np.ptp(y)]
+        offset = np.array([x - x[first], y - y[first]]).T / [np.ptp(x), np.ptp(y)]
+        inside = (along > first) & (along < last)
+        length = np.hypot(*line)
+        distance = np.abs(line[0] * offset[:, 1] - line[1] * offset[:, 0]) / length if length else np.hypot(*offset.T)
+        assert np.all(distance[inside] <= CORNER + 1e-12)
+
+
+def test_a_loop_of_exact_friction_is_four_corners() -> None:
+    """To and fro with constant friction, and sticking at the ends."""
+    slip, stick = np.linspace(-1, 1, 100), np.ones(100)
+    x = np.concatenate([slip, stick, -slip, -stick])
+    y = np.concatenate([-stick, slip, stick, -slip])
+    assert len(corners(x, y)) == 5

@@ -1,0 +1,104 @@
+"""A report from a store of 20,000 points: built in seconds, and small enough to be sent."""
+
+import math
+import resource
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from engines.interface.registry import engine, engine_names
+from engines.interface.variant import Variant, variants_of
+from reports.page.render import LARGEST_PAGE
+from scenarios.execution.evaluator import StoredAnswers
+from scenarios.execution.store import ResultStore
+from scenarios.studies.figure3 import run
+from scenarios.sweeps.spec_file import read_sweep
+from scenarios.tasks.questions import Answer, Question
+
+POINTS = 20_000
+SECONDS = 120.0
+"""Processor time that the report may take: 39 s were measured on two busy cores, and three times as many leave room for
+a slower machine. A step that takes a millisecond more a point, or looks through all points for each, takes longer."""
+
+FRICTION_RATIOS = (0.0, 0.1, 0.3, 0.6, 1.0, 5.0)
+
+
+class Inventor(StoredAnswers):
+    """Makes answers up, and keeps them: curves that fall through the band, with an error of each variant's own."""
+
+    def evaluate(self, questions: Sequence[Question]) -> list[Answer]:
+        new = {question: invented(question) for question in self.unanswered(questions)}
+        self._store.keep(new.items())
+        self._answered |= new
+        return [self._answered[question] for question in questions]
+
+
+def invented(question: Question) -> Answer:
+    edge = 0.6 + abs(question.friction_ratio - 0.3) / 4
+    error = 1e-3 * (sum(map(ord, str(question.variant))) % 700)
+    changes = [
+        (cell, (0.07 * cell + 0.25 * k + error / 100) % 1.0, ("stick", "forward slip", "stick", "backward slip")[k])
+        for cell in range(1, 6)
+        for k in range(4)
+    ]
+    return Answer(
+        status="converged",
+        transmittance_db=6 * (1 - (question.frequency_ratio / edge) ** 4)
+        + error * math.sin(9 * question.frequency_ratio),
+        residual=3e-9,
+        periods=33,
+        steps_per_period=question.steps_per_period,
+        period=1.0,
+        stuck_fraction=(0.5,) * 5 + (1.0, 1.0),
+        transitions=tuple(changes),
+        seconds=0.01,
+    )
+
+
+def sweep_text(variants: Sequence[Variant]) -> str:
+    count = math.ceil(POINTS / len(variants) / len(FRICTION_RATIOS))
+    etas = sorted({0.6, 0.9, 1.3, *(round(0.3 + 1.7 * k / count, 4) for k in range(count))})
+    names = [f"{v.engine}:{v.formulation}:{v.preset}" for v in variants]
+    return (
+        f"engines = {names!r}\n[grid]\nfriction_ratio = {list(FRICTION_RATIOS)}\nfrequency_ratio = {etas}\n"
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+def test_twenty_thousand_points_are_a_page_of_less_than_five_mebibytes(tmp_path: Path) -> None:
+    installed = [name for name in engine_names() if engine(name).why_not_installed() is None]
+    variants = [variant for name in installed for variant in variants_of(name)]
+    sweep, store = tmp_path / "sweep.toml", tmp_path / "results.sqlite"
+    sweep.write_text(sweep_text(variants))
+    from reports.__main__ import _asked_by
+
+    asked = _asked_by(sweep, None, quick=False)
+    assert len(read_sweep(sweep).sweep.variants) == len(variants)
+    with ResultStore(store) as kept:
+        result = run(asked, Inventor(kept))
+    assert len(result.points) >= POINTS
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = [
+        "-m",
+        "reports",
+        "--sweep",
+        str(sweep),
+        "--store",
+        str(store),
+        "--no-ask",
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    subprocess.run([sys.executable, *command], check=True, cwd=Path(__file__).parents[3])
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    size = (tmp_path / "out" / "index.html").stat().st_size
+    print(
+        f"{len(result.points)} points, {len(variants)} variants: "
+        f"{seconds:.1f} s of processor time, {size / 2**20:.2f} MiB"
+    )
+    assert size < LARGEST_PAGE
+    assert seconds < SECONDS

@@ -1,0 +1,182 @@
+"""The page: complete, self-contained, escaped, honest about what is missing."""
+
+import math
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from engines.interface.variant import Variant
+from reports.data.findings import absent_edge, band_definition, compared_with, findings
+from reports.data.report import Report
+from reports.export.files import files_of
+from reports.page.render import LARGEST_PAGE
+from reports.page.sections import OpenPoints
+from reports.page.sections.stick_slip import stick_slip_rows
+from scenarios.studies.attenuation_band import Edge
+from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
+from scenarios.tasks.questions import Answer, ChainRatios
+from scenarios.verdicts.verdict import compare_edge, compare_transmittance
+
+RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
+
+
+@pytest.fixture(scope="module")
+def page(files: dict[str, bytes]) -> str:
+    return files["index.html"].decode()
+
+
+@pytest.fixture(scope="module")
+def markup(page: str) -> str:
+    """The page without what its scripts hold."""
+    return re.sub(r"(<script[^>]*>).*?</script>", r"\1</script>", page, flags=re.DOTALL)
+
+
+class Elements(HTMLParser):
+    """What a page is made of: identifiers, headings, open elements at the end."""
+
+    VOID = ("meta", "link", "br", "hr", "img", "input")
+
+    def __init__(self, text: str):
+        super().__init__()
+        self.identifiers: list[str] = []
+        self.references: list[str] = []
+        self.headings: list[str] = []
+        self.open: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in self.VOID:
+            self.open.append(tag)
+        for name, value in attrs:
+            if name == "id" and value:
+                self.identifiers.append(value)
+            if name.endswith("href") and value:
+                self.references.append(value)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        self.handle_endtag(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag not in self.VOID:
+            assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] == "h2":
+            self.headings.append(data)
+
+
+def test_page_has_every_section_in_order(page: str) -> None:
+    assert Elements(page).headings == [
+        "Summary",
+        "Band edges",
+        "Transmittance",
+        "Friction and frequency",
+        "Stick and slip",
+        "Work and precision",
+        "Points that do not agree",
+        "How these numbers were made",
+    ]
+
+
+def test_page_needs_nothing_from_elsewhere(markup: str) -> None:
+    assert not re.search(r"https?:|//[a-z]|<link|@import|\bsrc=(?!\"data:image/png;base64,)", markup)
+    assert all(reference.startswith(("#", "data:image/png;base64,")) for reference in Elements(markup).references)
+
+
+def test_page_is_small_enough_to_be_sent(page: str) -> None:
+    assert len(page.encode()) < LARGEST_PAGE
+
+
+def test_elements_close_and_identifiers_are_unique_and_found(markup: str) -> None:
+    elements = Elements(markup)
+    assert elements.open == []
+    assert len(set(elements.identifiers)) == len(elements.identifiers)
+    targets = [one[1:] for one in elements.references if one[0] == "#"] + re.findall(r"url\(#([^)]+)\)", markup)
+    assert set(targets) <= set(elements.identifiers)
+
+
+def test_text_from_outside_is_escaped(page: str) -> None:
+    assert "&lt;pybullet&gt; is missing &amp; has no wheel" in page
+    assert "<pybullet>" not in page
+    assert "&lt;b&gt;" in page
+
+
+def test_a_missing_engine_is_blocked_with_its_reason_once_and_not_by_every_point(result: Figure3Result) -> None:
+    shown = {part["title"]: part["rows"] for part in OpenPoints(Report(result, "")).context()["variants"]}
+    assert [row["verdict"] for row in shown["PyBullet"]] == ["blocked"]
+    assert "has no wheel" in shown["PyBullet"][0]["reason"]
+
+
+def test_points_and_edges_that_do_not_agree_are_named(result: Figure3Result) -> None:
+    shown = {part["title"]: part["rows"] for part in OpenPoints(Report(result, "")).context()["variants"]}
+    places = {row["places"]: row["verdict"] for row in shown["MuJoCo"]}
+    assert places == {
+        "friction 0, η_r = 0.9": "disagree",
+        "friction 0.3, η_r = 1.3": "inconclusive",
+        "friction 0, lower edge": "disagree",
+        "friction 0, upper edge": "disagree",
+        "friction 0.3, lower edge": "disagree",
+    }
+
+
+def test_every_axis_and_every_table_of_edges_names_the_definition_of_the_band(page: str, result: Figure3Result) -> None:
+    definition = "first deep attenuation (transmittance below −10 dB)"
+    assert definition in band_definition(result)
+    assert page.count(definition) == 5
+
+
+def test_findings_count_verdicts_and_name_the_worst_place(result: Figure3Result) -> None:
+    found = findings(result, RUNS)
+    assert found.verdicts == {"agree": 6, "disagree": 1, "inconclusive": 1, "blocked": 0}
+    assert found.worst_difference.difference == pytest.approx(0.03, abs=1e-12)
+    assert (found.worst_difference.friction_ratio, found.worst_difference.frequency_ratio) == (0.0, 0.9)
+    assert found.worst_edge.difference == pytest.approx(0.01)
+    assert found.median_periods == 30
+    assert found.seconds == pytest.approx(3.5)
+
+
+def test_what_shares_the_scheme_is_compared_at_equal_step() -> None:
+    assert "at equal time step; nothing is allowed but what neither can resolve" in compared_with(RUNS)
+    assert "converged reference; its own error is allowed" in compared_with(Variant("exudyn-bristle"))
+    assert "step error" in compared_with(REFERENCE)
+    assert "ruler" in compared_with(CONVERGED)
+
+
+def test_an_edge_that_the_grid_does_not_hold_is_said_to_be_beyond_its_end(result: Figure3Result) -> None:
+    assert absent_edge(result, result.edge(CONVERGED, 0.3, Edge.UPPER)) == "above 1.3"
+    assert absent_edge(result, result.edge(CONVERGED, 0.3, Edge.LOWER)) == "below 0.3"
+    assert absent_edge(result, result.edge(MISSING, 0.3, Edge.LOWER)) == "unknown"
+
+
+def test_stick_slip_rows_compare_transitions_with_the_reference_at_equal_step(result: Figure3Result) -> None:
+    rows = {(row["engine"], row["preset"], row["frequency_ratio"]): row for row in stick_slip_rows(result)}
+    assert {eta for _, _, eta in rows} == {0.6, 0.9}
+    row = rows["mujoco", "tuned", 0.6]
+    assert (row["transitions"], row["missed"], row["spurious"]) == (2, 0, 0)
+    assert row["largest_time_error"] == pytest.approx(0.00025)
+    assert row["stuck_fraction"] == 0.375
+    assert rows["pybullet", "tuned", 0.6]["status"] == "blocked"
+    assert rows["reference", "tuned", 0.6]["largest_time_error"] == 0.0
+
+
+def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
+    place = (0.3, 0.6)
+    ratios = ChainRatios(cells=2, mass_ratio=(1.0, 0.5), outer_mass_ratio=(1.0, 2.0))
+    asked = Figure3(variants=(MISSING,), friction_ratios=place[:1], frequency_ratios=place[1:], ratios=ratios)
+    lost = Answer(status="period limit", residual=1e-3, periods=400)
+    answers = {variant: Answer.blocked("why") if variant == MISSING else lost for variant in asked.all_variants}
+    result = Figure3Result(
+        asked,
+        tuple(Point(v, *place, answer, compare_transmittance(answer, lost, 0.25)) for v, answer in answers.items()),
+        tuple(BandEdge(v, 0.3, edge, None, compare_edge(None, None)) for v in answers for edge in Edge),
+        {0.3: (np.array([0.6]), np.array([math.nan]))},
+    )
+    page = files_of(Report(result, ""))["index.html"].decode()
+    assert "period limit after 400 periods" in page
+    assert "not asked at these steps so far" in page
+    assert "unknown" in page
+    assert "2 cells, mass ratio (1, 0.5), stiffness ratio 1," in page
+    assert "outer mass ratio (1, 2)" in page

@@ -1,0 +1,106 @@
+"""A section of another package stands in the report; one that fails leaves the others standing."""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from matplotlib.figure import Figure
+
+from reports.data.report import Report
+from reports.figures.figure import Picture, axis, layout
+from reports.page import section as parts
+from reports.page.render import page, sections
+from reports.page.section import ENTRY_POINT_GROUP, Section
+from reports.page.sections import OpenPoints
+
+TEMPLATE = "<p>{{ count }} points & {{ name }}</p>{{ picture('residuals') }}"
+
+
+class Residuals(Section):
+    """Periodicity residuals, as a laboratory of its own might want them."""
+
+    title = "Residuals"
+    template = "residuals"
+    templates = "laboratory"
+
+    def pictures(self) -> list[Picture]:
+        values = [point.answer.residual for point in self.result.points if point.answer.converged]
+
+        def draw() -> Figure:
+            figure = Figure(figsize=(3.5, 2.0))
+            figure.subplots().semilogy(values)
+            return figure
+
+        trace = {"type": "scatter", "name": "residual", "x": list(range(len(values))), "y": values}
+        return [Picture("residuals", "Residuals", draw, {"data": [trace], "layout": layout(300, xaxis=axis("point"))})]
+
+    def context(self) -> dict[str, Any]:
+        return {"count": len(self.result.points), "name": "<none>"}
+
+
+class Broken(Section):
+    """A section with a mistake."""
+
+    title = "Broken"
+    template = "residuals"
+    templates = "laboratory"
+
+    def context(self) -> dict[str, Any]:
+        raise KeyError("<nothing>")
+
+
+@pytest.fixture
+def laboratory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = tmp_path / "laboratory"
+    (package / "templates").mkdir(parents=True)
+    (package / "__init__.py").write_text("")
+    (package / "templates" / "residuals.html").write_text(TEMPLATE)
+    monkeypatch.syspath_prepend(tmp_path)
+    yield
+    sys.modules.pop("laboratory", None)
+
+
+@pytest.mark.usefixtures("laboratory")
+def test_a_section_of_another_package_is_rendered_with_its_picture(report: Report) -> None:
+    rendered = page("A page", [Residuals(report), OpenPoints(report)])
+    assert f"<p>{len(report.result.points)} points & &lt;none&gt;</p>" in rendered.html
+    assert '<div class="plot" data-plot="residuals">' in rendered.html
+    assert set(rendered.figures) == {"residuals.svg", "residuals.pdf"}
+    assert "Points that do not agree" in rendered.html
+
+
+@pytest.mark.usefixtures("laboratory")
+def test_a_section_that_fails_says_so_and_leaves_the_others(report: Report, capsys: pytest.CaptureFixture[str]) -> None:
+    rendered = page("A page", [Broken(report), OpenPoints(report)])
+    assert "This section failed: KeyError: &#39;&lt;nothing&gt;&#39;" in rendered.html
+    assert "Points that do not agree" in rendered.html
+    assert "Broken" in capsys.readouterr().err
+
+
+def test_registered_sections_stand_before_how_the_numbers_were_made(
+    report: Report, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Entry:
+        name = "residuals"
+
+        @staticmethod
+        def load() -> type[Section]:
+            return Residuals
+
+    def entry_points(*, group: str) -> list[Any]:
+        return [Entry] if group == ENTRY_POINT_GROUP else []
+
+    monkeypatch.setattr(parts, "entry_points", entry_points)
+    titles = [part.title for part in sections(report)]
+    assert titles[-2:] == ["Residuals", "How these numbers were made"]
+    assert titles[0] == "Summary"
+
+
+def test_two_pictures_of_one_name_are_refused(report: Report) -> None:
+    class Twice(OpenPoints):
+        def pictures(self) -> list[Picture]:
+            return [Picture("same", "", Figure, {"data": [], "layout": {}})] * 2
+
+    with pytest.raises(ValueError, match="two pictures are called 'same'"):
+        page("A page", [Twice(report)])

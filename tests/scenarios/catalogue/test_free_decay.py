@@ -1,0 +1,70 @@
+"""Free decay: the friction oscillator's closed form, the exact motion, engines that are right and wrong."""
+
+import numpy as np
+import pytest
+
+from engines.interface.variant import Variant
+from scenarios.catalogue.free_decay import DECAYS, OSCILLATOR, FreeDecay, loss_a_cycle
+from scenarios.execution.store import ResultStore
+from scenarios.verdicts.verdict import Verdict
+from tests.scenarios.motion_crew import evaluator, rub_harder
+
+
+def findings(tmp_path, *names):
+    with ResultStore(tmp_path / "store.sqlite") as store:
+        return FreeDecay().run([Variant(name) for name in names], evaluator(store))
+
+
+def test_oscillator_of_the_scenario_decays_by_the_closed_form() -> None:
+    """Let go at 1, with F / k = 0.06: turns at 0.88, 0.76, … 0.04, where it stays, after eight half cycles."""
+    exact = OSCILLATOR.exact()
+    assert exact["offsets"][0] == pytest.approx(0.04, abs=1e-4)
+    assert exact["rest"][0] / OSCILLATOR.period == pytest.approx(4, abs=0.03)
+    assert loss_a_cycle(np.array(exact["swing"])) == pytest.approx(4 * 0.06, rel=1e-4)
+    # springs of the rest state hold (1/25)² of the energy
+    assert exact["energy"][0] == pytest.approx(0.04**2, abs=2e-4)
+
+
+@pytest.mark.parametrize("decay", DECAYS, ids=lambda decay: decay.title)
+def test_contacts_come_to_rest_inside_their_dead_bands_before_the_end(decay) -> None:
+    exact = decay.exact()
+    assert 0 < exact["rest"][0] < 0.9 * decay.periods * decay.period
+    assert np.max(np.abs(exact["offsets"])) <= decay.half_width
+    assert np.max(np.abs(exact["offsets"])) > 0.01 * decay.half_width
+
+
+def test_dashpots_alone_never_bring_an_oscillation_to_rest() -> None:
+    """Its turns fall by a constant ratio: nothing of them is lost in constant steps."""
+    time = np.linspace(0, 8 * np.pi, 8001)
+    swing = np.cos(time) * np.exp(-0.01 * time)
+    assert loss_a_cycle(swing) == pytest.approx((1 - np.exp(-0.01 * 8 * np.pi)) / 4, rel=0.05)
+
+
+def test_reference_and_mujoco_decay_as_the_exact_motion_does(tmp_path) -> None:
+    found = findings(tmp_path, "reference", "mujoco")
+    assert len(found) == 2 * (8 + 7 + 7)
+    assert {finding.comparison.verdict for finding in found} == {Verdict.AGREE}, [
+        finding for finding in found if finding.comparison.verdict is not Verdict.AGREE
+    ]
+
+
+def test_friction_that_is_too_large_by_a_twentieth_is_found(tmp_path, monkeypatch) -> None:
+    """It stops earlier and elsewhere, and loses more in a cycle."""
+    rub_harder(monkeypatch, 1.05)
+    wrong = {
+        (finding.case, finding.metric.name): finding
+        for finding in findings(tmp_path, "mujoco")
+        if finding.comparison.verdict is Verdict.DISAGREE
+    }
+    loss = wrong["friction oscillator", "loss a cycle"]
+    assert loss.value == pytest.approx(1.05, rel=1e-3)
+    assert ("inner masses let go", "offsets") in wrong
+
+
+def test_variant_that_is_not_installed_is_blocked_in_every_metric(tmp_path, monkeypatch) -> None:
+    from engines.mujoco import MuJoCo
+
+    monkeypatch.setattr(MuJoCo, "why_not_installed", lambda _self: "no wheel")
+    found = findings(tmp_path, "mujoco")
+    assert {finding.comparison.verdict for finding in found} == {Verdict.BLOCKED}
+    assert "no wheel" in found[0].comparison.reason

@@ -1,0 +1,137 @@
+"""The scenario of a normal force that changes in time, and the question that it puts."""
+
+import dataclasses
+import math
+
+import pytest
+
+from engines.interface.variant import Variant
+from reference_lcp.validation import ParameterError
+from scenarios.catalogue.modulated_normal_force import AIR, CASES, GAP, TRANSMITTANCE, ModulatedNormalForce
+from scenarios.execution.evaluator import Evaluator, StoredAnswers
+from scenarios.execution.local_processes import Crew
+from scenarios.execution.steady import answer_batch
+from scenarios.execution.store import ResultStore
+from scenarios.tasks.questions import Answer, Modulation, Question
+from scenarios.verdicts.verdict import Verdict
+
+REFERENCE, OTHER = Variant("reference"), Variant("mujoco", "contact")
+
+
+KNOWN: dict[Question, Answer] = {}
+
+
+class Answering:
+    """Answers by the reference alone; what it is asked of another variant it answers from a changed question."""
+
+    def __init__(self, change=lambda question: question):
+        self.change = change
+
+    def evaluate(self, questions):
+        asked = [
+            question if question.variant == REFERENCE else dataclasses.replace(self.change(question), variant=REFERENCE)
+            for question in questions
+        ]
+        missing = [question for question in dict.fromkeys(asked) if question not in KNOWN]
+        if missing:
+            KNOWN.update(zip(missing, answer_batch(missing), strict=True))
+        return [KNOWN[question] for question in asked]
+
+
+def nobody(_place):
+    """Stand for a worker that must not be needed."""
+    raise AssertionError("a question was asked whose answer is known")
+
+
+def with_modulation(question, factor):
+    changed = dataclasses.replace(question.modulation, modulation=factor * question.modulation.modulation)
+    return dataclasses.replace(question, modulation=changed)
+
+
+def test_who_moves_as_the_reference_does_agrees_in_every_case() -> None:
+    findings = ModulatedNormalForce().run([OTHER], Answering())
+    assert {finding.comparison.verdict for finding in findings} == {Verdict.AGREE}
+    lifting = [case for case in CASES if case.modulation > 1]
+    assert len(findings) == 4 * len(CASES) + 2 * len(lifting)
+    flown = [finding for finding in findings if finding.metric == AIR]
+    assert [finding.expected for finding in flown] == [pytest.approx(0.56758, abs=1e-5)] * len(lifting)
+    assert all(finding.value > 0 for finding in findings if finding.metric == GAP)
+
+
+def test_friction_under_another_normal_force_disagrees() -> None:
+    """A tenth less of modulation, and every flight is lower and shorter."""
+    findings = ModulatedNormalForce().run([OTHER], Answering(lambda question: with_modulation(question, 0.9)))
+    for metric in (AIR, GAP):
+        assert {one.comparison.verdict for one in findings if one.metric == metric} == {Verdict.DISAGREE}
+    off = [one for one in findings if one.metric == TRANSMITTANCE and one.comparison.verdict is Verdict.DISAGREE]
+    assert len(off) >= 6
+
+
+def test_what_cannot_be_represented_is_blocked_with_its_reason() -> None:
+    class Refusing(Answering):
+        def evaluate(self, questions):
+            return [
+                Answer.blocked("contacts stay closed") if question.variant != REFERENCE else answer
+                for question, answer in zip(questions, super().evaluate(questions), strict=True)
+            ]
+
+    findings = ModulatedNormalForce().run([OTHER], Refusing())
+    assert {(one.comparison.verdict, one.comparison.reason) for one in findings} == {
+        (Verdict.BLOCKED, "contacts stay closed")
+    }
+    assert all(math.isnan(one.value) for one in findings)
+
+
+@pytest.mark.parametrize("workers", [None, 1], ids=["nobody is asked", "asked"])
+def test_refusal_is_known_before_the_engine_is_asked(tmp_path, workers) -> None:
+    """Joints of PyBullet take a normal force that stays above zero, joints of Exudyn a constant one only."""
+    asked = [
+        Question(variant=variant, friction_ratio=0.3, frequency_ratio=0.6, modulation=Modulation(modulation=modulation))
+        for variant, modulation in [(Variant("pybullet"), 1.5), (Variant("exudyn-regularised"), 0.5)]
+    ]
+    with ResultStore(tmp_path / "store.sqlite") as store:
+        answers = (StoredAnswers(store) if workers is None else Evaluator(store, Crew(nobody, workers))).evaluate(asked)
+    assert [answer.status for answer in answers] == ["blocked", "blocked"]
+    for answer, what in zip(answers, ("modulation = 1.5: pybullet", "modulation = 0.5: exudyn"), strict=True):
+        assert answer.reason.startswith(("not installed", f"cannot be represented: {what}"))
+
+
+def test_question_under_a_constant_normal_force_keeps_its_stored_key() -> None:
+    plain = Question(variant=REFERENCE, friction_ratio=0.3, frequency_ratio=0.6)
+    assert "modulation" not in plain.content()["question"]
+    assert plain.key() == "b52b488965a04fe29e37990273d6fdea90f45e71064ff16182b67da419ce2f5c"
+    modulated = dataclasses.replace(plain, modulation=Modulation(modulation=0.5))
+    assert modulated.content()["question"]["modulation"] == {"modulation": 0.5, "multiple": 1, "phase": 0.0}
+    assert modulated.key() != plain.key()
+
+
+def test_key_of_a_modulated_question_holds_the_options_of_that_case() -> None:
+    question = Question(variant=OTHER, friction_ratio=0.3, frequency_ratio=0.6, modulation=Modulation(modulation=1.5))
+    assert "solimp" in question.content()["options"]
+    assert "solimp" not in dataclasses.replace(question, modulation=None).content()["options"]
+
+
+def test_answer_keeps_time_in_the_air_and_largest_gap() -> None:
+    question = Question(
+        variant=REFERENCE, friction_ratio=0.3, frequency_ratio=0.5, modulation=Modulation(modulation=1.5, multiple=2)
+    )
+    (answer,) = answer_batch([question])
+    assert Answer.from_json(answer.to_json()) == answer
+    assert min(answer.air_fraction) > 0.5
+    assert min(answer.largest_gap) > 0
+    (plain,) = answer_batch([dataclasses.replace(question, modulation=None)])
+    assert (plain.air_fraction, plain.largest_gap) == ((), ())
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"modulation": -1.0}, "modulation = -1 "),
+        ({"multiple": 0}, "modulation_multiple = 0 "),
+        ({"multiple": 1.5}, "modulation_multiple = 1.5 "),
+        ({"phase": math.nan}, "modulation_phase = nan"),
+    ],
+)
+def test_impossible_modulation_is_refused_with_its_value(wrong, message) -> None:
+    with pytest.raises(ParameterError, match=message):
+        Modulation(**{"modulation": 0.5, **wrong})

@@ -1,0 +1,194 @@
+"""``python -m scenarios run NAME``: verdicts, files, exit codes."""
+
+import csv
+import json
+import math
+from pathlib import Path
+from types import MappingProxyType
+
+import pytest
+
+from engines.interface.variant import Variant
+from reference_lcp.console import run_command
+from scenarios.__main__ import app
+from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.base import Finding, Metric, Scenario
+from scenarios.catalogue.verdict_table import (
+    COLUMNS,
+    csv_table,
+    details,
+    json_text,
+    markdown,
+    matrix,
+    rows_of,
+    unexplained,
+)
+from scenarios.cli import run as catalogue_command
+from scenarios.verdicts.verdict import Comparison, Verdict
+
+PITCH = Metric("pitch", "Hz", "how high it is")
+RIGHT, LAWFUL, MISSING = Variant("reference"), Variant("mujoco", preset="default"), Variant("siconos")
+
+
+def finding(variant, case, verdict, difference=math.nan, tolerance=math.nan) -> Finding:
+    comparison = Comparison(verdict, f"{verdict} | by hand", difference, tolerance)
+    return Finding(variant, case, PITCH, 440.0 + difference, 440.0, comparison)
+
+
+class ByHand(Scenario):
+    name = "by-hand"
+    question = "Is the pitch right?"
+    source = "a tuning fork"
+    expects = "440 Hz"
+    metrics = (PITCH,)
+    wrong = LAWFUL
+
+    def parameters(self):
+        return ["length = 0.12"]
+
+    def run(self, variants, evaluator):
+        return [
+            finding(RIGHT, "soft", Verdict.AGREE, 0.5, 1.0),
+            finding(RIGHT, "loud", Verdict.INCONCLUSIVE),
+            finding(self.wrong, "soft", Verdict.DISAGREE, -3.0, 1.0),
+            finding(self.wrong, "loud", Verdict.DISAGREE, 9.0, 1.0),
+            finding(MISSING, "soft", Verdict.BLOCKED),
+        ]
+
+
+class Interrupted(ByHand):
+    def run(self, variants, evaluator):
+        raise KeyboardInterrupt
+
+
+RESULTS = MappingProxyType({ByHand(): ByHand().run((), None)})
+
+
+@pytest.fixture
+def run(monkeypatch):
+    """Run a command in which another scenario has taken the place of one of the catalogue."""
+
+    def ran(scenario, *options) -> int:
+        monkeypatch.setattr(type(CATALOGUE["unit-cell"]), "run", lambda _self, *asked: scenario.run(*asked))
+        return run_command(app, ["run", "unit-cell", "--engine", "reference", "--workers", "1", *options])
+
+    return ran
+
+
+def test_catalogue_is_listed_with_questions_and_what_they_are_compared_with(capsys) -> None:
+    assert run_command(app, []) == 0
+    printed = capsys.readouterr().out
+    for name in (*CATALOGUE, "accuracy", "cost"):
+        assert name in printed
+
+
+def test_a_disagreement_with_a_law_of_the_engine_is_explained_and_one_without_is_not(run, capsys) -> None:
+    assert run(ByHand()) == 0
+    printed = capsys.readouterr().out
+    assert "explained, mujoco:joint:default: friction has a time constant of 0.02 s" in printed
+    assert "unexplained" not in printed
+    wrong = ByHand()
+    wrong.wrong = Variant("mujoco")
+    assert run(wrong) == 1
+    assert "unexplained: 2 disagreements, of mujoco" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("options", "kept"), [((), "nothing is kept without --store"), (("--store", "s.sqlite"), "answers are kept in ")]
+)
+def test_an_interrupted_run_says_what_is_kept(run, capsys, tmp_path, monkeypatch, options, kept) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(Interrupted(), *options) == 130
+    assert f"interrupted: {kept}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["run", "unit-sell"], "No such command 'unit-sell'"),
+        (["run", "unit-cell", "--engine", "mujocko"], "engine = 'mujocko' is unknown"),
+        (["run", "unit-cell", "--out", "verdicts.txt"], "allowed: .md or .csv or .json"),
+        (["run", "unit-cell", "--out", "missing/verdicts.md"], "the folder missing does not exist"),
+        (["run", "unit-cell", "--workers", "0"], "workers = 0"),
+        (["run", "unit-cell", "--no-ask"], "--no-ask with --store = None; allowed: a store that is there"),
+        (["run", "all", "--time-limit", "-1"], "time_limit = -1"),
+    ],
+)
+def test_wrong_input_is_refused_before_any_work(capsys, monkeypatch, arguments, message) -> None:
+    monkeypatch.setattr(catalogue_command, "_results", None)
+    assert run_command(app, arguments) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_rows_count_verdicts_and_name_the_worst() -> None:
+    right, lawful, missing = rows_of(*RESULTS.values())
+    assert [right.count(verdict) for verdict in Verdict] == [1, 0, 1, 0]
+    assert right.outcome == "inconclusive 1/2"
+    assert right.cells()[-2:] == ["0.5", "pitch, soft: agree | by hand"]
+    assert lawful.outcome == "explained 2/2"
+    assert lawful.cells()[-2:] == ["9", "pitch, loud: disagree | by hand"]
+    assert missing.cells()[-2:] == ["–", "blocked | by hand"]
+    assert unexplained(*RESULTS.values()) == []
+
+
+def test_details_have_one_line_a_metric_and_verdict() -> None:
+    remarks = dict(details(*RESULTS.values()))
+    assert remarks[LAWFUL] == ["disagree, pitch, loud: disagree | by hand (and 1 more)"]
+    assert remarks[RIGHT] == ["inconclusive, pitch, loud: inconclusive | by hand"]
+
+
+def test_matrix_has_variants_as_rows_and_scenarios_as_columns() -> None:
+    assert matrix(RESULTS) == [
+        ["engine:formulation:preset", "by-hand"],
+        ["reference", "inconclusive 1/2"],
+        ["mujoco:joint:default", "explained 2/2"],
+        ["siconos", "blocked 1/1"],
+    ]
+
+
+def test_document_has_how_it_was_made_laws_parameters_and_reasons() -> None:
+    text = markdown(RESULTS, "python -m scenarios run by-hand")
+    assert "`python -m scenarios run by-hand`" in text
+    assert "- mujoco:joint:default: friction has a time constant" in text
+    assert "- length = 0.12" in text
+    assert "pitch, soft: agree \\| by hand" in text
+    assert "Versions: mujoco" in text
+
+
+def test_csv_and_json_hold_every_finding_in_full() -> None:
+    rows = list(csv.DictReader(csv_table(RESULTS).splitlines()))
+    assert tuple(rows[0]) == COLUMNS
+    assert [float(row["difference"]) for row in rows if row["difference"]] == [0.5, -3.0, 9.0]
+    content = json.loads(json_text(RESULTS, "command"))
+    assert len(content["findings"]) == 5
+    assert content["findings"][4]["allowed"] is None
+    assert content["findings"][3]["explained"] is True
+    assert content["scenarios"][0]["parameters"] == ["length = 0.12"]
+
+
+def test_mujoco_agrees_in_the_limits_and_writes_its_verdicts(tmp_path: Path, capsys) -> None:
+    out, store = tmp_path / "verdicts.csv", tmp_path / "store.sqlite"
+    options = ["--engine", "mujoco:joint", "--workers", "1", "--store", str(store), "--out", str(out)]
+    assert run_command(app, ["run", "locked-limit", *options]) == 0
+    rows = list(csv.DictReader(out.read_text().splitlines()))
+    assert {(row["engine"], row["verdict"]) for row in rows} == {("mujoco", "agree")}
+    assert [row["metric"] for row in rows] == ["transmittance", "same step"] * 2
+    assert "locked-limit" in capsys.readouterr().out
+    options = ["--engine", "mujoco", "--no-ask", "--store", str(store), "--out", str(out)]
+    assert run_command(app, ["run", "locked-limit", *options]) == 0
+    again = list(csv.DictReader(out.read_text().splitlines()))
+    assert [row for row in again if (row["formulation"], row["preset"]) == ("joint", "tuned")] == rows
+    assert {row["reason"] for row in again if row["formulation"] == "contact"} == {"engine: not answered so far"}
+
+
+@pytest.mark.slow
+def test_an_engine_whose_friction_is_a_twentieth_too_strong_is_found_out(install, tmp_path: Path) -> None:
+    out = tmp_path / "verdicts.json"
+    printed = install("faulty").run(
+        "-m", "scenarios", "run", "unit-cell", "--engine", "faulty-coefficient:joint", "--out", str(out), code=1
+    )
+    assert "unexplained:" in printed
+    found = json.loads(out.read_text())["findings"]
+    assert {one["case"] for one in found if one["metric"] == "transmittance" and one["verdict"] == "disagree"} == {
+        case.label for case in CATALOGUE["unit-cell"].cases
+    }

@@ -1,0 +1,101 @@
+"""Engines that crash, hang, are killed or give no numbers: blocked with the reason, and everything else goes on."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+SCRIPT = """
+import json, sys, time
+from pathlib import Path
+from engines.interface.variant import Variant
+from scenarios.execution.evaluator import Evaluator
+from scenarios.execution.local_processes import LocalCrew
+from scenarios.tasks.questions import ChainRatios, Question
+from scenarios.execution.store import ResultStore
+
+def question(name, eta):
+    return Question(variant=Variant(name), friction_ratio=0.3, frequency_ratio=eta, ratios=ChainRatios(cells=2))
+
+if __name__ == "__main__":
+    names, file = sys.argv[1].split(","), Path(sys.argv[2])
+    asked = [question(name, eta) for name in names for eta in json.loads(sys.argv[3])]
+    with ResultStore(file) as store, Evaluator(store, LocalCrew(2, 4.0)) as evaluator:
+        found = evaluator.evaluate(asked)
+    rows = [(q.variant.engine, q.frequency_ratio, a.status, a.reason) for q, a in zip(asked, found)]
+    print(json.dumps(rows))
+"""
+
+
+@pytest.fixture
+def ask(install, tmp_path):
+    """Ask engines of the faulty package, on two workers with a limit of four seconds; gives rows of answers."""
+
+    def asked(*names: str, ratios=(0.4, 0.5, 0.9)) -> dict[tuple[str, float], tuple[str, str]]:
+        script = tmp_path / "ask.py"
+        script.write_text(SCRIPT)
+        printed = install("faulty").run(
+            str(script), ",".join(names), str(tmp_path / "store.sqlite"), json.dumps(list(ratios))
+        )
+        return {(engine, eta): (status, reason) for engine, eta, status, reason in json.loads(printed)}
+
+    return asked
+
+
+def test_segmentation_fault_a_hang_and_a_killed_process_block_their_own_points_only(ask) -> None:
+    rows = ask("reference", "faulty-crash", "faulty-hang", "faulty-killed", "mujoco")
+    for (engine, eta), (status, _) in rows.items():
+        deadly = eta == 0.5 and engine.startswith("faulty")
+        assert status == ("blocked" if deadly else "converged"), (engine, eta)
+    assert rows["faulty-crash", 0.5][1].startswith("the worker process crashed: Segmentation fault, in ")
+    assert rows["faulty-hang", 0.5][1].startswith("stopped at the time limit of 4 s, in run (deadly.py:")
+    assert rows["faulty-killed", 0.5][1] == "the worker process was killed"
+
+
+def test_numbers_that_are_not_finite_are_blocked(ask) -> None:
+    rows = ask("faulty-nan", "faulty-sound", ratios=(0.9,))
+    assert rows["faulty-nan", 0.9] == ("blocked", "the engine's numbers are not finite, in period 2 of the search")
+    assert rows["faulty-sound", 0.9][0] == "converged"
+
+
+def test_engine_that_dies_at_point_after_point_is_not_asked_forever(ask) -> None:
+    """The same point in ever other digits: each is a question of its own, and each kills."""
+    near = [0.5 + k * 1e-12 for k in range(6)]
+    rows = ask("faulty-killed", "reference", ratios=near)
+    reasons = [rows["faulty-killed", eta][1] for eta in near]
+    assert reasons.count("the worker process was killed") >= 3
+    assert "not asked: 3 points before, the worker process was killed" in reasons
+    assert all(rows["reference", eta][0] == "converged" for eta in near)
+
+
+def children_of(process: int) -> set[int]:
+    return {int(one) for one in Path(f"/proc/{process}/task/{process}/children").read_text().split()}
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs Linux's list of processes")
+def test_workers_end_when_their_client_is_killed(install, tmp_path) -> None:
+    """kill −9 leaves no time to say goodbye; nobody may go on computing for nobody."""
+    script = tmp_path / "ask.py"
+    script.write_text(SCRIPT.replace("time_limit=4.0", "time_limit=600.0").replace("(2, 4.0)", "(2, 600.0)"))
+    site = install("faulty")
+    command = [sys.executable, str(script), "faulty-sound", str(tmp_path / "store.sqlite")]
+    ratios = json.dumps([0.4 + 1e-3 * k for k in range(400)])
+    client = subprocess.Popen([*command, ratios], env=site.environment)
+    workers: set[int] = set()
+    give_up = time.monotonic() + 60
+    while len(workers) < 3 and time.monotonic() < give_up:  # two of them, and the tracker of their resources
+        time.sleep(0.1)
+        workers = children_of(client.pid)
+    assert len(workers) >= 3
+    time.sleep(3)
+    os.kill(client.pid, signal.SIGKILL)
+    client.wait()
+    give_up = time.monotonic() + 10
+    while any(Path(f"/proc/{one}").exists() for one in workers) and time.monotonic() < give_up:
+        time.sleep(0.1)
+    assert not [one for one in workers if Path(f"/proc/{one}").exists()]

@@ -1,0 +1,207 @@
+"""Answers are kept, found again, and survive engines that fail."""
+
+import json
+import math
+import sqlite3
+
+import pytest
+
+from engines.interface import variant
+from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset
+from engines.interface.variant import Variant
+from reference_lcp import ParameterError
+from reference_lcp.steady.orbits import OrbitStatus
+from scenarios import answering, evaluation, isolation
+from scenarios.execution.evaluator import Evaluator, StoredAnswers
+from scenarios.execution.local_processes import LocalCrew
+from scenarios.execution.store import ResultStore
+from scenarios.tasks.questions import Answer, AnswerStatus, ChainRatios, Outcome, Question
+
+SMALL = ChainRatios(cells=2)
+
+
+def question(friction=0.3, eta=0.9, variant="reference", **more) -> Question:
+    return Question(variant=Variant(variant), friction_ratio=friction, frequency_ratio=eta, ratios=SMALL, **more)
+
+
+@pytest.fixture
+def store(tmp_path):
+    with ResultStore(tmp_path / "results.sqlite") as opened:
+        yield opened
+
+
+FULL = Answer(
+    status="finished", reason="told", transmittance_db=-3.25, residual=1e-9, periods=33, multiple=2,
+    steps_per_period=400, period=0.25, stuck_fraction=(0.5, 1.0), transitions=((1, 0.25, "stick"),),
+    creep=(1e-6, 2e-6), air_fraction=(0.125, 0.0), largest_gap=(0.75, 0.0), seconds=0.5, series={"outer": (0.0, 1.5)},
+)  # fmt: skip
+"""Every field has another value than it has unless it is given: what is lost on the way is noticed."""
+
+
+def test_every_field_of_an_answer_survives_json() -> None:
+    usual = vars(Answer(status="converged"))
+    assert [name for name, value in vars(FULL).items() if value == usual[name]] == []
+    assert Answer.from_json(FULL.to_json()) == FULL
+
+
+@pytest.mark.parametrize("name", [name for name in vars(FULL) if name not in ("status", "transitions")])
+def test_answer_that_lost_a_field_is_another_one(name) -> None:
+    lost = {key: value for key, value in json.loads(FULL.to_json()).items() if key != name}
+    assert Answer.from_json(json.dumps(lost)) != FULL
+
+
+def test_answer_without_numbers_survives_json_as_nan() -> None:
+    text = Answer(status="diverged").to_json()
+    assert "NaN" not in text
+    again = Answer.from_json(text)
+    assert again.status == "diverged"
+    for name in ("transmittance_db", "residual", "period", "seconds"):
+        assert math.isnan(getattr(again, name)), name
+
+
+def test_kept_answer_is_found_by_an_equal_question_only(store) -> None:
+    store.keep([(question(), Answer(status="converged", transmittance_db=1.0))])
+    assert store.find(question()).transmittance_db == 1.0
+    for other in (
+        question(friction=0.4),
+        question(eta=0.91),
+        question(steps_per_period=800),
+        question(variant="mujoco"),
+    ):
+        assert store.find(other) is None
+
+
+def test_blocked_answer_is_not_kept_so_that_it_is_tried_again(store) -> None:
+    store.keep([(question(), Answer.blocked("crashed"))])
+    assert store.find(question()) is None
+
+
+def test_store_is_there_again_after_it_was_closed(tmp_path) -> None:
+    file = tmp_path / "results.sqlite"
+    with ResultStore(file) as store:
+        store.keep([(question(), Answer(status="converged", transmittance_db=2.0))])
+    with ResultStore(file) as store:
+        assert store.find(question()).transmittance_db == 2.0
+
+
+def test_foreign_and_damaged_files_are_refused_and_left_alone(tmp_path) -> None:
+    foreign = tmp_path / "foreign.sqlite"
+    with sqlite3.connect(foreign) as connection:
+        connection.execute("CREATE TABLE theirs (x)")
+    connection.close()
+    text = tmp_path / "notes.txt"
+    text.write_text("not a database, but long enough to look like one" * 10)
+    for file, message in ((foreign, "belongs to another program"), (text, "not a database")):
+        before = file.read_bytes()
+        with pytest.raises(ParameterError, match=message):
+            ResultStore(file)
+        assert file.read_bytes() == before
+    with pytest.raises(ParameterError, match="cannot be used"):
+        ResultStore(tmp_path / "missing" / "results.sqlite")
+
+
+def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
+    asked = [question(eta=eta) for eta in (0.5, 0.9, 0.5)]
+    with Evaluator(store, LocalCrew(1)) as evaluator:
+        first = evaluator.evaluate(asked)
+    monkeypatch.setattr(isolation, "ProcessPoolExecutor", None)
+    counted = []
+    with Evaluator(store, LocalCrew(1)) as evaluator:
+        evaluator.recalled = lambda _variant, count: counted.append(count)
+        assert evaluator.evaluate(asked) == first
+    assert sum(counted) == 2
+    assert first[0] == first[2]
+    assert all(answer.converged for answer in first)
+
+
+def test_stored_answers_complete_with_what_is_kept_and_say_what_is_missing(store, monkeypatch) -> None:
+    kept, unknown, absent = question(), question(eta=0.5), question(variant="pybullet")
+    store.keep([(kept, Answer(status=AnswerStatus.PERIOD_LIMIT, periods=400, multiple=0))])
+    monkeypatch.setattr(
+        evaluation, "why_not_installed", lambda asked: "no wheel" if asked.engine == "pybullet" else None
+    )
+    counted = []
+    with StoredAnswers(store) as stored:
+        stored.recalled = lambda asked, count: counted.append((asked, count))
+        found = list(stored.complete([kept, unknown, absent]))
+    assert found == [
+        (kept, Outcome(AnswerStatus.PERIOD_LIMIT, 400, 0)),
+        (unknown, Outcome(AnswerStatus.MISSING, reason="not answered so far")),
+        (absent, Outcome(AnswerStatus.BLOCKED, reason="not installed: no wheel")),
+    ]
+    assert counted == [(asked.variant, 1) for asked in (kept, unknown, absent)]
+
+
+def test_a_status_that_there_is_not_is_refused() -> None:
+    with pytest.raises(ParameterError, match="status of an answer = 'not asked'; allowed: converged, period limit, "):
+        Answer(status="not asked")
+    assert {str(status) for status in OrbitStatus} < set(AnswerStatus)
+
+
+def test_a_store_with_an_unknown_status_says_which_file_and_which_status(tmp_path) -> None:
+    file = tmp_path / "results.sqlite"
+    with ResultStore(file) as store:
+        store.keep([(question(), Answer(status=AnswerStatus.CONVERGED, transmittance_db=1.0))])
+        assert type(store.find(question()).status) is AnswerStatus
+    with sqlite3.connect(file) as connection:
+        changed = "UPDATE answers SET answer = replace(answer, '\"converged\"', '\"solved\"')"
+        assert connection.execute(changed).rowcount == 1
+    connection.close()
+    with ResultStore(file) as store:
+        for read in (
+            lambda: store.find(question()),
+            lambda: list(store.answers([question()])),
+            lambda: list(store.outcomes([question()])),
+        ):
+            with pytest.raises(ParameterError, match=r"results\.sqlite: status of an answer = 'solved'; allowed: "):
+                read()
+
+
+def test_number_of_workers_does_not_change_the_answers(tmp_path) -> None:
+    asked = [question(eta=eta, variant=name) for eta in (0.5, 0.9) for name in ("reference", "mujoco")]
+    tables = []
+    for workers in (1, 2):
+        with ResultStore(tmp_path / f"{workers}.sqlite") as store, Evaluator(store, LocalCrew(workers)) as evaluator:
+            tables.append([(a.transmittance_db, a.residual, a.transitions) for a in evaluator.evaluate(asked)])
+    assert tables[0] == tables[1]
+
+
+def test_workers_below_one_are_refused(store) -> None:
+    with pytest.raises(ParameterError, match="workers = 0"):
+        Evaluator(store, LocalCrew(0))
+
+
+class _Failing(Engine):
+    name = "failing"
+    capabilities = Capabilities(
+        title="Failing", package="none", licence="MIT", friction_law=FrictionLaw.COULOMB,
+        presets={Formulation.JOINT: {"tuned": Preset("fails", {})}},
+    )  # fmt: skip
+    missing: str | None = None
+    failure: Exception | None = None
+
+    def version(self) -> str:
+        return "1"
+
+    def why_not_installed(self) -> str | None:
+        return self.missing
+
+    def _build(self, lanes, formulation, preset):
+        raise self.failure
+
+
+@pytest.mark.parametrize(
+    ("failure", "missing", "reason"),
+    [
+        (RuntimeError("solver gave up\nat step 3"), None, "RuntimeError: solver gave up at step 3"),
+        (ParameterError("friction_bound = 9"), None, "cannot be represented: friction_bound = 9"),
+        (None, "no wheel for this Python", "failing: no wheel for this Python"),
+    ],
+)
+def test_engine_that_fails_gives_blocked_answers_with_the_reason(monkeypatch, failure, missing, reason) -> None:
+    failing = _Failing()
+    failing.failure, failing.missing = failure, missing
+    monkeypatch.setattr(variant, "engine", lambda _name: failing)
+    answers = answering.answer_batch([question(), question(eta=0.5)])
+    assert [answer.status for answer in answers] == ["blocked", "blocked"]
+    assert answers[0].reason == reason

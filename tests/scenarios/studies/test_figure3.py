@@ -1,0 +1,195 @@
+"""Figure 3: the paper's three claims, on the reference and on every engine; edges against the converged scheme."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from engines import engine
+from engines.interface.registry import usual_engine_names
+from engines.interface.variant import Variant
+from reference_lcp import HarmonicBase, ParameterError, frictionless_transmittance
+from scenarios.execution.evaluator import Evaluator
+from scenarios.execution.local_processes import LocalCrew
+from scenarios.execution.steady import answer_batch
+from scenarios.execution.store import ResultStore
+from scenarios.studies.attenuation_band import Edge
+from scenarios.studies.figure3 import (
+    CONVERGED,
+    REFERENCE,
+    Figure3,
+    default_frequency_ratios,
+    quick_frequency_ratios,
+    resonances,
+    run,
+)
+from scenarios.tasks.questions import ChainRatios
+from scenarios.verdicts.verdict import Verdict
+
+INSTALLED = [name for name in usual_engine_names() if engine(name).why_not_installed() is None]
+
+CONVERGED_LOWER_EDGES = {0.1: 0.753, 0.3: 0.637, 0.6: 0.756, 1.0: 0.999, 5.0: 1.17}
+"""Of the scheme for Δt → 0, to the digits given; the frictionless edge has a closed form instead."""
+
+SUPPORT = {
+    0.0: (0.8, 0.8505, 0.9, 1.1, 1.4, 1.422),
+    0.1: (0.7, 0.74, 0.8, 0.9),
+    0.3: (0.55, 0.62, 0.66, 0.9, 1.1),
+    0.6: (0.7, 0.8, 0.9, 1.1, 1.2),
+    1.0: (0.9, 0.975, 0.9875, 1.025, 1.1, 1.3),
+    5.0: (1.1, 1.1441, 1.2, 1.2919, 1.36),
+}
+"""Points of the grid that bracket the edges of each friction ratio, so that engines need not answer all."""
+
+
+@pytest.fixture(scope="module")
+def edges(tmp_path_factory):
+    """Edges of every engine that comes with the suite, each friction ratio on its own few points."""
+    found = {}
+    with (
+        ResultStore(tmp_path_factory.mktemp("store") / "results.sqlite") as store,
+        Evaluator(store, LocalCrew(2)) as evaluator,
+    ):
+        for friction, support in SUPPORT.items():
+            asked = Figure3(
+                variants=tuple(Variant(name) for name in INSTALLED), friction_ratios=(friction,),
+                frequency_ratios=support,
+            )  # fmt: skip
+            for edge in run(asked, evaluator).edges:
+                found[edge.variant, friction, edge.edge] = edge
+    return found
+
+
+every_engine = pytest.mark.parametrize("name", INSTALLED)
+
+
+@every_engine
+def test_claim_1_band_is_wider_for_friction_ratios_up_to_0_6_than_for_none(edges, name) -> None:
+    def lower(friction):
+        return edges[Variant(name), friction, Edge.LOWER].frequency_ratio
+
+    def upper(friction):
+        return edges[Variant(name), friction, Edge.UPPER].frequency_ratio
+
+    for friction in (0.1, 0.3, 0.6):
+        assert lower(friction) < lower(0.0)
+        assert upper(friction) is None or upper(friction) > upper(0.0)
+
+
+@every_engine
+def test_claim_2_band_is_widest_at_0_3(edges, name) -> None:
+    lower = {friction: edges[Variant(name), friction, Edge.LOWER].frequency_ratio for friction in SUPPORT}
+    assert min(lower, key=lower.get) == 0.3
+
+
+@every_engine
+def test_claim_3_first_cut_off_moves_up_when_cells_lock(edges, name) -> None:
+    lower = [edges[Variant(name), friction, Edge.LOWER].frequency_ratio for friction in (0.3, 0.6, 1.0, 5.0)]
+    assert lower == sorted(lower)
+    assert lower[-1] > edges[Variant(name), 0.0, Edge.LOWER].frequency_ratio
+
+
+@every_engine
+def test_every_edge_is_within_the_tolerance_of_the_converged_one(edges, name) -> None:
+    own = [edge for (variant, _, _), edge in edges.items() if variant == Variant(name)]
+    assert len(own) == 2 * len(SUPPORT)
+    assert {edge.comparison.verdict for edge in own} == {Verdict.AGREE}
+
+
+@pytest.mark.parametrize("friction", CONVERGED_LOWER_EDGES)
+def test_lower_edges_of_the_reference_converge_to_the_published_ones(edges, friction) -> None:
+    for variant in (REFERENCE, CONVERGED):
+        found = edges[variant, friction, Edge.LOWER].frequency_ratio
+        assert found == pytest.approx(CONVERGED_LOWER_EDGES[friction], abs=0.003)
+
+
+def linear_edge(low: float, high: float, ratios: ChainRatios | None = None) -> float:
+    """η_r between `low` and `high` at which the closed form of the chain without friction is 0 dB."""
+    chain = (ratios or ChainRatios()).chain(0.0)
+    return brentq(lambda eta: frictionless_transmittance(chain, HarmonicBase.from_ratio(chain, eta)) - 1, low, high)
+
+
+def test_frictionless_edges_of_the_reference_are_those_of_the_linear_response(edges) -> None:
+    lower, upper = linear_edge(0.8505, 0.8686), linear_edge(1.4, 1.422)
+    assert (lower, upper) == pytest.approx((0.8526, np.sqrt(2)), abs=2e-4)
+    assert edges[CONVERGED, 0.0, Edge.LOWER].frequency_ratio == pytest.approx(lower, abs=2e-4)
+    assert edges[CONVERGED, 0.0, Edge.UPPER].frequency_ratio == pytest.approx(upper, abs=1e-3)
+    assert abs(linear_edge(0.8505, 0.8686, ChainRatios(mass_ratio=1.01)) - lower) > 1e-3, "a wrong chain is told apart"
+
+
+def test_grid_holds_every_resonance_and_the_ends() -> None:
+    ratios = ChainRatios()
+    grid, peaks = default_frequency_ratios(ratios), resonances(ratios)
+    assert peaks.size == 21
+    assert (grid[0], grid[-1]) == (0.1, 3.0)
+    assert np.max(np.min(np.abs(np.subtract.outer(peaks, grid)), axis=1)) < 1e-4
+    quick = quick_frequency_ratios(ratios)
+    assert len(quick) < len(grid) / 5
+    assert {0.8505, 0.8686, 1.422} <= set(quick)
+
+
+def test_every_point_is_compared_and_reports_its_residual(tmp_path) -> None:
+    asked = Figure3(variants=(Variant("mujoco"),), friction_ratios=(0.3,), frequency_ratios=(0.6, 0.9, 1.6))
+    with ResultStore(tmp_path / "results.sqlite") as store, Evaluator(store, LocalCrew(1)) as evaluator:
+        result = run(asked, evaluator)
+    for variant in (CONVERGED, REFERENCE, Variant("mujoco")):
+        curve = result.curve(variant, 0.3)
+        assert [point.comparison.verdict for point in curve] == [Verdict.AGREE] * len(curve)
+        assert all(point.answer.residual <= 1e-8 for point in curve)
+    eta, line = result.dense_reference[0.3]
+    assert eta.shape == line.shape == (101,)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"friction_ratios": (0.3, 0.1)}, "friction_ratios = .*ascending"),
+        ({"friction_ratios": (-0.1,)}, "friction_ratios = -0.1"),
+        ({"frequency_ratios": ()}, "at least one value"),
+        ({"frequency_ratios": (0.0, 1.0)}, "frequency_ratios = 0"),
+        ({"steps_per_period": 0}, "steps_per_period = 0"),
+        ({"variants": (Variant("bullet"),)}, "engine = 'bullet' is unknown"),
+        ({"variants": (Variant("mujoco", preset="best"),)}, "preset of mujoco = 'best' is unknown"),
+    ],
+)
+def test_impossible_question_is_refused(wrong, message) -> None:
+    with pytest.raises(ParameterError, match=message):
+        Figure3(**{"variants": (), **wrong})
+
+
+@pytest.mark.parametrize("text", ["mujoco", "mujoco:contact", "mujoco:joint:default", "pybullet:contact:default"])
+def test_variant_is_read_as_it_is_written(text) -> None:
+    assert str(Variant.parse(text)) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("bullet", "engine = 'bullet' is unknown"),
+        ("mujoco:glue", "formulation of mujoco = 'glue' is unknown; allowed: joint, contact"),
+        ("mujoco:joint:best", "preset of mujoco = 'best' is unknown; allowed: tuned, default"),
+        ("mujoco:joint:tuned:now", "has 4 parts"),
+    ],
+)
+def test_variant_that_there_is_not_is_refused(text, message) -> None:
+    with pytest.raises(ParameterError, match=message):
+        Variant.parse(text)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "reference",
+        pytest.param(
+            "mujoco",
+            marks=[pytest.mark.slow, pytest.mark.skipif("mujoco" not in INSTALLED, reason="mujoco is not installed")],
+        ),
+    ],
+)
+def test_eighty_periods_find_the_steady_state_of_all_but_one_point_in_a_hundred(name) -> None:
+    """On the grid of the report, with every resonance of the free and of the stuck chain."""
+    asked = Figure3(variants=())
+    points = [(friction, eta) for friction in asked.friction_ratios for eta in asked.frequency_ratios]
+    answers = answer_batch([asked.question(Variant(name), *point) for point in points])
+    assert len(answers) > 370
+    assert all(answer.converged for answer in answers)
+    assert np.percentile([answer.periods for answer in answers], 99) <= 80

@@ -1,0 +1,204 @@
+"""What a sweep's file may ask for beside its grid: adaptive frequencies, drive, presets, tolerances."""
+
+import csv
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.interpolate import PchipInterpolator
+
+from engines.interface.variant import Variant
+from reference_lcp import ParameterError, decibel, frictionless_transmittance
+from reference_lcp.console import run_command
+from scenarios.__main__ import app
+from scenarios.cli.sweep import answer_sweep, dataset_of
+from scenarios.execution import local_processes as isolation
+from scenarios.execution.evaluator import Evaluator
+from scenarios.execution.local_processes import LocalCrew
+from scenarios.execution.store import ResultStore
+from scenarios.studies.adaptive_grid import level
+from scenarios.sweeps.adaptive import AdaptiveSweep, refined
+from scenarios.sweeps.spec_file import SweepFile, read_sweep
+from scenarios.sweeps.summary import SweepSummary
+from scenarios.sweeps.sweep import STATUSES
+from scenarios.sweeps.verdicts import verdicts
+from scenarios.tasks.questions import Answer, ChainRatios, Excitation, Outcome, Question
+from tests.scenarios.here import Here
+
+CONTENT = """\
+engines = ["reference:joint", "mujoco:joint"]
+[grid]
+friction_ratio = [0.0, 0.3]
+frequency_ratio = { first = 0.5, last = 1.5, accuracy_db = 1.0, least_spacing = 0.005 }
+[chain]
+cells = 2
+[drive]
+kind = "force"
+amplitude = 5.0
+[tolerances]
+transmittance_db = 0.01
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(isolation, "ProcessPoolExecutor", Here)
+    return written(tmp_path, CONTENT)
+
+
+def written(folder: Path, content: str) -> Path:
+    file = folder / "sweep.toml"
+    file.write_text(content)
+    return file
+
+
+def test_adaptive_curves_of_the_command_are_right_between_their_points(file: Path, capsys) -> None:
+    """Frictionless curve of the reference, driven by a force, against the closed form of the linear chain."""
+    store, out = file.with_suffix(".sqlite"), file.with_suffix(".csv")
+    assert run_command(app, ["sweep", str(file), "--store", str(store), "--out", str(out)]) == 0
+    printed = capsys.readouterr().out
+    assert "curves unresolved" in printed
+    asked = read_sweep(file)
+    with ResultStore(store) as kept:
+        found = dataset_of(asked, kept)
+        counts = verdicts(adaptive(asked).grid_of(kept), kept, 0.01)[Variant("mujoco")].counts
+    curve = found.transmittance.sel(variant="reference", friction_ratio=0.0).dropna("frequency_ratio")
+    eta = np.linspace(0.52, 1.48, 25)
+    chain = ChainRatios(cells=2).chain(0.0)
+    exact = [
+        level(decibel(frictionless_transmittance(chain, Excitation(kind="force", amplitude=5.0).drive(chain, one))))
+        for one in eta.tolist()
+    ]
+    # as accurate as asked, by a multiple; the Euler scheme's own error, below 0.2 dB, is part of that
+    interpolated = PchipInterpolator(curve.frequency_ratio.values, [level(one) for one in curve.values])(eta)
+    assert np.max(np.abs(interpolated - exact)) < 1.5
+    assert set(counts) == {"agree"}
+    assert sum(counts.values()) == int((found.status.sel(variant="mujoco") == STATUSES.index("converged")).sum())
+    assert len(list(csv.DictReader(out.read_text().splitlines()))) == found.status.size
+
+
+def adaptive(asked: SweepFile) -> AdaptiveSweep:
+    assert asked.frequencies is not None
+    return AdaptiveSweep(asked.sweep, asked.frequencies)
+
+
+def test_each_curve_has_points_of_its_own_and_interruption_changes_none(file: Path) -> None:
+    asked = read_sweep(written(file.parent, CONTENT.replace(', "mujoco:joint"', "")))
+    with ResultStore(file.with_suffix(".sqlite")) as store:
+        assert dataset_of(asked, store).sizes["frequency_ratio"] > 0
+        with Evaluator(store, LocalCrew(1)) as evaluator:
+            evaluator.evaluate(list(adaptive(asked).start()))
+        summary = answer_sweep(asked, store, LocalCrew(1))
+        curves = refined(adaptive(asked), lambda questions: list(store.answers(questions)))
+        found = dataset_of(asked, store)
+    free, rubbing = (curve.asked for curve in curves.values())
+    assert free != rubbing
+    assert summary.statuses == {(Variant("reference"), "converged"): len(free) + len(rubbing)}
+    assert int((found.status == STATUSES.index("missing")).sum()) == 2 * len({*free, *rubbing}) - len(free) - len(
+        rubbing
+    )
+
+
+def test_force_and_base_of_equal_friction_ratio_are_different_questions_and_amplitude_changes_no_answer() -> None:
+    usual = Question(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
+    louder = dataclasses.replace(usual, excitation=Excitation(amplitude=1.0))
+    pushed = dataclasses.replace(usual, excitation=Excitation(kind="force", amplitude=10.0))
+    assert len({usual.key(), louder.key(), pushed.key()}) == 3
+    assert "excitation" not in usual.as_data()
+    chains = [question.setting() for question in (usual, louder, pushed)]
+    ratios = [chain.friction_bound[0] / drive.displacement_scale(chain) for chain, drive in chains]
+    assert ratios == pytest.approx([0.3 * 1000] * 3)
+
+
+def test_lists_give_every_cell_its_own_and_friction_follows_its_profile(tmp_path: Path) -> None:
+    chain = "cells = 2\nmass_ratio = [0.5, 2.0]\nouter_mass_ratio = [1, 1.5]\nfriction_profile = [1.0, 0.0]"
+    read = read_sweep(written(tmp_path, CONTENT.replace("cells = 2", chain)))
+    question = next(one for one in read.sweep.questions() if one.friction_ratio == 0.3)
+    assert question.chain.inner_mass == pytest.approx([0.5, 3.0])
+    assert question.chain.friction_bound[1] == 0.0 < question.chain.friction_bound[0]
+    equal = next(read_sweep(written(tmp_path, CONTENT)).sweep.questions())
+    assert {"outer_mass_ratio", "friction_profile"} & equal.as_data()["ratios"].keys() == set()
+    assert {"outer_mass_ratio", "friction_profile"} < question.as_data()["ratios"].keys()
+
+
+def test_list_must_fit_every_length_of_the_chain(tmp_path: Path) -> None:
+    content = CONTENT.replace("cells = 2", "mass_ratio = [0.5, 2.0]").replace("[grid]", "[grid]\ncells = [2, 3]")
+    with pytest.raises(ParameterError, match=r"chain.mass_ratio has 2 values and the chain 3 cells; allowed: one"):
+        read_sweep(written(tmp_path, content))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("cells = 2", "damping_ratio = [0.1, -0.1]", r"chain.damping_ratio.1 = -0.1; .*greater than or equal to 0"),
+        ('kind = "force"', 'kind = "wind"', r"sweep.toml: drive.kind = 'wind'; input should be 'base' or 'force'"),
+        ("amplitude = 5.0", "amplitude = 0.0", r"drive.amplitude = 0.0; input should be greater than 0"),
+        ("amplitude = 5.0", "size = 5.0", r"drive.size is unknown"),
+        ("transmittance_db = 0.01", "transmittance_db = -1.0", r"tolerances.transmittance_db = -1.0; .*greater than 0"),
+        ("transmittance_db = 0.01", "", r"tolerances.transmittance_db is missing"),
+        ('"reference:joint", ', "", r"tolerances.transmittance_db = 0.01 without the reference .*allowed: "),
+        ("accuracy_db = 1.0", "accuracy_db = 0.0", r"grid.frequency_ratio.accuracy_db = 0.0; .*greater than 0"),
+        ("accuracy_db = 1.0", "accuracy_db = 1.0, points = 3", r"grid.frequency_ratio.points is unknown"),
+        ("first = 0.5", "first = 1.5", r"grid.frequency_ratio.last = 1.5; allowed: > first = 1.5"),
+        ("friction_ratio = [0.0, 0.3]", "friction_ratio = { first = 0.1, last = 1.0, accuracy_db = 1.0 }",
+         r"grid.friction_ratio has an accuracy; allowed: of frequency_ratio only"),
+        ("engines =", 'presets = ["fast"]\nengines =', r"presets: preset of reference:joint = 'fast' is unknown; "),
+        ("engines =", "presets = []\nengines =", r"presets = \[\]; list should have at least 1 item"),
+    ],
+)  # fmt: skip
+def test_mistake_is_named_with_its_key_and_value(file: Path, old: str, new: str, message: str) -> None:
+    assert old in CONTENT
+    with pytest.raises(ParameterError, match=message):
+        read_sweep(written(file.parent, CONTENT.replace(old, new)))
+
+
+@pytest.mark.parametrize(
+    ("engines", "expected"),
+    [
+        ('["mujoco"]', ["mujoco:joint:default", "mujoco:contact:default"]),
+        ('["mujoco:contact"]', ["mujoco:contact:default"]),
+        ('["mujoco", "mujoco:joint:tuned"]', ["mujoco:joint:default", "mujoco:contact:default", "mujoco"]),
+    ],
+)
+def test_presets_choose_among_those_that_are_not_named(file: Path, engines: str, expected: list[str]) -> None:
+    content = CONTENT.partition("[tolerances]")[0].replace('["reference:joint", "mujoco:joint"]', engines)
+    asked = read_sweep(written(file.parent, 'presets = ["default"]\n' + content))
+    assert [str(variant) for variant in asked.sweep.variants] == expected
+
+
+def test_summary_names_every_reason_once_and_the_periods_that_suffice() -> None:
+    summary, variant = SweepSummary(), Variant("mujoco")
+    for periods in range(1, 101):
+        summary.add(variant, Outcome("converged", periods))
+    for _ in range(2):
+        summary.add(variant, Outcome("blocked", reason="crashed"))
+    summary.add(variant, Outcome("period limit", 401, multiple=3))
+    summary.add(variant, Outcome("period limit", 401, multiple=0))
+    summary.add(variant, Outcome("period limit", 401))
+    assert [summary.quantile_of_periods(variant, part) for part in (0.5, 0.99, 1.0)] == [50, 99, 100]
+    assert summary.quantile_of_periods(Variant("pybullet"), 0.5) is None
+    assert {reason: count for (_, reason), count in summary.reasons.items()} == {
+        "crashed": 2,
+        "period limit, period 3": 1,
+        "period limit, no period up to 8": 1,
+        "period limit": 1,
+    }
+
+
+def test_outcomes_of_kept_answers_are_those_of_the_answers_with_and_without_a_multiple(tmp_path: Path) -> None:
+    asked = [Question(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=eta) for eta in (0.5, 0.7, 0.9)]
+    with ResultStore(tmp_path / "s.sqlite") as store:
+        store.keep([(asked[0], Answer(status="period limit", periods=401, multiple=3))])
+        store.keep([(asked[1], Answer(status="converged", periods=28))])
+        store._connection.execute(
+            "UPDATE answers SET answer = json_remove(answer, '$.multiple') WHERE key = ?", (asked[1].key(),)
+        )
+        assert [outcome for _, outcome in store.outcomes(asked)] == [
+            Outcome("period limit", 401, 3),
+            Outcome("converged", 28),
+            None,
+        ]
+        answer = store.find(asked[1])
+        assert answer is not None
+        assert answer.multiple == 1

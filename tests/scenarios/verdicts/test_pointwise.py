@@ -1,0 +1,110 @@
+"""Points of figure 3: what is allowed of those that share the scheme, and of those that do not."""
+
+import pytest
+
+from engines.interface.variant import Variant
+from scenarios.tasks.questions import Answer
+from scenarios.verdicts.pointwise import (
+    CONVERGED,
+    REFERENCE,
+    GivenTolerance,
+    PointAnswers,
+    compare_point,
+    refinements,
+    ruler,
+)
+from scenarios.verdicts.verdict import FLOOR_DB, Verdict
+
+SHARES, OWN = Variant("mujoco"), Variant("exudyn-regularised")
+
+
+def answer(db, steps=400, status="converged") -> Answer:
+    return Answer(status=status, transmittance_db=db, residual=1e-9, periods=30, steps_per_period=steps)
+
+
+def judged(variant, db, *others, reference=-10.02, converged=-10.0, amplified=1.0, given=None):
+    known = PointAnswers(
+        variant=variant,
+        answer=answer(db),
+        others=others,
+        reference=answer(reference),
+        converged=answer(converged),
+        amplified=amplified,
+        given=given,
+    )
+    return compare_point(known)
+
+
+def test_who_shares_the_scheme_equals_the_reference_at_equal_step_or_does_not_share_it() -> None:
+    assert ruler(SHARES) == REFERENCE
+    assert judged(SHARES, -10.02 + 1e-8).verdict is Verdict.AGREE
+    found = judged(SHARES, -10.02 + 1e-6)
+    assert found.verdict is Verdict.DISAGREE
+    assert "mostly resolution" in found.reason
+
+
+def test_near_a_resonance_a_steady_state_is_farther_than_its_residual() -> None:
+    assert judged(SHARES, -10.02 + 1e-6, amplified=100.0).verdict is Verdict.AGREE
+    assert judged(SHARES, -10.02 + 1e-4, amplified=100.0).verdict is Verdict.DISAGREE
+
+
+def test_an_integrator_of_its_own_may_err_as_the_scheme_does_at_the_same_step() -> None:
+    assert ruler(OWN) == CONVERGED
+    assert judged(OWN, -9.98, answer(-9.98, 200)).verdict is Verdict.AGREE
+    found = judged(OWN, -9.97, answer(-9.97, 200))
+    assert found.verdict is Verdict.DISAGREE
+    assert "the error of the reference's scheme at this step (0.025)" in found.reason
+
+
+def test_an_error_that_halves_with_the_step_is_its_own() -> None:
+    found = judged(OWN, -9.5, answer(-9.0, 200))
+    assert found.verdict is Verdict.AGREE
+    assert "mostly the engine's own step (0.62" in found.reason
+    # where stability asks for 300 steps instead of half of 400, the same difference tells of three times the error
+    assert judged(OWN, -9.0, answer(-8.7, 300)).verdict is Verdict.AGREE
+    assert judged(OWN, -9.0, answer(-8.7, 200)).verdict is Verdict.DISAGREE
+
+
+def test_without_a_steady_state_at_half_the_steps_a_difference_is_inconclusive() -> None:
+    lost = answer(-9.0, 200, "period limit")
+    assert judged(OWN, -9.5, lost).verdict is Verdict.INCONCLUSIVE
+    assert judged(OWN, -9.99, lost).verdict is Verdict.AGREE
+
+
+def test_the_references_error_cannot_excuse_itself() -> None:
+    assert refinements(REFERENCE) == (2, 4)
+    assert judged(REFERENCE, -10.02, answer(-10.01, 800), answer(-10.005, 1600)).verdict is Verdict.AGREE
+    assert judged(REFERENCE, -10.02, answer(-10.02, 800), answer(-10.02, 1600)).verdict is Verdict.DISAGREE
+
+
+def test_a_difference_that_vanishes_by_chance_is_not_believed() -> None:
+    """Errors of 400 and 800 steps on either side of the truth: the third step tells."""
+    assert judged(REFERENCE, -10.02, answer(-10.02, 800), answer(-10.01, 1600)).verdict is Verdict.AGREE
+
+
+def test_ruler_and_sharers_need_no_second_step() -> None:
+    assert refinements(CONVERGED) == refinements(SHARES) == ()
+    assert refinements(OWN) == (0.5,)
+    assert judged(CONVERGED, -10.0).verdict is Verdict.AGREE
+
+
+def test_below_the_floor_differences_are_those_of_amplitudes() -> None:
+    deep = FLOOR_DB - 40
+    found = judged(OWN, deep + 6, answer(deep + 6, 200), reference=deep, converged=deep)
+    assert found.difference == pytest.approx(8.7 * 1e-2 * (10 ** (6 / 20) - 1), rel=0.02)
+
+
+@pytest.mark.parametrize(("whom", "level"), [(REFERENCE, -10.02), (CONVERGED, -10.0)])
+def test_a_given_tolerance_judges_everybody_but_whom_others_are_compared_with(whom, level) -> None:
+    given = GivenTolerance(transmittance_db=0.1, ruler=whom)
+    for variant in (SHARES, OWN):
+        assert ruler(variant, given) == whom
+        assert refinements(variant, given) == ()
+        assert judged(variant, level + 0.099, given=given).verdict is Verdict.AGREE
+        found = judged(variant, level - 0.101, given=given)
+        assert found.verdict is Verdict.DISAGREE
+        assert found.tolerance == pytest.approx(0.1, rel=1e-12)
+    # its own steps are its measure still
+    assert refinements(whom, given) == refinements(whom)
+    assert judged(REFERENCE, -10.02, answer(-10.02, 800), given=GivenTolerance(transmittance_db=9, ruler=REFERENCE)
+                  ).verdict is Verdict.DISAGREE  # fmt: skip

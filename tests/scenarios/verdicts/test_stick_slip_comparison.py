@@ -1,0 +1,169 @@
+"""Stick and slip compared: what is late, missed, made up, undecided; by transitions made by hand."""
+
+import dataclasses
+import math
+
+import pytest
+
+from engines.interface.variant import Variant
+from reference_lcp.observables.transition_matching import MATCHING_WINDOW
+from scenarios.tasks.questions import Answer
+from scenarios.verdicts.steady_case import Case, Evidence, Expected
+from scenarios.verdicts.stick_slip_comparison import (
+    CREEP_VELOCITY,
+    LARGEST_TIME,
+    MEDIAN_TIME,
+    MISSED,
+    SPURIOUS,
+    STICK_SLIP_METRICS,
+    STUCK_FRACTION,
+    as_resolved,
+    stick_slip_findings,
+)
+from scenarios.verdicts.verdict import Verdict
+
+TRANSITIONS = ((1, 0.1, "stick"), (1, 0.3, "forward slip"), (1, 0.6, "stick"), (1, 0.8, "backward slip"))
+SHORT = ((1, 0.45, "stick"), (1, 0.455, "forward slip"))
+CASE = Case(label="by hand", friction_ratio=0.3, frequency_ratio=0.9)
+STEP = 1 / 800
+
+
+def answer(transitions, steps, stuck=0.4, creep=0.0) -> Answer:
+    return Answer(
+        status="converged", transmittance_db=-3.0, residual=1e-9, periods=30, steps_per_period=steps, period=1.0,
+        stuck_fraction=(stuck,), transitions=tuple(transitions), creep=(creep,),
+    )  # fmt: skip
+
+
+def evidence(coarse, fine, scheme=None, expected=TRANSITIONS, variant="mujoco", **changes) -> Evidence:
+    """Transitions of the engine at both steps, and of the reference at three; further numbers are of the fine one."""
+    scheme = scheme or (TRANSITIONS,) * 3
+    return Evidence(
+        variant=Variant(variant),
+        case=CASE,
+        coarse=answer(coarse, 400),
+        fine=dataclasses.replace(answer(fine, 800), **changes),
+        scheme=tuple(answer(one, steps) for one, steps in zip(scheme, (400, 800, 1600), strict=True)),
+        expected=Expected(transmittance_db=-3.0, transitions=expected, stuck_fraction=(0.4,)),
+    )
+
+
+def judged(*args, **more):
+    return {one.metric: one for one in stick_slip_findings(evidence(*args, **more))}
+
+
+def later(shift, transitions=TRANSITIONS):
+    return tuple((cell, (time + shift) % 1.0, kind) for cell, time, kind in transitions)
+
+
+def test_the_expected_motion_agrees_in_every_metric() -> None:
+    found = judged(TRANSITIONS, TRANSITIONS)
+    assert tuple(found) == STICK_SLIP_METRICS
+    assert {one.comparison.verdict for one in found.values()} == {Verdict.AGREE}
+
+
+@pytest.mark.parametrize(("steps", "verdict"), [(0.9, Verdict.AGREE), (-0.9, Verdict.AGREE), (1.1, Verdict.DISAGREE)])
+def test_a_transition_may_be_a_step_off_whatever_the_sign(steps, verdict) -> None:
+    found = judged(later(steps * STEP), later(steps * STEP))
+    assert found[LARGEST_TIME].comparison.verdict is verdict
+    assert found[MEDIAN_TIME].value == pytest.approx(100 * abs(steps) * STEP)
+
+
+def test_an_error_that_halves_with_the_step_is_the_engines_own() -> None:
+    found = judged(later(8 * STEP), later(4 * STEP))
+    assert found[LARGEST_TIME].comparison.verdict is Verdict.AGREE
+    assert "mostly the engine's own step" in found[LARGEST_TIME].comparison.reason
+    assert judged(later(4 * STEP), later(4 * STEP))[LARGEST_TIME].comparison.verdict is Verdict.DISAGREE
+
+
+def test_an_error_that_the_reference_makes_at_the_same_step_is_no_disagreement() -> None:
+    """At some step an engine may happen to err as much as at the other: its own estimate is then zero by luck."""
+    scheme = (later(8 * STEP), later(4 * STEP), later(2 * STEP))
+    found = judged(later(4 * STEP), later(4 * STEP), scheme=scheme)
+    assert found[LARGEST_TIME].comparison.verdict is Verdict.AGREE
+    assert "error of the reference's scheme" in found[LARGEST_TIME].comparison.reason
+
+
+def test_the_worst_transition_is_the_one_that_is_worst_beside_what_is_allowed_for_it() -> None:
+    fine = (*TRANSITIONS[:3], (1, 0.8 + 3 * STEP, "backward slip"))
+    found = judged(fine, fine)
+    assert found[LARGEST_TIME].value == pytest.approx(300 * STEP)
+    assert found[MEDIAN_TIME].value == pytest.approx(0, abs=1e-12)
+
+
+def test_transitions_beyond_the_window_are_missed_and_spurious() -> None:
+    gone = later(1.01 * MATCHING_WINDOW)
+    found = judged(gone, gone)
+    assert found[MISSED].value == found[SPURIOUS].value == 4
+    assert found[MISSED].comparison.verdict is found[SPURIOUS].comparison.verdict is Verdict.DISAGREE
+    assert found[LARGEST_TIME].comparison.verdict is Verdict.INCONCLUSIVE
+
+
+def test_what_only_one_step_of_the_engine_misses_or_makes_up_is_inconclusive() -> None:
+    fewer, more = TRANSITIONS[2:], (*TRANSITIONS, *SHORT)
+    assert judged(TRANSITIONS, fewer)[MISSED].comparison.verdict is Verdict.INCONCLUSIVE
+    assert judged(fewer, fewer)[MISSED].comparison.verdict is Verdict.DISAGREE
+    assert judged(TRANSITIONS, more)[SPURIOUS].comparison.verdict is Verdict.INCONCLUSIVE
+    assert judged(more, more)[SPURIOUS].comparison.verdict is Verdict.DISAGREE
+
+
+def test_a_grazing_stick_that_the_reference_has_at_some_steps_only_is_left_out() -> None:
+    with_it = (*TRANSITIONS, *SHORT)
+    wavering = (TRANSITIONS, with_it, with_it)
+    for expected, found in ((with_it, TRANSITIONS), (TRANSITIONS, with_it)):
+        verdicts = judged(found, found, scheme=wavering, expected=expected)
+        for metric in (MISSED, SPURIOUS, LARGEST_TIME):
+            assert verdicts[metric].comparison.verdict is Verdict.AGREE, metric
+        reasons = verdicts[MISSED].comparison.reason + verdicts[SPURIOUS].comparison.reason
+        assert "2 grazing ones left out" in reasons
+    decided = judged(TRANSITIONS, TRANSITIONS, scheme=(with_it,) * 3, expected=with_it)
+    assert decided[MISSED].comparison.verdict is Verdict.DISAGREE
+
+
+def test_stuck_fraction_may_be_off_by_a_step_a_stick() -> None:
+    for steps, verdict in ((1.9, Verdict.AGREE), (2.1, Verdict.DISAGREE)):
+        found = evidence(TRANSITIONS, TRANSITIONS, stuck_fraction=(0.4 + steps * STEP,))
+        same = dataclasses.replace(found.coarse, stuck_fraction=found.fine.stuck_fraction)
+        judgement = {one.metric: one for one in stick_slip_findings(dataclasses.replace(found, coarse=same))}
+        assert judgement[STUCK_FRACTION].comparison.verdict is verdict
+
+
+@pytest.mark.parametrize(
+    ("variant", "creep", "verdict"),
+    [
+        ("mujoco", 1e-6, Verdict.AGREE),
+        ("mujoco", 1e-4, Verdict.DISAGREE),
+        ("box2d", 1e-4, Verdict.AGREE),
+        ("box2d", 1e-2, Verdict.DISAGREE),
+    ],
+)
+def test_a_stick_may_creep_by_no_more_than_the_orbit_resolves(variant, creep, verdict) -> None:
+    found = evidence(TRANSITIONS, TRANSITIONS, variant=variant, creep=(creep,))
+    same = dataclasses.replace(found, coarse=dataclasses.replace(found.coarse, creep=(creep,)))
+    judgement = {one.metric: one for one in stick_slip_findings(same)}
+    assert judgement[CREEP_VELOCITY].comparison.verdict is verdict
+
+
+def test_without_a_steady_state_every_metric_is_inconclusive() -> None:
+    found = evidence(TRANSITIONS, TRANSITIONS, status="period limit", residual=1e-3)
+    findings = stick_slip_findings(found)
+    assert [one.metric for one in findings] == list(STICK_SLIP_METRICS)
+    assert {one.comparison.verdict for one in findings} == {Verdict.INCONCLUSIVE}
+
+
+def test_a_slip_too_short_for_single_precision_is_read_as_stick() -> None:
+    """The contact turns, slips by 5e-6 U0 and stops: with a residual of 1e-5, it stops where it turns."""
+    exact = ((1, 0.1, "forward slip"), (1, 0.106, "stick"), (1, 0.3, "backward slip"))
+    read = ((1, 0.1, "stick"), (1, 0.3, "backward slip"))
+    for variant, expected in (("mujoco", exact), ("box2d", read)):
+        found = evidence(expected, expected, scheme=(exact,) * 3, expected=exact, variant=variant)
+        stuck = 0.194 if variant == "mujoco" else 0.2
+        answers = {
+            name: dataclasses.replace(getattr(found, name), stuck_fraction=(stuck,)) for name in ("coarse", "fine")
+        }
+        scheme = tuple(dataclasses.replace(one, stuck_fraction=(0.194,)) for one in found.scheme)
+        right = dataclasses.replace(found.expected, travels=(5e-6, math.inf, 2.0), stuck_fraction=(0.194,))
+        found = dataclasses.replace(found, expected=right, scheme=scheme, **answers)
+        assert as_resolved(found).transitions == expected
+        assert as_resolved(found).stuck_fraction[0] == pytest.approx(stuck)
+        assert {one.comparison.verdict for one in stick_slip_findings(found)} == {Verdict.AGREE}
