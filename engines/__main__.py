@@ -48,7 +48,7 @@ def described(name: str) -> dict[str, Any]:
     """
     described_engine = engine(name)
     abilities = described_engine.capabilities
-    missing = described_engine.why_not_installed()
+    missing = described_engine.unavailable_reason()
     return {
         "engine": name,
         "title": abilities.title,

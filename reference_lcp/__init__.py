@@ -17,7 +17,7 @@ from reference_lcp.chain.transient import FilteredNoise, RickerPulse, SweptSine
 from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimulation, EventsAccumulate
 from reference_lcp.exact.exact_orbit import ExactPeriod
 from reference_lcp.lcp.frictional_system import FrictionalSystem, SystemTrajectory, simulate_system
-from reference_lcp.lcp.inclined_chain import PreloadedChain
+from reference_lcp.lcp.inclined_chain import InclinedChain
 from reference_lcp.lcp.lemke import LemkeResult, LemkeStatus, lemke, natural_residual
 from reference_lcp.lcp.lemke_compiled import lemke_compiled
 from reference_lcp.lcp.time_step import (
@@ -34,11 +34,11 @@ from reference_lcp.lcp.time_step import (
 from reference_lcp.observables.stick_slip import (
     Mode,
     Transition,
-    air_fraction,
     contact_modes,
     creep_velocity,
     dissipated_energy,
     largest_gap,
+    open_fraction,
     stuck_fraction,
     transitions,
 )
@@ -72,6 +72,7 @@ __all__ = [
     "FrictionalSystem",
     "HarmonicBase",
     "HarmonicForce",
+    "InclinedChain",
     "Lane",
     "LemkeResult",
     "LemkeSimulation",
@@ -83,7 +84,6 @@ __all__ = [
     "PeriodicDrive",
     "PeriodicOrbit",
     "Preload",
-    "PreloadedChain",
     "RecordedBase",
     "RickerPulse",
     "Simulation",
@@ -97,7 +97,6 @@ __all__ = [
     "Transition",
     "Transmissibility",
     "advanced",
-    "air_fraction",
     "assemble",
     "assemble_given_normal_force",
     "chain_step",
@@ -114,6 +113,7 @@ __all__ = [
     "lemke_compiled",
     "measured_error_bar",
     "natural_residual",
+    "open_fraction",
     "periodic_orbits",
     "rms_transmittance",
     "simulate",

@@ -8,19 +8,19 @@ from typing import Annotated
 
 import typer
 
-from engines.interface.registry import engine_names, usual_engine_names
+from engines.interface.registry import default_engine_names, engine_names
 from engines.interface.variant import Variant
 from reference_lcp.console import INTERRUPTED, checked_output_file, checked_output_folder, run_command
 from reference_lcp.validation import ParameterError
 from reports.cli.animate import animate
 from reports.cli.compare import compare
-from reports.data.collect import QUICK, Extent, expected_questions, gather
+from reports.data.collect import QUICK, Scope, collect, expected_questions
 from reports.data.report import Report
 from reports.export.files import FIGURES, FILES, PAGE, files_of, write_all
 from scenarios.cli.options import Limit, Workers
-from scenarios.execution.dask_cluster import crew_of
-from scenarios.execution.evaluator import StoredAnswers
-from scenarios.execution.local_processes import TIME_LIMIT, Crew
+from scenarios.execution.dask_cluster import executor_for
+from scenarios.execution.evaluator import StoredResults
+from scenarios.execution.local_processes import TIME_LIMIT, Executor
 from scenarios.execution.progress import Bars, CountingEvaluator
 from scenarios.execution.store import ResultStore
 from scenarios.studies.figure3 import (
@@ -31,7 +31,7 @@ from scenarios.studies.figure3 import (
     quick_frequency_ratios,
 )
 from scenarios.sweeps.spec_file import SweepFile, read_sweep
-from scenarios.sweeps.verdicts import ruler_of
+from scenarios.sweeps.verdicts import baseline_of
 from scenarios.tasks.questions import ChainRatios
 from scenarios.verdicts.pointwise import GivenTolerance
 
@@ -90,7 +90,7 @@ def report(
     if context.invoked_subcommand is not None:
         return
     asked = _asked(_names(chosen), quick) if sweep is None else _asked_by(sweep, chosen, quick)
-    crew = crew_of(workers, time_limit, scheduler)
+    executor = executor_for(workers, time_limit, scheduler)
     checked_output_folder("--out", out)
     for file in FILES:
         checked_output_file("output file", out / file)
@@ -101,7 +101,9 @@ def report(
     command = _command(chosen, quick, sweep)
     with ResultStore(store) as kept:
         try:
-            found = _gathered(asked, kept, store, crew, command, ask, QUICK if quick else Extent(), workers, time_limit)
+            found = _collected(
+                asked, kept, store, executor, command, ask, QUICK if quick else Scope(), workers, time_limit
+            )
         except KeyboardInterrupt:
             print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
@@ -112,7 +114,7 @@ def report(
 def _names(chosen: list[str] | None) -> list[str]:
     """Say who is compared."""
     if not chosen:
-        return usual_engine_names()
+        return default_engine_names()
     return [one for name in chosen for one in (engine_names() if name == "all" else [name])]
 
 
@@ -151,32 +153,32 @@ def _asked_by(file: Path, chosen: list[str] | None, quick: bool) -> Figure3:
 
 def _tolerance(read: SweepFile) -> GivenTolerance | None:
     """Give the tolerance of a file; it compares with whom the command ``sweep`` compares."""
-    ruler = ruler_of(read.sweep)
-    if read.tolerance_db is None or ruler is None:
+    baseline = baseline_of(read.sweep)
+    if read.tolerance_db is None or baseline is None:
         return None
-    return GivenTolerance(transmittance_db=read.tolerance_db, ruler=ruler)
+    return GivenTolerance(transmittance_db=read.tolerance_db, baseline=baseline)
 
 
-def _gathered(
+def _collected(
     asked: Figure3,
     kept: ResultStore,
     file: Path,
-    crew: Crew,
+    executor: Executor,
     command: str,
     ask: bool,
-    extent: Extent,
+    scope: Scope,
     workers: int | None,
     time_limit: float,
 ) -> Report:
     """Gather everything: with bars on the way, or from the store alone."""
     if not ask:
-        return gather(asked, kept, file, StoredAnswers(kept), command, extent=extent)
+        return collect(asked, kept, file, StoredResults(kept), command, scope=scope)
     with (
         Bars(asked.all_variants) as bars,
-        CountingEvaluator(kept, crew, expected_questions(asked, extent), bars) as evaluator,
+        CountingEvaluator(kept, executor, expected_questions(asked, scope), bars) as evaluator,
     ):
-        return gather(
-            asked, kept, file, evaluator, command, extent=extent, workers=workers, time_limit=time_limit
+        return collect(
+            asked, kept, file, evaluator, command, scope=scope, workers=workers, time_limit=time_limit
         )  # fmt: skip
 
 

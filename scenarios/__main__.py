@@ -30,18 +30,18 @@ from scenarios.cli.options import (
 from scenarios.cli.printed_table import print_table, printed_table
 from scenarios.cli.run import add_scenarios
 from scenarios.cli.sweep import answer_sweep, dataset_of, print_summary, print_verdicts
-from scenarios.execution.dask_cluster import crew_of
-from scenarios.execution.evaluator import why_not_installed
-from scenarios.execution.local_processes import TIME_LIMIT, Crew
+from scenarios.execution.dask_cluster import executor_for
+from scenarios.execution.evaluator import unavailable_reason
+from scenarios.execution.local_processes import TIME_LIMIT, Executor
 from scenarios.execution.progress import Bars, CountingEvaluator
 from scenarios.execution.store import ResultStore
-from scenarios.studies.accuracy import PLACES, Accuracy, Place, accuracies, accuracy_questions, exact_answer
+from scenarios.studies.accuracy import PLACES, Accuracy, OperatingPoint, accuracies, accuracy_questions, exact_answer
 from scenarios.studies.accuracy_table import COLUMNS, Row, csv_table, markdown, remark
 from scenarios.studies.cost import COLUMNS as COST_COLUMNS
 from scenarios.studies.cost import SECONDS, cost, cost_csv, cost_markdown, cost_rows
 from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
 from scenarios.sweeps.sweep import write_dataset
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 from scenarios.verdicts.steady_case import REFERENCE
 
 EXPERIMENTS = {
@@ -96,11 +96,11 @@ def sweep(
     """
     asked = read_sweep(file)
     check_out(out, (".nc", ".csv"))
-    crew = crew_of(workers, time_limit, scheduler)
+    executor = executor_for(workers, time_limit, scheduler)
     with ResultStore(store) as kept:
         if ask:
             try:
-                print_summary(asked, answer_sweep(asked, kept, crew))
+                print_summary(asked, answer_sweep(asked, kept, executor))
             except KeyboardInterrupt:
                 print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
                 raise typer.Exit(INTERRUPTED) from None
@@ -131,7 +131,7 @@ def accuracy(
     """
     variants = chosen_variants(chosen)
     check_out(out, (".md", ".csv"))
-    found = _accuracies(variants, store, crew_of(workers, time_limit, scheduler), workers)
+    found = _accuracies(variants, store, executor_for(workers, time_limit, scheduler), workers)
     rows: list[Row] = [(one, step_cost(one.variant) if cost and one.certified else None) for one in found]
     _print_accuracy(rows)
     if out is not None:
@@ -161,7 +161,7 @@ def costs(
     found = []
     variants = chosen_variants(chosen)
     for variant in track(variants, "cost", console=Console(stderr=True), transient=True):
-        missing = why_not_installed(variant)
+        missing = unavailable_reason(variant)
         if missing is not None:
             print(f"{variant}: {missing}", file=sys.stderr)
         else:
@@ -187,19 +187,19 @@ def _print_catalogue() -> None:
     print("python -m scenarios run NAME runs one, python -m scenarios run all every scenario.")
 
 
-def _accuracies(variants: list[Variant], store: Path | None, crew: Crew, workers: int | None) -> list[Accuracy]:
+def _accuracies(variants: list[Variant], store: Path | None, executor: Executor, workers: int | None) -> list[Accuracy]:
     """Ask everything, with bars on the way."""
     expected = [question for variant in variants for question in accuracy_questions(variant)]
     exact = _exact_answers(workers)
     with (
         store_of_run(store) as kept,
         Bars(variants) as bars,
-        CountingEvaluator(kept, crew, expected, bars) as evaluator,
+        CountingEvaluator(kept, executor, expected, bars) as evaluator,
     ):
         return accuracies(variants, exact, evaluator)
 
 
-def _exact_answers(workers: int | None) -> dict[Place, Answer]:
+def _exact_answers(workers: int | None) -> dict[OperatingPoint, Result]:
     """Find the exact motion at every place, on all workers."""
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         found = track(

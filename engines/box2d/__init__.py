@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from engines.box2d.contact import CONTACT_DEFAULT, CONTACT_TUNED, Box2DContactLane
 from engines.box2d.joint import JOINT_DEFAULT, JOINT_TUNED, Box2DJointLane
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
+from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset, SequentialSimulation
 from reference_lcp.chain.simulation import Lane, Simulation
 
 
@@ -16,7 +16,7 @@ class Box2D(Engine):
     name: ClassVar[str] = "box2d"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Box2D",
-        further=True,
+        optional=True,
         package="Box2D",
         licence="Zlib",
         friction_law=FrictionLaw.COULOMB,
@@ -39,7 +39,7 @@ class Box2D(Engine):
         """Version of the package."""
         return version("Box2D")
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """Say why Box2D cannot be used here."""
         if importlib.util.find_spec("Box2D") is None:
             return "the package Box2D is not installed; pip install 'multibody-xval[engines]'"
@@ -47,4 +47,4 @@ class Box2D(Engine):
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         model = Box2DJointLane if formulation is Formulation.JOINT else Box2DContactLane
-        return LanewiseSimulation.build(lanes, lambda lane: model(lane, preset))
+        return SequentialSimulation.build(lanes, lambda lane: model(lane, preset))

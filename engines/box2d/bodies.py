@@ -39,8 +39,8 @@ class Box2DLane(ExplicitForcesLane):
         # Where bodies are across the motion, and the forces on them there.
         self._heights, self._pressing = np.zeros((2, 2 * lane.chain.cells))
 
-    def bare_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, with bodies at rest kept awake; see `BareStepping`."""
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone, with bodies at rest kept awake; see `NativeStepping`."""
         world, _ = self._new_world(np.zeros(4 * self._chain.cells))
         world.SetAllowSleeping(False)
         step, time_step, (velocity, position) = world.Step, self._time_step, self._iterations
@@ -66,8 +66,8 @@ class Box2DLane(ExplicitForcesLane):
         )  # fmt: skip
 
         def step(force: FloatArray) -> None:
-            for push, value, press in zip(pushes, force.tolist(), across, strict=True):
-                push((value, press), True)
+            for push, value, normal_load in zip(pushes, force.tolist(), across, strict=True):
+                push((value, normal_load), True)
             advance(time_step, sweeps, corrections)
             motion[:] = list(map(along, held))
 

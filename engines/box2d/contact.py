@@ -36,7 +36,7 @@ CONTACT_DEFAULT = Preset(
         "AllowSleeping": Option(True, True, "Box2D's own."),
     },
     # Sweeps that have not converged go on from the last impulses, which a state does not hold.
-    departure=(
+    known_deviation=(
         "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
         "the error is of first order, but not yet in proportion to the step"
     ),

@@ -35,7 +35,7 @@ JOINT_DEFAULT = Preset(
         "AllowSleeping": Option(True, True, "Box2D's own."),
     },
     # Sweeps that have not converged go on from the last impulses, which a state does not hold.
-    departure=(
+    known_deviation=(
         "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
         "the error is of first order, but not yet in proportion to the step"
     ),
@@ -65,9 +65,9 @@ class Box2DJointLane(Box2DLane):
             else:
                 self._joints.append(world.CreateFrictionJoint(maxForce=bound, maxTorque=0.0, **ends))
 
-    def _press(self, press: FloatArray) -> None:
+    def _set_normal_load(self, normal_load: FloatArray) -> None:
         name = "maxMotorForce" if self._by_motor else "maxForce"
-        for joint, bound in zip(self._joints, (self._chain.friction_coefficient * press).tolist(), strict=True):
+        for joint, bound in zip(self._joints, (self._chain.friction_coefficient * normal_load).tolist(), strict=True):
             setattr(joint, name, bound)
 
     def _contacts(self) -> list[float]:

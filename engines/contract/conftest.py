@@ -17,14 +17,14 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """
     names = _chosen(metafunc.config)
     variants = [variant for name in names for variant in variants_of(name)]
-    tuned = [variant for variant in variants if variant.preset == "tuned"]
+    tuned = [variant for variant in variants if variant.preset_name == "tuned"]
     cases: dict[str, list[Variant]] = {
         "tested": variants,
         "tuned": tuned,
-        "default": [variant for variant in variants if variant.preset == "default"],
-        "following": [one for one in variants if one.options.represents(NormalForce.MODULATED)],
-        "lifting": [one for one in tuned if one.options.represents(NormalForce.LIFTING)],
-        "sharing": [one for one in tuned if one.options.shares_scheme and one.engine != "reference"],
+        "default": [variant for variant in variants if variant.preset_name == "default"],
+        "following": [one for one in variants if one.preset.represents(NormalForce.MODULATED)],
+        "lifting": [one for one in tuned if one.preset.represents(NormalForce.LIFTING)],
+        "sharing": [one for one in tuned if one.preset.shares_scheme and one.engine != "reference"],
     }
     for argument, chosen in cases.items():
         if argument in metafunc.fixturenames:
@@ -36,4 +36,4 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 def _chosen(config: pytest.Config) -> list[str]:
     """Names of the engines."""
     asked: list[str] = config.getoption("--engine")
-    return asked or [name for name in engine_names() if engine(name).why_not_installed() is None]
+    return asked or [name for name in engine_names() if engine(name).unavailable_reason() is None]

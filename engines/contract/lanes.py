@@ -19,7 +19,7 @@ AMPLITUDE = 0.01
 
 def label(variant: Variant) -> str:
     """Name a variant in the names of tests."""
-    return f"{variant.engine}-{variant.formulation}-{variant.preset}"
+    return f"{variant.engine}-{variant.formulation}-{variant.preset_name}"
 
 
 def lane_of(friction_ratio: float, frequency_ratio: float, steps: int = STEPS) -> Lane:

@@ -23,7 +23,7 @@ def pytest_configure(config: pytest.Config) -> None:
     asked: list[str] = config.getoption("--engine")
     for name in asked:
         try:
-            missing = engine(name).why_not_installed()
+            missing = engine(name).unavailable_reason()
         except ParameterError as problem:
             raise pytest.UsageError(f"--engine: {problem}") from problem
         if missing is not None:

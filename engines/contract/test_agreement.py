@@ -27,11 +27,11 @@ from reference_lcp.steady.orbits import periodic_orbits
 def test_transmittance_at_six_points_agrees_with_the_reference(tuned: Variant) -> None:
     """At equal time step where the scheme is shared, with the converged reference otherwise."""
     lanes = [lane_of(*place) for place in STICK_SLIP_POINTS]
-    shares = tuned.options.shares_scheme
-    ruler = engine("reference").build(lanes, preset="tuned" if shares else "converged")
+    shares = tuned.preset.shares_scheme
+    baseline = engine("reference").build(lanes, preset="tuned" if shares else "converged")
     tolerance = SCHEME_TOLERANCE_DB if shares else CONVERGED_TOLERANCE_DB
     found = periodic_orbits(tuned.build(lanes), STEPS, tolerance=tuned.capabilities.residual)
-    expected = periodic_orbits(ruler, STEPS)
+    expected = periodic_orbits(baseline, STEPS)
     for place, orbit, reference in zip(STICK_SLIP_POINTS, found, expected, strict=True):
         assert orbit.converged, f"no steady state at {place}"
         difference = float(decibel(transmittance(orbit)) - decibel(transmittance(reference)))
@@ -44,21 +44,24 @@ def test_who_shares_the_scheme_equals_the_reference_to_round_off_over_forty_peri
     found, expected = (
         one.build([lane]).run(State.at_rest(1, 7), 0, 40 * STEPS)[0] for one in (sharing, Variant("reference"))
     )
-    precision, softness = sharing.capabilities.precision, CREEP * sharing.options.softness
+    precision, residual_slip_compliance = (
+        sharing.capabilities.precision,
+        CREEP * sharing.preset.residual_slip_compliance,
+    )
     motion = np.max(np.abs(found.positions - expected.positions)) / AMPLITUDE
     force = np.max(np.abs(found.friction - expected.friction)) / lane.chain.friction_bound[0]
-    assert motion <= TRAJECTORY_TOLERANCE[precision] + softness, "the motion leaves the scheme's"
-    assert force <= FRICTION_TOLERANCE[precision] + softness, "the friction leaves the scheme's"
+    assert motion <= TRAJECTORY_TOLERANCE[precision] + residual_slip_compliance, "the motion leaves the scheme's"
+    assert force <= FRICTION_TOLERANCE[precision] + residual_slip_compliance, "the friction leaves the scheme's"
 
 
 def test_pulse_of_the_base_moves_the_chain_as_it_moves_the_reference(tuned: Variant) -> None:
     """A drive is any function of time: over four periods of the resonator, from rest."""
     lane = pulse_lane_of(0.3)
-    shares = tuned.options.shares_scheme
-    ruler = Variant("reference", preset="tuned" if shares else "converged")
-    found, expected = (one.build([lane]).run(State.at_rest(1, 7), 0, 4 * STEPS)[0] for one in (tuned, ruler))
+    shares = tuned.preset.shares_scheme
+    baseline = Variant("reference", preset_name="tuned" if shares else "converged")
+    found, expected = (one.build([lane]).run(State.at_rest(1, 7), 0, 4 * STEPS)[0] for one in (tuned, baseline))
     difference = np.max(np.abs(found.positions - expected.positions)) / AMPLITUDE
-    to_round_off = TRAJECTORY_TOLERANCE[tuned.capabilities.precision] + CREEP * tuned.options.softness
+    to_round_off = TRAJECTORY_TOLERANCE[tuned.capabilities.precision] + CREEP * tuned.preset.residual_slip_compliance
     assert difference <= (to_round_off if shares else PULSE_TOLERANCE), "this is another drive"
 
 
@@ -75,7 +78,7 @@ def test_cells_that_differ_are_each_built_as_given(sharing: Variant) -> None:
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, AMPLITUDE), STEPS)
     found, expected = (one.build([lane]).run(random_state(1), 0, STEPS)[0] for one in (sharing, Variant("reference")))
     motion = np.max(np.abs(found.positions - expected.positions)) / np.max(np.abs(expected.positions))
-    tolerance = TRAJECTORY_TOLERANCE[sharing.capabilities.precision] + CREEP * sharing.options.softness
+    tolerance = TRAJECTORY_TOLERANCE[sharing.capabilities.precision] + CREEP * sharing.preset.residual_slip_compliance
     assert motion <= tolerance, "some cell is not the one that was given"
 
 

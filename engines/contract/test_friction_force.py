@@ -19,7 +19,7 @@ def test_normal_force_is_the_one_that_is_given(tuned: Variant) -> None:
     lane = lane_of(0.3, 0.6)
     run = tuned.build([lane]).run(random_state(1), 0, 50)[0]
     given = np.broadcast_to(lane.chain.normal_force, (50, 7))
-    tolerance = ROUND_OFF[tuned.capabilities.precision] + CREEP * tuned.options.softness
+    tolerance = ROUND_OFF[tuned.capabilities.precision] + CREEP * tuned.preset.residual_slip_compliance
     assert run.normal_force == pytest.approx(given, rel=tolerance)
 
 
@@ -50,7 +50,7 @@ def test_friction_acts_on_the_inner_mass_against_its_slip(tested: Variant) -> No
     run = tested.build([lane]).run(random_state(1), 0, STEPS)[0]
     power = run.friction * run.relative_velocity
     sliding = np.abs(run.relative_velocity) > SLIDING * AMPLITUDE * drive_of(lane).angular_frequency
-    if tested.capabilities.friction_law is FrictionLaw.BRISTLE or tested.preset != "tuned":
+    if tested.capabilities.friction_law is FrictionLaw.BRISTLE or tested.preset_name != "tuned":
         # a bristle that has been bent gives its energy back after a reversal, and a soft constraint acts late:
         # only their sum is a loss
         assert np.all(np.sum(power, axis=0) < 0), "friction drives the slip"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from engines.contract.lanes import drive_of, lane_of, random_state
-from engines.interface.tolerances import GROWTH, LINEAR_TOLERANCE_DB, MOMENTUM_TOLERANCE, STEPS
+from engines.interface.tolerances import DISTANCE_GROWTH, LINEAR_TOLERANCE_DB, MOMENTUM_TOLERANCE, STEPS
 from engines.interface.variant import Variant
 from reference_lcp.chain.harmonic import StillBase
 from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
@@ -46,7 +46,7 @@ def test_energy_of_a_free_motion_is_never_created(tuned: Variant) -> None:
     lane = Lane(driven.chain, StillBase(driven.drive.displacement_scale(driven.chain)), driven.time_step)
     run = tuned.build([lane]).run(random_state(1), 0, 4 * STEPS)[0]
     rows = energy(lane.chain, run.positions, run.velocities)
-    assert largest_growth(rows) < 2 * GROWTH, "energy is created"
+    assert largest_growth(rows) < 2 * DISTANCE_GROWTH, "energy is created"
     assert rows[-1] < 0.5 * rows[0], "friction and dashpots take no energy"
 
 
@@ -74,5 +74,5 @@ def test_two_motions_under_one_drive_never_drift_apart(tuned: Variant) -> None:
     lane = lane_of(0.3, 0.6)
     one, other = tuned.build([lane, lane]).run(random_state(2), 0, 4 * STEPS)
     distance = np.sqrt(energy(lane.chain, one.positions - other.positions, one.velocities - other.velocities))
-    assert largest_growth(distance) < GROWTH, "two motions drift apart"
+    assert largest_growth(distance) < DISTANCE_GROWTH, "two motions drift apart"
     assert distance[-1] < distance[0], "two motions do not come closer"

@@ -35,26 +35,31 @@ def run_from_rest(variant: Variant, modulation: float, periods: int, multiple: i
 
 def test_modulated_normal_force_is_followed(following: Variant) -> None:
     """Contacts that stay closed: the normal force is what presses them, and friction moves the chain accordingly."""
-    if following.preset != "tuned":
+    if following.preset_name != "tuned":
         pytest.skip("how far a default is off is for reports to say")
     lane = modulated_lane(0.5, 2)
     run, expected = (run_from_rest(one, 0.5, 4, 2) for one in (following, Variant("reference")))
-    precision, softness = following.capabilities.precision, CREEP * following.options.modulated().softness
+    precision, residual_slip_compliance = (
+        following.capabilities.precision,
+        CREEP * following.preset.modulated().residual_slip_compliance,
+    )
     given = lane.preloads(0, 4 * STEPS)
-    assert np.allclose(run.normal_force, given, rtol=ROUND_OFF[precision] + softness, atol=0), "another normal force"
-    if following.options.shares_scheme:
+    assert np.allclose(run.normal_force, given, rtol=ROUND_OFF[precision] + residual_slip_compliance, atol=0), (
+        "another normal force"
+    )
+    if following.preset.shares_scheme:
         motion = np.max(np.abs(run.positions - expected.positions)) / AMPLITUDE
-        assert motion <= TRAJECTORY_TOLERANCE[precision] + softness, "the motion leaves the scheme's"
+        assert motion <= TRAJECTORY_TOLERANCE[precision] + residual_slip_compliance, "the motion leaves the scheme's"
     else:
         found = periodic_orbits(following.build([lane]), STEPS, tolerance=following.capabilities.residual)[0]
-        ruler = periodic_orbits(engine("reference").build([lane], preset="converged"), STEPS)[0]
-        difference = float(decibel(transmittance(found)) - decibel(transmittance(ruler)))
+        baseline = periodic_orbits(engine("reference").build([lane], preset="converged"), STEPS)[0]
+        difference = float(decibel(transmittance(found)) - decibel(transmittance(baseline)))
         assert abs(difference) <= CONVERGED_TOLERANCE_DB, f"off by {difference:+.4f} dB"
 
 
 def test_friction_stays_within_a_bound_that_changes(following: Variant) -> None:
     """|λ_T| <= μ λ_N(t) in every step; where contacts are open there is none."""
-    lifts = following.options.represents(NormalForce.LIFTING)
+    lifts = following.preset.represents(NormalForce.LIFTING)
     lane = modulated_lane(1.5 if lifts else 1.0)
     run = run_from_rest(following, 1.5 if lifts else 1.0, 2)
     bound = lane.chain.friction_coefficient * run.normal_force
@@ -64,8 +69,10 @@ def test_friction_stays_within_a_bound_that_changes(following: Variant) -> None:
     assert np.all(np.abs(run.friction) <= bound * (1 + margin) + round_off), "friction passes its bound"
     if not lifts:
         given = lane.chain.friction_coefficient * lane.preloads(0, 2 * STEPS)
-        softness = CREEP * following.options.modulated().softness
-        assert np.all(np.abs(run.friction) <= given * (1 + margin + softness) + round_off), "friction passes its bound"
+        residual_slip_compliance = CREEP * following.preset.modulated().residual_slip_compliance
+        assert np.all(np.abs(run.friction) <= given * (1 + margin + residual_slip_compliance) + round_off), (
+            "friction passes its bound"
+        )
 
 
 def test_contact_that_is_pulled_open_flies_lands_and_carries_the_impact(lifting: Variant) -> None:
@@ -77,7 +84,7 @@ def test_contact_that_is_pulled_open_flies_lands_and_carries_the_impact(lifting:
     cycle = slice(STEPS, 2 * STEPS)
     mean = lane.chain.normal_force
     steps_in_air = np.sum(run.normal_force[cycle] <= OPEN * mean, axis=0)
-    late = np.abs(steps_in_air - flight.air_fraction * STEPS)
+    late = np.abs(steps_in_air - flight.open_fraction * STEPS)
     assert np.all(late <= MEETING_STEPS), f"time in the air off by {late.max():.1f} steps"
     scale = mean / lane.chain.inner_mass * (lane.time_step * STEPS / (2 * np.pi)) ** 2
     short = np.abs(np.max(run.normal_gap[cycle], axis=0) / scale - flight.highest)
@@ -94,7 +101,7 @@ def test_run_that_is_split_in_a_flight_equals_the_whole_one(lifting: Variant) ->
     second = simulation.run(half, split, 2 * STEPS - split)[0]
     assert whole.normal_gap is not None
     assert np.all(whole.normal_gap[split - 1] > 0), "there is no flight to split"
-    allowed = lifting.options.split_tolerance * AMPLITUDE
+    allowed = lifting.preset.split_tolerance * AMPLITUDE
     assert np.max(np.abs(whole.positions[split:] - second.positions)) <= allowed, "the second half starts elsewhere"
 
 
@@ -102,7 +109,7 @@ def test_normal_force_that_cannot_be_represented_is_refused(installed: str) -> N
     """By those whose normal force is constant any, by those whose contacts stay closed one that opens them."""
     for variant in variants_of(installed):
         for modulation, needed in ((0.5, NormalForce.MODULATED), (1.5, NormalForce.LIFTING)):
-            if not variant.options.represents(needed):
+            if not variant.preset.represents(needed):
                 with pytest.raises(
                     ParameterError, match=rf"{re.escape(f'modulation = {modulation:g}:')} .* cannot represent"
                 ):

@@ -5,8 +5,8 @@ from importlib.metadata import version
 from typing import ClassVar
 
 from engines.dart.contact import CONTACT_DEFAULT, CONTACT_SPHERE, CONTACT_TUNED, DartContactLane
-from engines.dart.joint import JOINT_DEFAULT, JOINT_TUNED, SOFTNESS, DartJointLane
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
+from engines.dart.joint import JOINT_DEFAULT, JOINT_TUNED, RESIDUAL_SLIP_COMPLIANCE, DartJointLane
+from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset, SequentialSimulation
 from reference_lcp.chain.simulation import Lane, Simulation
 
 
@@ -16,7 +16,7 @@ class Dart(Engine):
     name: ClassVar[str] = "dart"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="DART",
-        further=True,
+        optional=True,
         package="dartpy",
         licence="BSD-2-Clause",
         friction_law=FrictionLaw.COULOMB,
@@ -26,7 +26,7 @@ class Dart(Engine):
         },
         notes=(
             "Coulomb's law as a boxed LCP, solved by pivoting, whose diagonal is enlarged by a part that cannot be set "
-            f"to less than {SOFTNESS:g} in joints, and not at all in contacts, where normal forces err by 2.5e-6 at "
+            f"to less than {RESIDUAL_SLIP_COMPLIANCE:g} in joints, and not at all in contacts, where normal forces err by 2.5e-6 at "
             "first. By default joints have their own springs and dashpots, implicit ones, which damp the motion by as "
             "much as the time step is long."
         ),
@@ -36,7 +36,7 @@ class Dart(Engine):
         """Version of the package."""
         return version("dartpy")
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """Say why DART cannot be used here."""
         if importlib.util.find_spec("dartpy") is None:
             return "the package dartpy is not installed; pip install 'multibody-xval[engines]'"
@@ -44,4 +44,4 @@ class Dart(Engine):
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         model = DartJointLane if formulation is Formulation.JOINT else DartContactLane
-        return LanewiseSimulation.build(lanes, lambda lane: model(lane, preset))
+        return SequentialSimulation.build(lanes, lambda lane: model(lane, preset))

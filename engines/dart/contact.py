@@ -14,7 +14,7 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray, ParameterError
 
-SOFTNESS = 1e-5
+RESIDUAL_SLIP_COMPLIANCE = 1e-5
 """DART's constraint force mixing of a point of contact, which Python cannot set; four points share a box."""
 
 CONTACT_TUNED = Preset(
@@ -28,7 +28,7 @@ CONTACT_TUNED = Preset(
     },
     shares_scheme=True,
     split_tolerance=1e-6,
-    softness=SOFTNESS / 4,
+    residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE / 4,
     normal_force=NormalForce.LIFTING,
 )
 
@@ -40,7 +40,7 @@ CONTACT_DEFAULT = Preset(
         "deactivation": Option(True, True, "DART's own."),
     },
     split_tolerance=1e-6,
-    softness=SOFTNESS / 4,
+    residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE / 4,
     normal_force=NormalForce.LIFTING,
 )
 
@@ -51,7 +51,7 @@ CONTACT_SPHERE = Preset(
         "shape": Option("sphere", "box", "One point of contact, with the whole of its constraint force mixing."),
     },
     split_tolerance=1e-5,
-    softness=SOFTNESS,
+    residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE,
     normal_force=NormalForce.LIFTING,
 )
 
@@ -84,11 +84,11 @@ class DartContactLane(ExplicitForcesLane):
         self._sizes = PressedBoxes.of(lane, self._units)
         self._rubbing = self._chain.friction_bound > 0
 
-    def bare_steps(self, steps: int) -> None:
+    def native_steps(self, steps: int) -> None:
         """Take steps under constant forces that are set once: at rest, without any, contacts have nothing to do."""
         world, skeletons = self._new_world()
-        for skeleton, bound, press in zip(skeletons, self._chain.friction_bound, self._pressing(), strict=True):
-            skeleton.setForces([0.0, bound / 2, press])
+        for skeleton, bound, normal_load in zip(skeletons, self._chain.friction_bound, self._pressing(), strict=True):
+            skeleton.setForces([0.0, bound / 2, normal_load])
         step = world.step
         for _ in range(steps):
             step(False)
@@ -105,8 +105,8 @@ class DartContactLane(ExplicitForcesLane):
             degree.setPosition(gap)
             degree.setVelocity(rate)
         # Forces stay, for a step that is told so does not clear them: these are set once.
-        for degree, press in zip(self._aside, self._pressing().tolist(), strict=True):
-            degree.setForce(press)
+        for degree, normal_load in zip(self._aside, self._pressing().tolist(), strict=True):
+            degree.setForce(normal_load)
         # Numbers go in and out in a fifth of the time of short arrays.
         loads = [degree.setForce for degree in along]
         reads = [degree.getPosition for degree in along] + [degree.getVelocity for degree in along]
@@ -133,8 +133,8 @@ class DartContactLane(ExplicitForcesLane):
         count = self._chain.cells
         return np.array([np.bincount(cells, forces[:, axis], count) for axis in (0, 1)])
 
-    def _press(self, press: FloatArray) -> None:
-        for degree, value in zip(self._aside, np.where(self._rubbing, -press, 0.0).tolist(), strict=True):
+    def _set_normal_load(self, normal_load: FloatArray) -> None:
+        for degree, value in zip(self._aside, np.where(self._rubbing, -normal_load, 0.0).tolist(), strict=True):
             degree.setForce(value)
 
     def _gaps(self) -> FloatArray:

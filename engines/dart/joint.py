@@ -12,7 +12,7 @@ from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
-SOFTNESS = 1e-9
+RESIDUAL_SLIP_COMPLIANCE = 1e-9
 """DART's constraint force mixing of joint friction: the least that it takes, and its default."""
 
 JOINT_TUNED = Preset(
@@ -25,11 +25,13 @@ JOINT_TUNED = Preset(
         "deactivation": Option(
             False, True, "No body may be put to sleep for moving slowly; on, none was in the chains that were tried."
         ),
-        "constraint force mixing": Option(SOFTNESS, SOFTNESS, "DART raises smaller values to this one."),
+        "constraint force mixing": Option(
+            RESIDUAL_SLIP_COMPLIANCE, RESIDUAL_SLIP_COMPLIANCE, "DART raises smaller values to this one."
+        ),
     },
     shares_scheme=True,
     split_tolerance=1e-12,
-    softness=SOFTNESS,
+    residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE,
     normal_force=NormalForce.MODULATED,
 )
 
@@ -39,14 +41,14 @@ JOINT_DEFAULT = Preset(
         "units": Option("SI", "SI", "The numbers of the chain as they are."),
         "springs": Option("of the joints", "of the joints", "DART's own: implicit, which damps every vibration."),
         "deactivation": Option(True, True, "DART's own."),
-        "constraint force mixing": Option(SOFTNESS, SOFTNESS, "DART's own."),
+        "constraint force mixing": Option(RESIDUAL_SLIP_COMPLIANCE, RESIDUAL_SLIP_COMPLIANCE, "DART's own."),
     },
-    departure=(
+    known_deviation=(
         "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
         "the error is of first order, but not yet in proportion to the step"
     ),
     split_tolerance=1e-12,
-    softness=SOFTNESS,
+    residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE,
     normal_force=NormalForce.MODULATED,
 )
 
@@ -61,7 +63,7 @@ class DartJointLane(ExplicitForcesLane):
         self.coordinates = ChainCoordinates.ROW if self._own_springs else ChainCoordinates.CELLS
         super().__init__(lane, Units.named(preset["units"], lane))
 
-    def bare_steps(self, steps: int) -> None:
+    def native_steps(self, steps: int) -> None:
         """Take steps under constant forces that are set once: DART leaves the friction of still joints out."""
         world, skeleton = self._new_world()
         cells = self._chain.cells
@@ -93,9 +95,9 @@ class DartJointLane(ExplicitForcesLane):
 
         return step
 
-    def _press(self, press: FloatArray) -> None:
+    def _set_normal_load(self, normal_load: FloatArray) -> None:
         first = self._chain.cells
-        for cell, bound in enumerate((self._chain.friction_coefficient * press).tolist()):
+        for cell, bound in enumerate((self._chain.friction_coefficient * normal_load).tolist()):
             self._skeleton.getJoint(first + cell).setCoulombFriction(0, bound)
 
     def _contacts(self) -> FloatArray:

@@ -12,7 +12,7 @@ from engines.drake.contact import (
     DrakeContactLane,
 )
 from engines.drake.joint import JOINT_DEFAULT, JOINT_TUNED, DrakeJointLane
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
+from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset, SequentialSimulation
 from reference_lcp.chain.simulation import Lane, Simulation
 
 
@@ -22,7 +22,7 @@ class Drake(Engine):
     name: ClassVar[str] = "drake"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Drake",
-        further=True,
+        optional=True,
         package="drake",
         licence="BSD-3-Clause",
         friction_law=FrictionLaw.REGULARISED,
@@ -47,7 +47,7 @@ class Drake(Engine):
         """Version of the package."""
         return version("drake")
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """Say why Drake cannot be used here."""
         if importlib.util.find_spec("pydrake") is None:
             return "the package drake is not installed; pip install 'multibody-xval[engines]'"
@@ -55,4 +55,4 @@ class Drake(Engine):
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         model = DrakeJointLane if formulation is Formulation.JOINT else DrakeContactLane
-        return LanewiseSimulation.build(lanes, lambda lane: model(lane, preset))
+        return SequentialSimulation.build(lanes, lambda lane: model(lane, preset))

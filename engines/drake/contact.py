@@ -51,7 +51,7 @@ CONTACT_TUNED = Preset(
         **_TUNED_OPTIONS,
         "approximation": Option("kLagged", "kLagged", "The others press and lift a sliding sphere; see their presets."),
     },
-    departure=(
+    known_deviation=(
         "friction is μ λ_N v / √(v² + v_s²) with the stiction velocity v_s = 3e-5 s ω_r: a stuck contact creeps, "
         "and none reaches its bound, whatever the time step"
     ),
@@ -69,7 +69,7 @@ CONTACT_SIMILAR = Preset(
             "A sliding sphere glides: friction lifts it by μ |ġ_T| δt, and moves it when it turns.",
         ),
     },
-    departure=(
+    known_deviation=(
         "friction lifts a sliding sphere by μ |ġ_T| dt: it bounces, and its normal force, which bounds friction, swings"
     ),
     split_tolerance=1e-12,
@@ -87,7 +87,7 @@ CONTACT_SAP = Preset(
             0.0, 0.1, "[s] Dissipation of kSap; at 0.1 s a sliding sphere would leave its plane."
         ),
     },
-    departure=(
+    known_deviation=(
         "friction lifts a sliding sphere by μ |ġ_T| dt: it bounces, and its normal force, which bounds friction, swings"
     ),
     split_tolerance=1e-12,
@@ -104,7 +104,7 @@ CONTACT_DEFAULT = Preset(
         "point_stiffness": Option(1e6, 1e6, "[N/m] Drake's own, of each of the two bodies."),
         "hunt_crossley_dissipation": Option(50.0, 50.0, "[s/m] Drake's own; nothing moves across the plane."),
     },
-    departure=(
+    known_deviation=(
         "friction is μ λ_N v / √(v² + v_s²) with the stiction velocity v_s = 1e-3 m/s: a stuck contact creeps, "
         "and none reaches its bound, whatever the time step"
     ),

@@ -86,7 +86,7 @@ class Diagram:
         self._step(vector, steps)
         return np.array(self.mechanism.plant.GetPositionsAndVelocities(self._plant_context))
 
-    def bare_steps(self, steps: int) -> None:
+    def native_steps(self, steps: int) -> None:
         """Take steps from rest, under no load."""
         from pydrake.trajectories import PiecewisePolynomial
 

@@ -20,7 +20,9 @@ JOINT_TUNED = Preset(
             "4e3 m_i / δt, so that every larger one acts alike.",
         ),
     },
-    departure=("a stuck contact is a damper as strong as Drake's near-rigid limit lets it be, and creeps with λ_T / d"),
+    known_deviation=(
+        "a stuck contact is a damper as strong as Drake's near-rigid limit lets it be, and creeps with λ_T / d"
+    ),
     split_tolerance=1e-12,
 )
 
@@ -30,7 +32,7 @@ JOINT_DEFAULT = Preset(
         **SHARED_DEFAULT_OPTIONS,
         "PdControllerGains.d": Option(1e3, 0.0, "[N s/m] Needed: a joint of Drake has no dry friction of its own."),
     },
-    departure="a stuck contact is a damper of 1e3 N s/m and creeps with λ_T / d, whatever the time step",
+    known_deviation="a stuck contact is a damper of 1e3 N s/m and creeps with λ_T / d, whatever the time step",
     split_tolerance=1e-12,
 )
 

@@ -75,9 +75,9 @@ class DrakeLane(LaneModel):
             None if memory is None else memory[None],
         )
 
-    def bare_steps(self, steps: int) -> None:
-        """Take steps of Drake alone, from rest; see `BareStepping`."""
-        self._plain.bare_steps(checked_count("steps", steps))
+    def native_steps(self, steps: int) -> None:
+        """Take steps of Drake alone, from rest; see `NativeStepping`."""
+        self._plain.native_steps(checked_count("steps", steps))
 
     def close(self) -> None:
         """Let go of the diagrams; the next use builds them again."""

@@ -18,7 +18,7 @@ from engines.exudyn.joint import (
     BristleLane,
     RegularisedLane,
 )
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
+from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset, SequentialSimulation
 from reference_lcp.chain.simulation import Lane, Simulation
 
 
@@ -29,7 +29,7 @@ class _Exudyn(Engine):
         """Version of the package."""
         return version("exudyn")
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """Say why Exudyn cannot be used here."""
         if importlib.util.find_spec("exudyn") is None:
             return "the package exudyn is not installed; pip install exudyn"
@@ -57,7 +57,7 @@ class ExudynRegularised(_Exudyn):
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         model = RegularisedLane if formulation is Formulation.JOINT else ContactLane
-        return LanewiseSimulation.build(lanes, lambda lane: model(lane, preset))
+        return SequentialSimulation.build(lanes, lambda lane: model(lane, preset))
 
 
 class ExudynBristle(_Exudyn):
@@ -77,4 +77,4 @@ class ExudynBristle(_Exudyn):
     )
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        return LanewiseSimulation.build(lanes, lambda lane: BristleLane(lane, preset))
+        return SequentialSimulation.build(lanes, lambda lane: BristleLane(lane, preset))

@@ -22,7 +22,7 @@ CONTACT_TUNED = Preset(
         ),
         "useLinearProportionalZone": Option(True, False, "The zone of the joint formulation; the other is cubic."),
     },
-    departure=(
+    known_deviation=(
         "friction is proportional to the slip velocity within a zone: a stuck contact creeps, and the error is in"
         " proportion to the width of the zone, whatever the time step"
     ),
@@ -36,7 +36,7 @@ CONTACT_DEFAULT = Preset(
         "discontinuous_tolerance": Option(1.0, 1.0, "Exudyn's own."),
         "useLinearProportionalZone": Option(False, False, "Exudyn's own."),
     },
-    departure=(
+    known_deviation=(
         "friction is a cubic of the slip velocity within a zone of 1e-3 m/s, which a disc leaves at the end of a "
         "step only"
     ),

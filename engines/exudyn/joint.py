@@ -29,7 +29,7 @@ REGULARISED_TUNED = Preset(
         "zone": Option(2.5e-4, 0.0, "frictionProportionalZone over s ω_r, with s the displacement scale of the drive."),
         "zone_per_kick": Option(0.15, 0.0, "Smallest frictionProportionalZone over F h / m_red, for h the substep."),
     },
-    departure=(
+    known_deviation=(
         "friction is proportional to the slip velocity within a zone: a stuck contact creeps, and the error is in"
         " proportion to the width of the zone, whatever the time step"
     ),
@@ -49,7 +49,7 @@ BRISTLE_TUNED = Preset(
             1, 5, "Corrections of the friction state a step, whatever their error; 5 at coarse steps stall the orbit."
         ),
     },
-    departure=(
+    known_deviation=(
         "a stuck contact is a stiff spring that gives way by F / k_s, and sticks only from the end of a substep "
         "on: short sticks are missed or made up"
     ),
@@ -77,7 +77,7 @@ REGULARISED_DEFAULT = Preset(
             "[m/s] Needed: without a zone or a bristle, friction jumps. Exudyn's own for spheres.",
         ),
     },
-    departure=(
+    known_deviation=(
         "friction is proportional to the slip velocity within a zone of 1e-3 m/s: a stuck contact creeps, "
         "whatever the time step"
     ),
@@ -92,7 +92,7 @@ BRISTLE_DEFAULT = Preset(
         "stickingDamping": Option(1e2, 0.0, "[N s/m] As there: a hundredth of the stiffness."),
         "discontinuous_iterations": Option(5, 5, "Exudyn's own."),
     },
-    departure="a stuck contact is a spring of 1e4 N/m, so soft that it gives way by as much as the chain moves",
+    known_deviation="a stuck contact is a spring of 1e4 N/m, so soft that it gives way by as much as the chain moves",
     split_tolerance=0.05,
 )
 

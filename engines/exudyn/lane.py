@@ -74,7 +74,7 @@ class ExudynLane(LaneModel):
             None if memory is None else memory[None],
         )
 
-    def bare_steps(self, steps: int) -> None:
+    def native_steps(self, steps: int) -> None:
         """Let Exudyn's solver take steps from rest, nothing recorded; it computes the load itself."""
         settings, data = self._settings, self._system.systemData
         self._tabulate_load(0, steps)

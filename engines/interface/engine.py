@@ -12,21 +12,21 @@ import numpy as np
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
 from reference_lcp.observables.stick_slip import STICK_MARGIN
 from reference_lcp.steady.orbits import DEFAULT_RESIDUAL
-from reference_lcp.stepping.sequential import LaneModel, LanewiseSimulation
+from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
 from reference_lcp.validation import FloatArray, ParameterError, checked_choice
 
 __all__ = [
-    "BareStepping",
     "Capabilities",
     "Engine",
     "EngineNotInstalled",
     "Formulation",
     "FrictionLaw",
     "LaneModel",
-    "LanewiseSimulation",
+    "NativeStepping",
     "NormalForce",
     "Option",
     "Preset",
+    "SequentialSimulation",
     "constant_normal_force",
 ]
 
@@ -95,10 +95,10 @@ class Preset:
         step as equation (5), so that at equal time step its trajectories equal the reference's.
     split_tolerance
         Largest difference between one run and the same run split in two, over the displacement scale.
-    softness
+    residual_slip_compliance
         Part of the relative velocity which a contact would gain in a step without its forces, along it when it
         sticks or across it, that is left to it, where the engine cannot be told to leave none.
-    departure
+    known_deviation
         The law of the engine by which its motion departs from Coulomb's with these options, by more than its time
         step explains; empty where there is none. Reports print it beside a disagreement.
     stick_margin
@@ -108,7 +108,7 @@ class Preset:
         How the normal force may change in time.
     modulated_options
         What it sets otherwise where it does.
-    modulated_softness
+    modulated_residual_slip_compliance
         The softness where it does.
     """
 
@@ -116,12 +116,12 @@ class Preset:
     options: Mapping[str, Option] = field(default_factory=dict)
     shares_scheme: bool = False
     split_tolerance: float = 0.0
-    softness: float = 0.0
-    departure: str = ""
+    residual_slip_compliance: float = 0.0
+    known_deviation: str = ""
     stick_margin: float = STICK_MARGIN
     normal_force: NormalForce = NormalForce.CONSTANT
     modulated_options: Mapping[str, Option] = field(default_factory=dict)
-    modulated_softness: float = 0.0
+    modulated_residual_slip_compliance: float = 0.0
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value
@@ -129,14 +129,18 @@ class Preset:
     def modulated(self) -> "Preset":
         """Give the options, and the softness, that hold where the normal force changes in time."""
         options = {**self.options, **self.modulated_options}
-        return replace(self, options=options, softness=max(self.softness, self.modulated_softness))
+        return replace(
+            self,
+            options=options,
+            residual_slip_compliance=max(self.residual_slip_compliance, self.modulated_residual_slip_compliance),
+        )
 
     def represents(self, needed: NormalForce) -> bool:
         """Say whether the normal force may change like this."""
         order = list(NormalForce)
         return order.index(needed) <= order.index(self.normal_force)
 
-    def why_not_represented(self, lane: Lane, name: str) -> str | None:
+    def unsupported_reason(self, lane: Lane, name: str) -> str | None:
         """Say why a lane's normal force cannot be represented by what has this name; ``None`` if it can."""
         if lane.preload is None or self.represents(NormalForce.of(lane)):
             return None
@@ -174,7 +178,7 @@ class Capabilities:
         Repeated runs are bitwise equal.
     notes
         What a reader must know of its friction, in a sentence.
-    further
+    optional
         It comes with an extra or with the system and not with the suite: it takes part where it is asked for.
     """
 
@@ -188,14 +192,14 @@ class Capabilities:
     residual: float = DEFAULT_RESIDUAL
     deterministic: bool = True
     notes: str = ""
-    further: bool = False
+    optional: bool = False
 
 
 @runtime_checkable
-class BareStepping(Protocol):
+class NativeStepping(Protocol):
     """A simulation, or the model of one lane, that can tell what the engine costs without its adapter."""
 
-    def bare_steps(self, steps: int) -> None:
+    def native_steps(self, steps: int) -> None:
         """Take steps of the engine alone, of every lane: nothing is loaded, set or read in between.
 
         They start from rest, or from a motion or under constant forces that keep contacts active.
@@ -218,7 +222,7 @@ class Engine(ABC):
         return platform.python_version()
 
     @abstractmethod
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """Say why the engine cannot be used here, in a sentence; ``None`` if it can."""
 
     @abstractmethod
@@ -260,7 +264,7 @@ class Engine(ABC):
         chosen = self.preset(formulation, preset)
         common_cells(lanes)
         _check_normal_forces(lanes, f"{self.name}:{formulation}:{preset}", chosen)
-        reason = self.why_not_installed()
+        reason = self.unavailable_reason()
         if reason is not None:
             raise EngineNotInstalled(f"{self.name}: {reason}")
         return self._build(tuple(lanes), Formulation(formulation), chosen)
@@ -273,7 +277,7 @@ class EngineNotInstalled(RuntimeError):
 def _check_normal_forces(lanes: Sequence[Lane], name: str, preset: Preset) -> None:
     """Refuse lanes whose normal force changes in a way that the preset cannot represent."""
     for lane in lanes:
-        reason = preset.why_not_represented(lane, name)
+        reason = preset.unsupported_reason(lane, name)
         if reason is not None:
             raise ParameterError(reason)
 

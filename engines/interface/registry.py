@@ -44,6 +44,6 @@ def engine(name: str) -> Engine:
     return found
 
 
-def usual_engine_names() -> list[str]:
+def default_engine_names() -> list[str]:
     """Names of the engines that take part unasked: all but those that come with an extra or with the system."""
-    return [name for name in engine_names() if not engine(name).capabilities.further]
+    return [name for name in engine_names() if not engine(name).capabilities.optional]

@@ -21,7 +21,7 @@ and impulse, and of their products."""
 LINEAR_TOLERANCE_DB = 0.1
 """Of the frictionless and stuck limits at 400 steps: the scheme's own first-order error there is below 0.07 dB."""
 
-GROWTH = 2 * 2 * np.pi * 2.3 / STEPS
+DISTANCE_GROWTH = 2 * 2 * np.pi * 2.3 / STEPS
 """By which a first-order scheme may let the distance of two motions, or the energy of a free one, grow between
 two steps, over the smallest so far: 2 Δt ω_max for η_max = 2.3, where the pass band of the chain ends."""
 

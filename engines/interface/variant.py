@@ -16,7 +16,7 @@ class Variant:
 
     engine: str
     formulation: str = "joint"
-    preset: str = "tuned"
+    preset_name: str = "tuned"
 
     @classmethod
     def parse(cls, text: str) -> Self:
@@ -31,19 +31,19 @@ class Variant:
         if len(parts) > 3:
             raise ParameterError(f"engine = {text!r} has {len(parts)} parts; allowed: ENGINE[:FORMULATION[:PRESET]]")
         variant = cls(*parts)
-        engine(variant.engine).preset(variant.formulation, variant.preset)
+        engine(variant.engine).preset(variant.formulation, variant.preset_name)
         return variant
 
     def __str__(self) -> str:
         """Give the shortest text that `parse` reads."""
-        if self.preset != "tuned":
-            return f"{self.engine}:{self.formulation}:{self.preset}"
+        if self.preset_name != "tuned":
+            return f"{self.engine}:{self.formulation}:{self.preset_name}"
         return self.engine if self.formulation == "joint" else f"{self.engine}:{self.formulation}"
 
     @property
-    def options(self) -> Preset:
+    def preset(self) -> Preset:
         """Give the preset itself."""
-        return engine(self.engine).preset(self.formulation, self.preset)
+        return engine(self.engine).preset(self.formulation, self.preset_name)
 
     @property
     def capabilities(self) -> Capabilities:
@@ -52,12 +52,12 @@ class Variant:
 
     def build(self, lanes: Sequence[Lane]) -> Simulation:
         """Build every lane; see `Engine.build`."""
-        return engine(self.engine).build(lanes, self.formulation, self.preset)
+        return engine(self.engine).build(lanes, self.formulation, self.preset_name)
 
     @property
     def title(self) -> str:
         """The name that reports print; joint and tuned are left out."""
-        special = [part for part, usual in ((self.formulation, "joint"), (self.preset, "tuned")) if part != usual]
+        special = [part for part, usual in ((self.formulation, "joint"), (self.preset_name, "tuned")) if part != usual]
         return ", ".join([engine(self.engine).capabilities.title, *special])
 
 

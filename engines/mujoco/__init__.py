@@ -36,7 +36,7 @@ class MuJoCo(Engine):
         """Version of the package."""
         return version("mujoco")
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """Say why MuJoCo cannot be used here."""
         if importlib.util.find_spec("mujoco") is None:
             return "the package mujoco is not installed; pip install mujoco"

@@ -43,7 +43,7 @@ CONTACT_TUNED = Preset(
             "sphere out of the plate.",
         ),
     },
-    modulated_softness=1e-4,
+    modulated_residual_slip_compliance=1e-4,
 )
 
 CONTACT_DEFAULT = Preset(
@@ -55,7 +55,7 @@ CONTACT_DEFAULT = Preset(
             0.02, 0.02, "MuJoCo's own damping 2 / 0.02 s; the stiffness beside it is needed to make N = λ_N."
         ),
     },
-    departure=(
+    known_deviation=(
         "friction has a time constant of 0.02 s, whatever the time step, so that a stuck contact creeps; the "
         "edges of the pyramidal cone let friction press, and keep it below the bound"
     ),
@@ -129,7 +129,7 @@ def contact_model(lane: Lane, units: Units, preset: Preset) -> Any:
             pair.margin = -2 * DEPTH * scale
     add_chain(spec, chain)
     model = spec.compile()
-    _press(model, chain)
+    _set_normal_load(model, chain)
     return model
 
 
@@ -202,7 +202,7 @@ def _add_contact(spec: Any, chain: Chain, cell: int, preset: Preset, time_step: 
     return pair
 
 
-def _press(model: Any, chain: Chain) -> None:
+def _set_normal_load(model: Any, chain: Chain) -> None:
     """Choose the stiffness of every contact, to which its force is proportional, so that the force is λ_N."""
     import mujoco
 

@@ -33,7 +33,7 @@ JOINT_DEFAULT = Preset(
             (0.02, 1.0), (0.02, 1.0), "MuJoCo's own: friction stops a contact within 0.02 s, whatever the time step."
         ),
     },
-    departure=(
+    known_deviation=(
         "friction has a time constant of 0.02 s, whatever the time step: a stuck contact creeps, and a finer step"
         " does not help"
     ),

@@ -83,7 +83,7 @@ class MuJoCoSimulation:
             [self._models[lane] for lane in lanes],
         )
 
-    def bare_steps(self, steps: int) -> None:
+    def native_steps(self, steps: int) -> None:
         """Take steps of MuJoCo's own loop on the model of one lane after the other, from rest."""
         import mujoco
 

@@ -4,10 +4,10 @@ from pathlib import Path
 from typing import ClassVar
 
 from engines.interface.engine import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
-from engines.out_of_process.engine import EngineOutside
-from engines.out_of_process.interpreter import OutsideEngine
+from engines.out_of_process.engine import OutOfProcessEngine
+from engines.out_of_process.interpreter import Installation
 
-OUTSIDE = OutsideEngine(
+OUTSIDE = Installation(
     "ode", Path(__file__).with_name("server.py"), "MULTIBODY_XVAL_ODE_PYTHON", "apt install python3-pyode"
 )
 
@@ -48,7 +48,7 @@ JOINT_STOPS = Preset(
             "stops", "stops", "Stiffness and damping as ERP and CFM, as the manual says: implicit Euler."
         ),
     },
-    departure=(
+    known_deviation=(
         "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
         "the error is of first order, but not yet in proportion to the step"
     ),
@@ -100,7 +100,7 @@ CONTACT_DEFAULT = Preset(
         "surface_layer": Option(0.0, 0.0, "ODE's own."),
         "depth": Option(0.0, 0.0, "The boxes touch their plates."),
     },
-    departure=(
+    known_deviation=(
         "four points of contact are soft (CFM 1e-10), so that a box beside a much heavier mass tilts: its normal force "
         "swings by up to 1e-4, and friction that slides is read as below its bound"
     ),
@@ -109,13 +109,13 @@ CONTACT_DEFAULT = Preset(
 )
 
 
-class ODE(EngineOutside):
+class ODE(OutOfProcessEngine):
     """The Open Dynamics Engine in a Python that has pyode: the system's, or the one of an environment variable."""
 
     name: ClassVar[str] = "ode"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="ODE",
-        further=True,
+        optional=True,
         package="python3-pyode",
         licence="BSD-3-Clause or LGPL-2.1-or-later",
         friction_law=FrictionLaw.COULOMB,
@@ -129,4 +129,4 @@ class ODE(EngineOutside):
             "the start of each step. In contacts, mu is a force unless a mode says otherwise."
         ),
     )
-    home: ClassVar[OutsideEngine] = OUTSIDE
+    home: ClassVar[Installation] = OUTSIDE

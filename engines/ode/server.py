@@ -59,15 +59,15 @@ class Lane:
         self._new_model = functools.partial(model, parameters)
 
     def run(
-        self, position: Any, velocity: Any, loads: Any, record: bool, press: Any = None, across: Any = None
+        self, position: Any, velocity: Any, loads: Any, record: bool, normal_load: Any = None, across: Any = None
     ) -> dict[str, Any]:
         """Advance; gives position, velocity, friction and, for contacts, normal force and gaps, one row a step."""
         model = self._new_model(position, velocity, record)
-        if press is not None:
-            model.modulate(press)
+        if normal_load is not None:
+            model.modulate(normal_load)
         return model.run(loads, across)
 
-    def bare_steps(self, steps: int) -> None:
+    def native_steps(self, steps: int) -> None:
         """Take steps from a motion in which friction has work to do, as in a run: at rest, ODE has less of it."""
         model = self._new_model(None, None, False)
         model.set_rubbing(steps)
@@ -111,9 +111,9 @@ class JointModel:
         position, velocity, measured = np.split(rows[1:], [coordinates // 2, coordinates], axis=1)
         return {"position": position, "velocity": velocity, **(self._named(measured) if self._record else {})}
 
-    def modulate(self, press: Any) -> None:
+    def modulate(self, normal_load: Any) -> None:
         """Let every step begin with setting what its motors can do at most."""
-        bounds, fmax = iter((press * self._given["coefficient"]).tolist()), int(self._given["fmax"])
+        bounds, fmax = iter((normal_load * self._given["coefficient"]).tolist()), int(self._given["fmax"])
 
         def before() -> None:
             for motor, bound in zip(self._motors, next(bounds)):
@@ -276,7 +276,7 @@ class ContactModel(JointModel):
             body.setPosition((along, aside, height + gap))
             body.setLinearVel((body.getLinearVel()[0], 0.0, rate))
         notes: list[Any] = []
-        press = self.before_step
+        normal_load = self.before_step
 
         def note() -> None:
             gaps = [body.getPosition()[2] - height for body, height in zip(inner, rest)]
@@ -284,7 +284,7 @@ class ContactModel(JointModel):
 
         def before() -> None:
             note()
-            press()
+            normal_load()
 
         def rows(steps: int) -> Any:
             note()
@@ -294,9 +294,9 @@ class ContactModel(JointModel):
         self.before_step = before
         return rows
 
-    def modulate(self, press: Any) -> None:
+    def modulate(self, normal_load: Any) -> None:
         """Let every step begin with pressing the masses of every cell together, in place of the constant force."""
-        presses, find = iter(np.where(self._bound > 0, press, 0.0).tolist()), self.before_step
+        presses, find = iter(np.where(self._bound > 0, normal_load, 0.0).tolist()), self.before_step
         self._presses_constantly = False
         pairs = list(zip(self._bodies[: self._cells], self._bodies[self._cells :]))
 

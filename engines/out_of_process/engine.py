@@ -2,17 +2,17 @@
 
 from typing import ClassVar
 
-from engines.interface.engine import Engine, Formulation, LanewiseSimulation, Preset
-from engines.out_of_process.interpreter import OutsideEngine
-from engines.out_of_process.lane import OutsideLane
+from engines.interface.engine import Engine, Formulation, Preset, SequentialSimulation
+from engines.out_of_process.interpreter import Installation
+from engines.out_of_process.lane import OutOfProcessLane
 from reference_lcp.chain.simulation import Lane, Simulation
 
 
-class EngineOutside(Engine):
+class OutOfProcessEngine(Engine):
     """An engine whose lanes live in a child process; an adapter adds its name, its capabilities and its home."""
 
-    home: ClassVar[OutsideEngine]
-    lane_model: ClassVar[type[OutsideLane]] = OutsideLane
+    home: ClassVar[Installation]
+    lane_model: ClassVar[type[OutOfProcessLane]] = OutOfProcessLane
 
     def version(self) -> str:
         """Version of the engine, as its server states it."""
@@ -22,10 +22,10 @@ class EngineOutside(Engine):
         """Version of the Python that it runs in."""
         return self.home.versions()["python"]
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """Say why the engine cannot be used here; another Python is asked once."""
-        return self.home.why_not_installed()
+        return self.home.unavailable_reason()
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         process = self.home.process()
-        return LanewiseSimulation.build(lanes, lambda lane: self.lane_model(process, lane, preset, str(formulation)))
+        return SequentialSimulation.build(lanes, lambda lane: self.lane_model(process, lane, preset, str(formulation)))

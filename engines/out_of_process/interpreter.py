@@ -16,7 +16,7 @@ SYSTEM_PYTHON = "/usr/bin/python3"
 
 
 @dataclass(frozen=True)
-class OutsideEngine:
+class Installation:
     """An engine that lives in another Python.
 
     Parameters
@@ -55,7 +55,7 @@ class OutsideEngine:
         """
         return dict(_versions(self, self.interpreter))
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """Say why the engine cannot be used, and what to do; ``None`` if it can. Each Python is tried once."""
         try:
             self.versions()
@@ -65,20 +65,20 @@ class OutsideEngine:
 
 
 @functools.cache
-def _process(engine: OutsideEngine, interpreter: str) -> EngineProcess:
+def _process(engine: Installation, interpreter: str) -> EngineProcess:
     found = shutil.which(interpreter)
     return EngineProcess(engine.name, found or interpreter, engine.server)
 
 
-_answers: dict[tuple[OutsideEngine, str], dict[str, str] | str] = {}
+_answers: dict[tuple[Installation, str], dict[str, str] | str] = {}
 """What each Python said when it was asked for versions: these, or the reason why it has none."""
 
 
-def _versions(engine: OutsideEngine, interpreter: str) -> dict[str, str]:
+def _versions(engine: Installation, interpreter: str) -> dict[str, str]:
     key = (engine, interpreter)
     if key not in _answers:
         try:
-            answer = _process(engine, interpreter).ask("versions", START_LIMIT)
+            answer = _process(engine, interpreter).request("versions", START_LIMIT)
             _answers[key] = {name: str(value) for name, value in answer.items()}
         except EngineProcessError as problem:
             _answers[key] = str(problem)

@@ -21,7 +21,7 @@ STEP_LIMIT = 0.02
 """Seconds that a step may take beside; a hundred times what one of the slowest engine here does."""
 
 
-class OutsideLane(LaneModel):
+class OutOfProcessLane(LaneModel):
     """One chain; the child builds it on first use, and a fresh child builds it again.
 
     Parameters
@@ -75,8 +75,8 @@ class OutsideLane(LaneModel):
             None if memory is None else memory[None],
         )
 
-    def bare_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, in one request; see `engines.interface.engine.BareStepping`."""
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone, in one request; see `engines.interface.engine.NativeStepping`."""
         self._ask("bare_steps", checked_count("steps", steps), steps=steps)
 
     def close(self) -> None:
@@ -116,18 +116,18 @@ class OutsideLane(LaneModel):
             velocity=checked_array("initial velocities", state.velocities[0]) / self._units.velocity,
             loads=self._loads(start, steps) / self._units.force,
             record=record,
-            **self._press(state, start, steps),
+            **self._set_normal_load(state, start, steps),
         )
 
-    def _press(self, state: State, start: int, steps: int) -> Message:
+    def _set_normal_load(self, state: State, start: int, steps: int) -> Message:
         """Give what the child has to know where the normal force changes in time."""
         if self.lane.preload is None:
             return {}
-        press = {"press": self.lane.preloads(start, steps) / self._units.force}
+        normal_load = {"normal_load": self.lane.preloads(start, steps) / self._units.force}
         if not self.lane.opens:
-            return press
+            return normal_load
         gap, speed = state.normal_state(self.lane.chain.cells)
-        return {**press, "across": np.concatenate([gap / self._units.length, speed / self._units.velocity])}
+        return {**normal_load, "across": np.concatenate([gap / self._units.length, speed / self._units.velocity])}
 
     def _memory(self, rows: Message) -> FloatArray | None:
         """Give what a state remembers of gaps; ``None`` where none opens."""
@@ -138,7 +138,7 @@ class OutsideLane(LaneModel):
     def _ask(self, request: str, steps: int, /, **values: Any) -> Message:
         self._ensure_built()
         try:
-            return self._process.ask(request, REQUEST_LIMIT + STEP_LIMIT * steps, number=self._number, **values)
+            return self._process.request(request, REQUEST_LIMIT + STEP_LIMIT * steps, number=self._number, **values)
         except EngineProcessError as problem:
             problem.add_note(f"lane: {self.lane.chain.cells} cells, time step {self.lane.time_step:g} s")
             raise
@@ -149,6 +149,6 @@ class OutsideLane(LaneModel):
             return
         self._forget()
         self._number = self._process.new_number()
-        self._process.ask("build", REQUEST_LIMIT, number=self._number, **self._parameters)
+        self._process.request("build", REQUEST_LIMIT, number=self._number, **self._parameters)
         self._generation = self._process.generation
-        self._forget = weakref.finalize(self, self._process.forget, self._number)
+        self._forget = weakref.finalize(self, self._process.release, self._number)

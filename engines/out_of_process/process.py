@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 
 from engines.out_of_process.worker import Message, NotAMessage, read_message, write_message
 
-CHILD = Path(__file__).with_name("worker.py")
+WORKER = Path(__file__).with_name("worker.py")
 
 GRACE = 5.0
 """Seconds after the limit at which a child ends by itself, should its parent be gone."""
@@ -54,11 +54,11 @@ class EngineProcess:
 
     def __init__(self, engine: str, interpreter: str, server: Path):
         self.engine = engine
-        self._command = [interpreter, "-I", str(CHILD), str(server)]
+        self._command = [interpreter, "-I", str(WORKER), str(server)]
         self._lock = threading.Lock()
-        self._child: _Child | None = None
+        self._worker: _WorkerProcess | None = None
         self._numbers = itertools.count()
-        self._forgotten: deque[int] = deque()
+        self._released: deque[int] = deque()
         self.generation = 0
         """Number of children so far: lanes that were built in an earlier one are gone."""
 
@@ -66,20 +66,20 @@ class EngineProcess:
         """Give a number for a lane; no other one has it."""
         return next(self._numbers)
 
-    def forget(self, number: int) -> None:
+    def release(self, number: int) -> None:
         """Let the child drop a lane, with the next request; safe in a finaliser."""
-        self._forgotten.append(number)
+        self._released.append(number)
 
     def alive(self) -> bool:
         """Say whether the child that was started last would take another request."""
-        return self._child is not None and self._child.usable()
+        return self._worker is not None and self._worker.usable()
 
     @property
     def pid(self) -> int:
         """Number of the child that was started last; 0 before the first request, and after a loss."""
-        return 0 if self._child is None else self._child.pid
+        return 0 if self._worker is None else self._worker.pid
 
-    def ask(self, request: str, limit: float, /, **values: Any) -> Message:
+    def request(self, request: str, limit: float, /, **values: Any) -> Message:
         """Send a request and wait for its answer.
 
         Parameters
@@ -99,8 +99,8 @@ class EngineProcess:
         """
         with self._lock:
             child = self._usable_child()
-            forget = [self._forgotten.popleft() for _ in range(len(self._forgotten))]
-            message = {**values, "request": request, "limit": limit + GRACE, "forget": forget}
+            release = [self._released.popleft() for _ in range(len(self._released))]
+            message = {**values, "request": request, "limit": limit + GRACE, "release": release}
             try:
                 answer = self._exchange(child, message, limit)
             except BaseException:
@@ -122,12 +122,12 @@ class EngineProcess:
         if not self.alive():
             self._lose()
             try:
-                self._child = _Child(self._command)
+                self._worker = _WorkerProcess(self._command)
             except OSError as problem:
                 raise EngineProcessError(f"{self.engine}: {self._command[0]} does not start: {problem}") from problem
             self.generation += 1
-        assert self._child is not None
-        return self._child
+        assert self._worker is not None
+        return self._worker
 
     def _exchange(self, child: "_Child", message: Message, limit: float) -> Message:
         """Give the answer, or say in one line what became of the child."""
@@ -147,12 +147,12 @@ class EngineProcess:
                 raise EngineProcessError(what) from problem
 
     def _lose(self) -> None:
-        if self._child is not None:
-            self._child.end()
-            self._child = None
+        if self._worker is not None:
+            self._worker.end()
+            self._worker = None
 
 
-class _Child:
+class _WorkerProcess:
     """One process, its pipes and its error stream."""
 
     def __init__(self, command: list[str]):

@@ -5,7 +5,7 @@ It is started as ``python3 -I child.py SERVER``, where SERVER is a file that def
 - ``versions()``: a dictionary of versions, with the engine's own under ``"engine"``;
 - ``Lane(parameters)``: one chain, with ``run(position, velocity, loads, record)``, which gives a dictionary of
   arrays with one row a step (position and velocity alone where nothing is recorded), and ``bare_steps(steps)``.
-  Where the normal force changes in time, ``run`` gets ``press``, a row a step; where contacts open, also ``across``,
+  Where the normal force changes in time, ``run`` gets ``normal_load``, a row a step; where contacts open, also ``across``,
   gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not.
 
 A message is two numbers of eight bytes, its length and that of its head; the head, a JSON list of name, data type
@@ -37,7 +37,7 @@ LARGEST_MESSAGE = 1 << 32
 MOTION = ("position", "velocity")
 """What is left of the rows of a run when only its end is asked for."""
 
-PRESS, ACROSS = ("press", "across"), ("gap", "gap_rate")
+PRESS, ACROSS = ("normal_load", "across"), ("gap", "gap_rate")
 """What a run is told, and what it tells, of a normal force that changes in time."""
 
 
@@ -98,7 +98,7 @@ class Service:
         """Answer a request; an exception becomes an answer, and the child lives on."""
         _end_at(float(request["limit"]))
         try:
-            for number in request["forget"].tolist():
+            for number in request["release"].tolist():
                 self._lanes.pop(number, None)
             handler = getattr(self, "_" + str(request["request"]))
             return handler(request)
@@ -124,8 +124,8 @@ class Service:
             return dict(rows)
         return {name: rows[name][-1:] for name in (*MOTION, *ACROSS) if name in rows}
 
-    def _bare_steps(self, request: Message) -> Message:
-        self._lanes[int(request["number"])].bare_steps(int(request["steps"]))
+    def _native_steps(self, request: Message) -> Message:
+        self._lanes[int(request["number"])].native_steps(int(request["steps"]))
         return {}
 
 

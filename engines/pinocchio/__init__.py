@@ -4,7 +4,7 @@ import importlib.util
 from importlib.metadata import version
 from typing import ClassVar
 
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
+from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset, SequentialSimulation
 from engines.pinocchio.joint import JOINT_ADMM, JOINT_DEFAULT, JOINT_TUNED, PinocchioJointLane
 from reference_lcp.chain.simulation import Lane, Simulation
 
@@ -15,7 +15,7 @@ class Pinocchio(Engine):
     name: ClassVar[str] = "pinocchio"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Pinocchio",
-        further=True,
+        optional=True,
         package="pin",
         licence="BSD-2-Clause",
         friction_law=FrictionLaw.COULOMB,
@@ -31,7 +31,7 @@ class Pinocchio(Engine):
         """Version of the package."""
         return version("pin")
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """Say why Pinocchio cannot be used here; older versions have no friction of joints."""
         advice = "pip install 'multibody-xval[engines]'"
         if importlib.util.find_spec("pinocchio") is None:
@@ -41,4 +41,4 @@ class Pinocchio(Engine):
         return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        return LanewiseSimulation.build(lanes, lambda lane: PinocchioJointLane(lane, preset))
+        return SequentialSimulation.build(lanes, lambda lane: PinocchioJointLane(lane, preset))

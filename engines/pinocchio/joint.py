@@ -48,7 +48,7 @@ JOINT_ADMM = Preset(
         "tolerance": Option(_TOLERANCE, _TOLERANCE, "Pinocchio's own: absolute."),
         "max_iterations": Option(1000, 1000, "Pinocchio's own."),
     },
-    departure=(
+    known_deviation=(
         "the solver's tolerance of 1e-6 N s is absolute: impulses of friction, F dt, are the less exact the finer"
         " the step"
     ),
@@ -71,7 +71,7 @@ class PinocchioJointLane(ExplicitForcesLane):
         self._forces *= self._time_step
         self._force_unit = self._units.force / self._time_step
 
-    def bare_steps(self, steps: int) -> None:
+    def native_steps(self, steps: int) -> None:
         """Make Pinocchio's calls of a step from the same state again and again, in which friction has work to do."""
         import pinocchio
 
@@ -110,10 +110,10 @@ class PinocchioJointLane(ExplicitForcesLane):
 
         return step
 
-    def _press(self, press: FloatArray) -> None:
+    def _set_normal_load(self, normal_load: FloatArray) -> None:
         import pinocchio
 
-        limits = self._chain.friction_coefficient * press
+        limits = self._chain.friction_coefficient * normal_load
         self._friction.setFrictionUpperLimit(limits)
         self._friction.setFrictionLowerLimit(-limits)
         # The solver's list holds a copy, and its data what the last calculation has read from it.

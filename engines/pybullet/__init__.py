@@ -5,7 +5,7 @@ import sys
 from importlib.metadata import version
 from typing import ClassVar
 
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
+from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset, SequentialSimulation
 from engines.pybullet.contact import CONTACT_DEFAULT, CONTACT_TUNED, PyBulletContactLane
 from engines.pybullet.joint import JOINT_DEFAULT, JOINT_TUNED, PyBulletJointLane
 from engines.pybullet.world import World
@@ -36,7 +36,7 @@ class PyBullet(Engine):
         """Version of the package."""
         return version("pybullet")
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """Say why PyBullet cannot be used here."""
         if importlib.util.find_spec("pybullet") is not None:
             return None
@@ -49,4 +49,4 @@ class PyBullet(Engine):
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         world = World()
         model = PyBulletJointLane if formulation is Formulation.JOINT else PyBulletContactLane
-        return LanewiseSimulation.build(lanes, lambda lane: model(world, lane, preset))
+        return SequentialSimulation.build(lanes, lambda lane: model(world, lane, preset))

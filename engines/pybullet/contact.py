@@ -41,7 +41,7 @@ CONTACT_DEFAULT = Preset(
         "linearDamping": Option(0.04, 0.04, "Bullet's own; it slows every body down, against the ground."),
         "solverResidualThreshold": Option(1e-7, 1e-7, "Bullet's own; below it the solver stops."),
     },
-    departure=(
+    known_deviation=(
         "Bullet's linear damping, 0.04 a second, slows every mass down against the ground, whatever the time step"
     ),
     split_tolerance=1e-12,
@@ -118,10 +118,10 @@ class PyBulletContactLane(LaneModel):
         memory = None if end is None else end[None]
         return State(position * self._units.length, velocity * self._units.velocity, memory)
 
-    def bare_steps(self, steps: int) -> None:
-        """Take steps of Bullet alone, from rest; see `BareStepping`."""
+    def native_steps(self, steps: int) -> None:
+        """Take steps of Bullet alone, from rest; see `NativeStepping`."""
         self._new_bodies(np.zeros(4 * self._chain.cells), np.zeros((2, self._chain.cells)))
-        self._world.bare_steps(steps)
+        self._world.native_steps(steps)
 
     def close(self) -> None:
         """Close the world that this lane shares with the others of its simulation."""
@@ -153,8 +153,8 @@ class PyBulletContactLane(LaneModel):
         """Give the forces across the motion on every mass, outer ones first, of every step."""
         if self.lane.preload is None:
             return itertools.repeat(self._pressing, steps)
-        press = self.lane.preloads(start, steps) / self._units.force
-        return iter(np.hstack([press, -press]).tolist())
+        normal_load = self.lane.preloads(start, steps) / self._units.force
+        return iter(np.hstack([normal_load, -normal_load]).tolist())
 
     def _step(self, bodies: list[int], now: FloatArray, load: float, pressing: list[float]) -> list[float]:
         """Apply the forces of springs, dashpots, drive and pressing, take a step; give the velocities after it."""

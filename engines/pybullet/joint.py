@@ -35,7 +35,7 @@ JOINT_DEFAULT = Preset(
         "linearDamping": Option(0.04, 0.04, "Bullet's own; it slows every body down, against the ground."),
         "maxJointVelocity": Option(100.0, 100.0, "Bullet's own."),
     },
-    departure=(
+    known_deviation=(
         "Bullet's linear damping, 0.04 a second, slows every mass down against the ground, whatever the time step"
     ),
     split_tolerance=1e-12,
@@ -78,10 +78,10 @@ class PyBulletJointLane(LaneModel):
             normal,
         )
 
-    def bare_steps(self, steps: int) -> None:
-        """Take steps of Bullet alone, from rest; see `BareStepping`."""
+    def native_steps(self, steps: int) -> None:
+        """Take steps of Bullet alone, from rest; see `NativeStepping`."""
         body = self._new_body(*np.zeros((2, 2 * self._chain.cells)))
-        self._world.bare_steps(steps)
+        self._world.native_steps(steps)
         import_pybullet().removeBody(body, physicsClientId=self._world.client)
 
     def close(self) -> None:

@@ -26,7 +26,7 @@ class World:
                 raise RuntimeError("PyBullet opens no further world; close simulations that are no longer used")
         return self._client
 
-    def bare_steps(self, steps: int) -> None:
+    def native_steps(self, steps: int) -> None:
         """Let time pass, and do nothing else."""
         step, client = import_pybullet().stepSimulation, self.client
         for _ in range(steps):

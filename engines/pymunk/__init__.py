@@ -4,7 +4,7 @@ import importlib.util
 from importlib.metadata import version
 from typing import ClassVar
 
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, LanewiseSimulation, Preset
+from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset, SequentialSimulation
 from engines.pymunk.contact import CONTACT_DEFAULT, CONTACT_TUNED, PymunkBoxes
 from engines.pymunk.joint import JOINT_DEFAULT, JOINT_TUNED, PymunkJoints
 from engines.pymunk.simulation import PymunkLane, PymunkSimulation
@@ -17,7 +17,7 @@ class Pymunk(Engine):
     name: ClassVar[str] = "pymunk"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="pymunk",
-        further=True,
+        optional=True,
         package="pymunk",
         licence="MIT",
         friction_law=FrictionLaw.COULOMB,
@@ -38,7 +38,7 @@ class Pymunk(Engine):
         """Version of the package."""
         return version("pymunk")
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """Say why pymunk cannot be used here."""
         if importlib.util.find_spec("pymunk") is None:
             return "the package pymunk is not installed; pip install 'multibody-xval[engines]'"
@@ -49,4 +49,4 @@ class Pymunk(Engine):
         if preset["units"] == "lane":
             return PymunkSimulation(kind, lanes, preset)
         # In SI units time steps differ, and with them what one space can take.
-        return LanewiseSimulation.build(lanes, lambda lane: PymunkLane(kind, lane, preset))
+        return SequentialSimulation.build(lanes, lambda lane: PymunkLane(kind, lane, preset))

@@ -149,7 +149,7 @@ class PymunkBodies(ABC):
 
         return step
 
-    def press(self, world: World, press: FloatArray) -> None:
+    def set_normal_load(self, world: World, normal_load: FloatArray) -> None:
         """Set what presses every cell in the next step, shape (lanes, n), where that changes in time."""
         raise NotImplementedError(f"{type(self).__name__} have a constant normal force")
 

@@ -52,7 +52,7 @@ class PymunkJoints(PymunkBodies):
 
     def fresh(self) -> World:
         """Give the space of the run before, if its joints can be made to forget: to make it anew takes longer."""
-        if self._kept is None or not self._forgotten(self._kept):
+        if self._kept is None or not self._released(self._kept):
             self._kept = super().fresh()
         return self._kept
 
@@ -67,7 +67,7 @@ class PymunkJoints(PymunkBodies):
         space.add(*joints)
         return joints
 
-    def _forgotten(self, world: World) -> bool:
+    def _released(self, world: World) -> bool:
         """Take a step without any friction, after which no joint has an impulse to begin the next one with."""
         joints = world.holds
         self.place(world, np.zeros((len(self.lanes), 4 * self.cells)))
@@ -78,9 +78,9 @@ class PymunkJoints(PymunkBodies):
             joint.max_force = bound
         return not any(joint.impulse for joint in joints)
 
-    def press(self, world: World, press: FloatArray) -> None:
-        """Set the bounds; see `PymunkBodies.press`."""
-        bounds = [chain.friction_coefficient * row for chain, row in zip(self.chains, press, strict=True)]
+    def set_normal_load(self, world: World, normal_load: FloatArray) -> None:
+        """Set the bounds; see `PymunkBodies.set_normal_load`."""
+        bounds = [chain.friction_coefficient * row for chain, row in zip(self.chains, normal_load, strict=True)]
         for joint, bound in zip(world.holds, np.concatenate(bounds).tolist(), strict=True):
             joint.max_force = bound
 

@@ -84,8 +84,8 @@ class PymunkSimulation:
         """Nothing to do: memory is all that pymunk holds, and it goes with the last reference."""
         return
 
-    def bare_steps(self, steps: int) -> None:
-        """Take steps of the space of all lanes alone; see `BareStepping`."""
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the space of all lanes alone; see `NativeStepping`."""
         if self._idle is None:
             self._idle = self._kind(self.lanes, self._preset).fresh()
         self._bodies.place(self._idle, np.zeros((len(self.lanes), 4 * self._bodies.cells)))
@@ -115,7 +115,7 @@ class PymunkSimulation:
         last = motion.copy()
         # Drives act on cell 1 alone: room for the forces on all of them, for the steps between two checks.
         given, loads = self._loads(start, steps), np.zeros((STEPS_BETWEEN_CHECKS, *force.shape))
-        press = self._presser(world, start, steps)
+        normal_load = self._presser(world, start, steps)
         for first in range(0, steps, STEPS_BETWEEN_CHECKS):
             self._rest_the_diverged(world, motion, last, stopped, first)
             going = stopped > first
@@ -126,7 +126,7 @@ class PymunkSimulation:
             for row, load in enumerate(loads[: len(piece)], first):
                 matmul(matrix, column, forces)
                 add(force, load, force)
-                press(row)
+                normal_load(row)
                 step(force)
                 yield row
         motion[stopped < steps] = last[stopped < steps]
@@ -151,7 +151,7 @@ class PymunkSimulation:
         if not self._modulated:
             return lambda _: None
         presses = self._preloads(start, steps)
-        return lambda row: self._bodies.press(world, presses[row])
+        return lambda row: self._bodies.set_normal_load(world, presses[row])
 
     def _preloads(self, start: int, steps: int) -> FloatArray:
         """Give what presses every cell of every lane in each step, shape (steps, lanes, n)."""
@@ -192,6 +192,6 @@ class PymunkLane(LaneModel):
         """Advance as `run` does, without reading the contacts."""
         return self._alone.advance(state, start, steps)
 
-    def bare_steps(self, steps: int) -> None:
-        """Take steps of the engine alone; see `BareStepping`."""
-        self._alone.bare_steps(steps)
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone; see `NativeStepping`."""
+        self._alone.native_steps(steps)

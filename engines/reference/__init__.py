@@ -56,7 +56,7 @@ class Reference(Engine):
         """Version of this suite."""
         return importlib.metadata.version("multibody-xval")
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """The reference is always there."""
         return None
 

@@ -92,8 +92,8 @@ class ExplicitForcesLane(LaneModel):
         return end if memory is None else replace(end, memory=memory[None])
 
     @abstractmethod
-    def bare_steps(self, steps: int) -> None:
-        """Take steps of the engine alone; see `BareStepping`."""
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone; see `NativeStepping`."""
 
     @abstractmethod
     def _begin(self, motion: FloatArray) -> Step:
@@ -103,7 +103,7 @@ class ExplicitForcesLane(LaneModel):
     def _contacts(self) -> FloatArray | list[float]:
         """Read what the engine says of the contacts after a step."""
 
-    def _press(self, press: FloatArray) -> None:
+    def _set_normal_load(self, normal_load: FloatArray) -> None:
         """Set what presses every cell in the next step, in the lane's units, shape (n,), where that changes in time."""
         raise NotImplementedError(f"{type(self).__name__} has a constant normal force")
 
@@ -158,10 +158,10 @@ class ExplicitForcesLane(LaneModel):
 
     def _pressed(self, step: Step, start: int, steps: int) -> Step:
         """Let every step begin with setting what presses the cells."""
-        presses, press = iter(self.lane.preloads(start, steps) / self._units.force), self._press
+        presses, normal_load = iter(self.lane.preloads(start, steps) / self._units.force), self._set_normal_load
 
         def pressed(force: FloatArray) -> None:
-            press(next(presses))
+            normal_load(next(presses))
             step(force)
 
         return pressed

@@ -5,13 +5,13 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from engines.interface.engine import BareStepping
+from engines.interface.engine import NativeStepping
 from engines.interface.variant import Variant
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State
-from reference_lcp.stepping.sequential import LanewiseSimulation
+from reference_lcp.stepping.sequential import SequentialSimulation
 from reference_lcp.validation import checked_count
 
 STEPS = 400
@@ -69,10 +69,10 @@ def step_cost(variant: Variant, samples: int = SAMPLES) -> StepCost:
             "run": lambda: simulation.run(start, 0, STEPS),
         }
         taken = dict.fromkeys(timed, STEPS * lanes)
-        bare = bare_stepping(simulation)
+        bare = native_stepping(simulation)
         if bare is not None:
-            timed["bare"] = lambda: bare.bare_steps(STEPS)
-            taken["bare"] = STEPS if isinstance(simulation, LanewiseSimulation) else STEPS * lanes
+            timed["bare"] = lambda: bare.native_steps(STEPS)
+            taken["bare"] = STEPS if isinstance(simulation, SequentialSimulation) else STEPS * lanes
         best = dict.fromkeys(("advance", "run", "bare"), math.inf)
         for _ in range(samples):
             for name, act in timed.items():
@@ -82,10 +82,10 @@ def step_cost(variant: Variant, samples: int = SAMPLES) -> StepCost:
     return StepCost(variant, best["advance"], best["run"], best["bare"] if bare is not None else math.nan)
 
 
-def bare_stepping(simulation: Simulation) -> BareStepping | None:
+def native_stepping(simulation: Simulation) -> NativeStepping | None:
     """Find who steps without the adapter: the simulation with all its lanes, or the model of its first one."""
-    candidate = simulation.models[0] if isinstance(simulation, LanewiseSimulation) else simulation
-    return candidate if isinstance(candidate, BareStepping) else None
+    candidate = simulation.models[0] if isinstance(simulation, SequentialSimulation) else simulation
+    return candidate if isinstance(candidate, NativeStepping) else None
 
 
 def _seconds(act: Callable[[], object]) -> float:

@@ -4,12 +4,12 @@ from pathlib import Path
 from typing import ClassVar
 
 from engines.interface.engine import Capabilities, Formulation, FrictionLaw, Option, Preset
-from engines.out_of_process.engine import EngineOutside
-from engines.out_of_process.interpreter import OutsideEngine
-from engines.out_of_process.lane import OutsideLane
+from engines.out_of_process.engine import OutOfProcessEngine
+from engines.out_of_process.interpreter import Installation
+from engines.out_of_process.lane import OutOfProcessLane
 from reference_lcp.validation import FloatArray
 
-OUTSIDE = OutsideEngine(
+OUTSIDE = Installation(
     "siconos",
     Path(__file__).with_name("server.py"),
     "MULTIBODY_XVAL_SICONOS_PYTHON",
@@ -88,14 +88,14 @@ CONTACT_DEFAULT = Preset(
         "threshold": Option(0.0, 0.0, "Siconos's own: a contact acts where its gap is not positive."),
     },
     split_tolerance=1e-12,
-    departure=(
+    known_deviation=(
         "a contact acts where its gap is not positive only: round-off opens a closed one now and then for a step or "
         "two, which have no friction; and the contact solver stops at 1e-4"
     ),
 )
 
 
-class SiconosLane(OutsideLane):
+class SiconosLane(OutOfProcessLane):
     """One chain in Siconos."""
 
     def _loads(self, start: int, steps: int) -> FloatArray:
@@ -106,13 +106,13 @@ class SiconosLane(OutsideLane):
         return weighted
 
 
-class Siconos(EngineOutside):
+class Siconos(OutOfProcessEngine):
     """Siconos in a Python that has it: the system's, or the one that an environment variable names."""
 
     name: ClassVar[str] = "siconos"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Siconos",
-        further=True,
+        optional=True,
         package="python3-siconos",
         licence="Apache-2.0",
         friction_law=FrictionLaw.COULOMB,
@@ -126,5 +126,5 @@ class Siconos(EngineOutside):
             "of it: both presets of the joint start it deep below."
         ),
     )
-    home: ClassVar[OutsideEngine] = OUTSIDE
-    lane_model: ClassVar[type[OutsideLane]] = SiconosLane
+    home: ClassVar[Installation] = OUTSIDE
+    lane_model: ClassVar[type[OutOfProcessLane]] = SiconosLane

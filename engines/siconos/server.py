@@ -55,9 +55,9 @@ class Lane:
         model = self._new_model(position, velocity, len(loads))
         return model.rows(*model.advance(loads))
 
-    def bare_steps(self, steps: int) -> None:
+    def native_steps(self, steps: int) -> None:
         """Take steps from rest, without a load."""
-        self._new_model(None, None, steps).bare_steps(steps)
+        self._new_model(None, None, steps).native_steps(steps)
 
 
 class JointModel:
@@ -99,7 +99,7 @@ class JointModel:
     def _diverged(self, position: Any) -> bool:
         return len(position) > 0 and not np.max(np.abs(position[-1])) < DIVERGED * float(self._given["length"])
 
-    def bare_steps(self, steps: int) -> None:
+    def native_steps(self, steps: int) -> None:
         """Take steps and do nothing else."""
         compute, advance = self._stepping.computeOneStep, self._stepping.nextStep
         for _ in range(steps):

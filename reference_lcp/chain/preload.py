@@ -4,7 +4,7 @@ An actuator in every cell presses the inner mass on the outer one, across the ro
 
     N_i(t) = N0_i (1 + a sin(Ω t + φ)),
 
-N0_i being the chain's `normal_force`: `PreloadedChain` with faces along the row, α = 0. Nothing couples the normal
+N0_i being the chain's `normal_force`: `InclinedChain` with faces along the row, α = 0. Nothing couples the normal
 direction to the motion along the row then (G_NT = 0): λ_N(t) is known before the row moves, friction under it is
 monotone, and a steady state is as unique as under a constant normal force.
 
@@ -124,7 +124,7 @@ class Flight:
         return cls(start, landing, gap(top))
 
     @property
-    def air_fraction(self) -> float:
+    def open_fraction(self) -> float:
         """Part of the cycle that the contact is open."""
         return (self.landing - self.lift_off) / (2 * math.pi)
 
@@ -149,7 +149,7 @@ class NormalMotion:
 
 
 def normal_motion(
-    press: FloatArray, mass: FloatArray, time_step: FloatArray | float, gap: FloatArray, speed: FloatArray
+    normal_load: FloatArray, mass: FloatArray, time_step: FloatArray | float, gap: FloatArray, speed: FloatArray
 ) -> NormalMotion:
     """Advance the normal direction alone, by equation (7): 0 <= Λ_N ⟂ g_N + Δt ġ_N⁺ >= 0 with m Δġ_N = Λ_N − N Δt.
 
@@ -164,19 +164,19 @@ def normal_motion(
     gap, speed
         g_N >= 0 [m] and its rate [m/s] at the start, shape (...).
     """
-    steps, shape = press.shape[0], press.shape[1:]
+    steps, shape = normal_load.shape[0], normal_load.shape[1:]
     flat = [np.broadcast_to(part, shape).ravel() for part in (mass, time_step, gap, speed)]
-    rows, gaps, rate = _advance_normal(np.ascontiguousarray(press).reshape(steps, -1), *flat)
-    return NormalMotion(rows.reshape(press.shape), gaps.reshape(press.shape), rate.reshape(shape))
+    rows, gaps, rate = _advance_normal(np.ascontiguousarray(normal_load).reshape(steps, -1), *flat)
+    return NormalMotion(rows.reshape(normal_load.shape), gaps.reshape(normal_load.shape), rate.reshape(shape))
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
-def _advance_normal(press: Any, mass: Any, time_step: Any, start: Any, rate: Any) -> Any:
-    """Advance contacts, shape (k,), through the rows of `press`; gives forces and gaps of every step, final rates."""
-    force, gaps, gap, speed = np.zeros_like(press), np.zeros_like(press), start.copy(), rate.copy()
-    for step in range(press.shape[0]):
-        for k in range(press.shape[1]):
-            dt, pressing = time_step[k], press[step, k]
+def _advance_normal(normal_load: Any, mass: Any, time_step: Any, start: Any, rate: Any) -> Any:
+    """Advance contacts, shape (k,), through the rows of `normal_load`; gives forces and gaps of every step, final rates."""
+    force, gaps, gap, speed = np.zeros_like(normal_load), np.zeros_like(normal_load), start.copy(), rate.copy()
+    for step in range(normal_load.shape[0]):
+        for k in range(normal_load.shape[1]):
+            dt, pressing = time_step[k], normal_load[step, k]
             needed = pressing - mass[k] * (speed[k] + gap[k] / dt) / dt
             if needed > 0.0:
                 force[step, k] = needed

@@ -30,7 +30,7 @@ from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.exact.mode_dynamics import SERIES_ORDER, BoolArray, PiecewiseLinearChain, Segment
 from reference_lcp.exact.polynomial_roots import first_roots
-from reference_lcp.stepping.sequential import LaneModel, LanewiseSimulation
+from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
 from reference_lcp.validation import FloatArray, ParameterError
 
 REST_TOLERANCE = 1e-13
@@ -251,7 +251,7 @@ class _EventDrivenLane(LaneModel):
         return Trajectory(times, rows[:, : 2 * n], rows[:, 2 * n :], friction, normal)
 
 
-class EventDrivenSimulation(LanewiseSimulation):
+class EventDrivenSimulation(SequentialSimulation):
     """The motion between events in closed form, and every event; a `Simulation` without a time-step error.
 
     Parameters

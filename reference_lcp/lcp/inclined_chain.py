@@ -34,7 +34,7 @@ from reference_lcp.validation import FloatArray, ParameterError, checked_array, 
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PreloadedChain:
+class InclinedChain:
     """A chain whose contacts can open and close; a `FrictionalSystem` of 3n freedoms and n contacts.
 
     Positions are u_1 … u_n, v_1 … v_n, y_1 … y_n [m], see the module's equations; all zero at rest,

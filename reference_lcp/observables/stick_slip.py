@@ -124,7 +124,7 @@ def stuck_fraction(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> 
     return np.mean(contact_modes(orbit, stick_margin) == 0, axis=0)
 
 
-def air_fraction(orbit: PeriodicOrbit) -> FloatArray:
+def open_fraction(orbit: PeriodicOrbit) -> FloatArray:
     """Part of the period that each contact is open, shape (n,); none is where there is nothing to press it."""
     return np.mean(_open(orbit), axis=0)
 

@@ -28,7 +28,7 @@ BLOCK_LANES = 64
 
 # Both parts of a step are inlined: passing their arrays would cost one short chain 100 ns a step, more than its work.
 @numba.njit(inline="always", nogil=True, error_model="numpy")
-def _pull_of_chain(pull: Any, u: Any, du: Any, stiffness: Any, damping: Any, load: Any) -> None:
+def _chain_force(pull: Any, u: Any, du: Any, stiffness: Any, damping: Any, load: Any) -> None:
     """Force of the chain element at the left of each cell, less the load of the drive; row n stays zero."""
     cells, lanes = u.shape
     for lane in range(lanes):
@@ -81,7 +81,7 @@ def _advance_block(x: Any, p: Any, dt: Any, loads: Any, bounds: Any, record: Any
     for step in range(loads.shape[0]):
         if bounds.shape[0] > 0:
             p[7] = bounds[step]
-        _pull_of_chain(pull, u, du, p[0], p[1], loads[step])
+        _chain_force(pull, u, du, p[0], p[1], loads[step])
         _step(u, du, v, dv, friction, pull, p, dt)
         if record.shape[0] > 0:
             record[step, :n] = u
@@ -194,13 +194,13 @@ class CompiledSimulation:
         """Advance the normal direction of all lanes, cells by lanes; nothing is to be done where λ_N is constant."""
         if not self._modulated:
             return None
-        press = np.stack([lane.preloads(start, steps) for lane in self.lanes], axis=2)
+        normal_load = np.stack([lane.preloads(start, steps) for lane in self.lanes], axis=2)
         if not self._opens:
-            closed = np.zeros(press.shape[1:])
-            return NormalMotion(press, np.zeros_like(press), closed)
+            closed = np.zeros(normal_load.shape[1:])
+            return NormalMotion(normal_load, np.zeros_like(normal_load), closed)
         mass = np.stack([lane.chain.inner_mass for lane in self.lanes], axis=1)
         gap, speed = (part.T for part in state.normal_state(self._cells))
-        return normal_motion(press, mass, self._packed.time_step, gap, speed)
+        return normal_motion(normal_load, mass, self._packed.time_step, gap, speed)
 
     def _load_table(self, start: int, steps: int) -> FloatArray:
         """Loads (steps, lanes); the last table is kept, since a period map asks for the same again."""

@@ -7,11 +7,11 @@ from reference_lcp.chain.preload import normal_motion
 from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.lcp.time_step import FrictionalStep, advanced, solve_step_given_normal_force
-from reference_lcp.stepping.sequential import LaneModel, LanewiseSimulation
+from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
 from reference_lcp.validation import FloatArray
 
 
-class LemkeSimulation(LanewiseSimulation):
+class LemkeSimulation(SequentialSimulation):
     """The Euler scheme with Lemke's method in every step; a `Simulation`, readable and slow."""
 
     def __init__(self, lanes: list[Lane] | tuple[Lane, ...]):

@@ -29,7 +29,7 @@ class LaneModel(ABC):
         return
 
 
-class LanewiseSimulation:
+class SequentialSimulation:
     """A `Simulation` made of one `LaneModel` a lane, in `models`."""
 
     def __init__(self, models: Sequence[LaneModel]):
@@ -37,7 +37,7 @@ class LanewiseSimulation:
         self.lanes = tuple(model.lane for model in self.models)
 
     @classmethod
-    def build(cls, lanes: Sequence[Lane], make: Callable[[Lane], LaneModel]) -> "LanewiseSimulation":
+    def build(cls, lanes: Sequence[Lane], make: Callable[[Lane], LaneModel]) -> "SequentialSimulation":
         """Make the model of each lane."""
         return cls([make(lane) for lane in lanes])
 
@@ -55,9 +55,9 @@ class LanewiseSimulation:
             [model.advance(state.subset([lane]), start, steps) for lane, model in enumerate(self.models)]
         )
 
-    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "LanewiseSimulation":
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "SequentialSimulation":
         """Give the lanes of these indices; they share the models."""
-        return LanewiseSimulation([self.models[lane] for lane in lanes])
+        return SequentialSimulation([self.models[lane] for lane in lanes])
 
     def close(self) -> None:
         """Free every lane."""

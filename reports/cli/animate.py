@@ -20,7 +20,7 @@ from reports.figures.stick_slip import MODE_COLOURS
 from reports.formatting import ratio
 from scenarios.execution.local_processes import TIME_LIMIT
 from scenarios.execution.recorded import RecordedPeriod, period_of
-from scenarios.tasks.questions import Question
+from scenarios.tasks.questions import SteadyStateTask
 
 SPACING = 2.0
 """Distance of neighbouring cells in the drawing, over the width of an outer mass."""
@@ -54,7 +54,7 @@ def animate(
     Example: python -m reports animate --engine mujoco:contact --friction-ratio 0.3 --out chain.gif
     """
     variant = Variant.parse(chosen)
-    question = Question(variant=variant, friction_ratio=friction_ratio, frequency_ratio=frequency_ratio)
+    question = SteadyStateTask(variant=variant, friction_ratio=friction_ratio, frequency_ratio=frequency_ratio)
     question.setting()
     checked_count("frames", frames, 8)
     if frames > 400:
@@ -70,7 +70,7 @@ def animate(
     print(out)
 
 
-def write_animation(question: Question, motion: RecordedPeriod, frames: int, file: Path) -> None:
+def write_animation(question: SteadyStateTask, motion: RecordedPeriod, frames: int, file: Path) -> None:
     """Draw a known motion of `question`'s chain into `file`, as its ending says."""
     drawing = ChainDrawing(question, motion, frames)
     animation = FuncAnimation(drawing.figure, drawing.draw, frames=frames, interval=50, blit=False)
@@ -93,7 +93,7 @@ class ChainDrawing:
         Pictures of one period.
     """
 
-    def __init__(self, question: Question, motion: RecordedPeriod, frames: int):
+    def __init__(self, question: SteadyStateTask, motion: RecordedPeriod, frames: int):
         self._motion = motion
         self._rows = np.round(np.linspace(0, motion.outer.shape[0], frames, endpoint=False)).astype(int)
         largest = max(1.0, float(np.max(np.abs(motion.outer))), float(np.max(np.abs(motion.inner))))
@@ -135,7 +135,7 @@ class ChainDrawing:
         self._axes.add_patch(box)
         return box
 
-    def _frame_axes(self, question: Question) -> None:
+    def _frame_axes(self, question: SteadyStateTask) -> None:
         """Set limits, title and legend."""
         self._axes.set(xlim=(-1, self._length + 1.4), ylim=(-1.2, 1.1), aspect="equal")
         self._axes.set_axis_off()

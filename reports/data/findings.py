@@ -12,11 +12,11 @@ from reference_lcp.validation import FloatArray
 from reports.formatting import ratio
 from scenarios.studies.attenuation_band import Edge
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
-from scenarios.tasks.questions import AnswerStatus
-from scenarios.verdicts.pointwise import GivenTolerance, ruler
+from scenarios.tasks.questions import ResultStatus
+from scenarios.verdicts.pointwise import GivenTolerance, baseline
 from scenarios.verdicts.verdict import FLOOR_DB, Verdict
 
-Place = tuple[float, float]
+OperatingPoint = tuple[float, float]
 """Friction ratio and frequency ratio."""
 
 
@@ -91,7 +91,7 @@ def drive_description(asked: Figure3) -> str:
 def compared_with(variant: Variant, given: GivenTolerance | None = None) -> str:
     """Say what a variant is compared with, how closely, and why so."""
     if given is not None and given.judges(variant):
-        whom = "converged reference" if given.ruler == CONVERGED else "reference at equal time step"
+        whom = "converged reference" if given.baseline == CONVERGED else "reference at equal time step"
         return f"Compared with the {whom}; {given.transmittance_db:g} dB are allowed, as the file of the sweep says."
     if variant == CONVERGED:
         return "The ruler: the reference's scheme with a step so fine that its own error does not show."
@@ -100,7 +100,7 @@ def compared_with(variant: Variant, given: GivenTolerance | None = None) -> str:
             "Compared with the converged reference: the difference is the scheme's own first-order step error, and its "
             "own estimate from two step sizes is allowed."
         )
-    if ruler(variant) == REFERENCE:
+    if baseline(variant) == REFERENCE:
         return (
             "Takes the same semi-implicit Euler step as the reference, and so shares its step error: compared with "
             "the reference at equal time step; nothing is allowed but what neither can resolve."
@@ -119,11 +119,11 @@ def converged_curve(result: Figure3Result, friction_ratio: float) -> dict[float,
 
 def differences(result: Figure3Result, variant: Variant, friction_ratio: float) -> tuple[FloatArray, FloatArray]:
     """η_r, and transmittance less the converged reference's [dB]; NaN where that is below `FLOOR_DB` or unknown."""
-    ruler = converged_curve(result, friction_ratio)
+    baseline = converged_curve(result, friction_ratio)
     pairs = []
     for point in result.curve(variant, friction_ratio):
-        known = point.answer.converged and ruler.get(point.frequency_ratio, -math.inf) > FLOOR_DB
-        difference = point.answer.transmittance_db - ruler[point.frequency_ratio] if known else math.nan
+        known = point.answer.converged and baseline.get(point.frequency_ratio, -math.inf) > FLOOR_DB
+        difference = point.answer.transmittance_db - baseline[point.frequency_ratio] if known else math.nan
         pairs.append((point.frequency_ratio, difference))
     eta, found = np.array(pairs).reshape(-1, 2).T
     return eta, found
@@ -142,7 +142,7 @@ def reference_line(result: Figure3Result, friction_ratio: float) -> tuple[FloatA
 def blocked_reason(result: Figure3Result, variant: Variant) -> str | None:
     """Say why a variant has not a single answer; ``None`` if it has one."""
     answers = [point.answer for point in result.points_of(variant)]
-    if not answers or any(answer.status is not AnswerStatus.BLOCKED for answer in answers):
+    if not answers or any(answer.status is not ResultStatus.BLOCKED for answer in answers):
         return None
     return answers[0].reason
 
@@ -170,12 +170,12 @@ def band_definition(result: Figure3Result) -> str:
 
 
 def _worst_difference(result: Figure3Result, points: list[Point]) -> Extreme:
-    rulers = {friction: converged_curve(result, friction) for friction in result.asked.friction_ratios}
+    baselines = {friction: converged_curve(result, friction) for friction in result.asked.friction_ratios}
     compared = [
         Extreme(point.comparison.difference, point.friction_ratio, point.frequency_ratio)
         for point in points
         if not math.isnan(point.comparison.difference)
-        and rulers[point.friction_ratio].get(point.frequency_ratio, -math.inf) > FLOOR_DB
+        and baselines[point.friction_ratio].get(point.frequency_ratio, -math.inf) > FLOOR_DB
     ]
     return _largest(compared)
 

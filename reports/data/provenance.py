@@ -60,7 +60,7 @@ def provenance(result: Figure3Result, command: str) -> dict[str, Any]:
             "edge": EDGE_TOLERANCE,
             "given": None
             if asked.tolerance is None
-            else {"transmittance_db": asked.tolerance.transmittance_db, "ruler": str(asked.tolerance.ruler)},
+            else {"transmittance_db": asked.tolerance.transmittance_db, "ruler": str(asked.tolerance.baseline)},
         },
     }
 
@@ -68,15 +68,15 @@ def provenance(result: Figure3Result, command: str) -> dict[str, Any]:
 def _variant(result: Figure3Result, variant: Variant) -> dict[str, Any]:
     """Describe one variant: what it is, how it is set up, how well it converged."""
     of = engine(variant.engine)
-    preset = of.preset(variant.formulation, variant.preset)
+    preset = of.preset(variant.formulation, variant.preset_name)
     answers = [point.answer for point in result.points_of(variant) if point.answer.converged]
     return {
         "engine": variant.engine,
         "formulation": variant.formulation,
-        "preset": variant.preset,
+        "preset": variant.preset_name,
         "title": variant.title,
         "package": of.capabilities.package,
-        "version": of.version() if of.why_not_installed() is None else None,
+        "version": of.version() if of.unavailable_reason() is None else None,
         "blocked": blocked_reason(result, variant),
         "licence": of.capabilities.licence,
         "friction_law": str(of.capabilities.friction_law),

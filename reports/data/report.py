@@ -9,9 +9,9 @@ from scenarios.execution.recorded import RecordedPeriod
 from scenarios.studies.figure3 import Figure3Result
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
-from scenarios.tasks.questions import AnswerStatus
+from scenarios.tasks.questions import ResultStatus
 
-Place = tuple[float, float]
+OperatingPoint = tuple[float, float]
 """Friction ratio and frequency ratio."""
 
 
@@ -35,11 +35,11 @@ class Report:
 
     result: Figure3Result
     command: str
-    motions: Mapping[Place, Mapping[Variant, RecordedPeriod]] = field(default_factory=dict)
+    motions: Mapping[OperatingPoint, Mapping[Variant, RecordedPeriod]] = field(default_factory=dict)
     steps: tuple[StepPoint, ...] = ()
     friction_map: FrictionMap | None = None
 
     @property
     def missing(self) -> Mapping[Variant, int]:
         """Points of the grid that nobody has answered so far, by variant; variants without any are left out."""
-        return Counter(point.variant for point in self.result.points if point.answer.status is AnswerStatus.MISSING)
+        return Counter(point.variant for point in self.result.points if point.answer.status is ResultStatus.MISSING)

@@ -99,7 +99,7 @@ def json_text(result: Figure3Result, stick_slip: list[Row], provenance: Mapping[
 
 
 def _names(variant: Variant) -> Row:
-    return {"engine": variant.engine, "formulation": variant.formulation, "preset": variant.preset}
+    return {"engine": variant.engine, "formulation": variant.formulation, "preset": variant.preset_name}
 
 
 def _summary(result: Figure3Result, variant: Variant) -> Row:

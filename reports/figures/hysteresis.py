@@ -140,8 +140,8 @@ def corners(x: FloatArray, y: FloatArray, tolerance: float = CORNER) -> NDArray[
 
 
 def _unit(values: FloatArray) -> FloatArray:
-    extent = float(np.ptp(values))
-    return values / extent if extent > 0 else np.zeros_like(values)
+    scope = float(np.ptp(values))
+    return values / scope if scope > 0 else np.zeros_like(values)
 
 
 def _distance(points: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:

@@ -13,7 +13,7 @@ from reference_lcp.observables.stick_slip import Mode
 from reports.figures.figure import Picture, axis, layout
 from reports.figures.style import PAGE_WIDTH
 from reports.formatting import ratio
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 
 MODE_COLOURS = {Mode.STICK: "#2b2b2b", Mode.FORWARD: "#F0E442", Mode.BACKWARD: "#0072B2"}
 """Dark, light and middle: told apart in grey and by colour-blind readers."""
@@ -43,7 +43,7 @@ class Phase:
     mode: Mode
 
 
-def phases(answer: Answer) -> list[Phase]:
+def phases(answer: Result) -> list[Phase]:
     """Give the phases of all contacts that an answer's transitions bound; a contact without any sticks throughout.
 
     A contact without friction has neither transitions nor a stuck fraction above zero, and no phases.
@@ -62,7 +62,7 @@ def phases(answer: Answer) -> list[Phase]:
     return found
 
 
-def raster(place: tuple[float, float], answers: dict[Variant, Answer]) -> Picture:
+def raster(place: tuple[float, float], answers: dict[Variant, Result]) -> Picture:
     """Draw one point: cells over time, and within each cell a strip for each variant, the first on top.
 
     Parameters

@@ -102,7 +102,7 @@ def _trace(
 
 def _marker(variant: Variant, marker: dict[str, Any]) -> dict[str, Any]:
     """Tell the converged reference from the reference, which share a look."""
-    return marker | {"symbol": "cross-thin"} if variant.preset == "converged" else marker
+    return marker | {"symbol": "cross-thin"} if variant.preset_name == "converged" else marker
 
 
 def _shown(found: Iterable[StepPoint]) -> list[float]:
@@ -126,7 +126,7 @@ def _first_order(drawn: Curves) -> tuple[list[float], list[float]] | None:
 
 def _print_curve(axes: Axes, asked: Figure3, variant: Variant, found: list[StepPoint], cost: Sequence[float]) -> None:
     look = look_of(asked, variant).printed(lines=True)
-    if variant.preset == "converged":
+    if variant.preset_name == "converged":
         look |= {"marker": "+", "markersize": 6}
     axes.plot(cost, _shown(found), label=variant.title, **look)
 

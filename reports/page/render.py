@@ -30,7 +30,7 @@ from reports.page.sections import (
 LARGEST_PAGE = 5 * 2**20
 """Bytes that a page takes at most, so that it can be sent by mail and opens at once."""
 
-USUAL = (Summary, BandEdges, Transmittance, FrictionMap, StickSlip, WorkPrecision, OpenPoints)
+DEFAULT_SECTIONS = (Summary, BandEdges, Transmittance, FrictionMap, StickSlip, WorkPrecision, OpenPoints)
 """Sections of every report, in order; those of other packages follow, and how the numbers were made comes last."""
 
 
@@ -61,7 +61,7 @@ class RenderedPage:
 
 def sections(report: Report) -> list[Section]:
     """Give the sections of a report, in order."""
-    return [make(report) for make in (*USUAL, *registered_sections(), Provenance)]
+    return [make(report) for make in (*DEFAULT_SECTIONS, *registered_sections(), Provenance)]
 
 
 def page(title: str, parts: Sequence[Section]) -> RenderedPage:

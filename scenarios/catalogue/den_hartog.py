@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from reference_lcp.exact.den_hartog import SlidingMotion
 from reference_lcp.observables.stick_slip import Mode
 from scenarios.catalogue.steady_base import SteadyScenario
-from scenarios.tasks.questions import Answer, ChainRatios, Question
-from scenarios.verdicts.steady_case import Case, Expected
+from scenarios.tasks.questions import ChainRatios, Result, SteadyStateTask
+from scenarios.verdicts.steady_case import Expected, SteadyCase
 
 STANDING_RATIO = 1e6
 """Mass ratio of the cell: its inner mass moves by a millionth of what the outer one does."""
@@ -22,10 +22,10 @@ OSCILLATOR = ChainRatios(
 )
 
 
-def _case(frequency_ratio: float, force_ratio: float) -> Case:
+def _case(frequency_ratio: float, force_ratio: float) -> SteadyCase:
     # The oscillator's frequency is √((k_c + k_i) / m_o), the cell's unit of frequency √(k_i / m_i).
     unit = math.sqrt((1 + 1 / STIFFNESS_RATIO) * STANDING_RATIO)
-    return Case(
+    return SteadyCase(
         label=f"r {frequency_ratio:g}, F/P0 {force_ratio:g}",
         friction_ratio=force_ratio,
         frequency_ratio=frequency_ratio * unit,
@@ -47,7 +47,7 @@ class DenHartog(SteadyScenario):
     cases = tuple(_case(*point) for point in POINTS)
     with_stick_slip = True
 
-    def expected(self, case: Case, answers: Mapping[Question, Answer]) -> Expected:
+    def expected(self, case: SteadyCase, answers: Mapping[SteadyStateTask, Result]) -> Expected:
         """Give the closed form."""
         return expected_motion(*POINTS[self.cases.index(case)])
 

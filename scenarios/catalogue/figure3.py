@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from scenarios.catalogue.base import Finding, Metric
 from scenarios.catalogue.steady_base import SAME_STEP, TRANSMITTANCE, SteadyScenario
 from scenarios.studies.attenuation_band import BandDefinition
-from scenarios.tasks.questions import Answer
-from scenarios.verdicts.steady_case import Case, Evidence, Expected
+from scenarios.tasks.questions import Result
+from scenarios.verdicts.steady_case import Evidence, Expected, SteadyCase
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, compare, scheme_bar, step_estimate
 
 EDGE = Metric(
@@ -29,12 +29,12 @@ LOWER_EDGES = {0.3: 0.637, 1.0: 0.999}
 """Friction ratios of the widest band and of cells that nearly lock; its lower edges, to three digits."""
 
 
-def _case(friction_ratio: float, frequency_ratio: float) -> Case:
+def _case(friction_ratio: float, frequency_ratio: float) -> SteadyCase:
     label = f"friction {friction_ratio:g}, η_r {frequency_ratio:g}"
-    return Case(label=label, friction_ratio=friction_ratio, frequency_ratio=round(frequency_ratio, 6))
+    return SteadyCase(label=label, friction_ratio=friction_ratio, frequency_ratio=round(frequency_ratio, 6))
 
 
-def _edge_cases(friction_ratio: float, edge: float) -> tuple[Case, Case]:
+def _edge_cases(friction_ratio: float, edge: float) -> tuple[SteadyCase, SteadyCase]:
     return _case(friction_ratio, edge - HALF_WIDTH), _case(friction_ratio, edge + HALF_WIDTH)
 
 
@@ -51,7 +51,7 @@ class Figure3Points(SteadyScenario):
     cases = (*(case for pair in EDGE_CASES.values() for case in pair), _case(0.6, 0.9), _case(0.1, 0.6))
     metrics = (TRANSMITTANCE, SAME_STEP, EDGE)
 
-    def judged(self, found: Mapping[Case, Evidence]) -> list[Finding]:
+    def judged(self, found: Mapping[SteadyCase, Evidence]) -> list[Finding]:
         """Judge transmittance point by point, then the edges."""
         edges = [
             edge_finding(f"friction {friction:g}", found[below], found[above])
@@ -84,7 +84,7 @@ def edge_finding(label: str, below: Evidence, above: Evidence) -> Finding:
     return Finding(below.variant, label, EDGE, fine, expected, comparison)
 
 
-def crossing(below: Case, above: Case, low: Answer | Expected, high: Answer | Expected) -> float:
+def crossing(below: SteadyCase, above: SteadyCase, low: Result | Expected, high: Result | Expected) -> float:
     """Give η_r where the straight line through two points crosses the threshold; NaN where it does not nearby."""
     threshold = BandDefinition().threshold_db
     fall = low.transmittance_db - high.transmittance_db

@@ -5,7 +5,7 @@ import math
 from reference_lcp.chain.transient import FilteredNoise
 from reference_lcp.observables.transmissibility import Transmissibility, stationary_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.transient_base import BASE_AMPLITUDE, RATIOS, ROWS_PER_PERIOD, Broadband, Case
+from scenarios.catalogue.transient_base import BASE_AMPLITUDE, RATIOS, ROWS_PER_PERIOD, Broadband, TransientCase
 
 PERIODS = 300
 """Length of the noise in periods 2π / ω_r; it does not repeat before."""
@@ -30,7 +30,7 @@ class FilteredNoiseScenario(Broadband):
     question = "What of noise of the base, flat from 0.2 to 2.4 ω_r, arrives at the end of the chain?"
     friction_ratios = (0.1, 0.3)
 
-    def case(self, friction_ratio: float) -> Case:
+    def case(self, friction_ratio: float) -> TransientCase:
         """Noise throughout, from rest."""
         omega = RATIOS.chain(friction_ratio).resonator_frequency
         period = 2 * math.pi / omega
@@ -42,7 +42,7 @@ class FilteredNoiseScenario(Broadband):
             rise=RISE * period,
             seed=1,
         )
-        return Case(friction_ratio, noise, PERIODS)
+        return TransientCase(friction_ratio, noise, PERIODS)
 
     def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
         """Average spectra over segments of the stationary part."""

@@ -12,11 +12,11 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Finding, Metric, Scenario
-from scenarios.catalogue.transient_base import refinements, unfinished
+from scenarios.catalogue.transient_base import unfinished, with_refined_steps
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.transient import kept_of
-from scenarios.tasks.questions import Answer, ChainRatios, Series
-from scenarios.tasks.transient import Motion
+from scenarios.tasks.questions import ChainRatios, Result, Series
+from scenarios.tasks.transient import TransientTask
 from scenarios.verdicts.refinement import REFINEMENTS, error_of_finest
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Tolerance, compare
@@ -80,9 +80,9 @@ class Decay:
         """2π / ω_r [s]."""
         return 2 * math.pi / self.chain.resonator_frequency
 
-    def motion(self, variant: Variant) -> Motion:
+    def motion(self, variant: Variant) -> TransientTask:
         """Ask a variant, with its coarsest step."""
-        return Motion(
+        return TransientTask(
             variant=variant,
             ratios=self.ratios,
             friction_ratio=self.friction_ratio,
@@ -143,7 +143,7 @@ class FreeDecay(Scenario):
         """Put the question to every variant; see `Scenario.run`. The loss a cycle is the oscillator's only."""
         evaluator.evaluate(self.questions(variants))
         exact = {decay: decay.exact() for decay in DECAYS}
-        scheme = {decay: evaluator.evaluate(refinements(decay.motion(REFERENCE))) for decay in DECAYS}
+        scheme = {decay: evaluator.evaluate(with_refined_steps(decay.motion(REFERENCE))) for decay in DECAYS}
         return [
             finding
             for variant in variants
@@ -151,17 +151,17 @@ class FreeDecay(Scenario):
             for finding in _findings(variant, decay, exact[decay], scheme[decay], evaluator)
         ]
 
-    def questions(self, variants: Sequence[Variant]) -> list[Motion]:
+    def questions(self, variants: Sequence[Variant]) -> list[TransientTask]:
         """Everything that `run` asks."""
         asked = dict.fromkeys((REFERENCE, *variants))
-        return [motion for variant in asked for decay in DECAYS for motion in refinements(decay.motion(variant))]
+        return [motion for variant in asked for decay in DECAYS for motion in with_refined_steps(decay.motion(variant))]
 
 
 def _findings(
-    variant: Variant, decay: Decay, exact: Series, scheme: Sequence[Answer], evaluator: Evaluator
+    variant: Variant, decay: Decay, exact: Series, scheme: Sequence[Result], evaluator: Evaluator
 ) -> list[Finding]:
     """Compare one decay with the exact one; `scheme` is the reference's, in the same steps."""
-    answers = evaluator.evaluate(refinements(decay.motion(variant)))
+    answers = evaluator.evaluate(with_refined_steps(decay.motion(variant)))
     metrics = [metric for metric in FreeDecay.metrics if metric is not LOSS or decay is OSCILLATOR]
     missing = unfinished([*answers, *scheme])
     if missing is not None:
@@ -176,7 +176,7 @@ def _findings(
     return found
 
 
-def _errors(decay: Decay, answers: Sequence[Answer], exact: Series) -> dict[Metric, float]:
+def _errors(decay: Decay, answers: Sequence[Result], exact: Series) -> dict[Metric, float]:
     """Errors that three step sizes show.
 
     Heat, what is left and what is missing are shares of one energy, and an error of one is an error of another:

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
 from reference_lcp.observables.transmittance import decibel
 from scenarios.catalogue.steady_base import SteadyScenario
-from scenarios.tasks.questions import Answer, ChainRatios, Question
-from scenarios.verdicts.steady_case import Case, Expected
+from scenarios.tasks.questions import ChainRatios, Result, SteadyStateTask
+from scenarios.verdicts.steady_case import Expected, SteadyCase
 
 THREE_CELLS = ChainRatios(cells=3)
 """Enough cells for pass band and stop band, few enough for engines that are slow."""
@@ -16,9 +16,9 @@ LOCKING_FRICTION = 5.0
 four times the force that holds the inner masses."""
 
 
-def _cases(friction_ratio: float, frequency_ratios: tuple[float, ...]) -> tuple[Case, ...]:
+def _cases(friction_ratio: float, frequency_ratios: tuple[float, ...]) -> tuple[SteadyCase, ...]:
     return tuple(
-        Case(label=f"η_r {eta:g}", friction_ratio=friction_ratio, frequency_ratio=eta, ratios=THREE_CELLS)
+        SteadyCase(label=f"η_r {eta:g}", friction_ratio=friction_ratio, frequency_ratio=eta, ratios=THREE_CELLS)
         for eta in frequency_ratios
     )
 
@@ -32,7 +32,7 @@ class FrictionlessLimit(SteadyScenario):
     expects = "closed form"
     cases = _cases(0.0, (0.9, 0.5))
 
-    def expected(self, case: Case, answers: Mapping[Question, Answer]) -> Expected:
+    def expected(self, case: SteadyCase, answers: Mapping[SteadyStateTask, Result]) -> Expected:
         """Solve the linear chain."""
         return Expected(transmittance_db=decibel(frictionless_transmittance(*case.setting())))
 
@@ -46,6 +46,6 @@ class LockedLimit(SteadyScenario):
     expects = "closed form"
     cases = _cases(LOCKING_FRICTION, (1.1, 0.7))
 
-    def expected(self, case: Case, answers: Mapping[Question, Answer]) -> Expected:
+    def expected(self, case: SteadyCase, answers: Mapping[SteadyStateTask, Result]) -> Expected:
         """Solve the linear chain of locked cells."""
         return Expected(transmittance_db=decibel(stuck_transmittance(*case.setting())))

@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 
 from scenarios.catalogue.steady_base import SteadyScenario
-from scenarios.tasks.questions import Answer, ChainRatios, Question
+from scenarios.tasks.questions import ChainRatios, Result, SteadyStateTask
 from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import COARSE, FINE, FINEST, Case, Expected
+from scenarios.verdicts.steady_case import COARSE, FINE, FINEST, Expected, SteadyCase
 from scenarios.verdicts.verdict import scheme_bar, step_estimate
 
 LENGTHS = (7, 15, 30, 50)
@@ -14,13 +14,13 @@ LENGTHS = (7, 15, 30, 50)
 FRICTION_RATIO, FREQUENCY_RATIO = 0.1, 0.5
 """In the pass band, where friction takes most of the motion from the longest chain and hardly any from the shortest."""
 
-GROWTH = 2.0
+RESIDUAL_GROWTH = 2.0
 """Power of the length by which seconds grow: a step costs as much more as there are more cells, and the longer a
 chain is, the more periods its steady state takes."""
 
 
-def _case(cells: int) -> Case:
-    return Case(
+def _case(cells: int) -> SteadyCase:
+    return SteadyCase(
         label=f"{cells} cells",
         friction_ratio=FRICTION_RATIO,
         frequency_ratio=FREQUENCY_RATIO,
@@ -37,30 +37,30 @@ class LongChain(SteadyScenario):
     expects = "the reference with 32 times the steps, and its error bar"
     cases = tuple(_case(cells) for cells in LENGTHS)
 
-    def rounds(self) -> list[tuple[Case, ...]]:
+    def stages(self) -> list[tuple[SteadyCase, ...]]:
         """Ask length after length."""
         return [(case,) for case in self.cases]
 
-    def growth(self, case: Case) -> float:
+    def growth(self, case: SteadyCase) -> float:
         """Give by how much longer this length takes than the one before."""
         place = self.cases.index(case)
-        return (case.ratios.cells / self.cases[max(place - 1, 0)].ratios.cells) ** GROWTH
+        return (case.ratios.cells / self.cases[max(place - 1, 0)].ratios.cells) ** RESIDUAL_GROWTH
 
-    def ruler(self) -> list[Question]:
+    def baseline(self) -> list[SteadyStateTask]:
         """Give what the reference is asked: at equal step, and converged."""
-        return [*super().ruler(), *(question for case in self.cases for question in _refined(case))]
+        return [*super().baseline(), *(question for case in self.cases for question in _refined(case))]
 
-    def expected(self, case: Case, answers: Mapping[Question, Answer]) -> Expected:
+    def expected(self, case: SteadyCase, answers: Mapping[SteadyStateTask, Result]) -> Expected:
         """Give the converged reference and its error bar."""
         return expected_of([answers[question] for question in _refined(case)])
 
 
-def _refined(case: Case) -> list[Question]:
+def _refined(case: SteadyCase) -> list[SteadyStateTask]:
     """Ask the converged reference with three step sizes."""
     return [case.question(CONVERGED, refinement) for refinement in (COARSE, FINE, FINEST)]
 
 
-def expected_of(refined: Sequence[Answer]) -> Expected:
+def expected_of(refined: Sequence[Result]) -> Expected:
     """Give the converged reference's transmittance and its error bar, from three step sizes."""
     coarse, fine, finest = (answer.transmittance_db if answer.converged else math.nan for answer in refined)
     # half of what three steps say of the middle one; no less than what the last two say of the finest

@@ -17,7 +17,7 @@ from reference_lcp.chain.preload import Flight
 from reference_lcp.observables.transition_matching import match_transitions
 from scenarios.catalogue.base import Finding, Metric, Scenario
 from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.questions import Answer, Modulation, Question
+from scenarios.tasks.questions import Modulation, Result, SteadyStateTask
 from scenarios.verdicts.verdict import SAFETY, Comparison, Tolerance, Verdict, compare, missing_steady_state, scheme_bar
 
 STEPS = (400, 800, 1600)
@@ -39,7 +39,7 @@ GAP = Metric("largest gap", "U0", "highest point of an inner mass's flight, of t
 
 
 @dataclass(frozen=True)
-class Case:
+class ModulatedCase:
     """A preload and a drive.
 
     Parameters
@@ -57,9 +57,9 @@ class Case:
     def __str__(self) -> str:
         return f"a = {self.modulation:g}, Ω = {self.multiple} ω, η_r = {self.frequency_ratio:g}"
 
-    def question(self, variant: Variant, steps: int) -> Question:
+    def question(self, variant: Variant, steps: int) -> SteadyStateTask:
         """Ask a variant."""
-        return Question(
+        return SteadyStateTask(
             variant=variant,
             friction_ratio=FRICTION_RATIO,
             frequency_ratio=self.frequency_ratio,
@@ -79,11 +79,11 @@ class Case:
         flight, chain = Flight.of(lane.preload), lane.chain
         length = float(chain.normal_force[0] / chain.inner_mass[0]) / lane.drive.displacement_scale(chain)
         highest = flight.highest * length / lane.preload.angular_frequency**2
-        return flight.air_fraction, highest, length * lane.time_step**2
+        return flight.open_fraction, highest, length * lane.time_step**2
 
 
 CASES = tuple(
-    Case(modulation, multiple, frequency)
+    ModulatedCase(modulation, multiple, frequency)
     for modulation in (0.5, 1.5)
     for multiple in (1, 2)
     for frequency in (0.5, 0.7)
@@ -117,7 +117,7 @@ class ModulatedNormalForce(Scenario):
         return findings
 
 
-def _findings(variant: Variant, case: Case, own: list[Answer], expected: list[Answer]) -> list[Finding]:
+def _findings(variant: Variant, case: ModulatedCase, own: list[Result], expected: list[Result]) -> list[Finding]:
     """Compare the answers of one variant to one case with the reference's."""
     found = []
     missing = _missing(own, expected)
@@ -131,9 +131,9 @@ def _findings(variant: Variant, case: Case, own: list[Answer], expected: list[An
     return found
 
 
-def _readings(variant: Variant, case: Case) -> dict[Metric, Callable[[list[Answer], list[Answer]], "Reading"]]:
+def _readings(variant: Variant, case: ModulatedCase) -> dict[Metric, Callable[[list[Result], list[Result]], "Reading"]]:
     """Say how each metric of a case is read from the answers of a variant and of the reference."""
-    readings: dict[Metric, Callable[[list[Answer], list[Answer]], Reading]] = {
+    readings: dict[Metric, Callable[[list[Result], list[Result]], Reading]] = {
         TRANSMITTANCE: _transmittance,
         STUCK: _stuck_fraction,
         UNMATCHED: _unmatched,
@@ -144,7 +144,7 @@ def _readings(variant: Variant, case: Case) -> dict[Metric, Callable[[list[Answe
         air, highest, fall = flight
         # Lift-off and landing are each met to a step, in every cycle of the preload.
         met = 2 * case.multiple / STEPS[1]
-        readings[AIR] = lambda engine, _: _flown([answer.air_fraction for answer in engine], air, met)
+        readings[AIR] = lambda engine, _: _flown([answer.open_fraction for answer in engine], air, met)
         readings[GAP] = lambda engine, _: _flown([answer.largest_gap for answer in engine], highest, fall)
     return readings
 
@@ -160,13 +160,13 @@ class Reading:
 
 def _explained(comparison: Comparison, variant: Variant) -> Comparison:
     """Add the law by which a variant departs from Coulomb's to a disagreement."""
-    departure = variant.options.departure
-    if comparison.verdict is not Verdict.DISAGREE or not departure:
+    known_deviation = variant.preset.known_deviation
+    if comparison.verdict is not Verdict.DISAGREE or not known_deviation:
         return comparison
-    return replace(comparison, reason=f"{comparison.reason}; {departure}")
+    return replace(comparison, reason=f"{comparison.reason}; {known_deviation}")
 
 
-def _missing(own: list[Answer], expected: list[Answer]) -> Comparison | None:
+def _missing(own: list[Result], expected: list[Result]) -> Comparison | None:
     """Say what is missing for a comparison, if anything is."""
     for whose, answers in (("engine", own), ("reference", expected)):
         for steps, answer in zip(STEPS, answers, strict=True):
@@ -176,30 +176,30 @@ def _missing(own: list[Answer], expected: list[Answer]) -> Comparison | None:
     return None
 
 
-def _transmittance(own: list[Answer], expected: list[Answer]) -> Reading:
-    values, rulers = [one.transmittance_db for one in own], [one.transmittance_db for one in expected]
+def _transmittance(own: list[Result], expected: list[Result]) -> Reading:
+    values, baselines = [one.transmittance_db for one in own], [one.transmittance_db for one in expected]
     # Either amplitude is known to the residual of its steady state.
     residual = (own[1].residual + expected[1].residual) / 10 ** (expected[1].transmittance_db / 20)
-    return Reading(values[1], rulers[1], _tolerance(values, rulers, 20 * math.log10(1 + residual)))
+    return Reading(values[1], baselines[1], _tolerance(values, baselines, 20 * math.log10(1 + residual)))
 
 
-def _stuck_fraction(own: list[Answer], expected: list[Answer]) -> Reading:
+def _stuck_fraction(own: list[Result], expected: list[Result]) -> Reading:
     readings = []
     for cell in range(len(own[1].stuck_fraction)):
-        values, rulers = ([one.stuck_fraction[cell] for one in answers] for answers in (own, expected))
+        values, baselines = ([one.stuck_fraction[cell] for one in answers] for answers in (own, expected))
         # A stick begins and ends to a step.
         changes = sum(number == cell + 1 for number, _, _ in expected[1].transitions)
-        readings.append(Reading(values[1], rulers[1], _tolerance(values, rulers, (changes + 1) / STEPS[1])))
+        readings.append(Reading(values[1], baselines[1], _tolerance(values, baselines, (changes + 1) / STEPS[1])))
     return _worst(readings)
 
 
-def _unmatched(own: list[Answer], expected: list[Answer]) -> Reading:
+def _unmatched(own: list[Result], expected: list[Result]) -> Reading:
     """Those that only one has; the reference misses some of its own at another step, and so may an engine."""
     reference, engine = (max(_apart(*pair)[0] for pair in pairwise(answers)) for answers in (expected, own))
     return Reading(_apart(own[1], expected[1])[0], 0.0, Tolerance(reference, engine))
 
 
-def _transition_times(own: list[Answer], expected: list[Answer]) -> Reading:
+def _transition_times(own: list[Result], expected: list[Result]) -> Reading:
     # What the steps of 400 and 800 differ by is the error of the latter; what those of 800 and 1600 do, half of it.
     reference, engine = (
         SAFETY * max(_apart(*answers[:2])[1], 2 * _apart(*answers[1:])[1]) for answers in (expected, own)
@@ -207,7 +207,7 @@ def _transition_times(own: list[Answer], expected: list[Answer]) -> Reading:
     return Reading(_apart(own[1], expected[1])[1], 0.0, Tolerance(reference, engine, 1 / STEPS[1]))
 
 
-def _apart(one: Answer, other: Answer) -> tuple[int, float]:
+def _apart(one: Result, other: Result) -> tuple[int, float]:
     """Count the transitions that only one has, and give the largest distance of those that both have."""
     match = match_transitions(one.transitions, other.transitions, other.period)
     largest = max((abs(error) for error in match.time_errors), default=0.0)

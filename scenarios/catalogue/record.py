@@ -15,7 +15,7 @@ from scenarios.catalogue.transient_base import (
     ROWS_PER_PERIOD,
     STEPS_PER_PERIOD,
     Broadband,
-    Case,
+    TransientCase,
 )
 
 REST = 200
@@ -66,12 +66,12 @@ class Record(Broadband):
         """
         _ = self.base
 
-    def case(self, friction_ratio: float) -> Case:
+    def case(self, friction_ratio: float) -> TransientCase:
         """Follow the record, then wait; no step is so long that it leaves out samples."""
         period = 2 * math.pi / RATIOS.chain(friction_ratio).resonator_frequency
         rows = math.ceil(period / self.base.shortest_spacing / ROWS_PER_PERIOD - 1e-9)
         steps = max(STEPS_PER_PERIOD, ROWS_PER_PERIOD * rows)
-        return Case(friction_ratio, self.base, math.ceil(self.base.duration / period) + REST, steps)
+        return TransientCase(friction_ratio, self.base, math.ceil(self.base.duration / period) + REST, steps)
 
     def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
         """Divide the Fourier transforms."""

@@ -3,7 +3,7 @@
 from reference_lcp.chain.transient import QUIET, RickerPulse
 from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.transient_base import BASE_AMPLITUDE, RATIOS, Broadband, Case
+from scenarios.catalogue.transient_base import BASE_AMPLITUDE, RATIOS, Broadband, TransientCase
 
 
 class RickerPulseScenario(Broadband):
@@ -16,10 +16,10 @@ class RickerPulseScenario(Broadband):
     question = "What of a Ricker pulse of the base, with its peak at ω_r, arrives at the end of the chain?"
     friction_ratios = (0.0, 0.03, 0.1)
 
-    def case(self, friction_ratio: float) -> Case:
+    def case(self, friction_ratio: float) -> TransientCase:
         """Follow the pulse until it has died out."""
         omega = RATIOS.chain(friction_ratio).resonator_frequency
-        return Case(friction_ratio, RickerPulse(BASE_AMPLITUDE, omega, QUIET / omega), 300)
+        return TransientCase(friction_ratio, RickerPulse(BASE_AMPLITUDE, omega, QUIET / omega), 300)
 
     def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
         """Divide the Fourier transforms."""

@@ -7,12 +7,12 @@ from typing import ClassVar
 from engines.interface.variant import Variant
 from scenarios.catalogue.base import Finding, Metric, Scenario
 from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.questions import Answer, AnswerStatus, Question
+from scenarios.tasks.questions import Result, ResultStatus, SteadyStateTask
 from scenarios.verdicts.steady_case import (
     REFERENCE,
-    Case,
     Evidence,
     Expected,
+    SteadyCase,
     evidence,
     exact_expected,
     questions_of,
@@ -41,7 +41,7 @@ class SteadyScenario(Scenario):
     The first case goes to every variant, the others to those that the first did not take too long.
     """
 
-    cases: ClassVar[tuple[Case, ...]]
+    cases: ClassVar[tuple[SteadyCase, ...]]
     """What is asked, the most telling case first."""
 
     with_stick_slip: ClassVar[bool] = False
@@ -54,34 +54,34 @@ class SteadyScenario(Scenario):
         if cls.with_stick_slip:
             cls.metrics = (TRANSMITTANCE, SAME_STEP, *STICK_SLIP_METRICS)
 
-    def expected(self, case: Case, answers: Mapping[Question, Answer]) -> Expected:
+    def expected(self, case: SteadyCase, answers: Mapping[SteadyStateTask, Result]) -> Expected:
         """Give what the answer to a case should be: the exact motion, unless overridden.
 
-        `answers` holds those to `ruler`.
+        `answers` holds those to `baseline`.
         """
         return exact_expected(case)
 
-    def rounds(self) -> list[tuple[Case, ...]]:
+    def stages(self) -> list[tuple[SteadyCase, ...]]:
         """Give the cases in the order in which they are asked; who is too slow in a round is not asked the next."""
         return [self.cases[:1], self.cases[1:]]
 
-    def growth(self, case: Case) -> float:
+    def growth(self, case: SteadyCase) -> float:
         """Give by how much longer a case takes than the slowest of the round before."""
         return 1.0
 
-    def ruler(self) -> list[Question]:
+    def baseline(self) -> list[SteadyStateTask]:
         """Give what the reference is asked for the sake of the others."""
         return [question for case in self.cases for question in questions_of(REFERENCE, case)]
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Put every case to every variant; see `Scenario.run`."""
-        answers = _answered(self.ruler(), evaluator)
-        refused: dict[tuple[Variant, Case], Comparison] = {}
-        before: tuple[Case, ...] = ()
-        for cases in self.rounds():
+        answers = _answered(self.baseline(), evaluator)
+        refused: dict[tuple[Variant, SteadyCase], Comparison] = {}
+        before: tuple[SteadyCase, ...] = ()
+        for cases in self.stages():
             for variant in variants:
                 for case in cases:
-                    reason = refusal(variant, before, self.growth(case), answers)
+                    reason = skip_reason(variant, before, self.growth(case), answers)
                     if reason is not None:
                         refused[variant, case] = reason
             places = [(variant, case) for variant in variants for case in cases if (variant, case) not in refused]
@@ -99,7 +99,7 @@ class SteadyScenario(Scenario):
             )
         ]
 
-    def judged(self, found: Mapping[Case, Evidence]) -> list[Finding]:
+    def judged(self, found: Mapping[SteadyCase, Evidence]) -> list[Finding]:
         """Judge one variant in all cases."""
         return [finding for one in found.values() for finding in self.findings(one)]
 
@@ -109,14 +109,14 @@ class SteadyScenario(Scenario):
         return [*findings, *stick_slip_findings(found)] if self.with_stick_slip else findings
 
 
-def _answered(questions: Sequence[Question], evaluator: Evaluator) -> dict[Question, Answer]:
+def _answered(questions: Sequence[SteadyStateTask], evaluator: Evaluator) -> dict[SteadyStateTask, Result]:
     """Answer questions, each once."""
     asked = list(dict.fromkeys(questions))
     return dict(zip(asked, evaluator.evaluate(asked), strict=True))
 
 
-def refusal(
-    variant: Variant, before: Sequence[Case], growth: float, answers: Mapping[Question, Answer]
+def skip_reason(
+    variant: Variant, before: Sequence[SteadyCase], growth: float, answers: Mapping[SteadyStateTask, Result]
 ) -> Comparison | None:
     """Say why a variant is not asked, by the cases before; ``None`` if it is."""
     costs = []
@@ -125,8 +125,8 @@ def refusal(
         known = [answer for answer in own if answer is not None]
         if len(known) < len(own):
             return Comparison(Verdict.INCONCLUSIVE, f"not asked, as it was not about {case.label}")
-        if any(answer.status is AnswerStatus.BLOCKED for answer in known):
-            reason = next(answer.reason for answer in known if answer.status is AnswerStatus.BLOCKED)
+        if any(answer.status is ResultStatus.BLOCKED for answer in known):
+            reason = next(answer.reason for answer in known if answer.status is ResultStatus.BLOCKED)
             return Comparison(Verdict.BLOCKED, f"not asked: blocked at {case.label}, {reason}")
         costs.append((sum(answer.seconds for answer in known if math.isfinite(answer.seconds)), case.label))
     seconds, label = max(costs, default=(0.0, ""))
@@ -148,7 +148,7 @@ def transmittance_finding(found: Evidence) -> Finding:
 
 def same_step_findings(found: Evidence) -> list[Finding]:
     """Compare a preset that shares the scheme with the reference at equal step; nothing for the others."""
-    if found.variant.engine == REFERENCE.engine or not found.variant.options.shares_scheme:
+    if found.variant.engine == REFERENCE.engine or not found.variant.preset.shares_scheme:
         return []
     value, expected = found.fine.transmittance_db, found.scheme[1].transmittance_db
     missing = found.missing

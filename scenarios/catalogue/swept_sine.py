@@ -5,7 +5,7 @@ import math
 from reference_lcp.chain.transient import SweptSine
 from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.transient_base import BASE_AMPLITUDE, RATIOS, Broadband, Case
+from scenarios.catalogue.transient_base import BASE_AMPLITUDE, RATIOS, Broadband, TransientCase
 
 SWEEP, REST = 250, 100
 """Periods 2π / ω_r of the sweep, and of the rest in which the chain dies out."""
@@ -21,11 +21,11 @@ class SweptSineScenario(Broadband):
     question = "What of a logarithmic sine sweep of the base, from 0.2 to 2.4 ω_r, arrives at the end of the chain?"
     friction_ratios = (0.1, 0.3)
 
-    def case(self, friction_ratio: float) -> Case:
+    def case(self, friction_ratio: float) -> TransientCase:
         """Sweep, then wait."""
         omega = RATIOS.chain(friction_ratio).resonator_frequency
         sweep = SweptSine(BASE_AMPLITUDE, 0.2 * omega, 2.4 * omega, SWEEP * 2 * math.pi / omega)
-        return Case(friction_ratio, sweep, SWEEP + REST)
+        return TransientCase(friction_ratio, sweep, SWEEP + REST)
 
     def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
         """Divide the Fourier transforms."""

@@ -20,8 +20,8 @@ from reference_lcp.observables.transmittance import decibel
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Finding, Metric, Scenario
 from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.questions import Answer, AnswerStatus, ChainRatios
-from scenarios.tasks.transient import Motion
+from scenarios.tasks.questions import ChainRatios, Result, ResultStatus
+from scenarios.tasks.transient import TransientTask
 from scenarios.verdicts.refinement import REFINEMENTS, error_of_finest
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, compare
@@ -41,7 +41,7 @@ ROWS_PER_PERIOD = 10
 REFERENCE_REFINEMENT = 16
 """The reference takes so many times as many steps as the engines, and has a sixteenth of its error there."""
 
-SECOND_LOOK = 2
+STEP_REFINEMENT = 2
 """Who disagrees, and not by far for a law of its own, is asked again with so many times as many steps.
 
 Where events fall between the steps is chance, and so is part of an error: three steps may show less of it than there
@@ -76,7 +76,7 @@ DIFFERENCE = Metric(
 
 
 @dataclass(frozen=True)
-class Case:
+class TransientCase:
     """One base motion under one friction.
 
     Parameters
@@ -96,10 +96,10 @@ class Case:
     periods: int
     steps_per_period: int = STEPS_PER_PERIOD
 
-    def motion(self, variant: Variant) -> Motion:
+    def motion(self, variant: Variant) -> TransientTask:
         """Ask a variant, with its coarsest step."""
         period = 2 * math.pi / RATIOS.chain(self.friction_ratio).resonator_frequency
-        return Motion(
+        return TransientTask(
             variant=variant,
             ratios=RATIOS,
             friction_ratio=self.friction_ratio,
@@ -155,7 +155,7 @@ class Broadband(Scenario):
     """Cases; zero is the linear chain."""
 
     @abstractmethod
-    def case(self, friction_ratio: float) -> Case:
+    def case(self, friction_ratio: float) -> TransientCase:
         """Give the base motion, and how long it is followed."""
 
     @abstractmethod
@@ -177,40 +177,44 @@ class Broadband(Scenario):
         """Put the question to every variant; see `Scenario.run`."""
         evaluator.evaluate(self.questions(variants))
         cases = [self.case(ratio) for ratio in self.friction_ratios]
-        exact = {case: self._read(case, evaluator.evaluate(refinements(self.ruler_motion(case)))) for case in cases}
-        scheme = {case: self._read(case, evaluator.evaluate(refinements(case.motion(REFERENCE)))) for case in cases}
+        exact = {
+            case: self._read(case, evaluator.evaluate(with_refined_steps(self.baseline_task(case)))) for case in cases
+        }
+        scheme = {
+            case: self._read(case, evaluator.evaluate(with_refined_steps(case.motion(REFERENCE)))) for case in cases
+        }
         found = []
         for variant in variants:
             for case in cases:
-                own = self._read(case, evaluator.evaluate(refinements(case.motion(variant))))
+                own = self._read(case, evaluator.evaluate(with_refined_steps(case.motion(variant))))
                 judged = self._findings(variant, case, own, (exact[case], scheme[case]))
-                if needs_second_look(judged):
-                    judged = self._second_look(variant, case, exact[case], evaluator) or judged
+                if needs_step_refinement(judged):
+                    judged = self._with_refined_steps(variant, case, exact[case], evaluator) or judged
                 found += judged
         return found
 
-    def _second_look(
-        self, variant: Variant, case: Case, exact: Reading | Comparison, evaluator: Evaluator
+    def _with_refined_steps(
+        self, variant: Variant, case: TransientCase, exact: Reading | Comparison, evaluator: Evaluator
     ) -> list[Finding]:
         """Compare with finer steps; nothing where there is no answer with them."""
-        finer = (case.motion(one).refined(SECOND_LOOK) for one in (variant, REFERENCE))
-        own, scheme = (self._read(case, evaluator.evaluate(refinements(motion))) for motion in finer)
+        finer = (case.motion(one).refined(STEP_REFINEMENT) for one in (variant, REFERENCE))
+        own, scheme = (self._read(case, evaluator.evaluate(with_refined_steps(motion))) for motion in finer)
         if isinstance(own, Comparison):
             return []
-        return [_told(one) for one in self._findings(variant, case, own, (exact, scheme))]
+        return [_annotated(one) for one in self._findings(variant, case, own, (exact, scheme))]
 
-    def questions(self, variants: Sequence[Variant]) -> list[Motion]:
+    def questions(self, variants: Sequence[Variant]) -> list[TransientTask]:
         """Everything that `run` asks."""
         cases = [self.case(ratio) for ratio in self.friction_ratios]
-        coarse = [self.ruler_motion(case) for case in cases]
+        coarse = [self.baseline_task(case) for case in cases]
         coarse += [case.motion(variant) for variant in dict.fromkeys((REFERENCE, *variants)) for case in cases]
-        return [motion for one in coarse for motion in refinements(one)]
+        return [motion for one in coarse for motion in with_refined_steps(one)]
 
-    def ruler_motion(self, case: Case) -> Motion:
+    def baseline_task(self, case: TransientCase) -> TransientTask:
         """Ask the reference, with the coarsest of its three steps."""
         return case.motion(REFERENCE).refined(REFERENCE_REFINEMENT)
 
-    def numbers(self, case: Case, response: FloatArray) -> dict[Metric, float]:
+    def numbers(self, case: TransientCase, response: FloatArray) -> dict[Metric, float]:
         """Read what is compared, but for the series itself, from the rows of a response."""
         chain = RATIOS.chain(case.friction_ratio)
         base, omega = case.base_rows(), chain.resonator_frequency
@@ -222,7 +226,7 @@ class Broadband(Scenario):
         rms = float(np.sqrt(np.mean(response**2) / np.mean(base**2)))
         return {**bands, RMS: rms, PEAK: float(np.max(np.abs(response)))}
 
-    def _read(self, case: Case, answers: Sequence[Answer]) -> Reading | Comparison:
+    def _read(self, case: TransientCase, answers: Sequence[Result]) -> Reading | Comparison:
         """Read three answers, or say why there is nothing to read."""
         missing = unfinished(answers)
         if missing is not None:
@@ -235,7 +239,7 @@ class Broadband(Scenario):
     def _findings(
         self,
         variant: Variant,
-        case: Case,
+        case: TransientCase,
         own: Reading | Comparison,
         reference: tuple[Reading | Comparison, Reading | Comparison],
     ) -> list[Finding]:
@@ -257,31 +261,31 @@ class Broadband(Scenario):
         return found
 
 
-def _told(finding: Finding) -> Finding:
+def _annotated(finding: Finding) -> Finding:
     """Say in the reason that it is of a second look."""
-    reason = f"{finding.comparison.reason}; with {SECOND_LOOK} times the usual steps"
+    reason = f"{finding.comparison.reason}; with {STEP_REFINEMENT} times the usual steps"
     return dataclasses.replace(finding, comparison=dataclasses.replace(finding.comparison, reason=reason))
 
 
-def needs_second_look(findings: Sequence[Finding]) -> bool:
+def needs_step_refinement(findings: Sequence[Finding]) -> bool:
     """Say whether there is a disagreement that may be chance: without a law of the engine, or not by far."""
     wrong = [one for one in findings if one.comparison.verdict is Verdict.DISAGREE]
     return any(
-        not one.variant.options.departure or abs(one.comparison.difference) <= BY_FAR * one.comparison.tolerance
+        not one.variant.preset.known_deviation or abs(one.comparison.difference) <= BY_FAR * one.comparison.tolerance
         for one in wrong
     )
 
 
-def refinements(coarsest: Motion) -> list[Motion]:
+def with_refined_steps(coarsest: TransientTask) -> list[TransientTask]:
     """Ask for a motion with three step sizes, its own first."""
     return [coarsest.refined(factor) for factor in REFINEMENTS]
 
 
-def unfinished(answers: Sequence[Answer]) -> Comparison | None:
+def unfinished(answers: Sequence[Result]) -> Comparison | None:
     """Say why motions cannot be compared; ``None`` if they can."""
     for answer in answers:
-        if answer.status is AnswerStatus.MISSING:
+        if answer.status is ResultStatus.MISSING:
             return Comparison(Verdict.INCONCLUSIVE, answer.reason)
-        if answer.status is not AnswerStatus.FINISHED:
+        if answer.status is not ResultStatus.FINISHED:
             return Comparison(Verdict.BLOCKED, answer.reason)
     return None

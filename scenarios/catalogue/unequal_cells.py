@@ -7,7 +7,7 @@ import numpy as np
 
 from scenarios.catalogue.steady_base import SteadyScenario
 from scenarios.tasks.questions import ChainRatios, Ratio
-from scenarios.verdicts.steady_case import Case
+from scenarios.verdicts.steady_case import SteadyCase
 
 SEED = 3
 """Of the disordered chain: five of its seven contacts slip at η_r = 0.6, in 22 transitions a period; six at 0.9."""
@@ -50,9 +50,9 @@ def _numbers(values: np.ndarray, scale: float = 1.0) -> tuple[float, ...]:
     return tuple(float(np.round(scale * np.round(value, 2), 6)) for value in values)
 
 
-def _cases(ratios: ChainRatios, friction: Ratio, frequency_ratios: tuple[float, ...]) -> tuple[Case, ...]:
+def _cases(ratios: ChainRatios, friction: Ratio, frequency_ratios: tuple[float, ...]) -> tuple[SteadyCase, ...]:
     return tuple(
-        Case(label=f"η_r {eta:g}", ratios=ratios, friction_ratio=friction, frequency_ratio=eta)
+        SteadyCase(label=f"η_r {eta:g}", ratios=ratios, friction_ratio=friction, frequency_ratio=eta)
         for eta in frequency_ratios
     )
 
@@ -62,7 +62,7 @@ class UnequalCells(SteadyScenario):
 
     expects = "the event-driven solver, exact to round-off"
     with_stick_slip = True
-    cases: ClassVar[tuple[Case, ...]] = ()
+    cases: ClassVar[tuple[SteadyCase, ...]] = ()
 
     def parameters(self) -> list[str]:
         """Give the ratios cell by cell."""

@@ -2,14 +2,14 @@
 
 from scenarios.catalogue.steady_base import SteadyScenario
 from scenarios.tasks.questions import ChainRatios
-from scenarios.verdicts.steady_case import Case
+from scenarios.verdicts.steady_case import SteadyCase
 
 ONE_CELL = ChainRatios(cells=1)
 
 
-def _case(friction_ratio: float, frequency_ratio: float) -> Case:
+def _case(friction_ratio: float, frequency_ratio: float) -> SteadyCase:
     label = f"friction {friction_ratio:g}, η_r {frequency_ratio:g}"
-    return Case(label=label, friction_ratio=friction_ratio, frequency_ratio=frequency_ratio, ratios=ONE_CELL)
+    return SteadyCase(label=label, friction_ratio=friction_ratio, frequency_ratio=frequency_ratio, ratios=ONE_CELL)
 
 
 class UnitCell(SteadyScenario):

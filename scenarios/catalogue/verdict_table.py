@@ -30,7 +30,7 @@ allowed for it.
 
 def explained(finding: Finding) -> bool:
     """Say whether a disagreement has a law of the engine for its reason."""
-    return finding.comparison.verdict is Verdict.DISAGREE and bool(finding.variant.options.departure)
+    return finding.comparison.verdict is Verdict.DISAGREE and bool(finding.variant.preset.known_deviation)
 
 
 def unexplained(findings: Sequence[Finding]) -> list[Finding]:
@@ -130,7 +130,7 @@ def _detail(group: Sequence[Finding]) -> str:
 
 def law(variant: Variant) -> str:
     """Give the law by which a variant departs from Coulomb's; empty where there is none."""
-    return variant.options.departure
+    return variant.preset.known_deviation
 
 
 def markdown(results: Results, command: str) -> str:
@@ -182,7 +182,7 @@ def _record(scenario: Scenario, one: Finding) -> tuple[object, ...]:
     value, expected, difference, allowed = (None if math.isnan(number) else number for number in numbers)
     variant, comparison = one.variant, one.comparison
     return (
-        scenario.name, one.case, variant.engine, variant.formulation, variant.preset, one.metric.name, one.metric.unit,
+        scenario.name, one.case, variant.engine, variant.formulation, variant.preset_name, one.metric.name, one.metric.unit,
         value, expected, str(comparison.verdict), explained(one), difference, allowed, comparison.reason,
     )  # fmt: skip
 
@@ -216,5 +216,5 @@ def json_text(results: Results, command: str) -> str:
 def versions(findings: Sequence[Finding]) -> str:
     """Name every engine's version once."""
     names = [name for name, _ in groupby(sorted(one.variant.engine for one in findings))]
-    installed = [engine(name) for name in names if engine(name).why_not_installed() is None]
+    installed = [engine(name) for name in names if engine(name).unavailable_reason() is None]
     return ", ".join(f"{one.name} {one.version()}" for one in installed)

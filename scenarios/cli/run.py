@@ -39,9 +39,9 @@ from scenarios.cli.options import (
     store_of_run,
 )
 from scenarios.cli.printed_table import printed_table
-from scenarios.execution.dask_cluster import crew_of
-from scenarios.execution.evaluator import StoredAnswers
-from scenarios.execution.local_processes import TIME_LIMIT, Crew
+from scenarios.execution.dask_cluster import executor_for
+from scenarios.execution.evaluator import StoredResults
+from scenarios.execution.local_processes import TIME_LIMIT, Executor
 from scenarios.execution.progress import Bars, CountingEvaluator
 
 EVERY = "all"
@@ -100,7 +100,7 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[Scenario], question: s
         scheduler: Scheduler = None,
     ) -> None:
         asked = _asked(name, scenarios, chosen, out, [] if ask else ["--no-ask"])
-        _perform(asked, store, out, crew_of(workers, time_limit, scheduler) if ask else None)
+        _perform(asked, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
 
 
 def _add_record(run: typer.Typer, name: str, scenarios: Sequence[Scenario], question: str) -> None:
@@ -127,7 +127,7 @@ def _add_record(run: typer.Typer, name: str, scenarios: Sequence[Scenario], ques
             own = [scenario]
         options = [] if record is None else [f"--record={record}"]
         asked = _asked(name, own, chosen, out, options if ask else [*options, "--no-ask"])
-        _perform(asked, store, out, crew_of(workers, time_limit, scheduler) if ask else None)
+        _perform(asked, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
 
 
 def _asked(
@@ -140,9 +140,9 @@ def _asked(
     return _Run(scenarios, variants, shlex.join(words))
 
 
-def _perform(asked: _Run, store: Path | None, out: Path | None, crew: Crew | None) -> None:
+def _perform(asked: _Run, store: Path | None, out: Path | None, executor: Executor | None) -> None:
     """Run what was asked, by the crew or from the store alone, and print and write the verdicts."""
-    results = _known_results(asked, store) if crew is None else _results(asked, store, crew)
+    results = _known_results(asked, store) if executor is None else _results(asked, store, executor)
     print_results(results)
     if out is not None:
         out.write_text(_text(results, asked.command, out.suffix))
@@ -150,12 +150,12 @@ def _perform(asked: _Run, store: Path | None, out: Path | None, crew: Crew | Non
         raise typer.Exit(UNEXPLAINED)
 
 
-def _results(asked: _Run, store: Path | None, crew: Crew) -> dict[Scenario, list[Finding]]:
+def _results(asked: _Run, store: Path | None, executor: Executor) -> dict[Scenario, list[Finding]]:
     """Run the scenarios one after the other, with bars on the way."""
     with (
         store_of_run(store) as kept,
         Bars(asked.variants) as bars,
-        CountingEvaluator(kept, crew, [], bars) as evaluator,
+        CountingEvaluator(kept, executor, [], bars) as evaluator,
     ):
         return {scenario: scenario.run(asked.variants, evaluator) for scenario in asked.scenarios}
 
@@ -164,7 +164,7 @@ def _known_results(asked: _Run, store: Path | None) -> dict[Scenario, list[Findi
     """Judge what a store knows; the rest is inconclusive."""
     if store is None or not store.is_file():
         raise ParameterError(f"--no-ask with --store = {store}; allowed: a store that is there")
-    with store_of_run(store) as kept, StoredAnswers(kept) as evaluator:
+    with store_of_run(store) as kept, StoredResults(kept) as evaluator:
         return {scenario: scenario.run(asked.variants, evaluator) for scenario in asked.scenarios}
 
 

@@ -5,7 +5,7 @@ import xarray as xr
 from engines.interface.variant import Variant
 from scenarios.cli.printed_table import print_table, printed_table
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import Crew
+from scenarios.execution.local_processes import Executor
 from scenarios.execution.progress import Bars, CountingEvaluator
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.adaptive import AdaptiveSweep, run_adaptive_sweep
@@ -19,15 +19,15 @@ PARTS = (0.5, 0.99, 1.0)
 """Parts of the points whose number of periods is printed: median, 99 % and all."""
 
 
-def answer_sweep(asked: SweepFile, kept: ResultStore, crew: Crew) -> SweepSummary:
+def answer_sweep(asked: SweepFile, kept: ResultStore, executor: Executor) -> SweepSummary:
     """Answer what the store does not know, with bars on the way."""
     variants = asked.sweep.variants
     if asked.frequencies is not None:
         adaptive = AdaptiveSweep(asked.sweep, asked.frequencies)
         start = list(adaptive.start())
-        with Bars(variants) as bars, CountingEvaluator(kept, crew, start, bars) as counting:
+        with Bars(variants) as bars, CountingEvaluator(kept, executor, start, bars) as counting:
             return run_adaptive_sweep(adaptive, counting)
-    with Bars(variants) as bars, Evaluator(kept, crew) as evaluator:
+    with Bars(variants) as bars, Evaluator(kept, executor) as evaluator:
         for variant in variants:
             bars.expect(variant, asked.sweep.points // len(variants))
         evaluator.progress, evaluator.recalled = bars.advance, bars.recall

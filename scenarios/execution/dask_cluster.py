@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from reference_lcp.validation import ParameterError
-from scenarios.execution.local_processes import TIME_LIMIT, Batch, Crew, LocalCrew, WorkerDied, answer_within
-from scenarios.tasks.questions import Answer
+from scenarios.execution.local_processes import TIME_LIMIT, Batch, Executor, LocalExecutor, WorkerDied, answer_within
+from scenarios.tasks.questions import Result
 
 CONNECT_SECONDS = 15
 """How long a scheduler may take to answer."""
 
 
-def crew_of(workers: int | None, time_limit: float, scheduler: str | None) -> Crew:
+def executor_for(workers: int | None, time_limit: float, scheduler: str | None) -> Executor:
     """Give the workers of a scheduler where one is named, processes on this machine otherwise.
 
     Raises
@@ -22,13 +22,13 @@ def crew_of(workers: int | None, time_limit: float, scheduler: str | None) -> Cr
         If a number is outside its range, both workers and a scheduler are named, or the scheduler cannot be used.
     """
     if scheduler is None:
-        return LocalCrew(workers, time_limit)
+        return LocalExecutor(workers, time_limit)
     if workers is not None:
         raise ParameterError(f"workers = {workers} with scheduler = {scheduler!r}; allowed: one of the two")
-    return ClusterCrew(scheduler, time_limit)
+    return DaskExecutor(scheduler, time_limit)
 
 
-class ClusterCrew(Crew):
+class DaskExecutor(Executor):
     """The workers of a dask scheduler: as many batches on the way as there are workers.
 
     A task whose worker dies is given to another one as often as the scheduler allows
@@ -53,7 +53,7 @@ class ClusterCrew(Crew):
         if workers == 0:
             self._client.close()
             raise ParameterError(f"scheduler = {address!r} has no workers; allowed: at least one")
-        worker = ClusterWorker(self._client)
+        worker = DaskWorker(self._client)
         super().__init__(lambda _place: worker, workers, time_limit)
 
     def close(self) -> None:
@@ -62,18 +62,18 @@ class ClusterCrew(Crew):
         self._client.close()
 
 
-class ClusterWorker:
+class DaskWorker:
     """Whichever worker the scheduler chooses."""
 
     def __init__(self, client: Any):
         self._executor = client.get_executor(pure=False, retries=0)
 
-    def submit(self, batch: Batch, limit: float) -> Future[list[Answer]]:
+    def submit(self, batch: Batch, limit: float) -> Future[list[Result]]:
         """Give the batch to the scheduler."""
-        future: Future[list[Answer]] = self._executor.submit(answer_on_cluster, batch, limit)
+        future: Future[list[Result]] = self._executor.submit(answer_on_cluster, batch, limit)
         return future
 
-    def result(self, future: Future[list[Answer]], limit: float) -> list[Answer]:
+    def result(self, future: Future[list[Result]], limit: float) -> list[Result]:
         """Give the answers, or say that workers died of this batch."""
         from distributed import KilledWorker
 
@@ -87,7 +87,7 @@ class ClusterWorker:
         self._executor.shutdown(wait=False)
 
 
-def answer_on_cluster(batch: Batch, limit: float) -> list[Answer]:
+def answer_on_cluster(batch: Batch, limit: float) -> list[Result]:
     """Answer a batch in a worker of the cluster."""
     with tempfile.TemporaryDirectory() as folder:
         return answer_within(batch, limit, Path(folder) / "note")

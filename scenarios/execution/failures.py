@@ -5,12 +5,12 @@ from typing import TypeVar
 
 from engines.interface.engine import EngineNotInstalled
 from reference_lcp.validation import ParameterError
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 
 Item = TypeVar("Item")
 
 
-def answered_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]], list[Answer]]) -> list[Answer]:
+def answered_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]], list[Result]]) -> list[Result]:
     """Answer items at once; if that fails, one by one; who fails alone is blocked.
 
     Parameters
@@ -22,15 +22,15 @@ def answered_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]],
 
     Returns
     -------
-    list of Answer
+    list of Result
         In the order of the items.
     """
     try:
         return attempt(items)
     except EngineNotInstalled as problem:
-        return [Answer.blocked(str(problem))] * len(items)
+        return [Result.blocked(str(problem))] * len(items)
     except Exception as problem:
         if len(items) > 1:
             return [answered_together([item], attempt)[0] for item in items]
         kind = "cannot be represented" if isinstance(problem, ParameterError) else type(problem).__name__
-        return [Answer.blocked(f"{kind}: {problem}")]
+        return [Result.blocked(f"{kind}: {problem}")]

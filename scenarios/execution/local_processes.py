@@ -18,7 +18,7 @@ from typing import Any, Protocol
 from reference_lcp.validation import checked_count, checked_scalar
 from scenarios.execution.closing import Closing
 from scenarios.execution.steady import answer_batch
-from scenarios.tasks.questions import Answer, Asked
+from scenarios.tasks.questions import Result, Task
 
 TIME_LIMIT = 300.0
 """Seconds that a batch of questions may take: a hundred times what the slowest engine needs for the usual one."""
@@ -26,7 +26,7 @@ TIME_LIMIT = 300.0
 MOST_FAILURES = 3
 """Points at which an engine may end its process; after as many, its other points are not asked in this run."""
 
-Batch = list[Asked]
+Batch = list[Task]
 
 
 KILLED = "the worker process was killed"
@@ -39,11 +39,11 @@ class WorkerDied(RuntimeError):
 class Worker(Protocol):
     """Somebody who answers one batch at a time, in a process of their own."""
 
-    def submit(self, batch: Batch, limit: float) -> Future[list[Answer]]:
+    def submit(self, batch: Batch, limit: float) -> Future[list[Result]]:
         """Start on a batch that may take `limit` seconds."""
         ...
 
-    def result(self, future: Future[list[Answer]], limit: float) -> list[Answer]:
+    def result(self, future: Future[list[Result]], limit: float) -> list[Result]:
         """Give the answers, or raise `WorkerDied`."""
         ...
 
@@ -106,7 +106,7 @@ def end_with_parent() -> None:
         threading.Thread(target=lambda: (wait_for_any([parent.sentinel]), os._exit(1)), daemon=True).start()
 
 
-def answer_within(batch: Batch, limit: float, record: Path) -> list[Answer]:
+def answer_within(batch: Batch, limit: float, record: Path) -> list[Result]:
     """Answer a batch in this process; see `act_within`."""
     return act_within(answer_batch, batch, limit, record)
 
@@ -137,7 +137,7 @@ def reason_of_death(note: str, limit: float) -> str:
     return f"the worker process crashed: {fault[1]}{where}" if fault else KILLED
 
 
-class Crew(Closing):
+class Executor(Closing):
     """A number of workers, each with one batch at a time: who dies takes nobody else's work along.
 
     Parameters
@@ -161,15 +161,15 @@ class Crew(Closing):
         self._idle = deque(range(checked_count("workers", places)))
         self._workers: dict[int, Worker] = {}
 
-    def answers(self, batches: Sequence[Batch]) -> Iterator[tuple[Batch, list[Answer]]]:
+    def answers(self, batches: Sequence[Batch]) -> Iterator[tuple[Batch, list[Result]]]:
         """Answer batches as they come; one whose process dies is asked again question by question.
 
         A question whose process was killed, from outside or for want of memory, has a second chance.
         """
-        again: set[Asked] = set()
+        again: set[Task] = set()
         waiting = deque(batches)
         failures: dict[str, list[str]] = {}
-        running: dict[Future[list[Answer]], tuple[int, Batch]] = {}
+        running: dict[Future[list[Result]], tuple[int, Batch]] = {}
         while waiting or running:
             yield from self._start(waiting, running, failures)
             for future in wait(running, return_when=FIRST_COMPLETED).done:
@@ -183,7 +183,7 @@ class Crew(Closing):
                         found = []
                     else:
                         failures.setdefault(str(batch[0].variant), []).append(str(death))
-                        found = [Answer.blocked(str(death))]
+                        found = [Result.blocked(str(death))]
                 self._idle.append(place)
                 # the worker has its next batch before the answers of this one are written
                 yield from self._start(waiting, running, failures)
@@ -193,15 +193,15 @@ class Crew(Closing):
     def _start(
         self,
         waiting: deque[Batch],
-        running: dict[Future[list[Answer]], tuple[int, Batch]],
+        running: dict[Future[list[Result]], tuple[int, Batch]],
         failures: dict[str, list[str]],
-    ) -> Iterator[tuple[Batch, list[Answer]]]:
+    ) -> Iterator[tuple[Batch, list[Result]]]:
         """Give every idle worker a batch; gives back those of engines that are not asked any more, blocked."""
         while waiting and self._idle:
             batch = waiting.popleft()
             seen = failures.get(str(batch[0].variant), [])
             if len(seen) >= MOST_FAILURES:
-                yield batch, [Answer.blocked(f"not asked: {len(seen)} points before, {seen[-1]}")] * len(batch)
+                yield batch, [Result.blocked(f"not asked: {len(seen)} points before, {seen[-1]}")] * len(batch)
                 continue
             place = self._idle.popleft()
             running[self._worker(place).submit(batch, self._limit)] = place, batch
@@ -218,7 +218,7 @@ class Crew(Closing):
         return self._workers[place]
 
 
-class LocalCrew(Crew):
+class LocalExecutor(Executor):
     """Processes on this machine.
 
     Parameters

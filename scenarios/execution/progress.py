@@ -13,18 +13,18 @@ from rich.progress import (
     MofNCompleteColumn,
     Progress,
     ProgressColumn,
-    Task,
     TaskID,
     TextColumn,
     TimeElapsedColumn,
 )
+from rich.progress import Task as ProgressTask
 from rich.text import Text
 
 from engines.interface.variant import Variant
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import Crew
+from scenarios.execution.local_processes import Executor
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.questions import Answer, Asked
+from scenarios.tasks.questions import Result, Task
 
 
 class Pace:
@@ -54,7 +54,7 @@ class Pace:
 class _Remaining(ProgressColumn):
     """The estimate, such as ``0:01:23 left``."""
 
-    def render(self, task: Task) -> Text:
+    def render(self, task: ProgressTask) -> Text:
         """Give the estimate of one bar."""
         pace: Pace | None = task.fields.get("pace")
         seconds = None if pace is None or task.finished else pace.remaining(int((task.total or 0) - task.completed))
@@ -135,19 +135,19 @@ class CountingEvaluator(Evaluator):
         Where progress is shown.
     """
 
-    def __init__(self, store: ResultStore, crew: Crew, expected: Sequence[Asked], bars: Bars):
-        super().__init__(store, crew)
+    def __init__(self, store: ResultStore, executor: Executor, expected: Sequence[Task], bars: Bars):
+        super().__init__(store, executor)
         self._bars = bars
-        self._expected: set[Asked] = set()
+        self._expected: set[Task] = set()
         self.progress, self.recalled = bars.advance, bars.recall
         self._expect(expected)
 
-    def evaluate(self, questions: Sequence[Asked]) -> list[Answer]:
+    def evaluate(self, questions: Sequence[Task]) -> list[Result]:
         """Answer all questions, in order."""
         self._expect(self.unanswered(questions))
         return super().evaluate(questions)
 
-    def _expect(self, questions: Sequence[Asked]) -> None:
+    def _expect(self, questions: Sequence[Task]) -> None:
         """Raise the totals by the questions that were not expected so far."""
         extra = [question for question in questions if question not in self._expected]
         self._expected.update(extra)

@@ -18,9 +18,9 @@ from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import contact_modes
 from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
-from scenarios.execution.evaluator import why_not_installed
+from scenarios.execution.evaluator import unavailable_reason
 from scenarios.execution.local_processes import TIME_LIMIT, Batch, ProcessWorker, WorkerDied
-from scenarios.tasks.questions import Question
+from scenarios.tasks.questions import SteadyStateTask
 
 _EMPTY = np.empty((0, 0))
 
@@ -105,7 +105,7 @@ class PeriodStore:
     def __init__(self, file: Path):
         self._file = file
 
-    def find(self, question: Question) -> RecordedPeriod | None:
+    def find(self, question: SteadyStateTask) -> RecordedPeriod | None:
         """Give the motion of an equal question, or ``None``."""
         with closing(sqlite3.connect(self._file)) as connection:
             if not connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'motions'").fetchone():
@@ -113,7 +113,7 @@ class PeriodStore:
             row = connection.execute("SELECT motion FROM motions WHERE key = ?", (question.key(),)).fetchone()
         return None if row is None else RecordedPeriod.from_bytes(row[0])
 
-    def keep(self, question: Question, motion: RecordedPeriod) -> None:
+    def keep(self, question: SteadyStateTask, motion: RecordedPeriod) -> None:
         """Write one motion; those that are not known are not kept, so that they are tried again."""
         if not motion.known:
             return
@@ -124,10 +124,10 @@ class PeriodStore:
 
 def periods_of(batch: Batch) -> list[RecordedPeriod]:
     """Find the steady state of each question, one after the other; an engine that fails gives the reason."""
-    return [_motion(question) for question in batch if isinstance(question, Question)]
+    return [_motion(question) for question in batch if isinstance(question, SteadyStateTask)]
 
 
-def _motion(question: Question) -> RecordedPeriod:
+def _motion(question: SteadyStateTask) -> RecordedPeriod:
     variant: Variant = question.variant
     lane, steps = question.lane()
     try:
@@ -138,12 +138,12 @@ def _motion(question: Question) -> RecordedPeriod:
             simulation.close()
     except Exception as problem:  # whatever an engine raises is its result
         return RecordedPeriod(f"{type(problem).__name__}: {problem}")
-    return RecordedPeriod.of(orbit, variant.options.stick_margin)
+    return RecordedPeriod.of(orbit, variant.preset.stick_margin)
 
 
-def period_of(question: Question, time_limit: float = TIME_LIMIT) -> RecordedPeriod:
+def period_of(question: SteadyStateTask, time_limit: float = TIME_LIMIT) -> RecordedPeriod:
     """Compute one motion in a worker process; see `recorded_periods`."""
-    missing = why_not_installed(question.variant)
+    missing = unavailable_reason(question.variant)
     if missing is not None:
         return RecordedPeriod(f"not installed: {missing}")
     (found,) = _computed([question], 1, checked_scalar("time_limit", time_limit, "> 0"))
@@ -151,13 +151,13 @@ def period_of(question: Question, time_limit: float = TIME_LIMIT) -> RecordedPer
 
 
 def recorded_periods(
-    questions: Sequence[Question],
+    questions: Sequence[SteadyStateTask],
     store: PeriodStore,
     *,
     ask: bool = True,
     workers: int | None = None,
     time_limit: float = TIME_LIMIT,
-) -> Mapping[Question, RecordedPeriod]:
+) -> Mapping[SteadyStateTask, RecordedPeriod]:
     """Give the motion of every question: from the store where it is known, from worker processes where not.
 
     Parameters
@@ -180,10 +180,10 @@ def recorded_periods(
     """
     checked_scalar("time_limit", time_limit, "> 0")
     places = checked_count("workers", workers if workers is not None else (os.cpu_count() or 1))
-    found: dict[Question, RecordedPeriod] = {}
+    found: dict[SteadyStateTask, RecordedPeriod] = {}
     unknown = []
     for question in questions:
-        missing = why_not_installed(question.variant)
+        missing = unavailable_reason(question.variant)
         kept = None if missing else store.find(question)
         if missing:
             found[question] = RecordedPeriod(f"not installed: {missing}")
@@ -199,13 +199,13 @@ def recorded_periods(
     return found
 
 
-def _computed(questions: Sequence[Question], places: int, limit: float) -> Iterator[RecordedPeriod]:
+def _computed(questions: Sequence[SteadyStateTask], places: int, limit: float) -> Iterator[RecordedPeriod]:
     """Compute motions in as many processes as there are places, in order: who dies takes no other motion along."""
     if not questions:
         return
     idle: SimpleQueue[ProcessWorker] = SimpleQueue()
 
-    def one(question: Question) -> RecordedPeriod:
+    def one(question: SteadyStateTask) -> RecordedPeriod:
         worker = idle.get()
         try:
             motion: RecordedPeriod = worker.result(worker.submit([question], limit), limit)[0]

@@ -9,26 +9,26 @@ from typing import Any
 
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.observables.stick_slip import air_fraction, creep_velocity, largest_gap
+from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
 from reference_lcp.steady.orbits import OrbitStatus, PeriodicOrbit, periodic_orbits
 from reference_lcp.steady_state import SteadyState
 from scenarios.execution.failures import answered_together
 from scenarios.execution.transient import answer_motions
-from scenarios.tasks.questions import Answer, AnswerStatus, Asked, Question
-from scenarios.tasks.transient import Motion
+from scenarios.tasks.questions import Result, ResultStatus, SteadyStateTask, Task
+from scenarios.tasks.transient import TransientTask
 
 
-def answer_batch(batch: Sequence[Asked]) -> list[Answer]:
+def answer_batch(batch: Sequence[Task]) -> list[Result]:
     """Answer questions of one kind, to one variant, about chains of one length, in order.
 
     An engine that is not installed, or that fails on the batch, gives blocked answers with the
     reason; failures are results.
     """
-    answered: list[Answer] = _ANSWERING[type(batch[0])](batch)
+    answered: list[Result] = _ANSWERING[type(batch[0])](batch)
     return answered
 
 
-def answer_steady_states(questions: Sequence[Question]) -> list[Answer]:
+def answer_steady_states(questions: Sequence[SteadyStateTask]) -> list[Result]:
     """Answer questions for steady states; as `answer_batch`."""
     by_steps: dict[int, list[int]] = defaultdict(list)
     lanes = []
@@ -36,7 +36,7 @@ def answer_steady_states(questions: Sequence[Question]) -> list[Answer]:
         lane, steps = question.lane()
         by_steps[steps].append(index)
         lanes.append(lane)
-    answers: dict[int, Answer] = {}
+    answers: dict[int, Result] = {}
     for steps, indices in by_steps.items():
         attempt = partial(_answer_lanes, questions[indices[0]].variant, steps=steps)
         found = answered_together([lanes[index] for index in indices], attempt)
@@ -44,12 +44,12 @@ def answer_steady_states(questions: Sequence[Question]) -> list[Answer]:
     return [answers[index] for index in range(len(questions))]
 
 
-def _answer_lanes(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Answer]:
+def _answer_lanes(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Result]:
     """Answer lanes that share their number of steps a period, at once."""
     begin = time.perf_counter()
     orbits = _orbits(variant, lanes, steps)
     seconds = (time.perf_counter() - begin) / len(lanes)
-    return [_answer(orbit, variant.options.stick_margin, seconds) for orbit in orbits]
+    return [_answer(orbit, variant.preset.stick_margin, seconds) for orbit in orbits]
 
 
 def _orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[PeriodicOrbit]:
@@ -61,19 +61,19 @@ def _orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Periodi
         simulation.close()
 
 
-def _answer(orbit: PeriodicOrbit, stick_margin: float, seconds: float) -> Answer:
+def _answer(orbit: PeriodicOrbit, stick_margin: float, seconds: float) -> Result:
     """Read an orbit; one that has diverged has no numbers."""
     if not math.isfinite(orbit.residual):
-        return Answer.blocked(f"the engine's numbers are not finite, in period {orbit.periods} of the search")
+        return Result.blocked(f"the engine's numbers are not finite, in period {orbit.periods} of the search")
     if orbit.status is OrbitStatus.DIVERGED:
-        return Answer(status=AnswerStatus(orbit.status), periods=orbit.periods, seconds=seconds)
+        return Result(status=ResultStatus(orbit.status), periods=orbit.periods, seconds=seconds)
     found = SteadyState.of(orbit, stick_margin)
     drive: Any = orbit.lane.drive
     length = drive.displacement_scale(orbit.lane.chain)
     speed = drive.angular_frequency * length
     modulated = orbit.lane.preload is not None
-    return Answer(
-        status=AnswerStatus(orbit.status),
+    return Result(
+        status=ResultStatus(orbit.status),
         transmittance_db=found.transmittance_db,
         residual=orbit.residual,
         periods=orbit.periods,
@@ -83,13 +83,13 @@ def _answer(orbit: PeriodicOrbit, stick_margin: float, seconds: float) -> Answer
         stuck_fraction=tuple(found.stuck_fraction.tolist()),
         transitions=tuple((change.cell, change.time, str(change.kind)) for change in found.transitions),
         creep=tuple((creep_velocity(orbit, stick_margin) / speed).tolist()),
-        air_fraction=tuple(air_fraction(orbit).tolist()) if modulated else (),
+        open_fraction=tuple(open_fraction(orbit).tolist()) if modulated else (),
         largest_gap=tuple((largest_gap(orbit) / length).tolist()) if modulated else (),
         seconds=seconds,
     )
 
 
-_ANSWERING: dict[type[Asked], Callable[[Any], list[Answer]]] = {
-    Question: answer_steady_states,
-    Motion: answer_motions,
+_ANSWERING: dict[type[Task], Callable[[Any], list[Result]]] = {
+    SteadyStateTask: answer_steady_states,
+    TransientTask: answer_motions,
 }

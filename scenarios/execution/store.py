@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from reference_lcp.validation import ParameterError
 from scenarios.execution.closing import Closing
-from scenarios.tasks.questions import Answer, AnswerStatus, Asked, Outcome, key_of
+from scenarios.tasks.questions import Result, ResultStatus, ResultSummary, Task, key_of
 
 APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""
@@ -20,7 +20,7 @@ SCHEMA_VERSION = 1
 """Layout of the tables."""
 
 
-_Parsed = TypeVar("_Parsed", Answer, Outcome)
+_Parsed = TypeVar("_Parsed", Result, ResultSummary)
 
 
 class ResultStore(Closing):
@@ -65,20 +65,20 @@ class ResultStore(Closing):
                     "CREATE TABLE answers (key TEXT PRIMARY KEY, content TEXT NOT NULL, answer TEXT NOT NULL)"
                 )
 
-    def find(self, question: Asked) -> Answer | None:
+    def find(self, question: Task) -> Result | None:
         """Give the answer to an equal question, or ``None``."""
         row = self._connection.execute("SELECT answer FROM answers WHERE key = ?", (question.key(),)).fetchone()
-        return None if row is None else self._read(Answer.from_json, row[0])
+        return None if row is None else self._read(Result.from_json, row[0])
 
-    def answers(self, questions: Iterable[Asked]) -> Iterator[Answer | None]:
+    def answers(self, questions: Iterable[Task]) -> Iterator[Result | None]:
         """Give the answer to each question, in order, or ``None``."""
         for _, text in self._texts(questions, "answer"):
-            yield None if text is None else self._read(Answer.from_json, text)
+            yield None if text is None else self._read(Result.from_json, text)
 
-    def outcomes(self, questions: Iterable[Asked]) -> Iterator[tuple[Asked, Outcome | None]]:
+    def outcomes(self, questions: Iterable[Task]) -> Iterator[tuple[Task, ResultSummary | None]]:
         """Give each question, in order, with how it ended, or ``None``; numbers are left unread."""
         for question, text in self._texts(questions, "json_extract(answer, '$.status', '$.periods', '$.multiple')"):
-            yield question, None if text is None else self._read(Outcome.from_json, text)
+            yield question, None if text is None else self._read(ResultSummary.from_json, text)
 
     def _read(self, parse: Callable[[str], _Parsed], text: str) -> _Parsed:
         """Read one answer; an error names the store."""
@@ -87,7 +87,7 @@ class ResultStore(Closing):
         except ParameterError as problem:
             raise ParameterError(f"store {self._file}: {problem}") from None
 
-    def _texts(self, questions: Iterable[Asked], column: str) -> Iterator[tuple[Asked, str | None]]:
+    def _texts(self, questions: Iterable[Task], column: str) -> Iterator[tuple[Task, str | None]]:
         """Look up an expression of SQL for each question, many at a time."""
         asked = iter(questions)
         while chunk := list(itertools.islice(asked, LOOKUP)):
@@ -96,12 +96,12 @@ class ResultStore(Closing):
             found = dict(self._connection.execute(f"SELECT key, {column} FROM answers WHERE key IN ({marks})", keys))
             yield from ((question, found.get(key)) for question, key in zip(chunk, keys, strict=True))
 
-    def keep(self, answered: Iterable[tuple[Asked, Answer]]) -> None:
+    def keep(self, answered: Iterable[tuple[Task, Result]]) -> None:
         """Write answers in one transaction; blocked ones are not kept, so that they are tried again."""
         texts = [
             (question.text(), answer.to_json())
             for question, answer in answered
-            if answer.status is not AnswerStatus.BLOCKED
+            if answer.status is not ResultStatus.BLOCKED
         ]
         rows = [(key_of(text), text, answer) for text, answer in texts]
         with self._connection:

@@ -12,8 +12,8 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray
 from scenarios.execution.failures import answered_together
-from scenarios.tasks.questions import Answer, AnswerStatus, Series
-from scenarios.tasks.transient import Motion
+from scenarios.tasks.questions import Result, ResultStatus, Series
+from scenarios.tasks.transient import TransientTask
 
 STRETCH = 4096
 """Steps that are in memory at once."""
@@ -29,19 +29,19 @@ class MotionNotFinite(RuntimeError):
     """An engine's numbers are not finite; the message says when."""
 
 
-def answer_motions(motions: Sequence[Motion]) -> list[Answer]:
+def answer_motions(motions: Sequence[TransientTask]) -> list[Result]:
     """Answer motions of one variant and of chains of one length, in order; those with as many steps together."""
     by_steps: dict[tuple[int, int], list[int]] = defaultdict(list)
     for index, motion in enumerate(motions):
         by_steps[motion.steps, motion.every].append(index)
-    answers: dict[int, Answer] = {}
+    answers: dict[int, Result] = {}
     for indices in by_steps.values():
         found = answered_together([motions[index] for index in indices], _answers)
         answers.update(zip(indices, found, strict=True))
     return [answers[index] for index in range(len(motions))]
 
 
-def _answers(motions: Sequence[Motion]) -> list[Answer]:
+def _answers(motions: Sequence[TransientTask]) -> list[Result]:
     """Run motions as one batch."""
     begin = time.perf_counter()
     lanes = [motion.lane() for motion in motions]
@@ -59,10 +59,10 @@ def _answers(motions: Sequence[Motion]) -> list[Answer]:
     finally:
         simulation.close()
     seconds = (time.perf_counter() - begin) / len(motions)
-    return [Answer(status=AnswerStatus.FINISHED, series=record.series(), seconds=seconds) for record in records]
+    return [Result(status=ResultStatus.FINISHED, series=record.series(), seconds=seconds) for record in records]
 
 
-def kept_of(motion: Motion, run: Trajectory) -> Series:
+def kept_of(motion: TransientTask, run: Trajectory) -> Series:
     """Give what an answer keeps of a motion whose trajectory is there already."""
     record = _Record(motion.lane(), motion)
     record.append(run)
@@ -80,7 +80,7 @@ class _Heat:
 class _Record:
     """Kept rows of one motion, and what is added up over all of its steps."""
 
-    def __init__(self, lane: Lane, motion: Motion):
+    def __init__(self, lane: Lane, motion: TransientTask):
         self._lane, self._motion = lane, motion
         initial = motion.initial_state()
         self._last_positions, self._last_velocities = initial.positions, initial.velocities

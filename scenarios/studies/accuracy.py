@@ -11,19 +11,21 @@ from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from reference_lcp.observables.transition_matching import match_transitions
 from reference_lcp.steady_state import exact_steady_state
 from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.questions import USUAL_EXCITATION, Answer, AnswerStatus, Excitation, Question
+from scenarios.tasks.questions import USUAL_EXCITATION, Excitation, Result, ResultStatus, SteadyStateTask
 from scenarios.verdicts.verdict import difference_db
 
 MAP_FRICTION_RATIOS = (0.1, 0.3, 0.6, 1.0)
 MAP_FREQUENCY_RATIOS = tuple(round(0.3 + 0.1 * k, 1) for k in range(14))
 """Where the map of an engine's error is taken: friction ratios of figure 3, frequency ratios from 0.3 to 1.6."""
 
-Place = tuple[float, float]
+OperatingPoint = tuple[float, float]
 """Friction ratio and frequency ratio."""
 
-MAP: tuple[Place, ...] = tuple((friction, eta) for friction in MAP_FRICTION_RATIOS for eta in MAP_FREQUENCY_RATIOS)
+MAP: tuple[OperatingPoint, ...] = tuple(
+    (friction, eta) for friction in MAP_FRICTION_RATIOS for eta in MAP_FREQUENCY_RATIOS
+)
 
-PLACES: tuple[Place, ...] = tuple(dict.fromkeys((*STICK_SLIP_POINTS, *MAP)))
+PLACES: tuple[OperatingPoint, ...] = tuple(dict.fromkeys((*STICK_SLIP_POINTS, *MAP)))
 """Every place at which engines are asked."""
 
 MAP_STEPS = 800
@@ -78,21 +80,23 @@ class Accuracy:
     blocked: str
 
 
-def accuracy_questions(variant: Variant) -> list[Question]:
+def accuracy_questions(variant: Variant) -> list[SteadyStateTask]:
     """Give everything that is asked of a variant: the six points at three steps, and the map."""
     asked = [
-        Question(variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=steps)
+        SteadyStateTask(variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=steps)
         for steps in ORDER_STEPS
         for friction, eta in STICK_SLIP_POINTS
     ]
     asked += [
-        Question(variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=MAP_STEPS)
+        SteadyStateTask(variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=MAP_STEPS)
         for friction, eta in MAP
     ]
     return list(dict.fromkeys(asked))
 
 
-def accuracies(variants: Sequence[Variant], exact: Mapping[Place, Answer], evaluator: Evaluator) -> list[Accuracy]:
+def accuracies(
+    variants: Sequence[Variant], exact: Mapping[OperatingPoint, Result], evaluator: Evaluator
+) -> list[Accuracy]:
     """Ask every variant, and compare each with the exact motion.
 
     Parameters
@@ -118,7 +122,9 @@ def accuracies(variants: Sequence[Variant], exact: Mapping[Place, Answer], evalu
     ]
 
 
-def accuracy(variant: Variant, answers: Mapping[Question, Answer], exact: Mapping[Place, Answer]) -> Accuracy:
+def accuracy(
+    variant: Variant, answers: Mapping[SteadyStateTask, Result], exact: Mapping[OperatingPoint, Result]
+) -> Accuracy:
     """Compare one variant's answers to `accuracy_questions` with the exact motion."""
     certified = {question: answer for question, answer in answers.items() if answer.converged}
     places = {place: a for q, a in certified.items() if (place := _place(q)) in MAP and q.steps_per_period == MAP_STEPS}
@@ -128,7 +134,7 @@ def accuracy(variant: Variant, answers: Mapping[Question, Answer], exact: Mappin
         for place, answer in places.items()
     ]
     times = [abs(error) for match in matches for error in match.time_errors]
-    blocked = [answer.reason for answer in answers.values() if answer.status is AnswerStatus.BLOCKED]
+    blocked = [answer.reason for answer in answers.values() if answer.status is ResultStatus.BLOCKED]
     return Accuracy(
         variant=variant,
         points_db={steps: _largest(_point_errors(certified, exact, steps)) for steps in ORDER_STEPS},
@@ -148,14 +154,16 @@ def accuracy(variant: Variant, answers: Mapping[Question, Answer], exact: Mappin
     )
 
 
-def exact_answer(place: Place, excitation: Excitation = USUAL_EXCITATION) -> Answer:
+def exact_answer(place: OperatingPoint, excitation: Excitation = USUAL_EXCITATION) -> Result:
     """Answer by the event-driven solver, which has no error of a time step; takes about a second."""
     friction, eta = place
-    asked = Question(variant=Variant("reference"), friction_ratio=friction, frequency_ratio=eta, excitation=excitation)
+    asked = SteadyStateTask(
+        variant=Variant("reference"), friction_ratio=friction, frequency_ratio=eta, excitation=excitation
+    )
     chain, drive = asked.setting()
     found = exact_steady_state(chain, drive)
-    return Answer(
-        status=AnswerStatus(found.orbit.status),
+    return Result(
+        status=ResultStatus(found.orbit.status),
         transmittance_db=found.transmittance_db,
         residual=found.orbit.residual,
         period=drive.period,
@@ -164,17 +172,19 @@ def exact_answer(place: Place, excitation: Excitation = USUAL_EXCITATION) -> Ans
     )
 
 
-def transmittance_error_db(answer: Answer, exact: Answer) -> float:
+def transmittance_error_db(answer: Result, exact: Result) -> float:
     """|Difference| of transmittance [dB]; below `FLOOR_DB`, what the difference of amplitudes makes at the floor."""
     return abs(difference_db(answer.transmittance_db, exact.transmittance_db, exact.transmittance_db))
 
 
-def _place(question: Question) -> Place:
+def _place(question: SteadyStateTask) -> OperatingPoint:
     assert isinstance(question.friction_ratio, float)
     return question.friction_ratio, question.frequency_ratio
 
 
-def _point_errors(certified: Mapping[Question, Answer], exact: Mapping[Place, Answer], steps: int) -> list[float]:
+def _point_errors(
+    certified: Mapping[SteadyStateTask, Result], exact: Mapping[OperatingPoint, Result], steps: int
+) -> list[float]:
     """Transmittance errors at those of the six points that are certified at so many steps [dB]."""
     return [
         transmittance_error_db(answer, exact[_place(question)])
@@ -183,7 +193,7 @@ def _point_errors(certified: Mapping[Question, Answer], exact: Mapping[Place, An
     ]
 
 
-def _order(certified: Mapping[Question, Answer], exact: Mapping[Place, Answer]) -> float:
+def _order(certified: Mapping[SteadyStateTask, Result], exact: Mapping[OperatingPoint, Result]) -> float:
     """Fit the order in the time step."""
     errors = [_point_errors(certified, exact, steps) for steps in ORDER_STEPS]
     if any(len(one) < len(STICK_SLIP_POINTS) for one in errors):
@@ -194,7 +204,7 @@ def _order(certified: Mapping[Question, Answer], exact: Mapping[Place, Answer]) 
     return float(-np.polyfit(np.log(ORDER_STEPS), np.log(size), 1)[0])
 
 
-def _stuck_error(answer: Answer, exact: Answer) -> float:
+def _stuck_error(answer: Result, exact: Result) -> float:
     return float(np.max(np.abs(np.subtract(answer.stuck_fraction, exact.stuck_fraction))))
 
 

@@ -43,7 +43,7 @@ def _cost(name: str, scale: float) -> Callable[[Row], float]:
 COLUMNS = (
     Column("engine", "engine", lambda row: row[0].variant.engine),
     Column("formulation", "formulation", lambda row: row[0].variant.formulation),
-    Column("preset", "preset", lambda row: row[0].variant.preset),
+    Column("preset", "preset", lambda row: row[0].variant.preset_name),
     *(Column(f"six points, {n} [dB]", f"points_{n}_db", _points(n), "{:.3f}") for n in ORDER_STEPS[:2]),
     Column(f"map, {MAP_STEPS} [dB]", "map_db", lambda row: row[0].map_db, "{:.3f}"),
     Column("stuck fraction", "stuck_fraction_error", lambda row: row[0].stuck_fraction, "{:.3f}"),
@@ -106,5 +106,5 @@ def remark(found: Accuracy) -> str:
 def versions(rows: Sequence[Row]) -> str:
     """Name every engine's version once."""
     names = dict.fromkeys(row[0].variant.engine for row in rows)
-    installed = [engine(name) for name in names if engine(name).why_not_installed() is None]
+    installed = [engine(name) for name in names if engine(name).unavailable_reason() is None]
     return ", ".join(f"{one.name} {one.version()}" for one in installed)

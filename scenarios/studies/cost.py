@@ -12,13 +12,13 @@ import numpy as np
 from engines.interface.variant import Variant
 from engines.shared.step_cost import StepCost, step_cost
 from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
-from scenarios.execution.local_processes import Batch, LocalCrew
-from scenarios.tasks.questions import Answer, ChainRatios, Question
+from scenarios.execution.local_processes import Batch, LocalExecutor
+from scenarios.tasks.questions import ChainRatios, Result, SteadyStateTask
 
 SECONDS = 2.0
 """Length of a measurement with one worker that is aimed at unless one is given."""
 
-USUAL_PERIODS = 35
+TYPICAL_PERIODS = 35
 """Periods of a steady state from which the number of points is estimated: the mean over figure 3."""
 
 LEAST_BATCHES, MOST_BATCHES = 4, 64
@@ -77,7 +77,7 @@ def cost(variant: Variant, seconds: float = SECONDS) -> Cost:
         Length of a measurement with one worker that is aimed at, > 0.
     """
     step = step_cost(variant)
-    batches = _batches(variant, step.advance * MINIMUM_STEPS_PER_PERIOD * USUAL_PERIODS, seconds)
+    batches = _batches(variant, step.advance * MINIMUM_STEPS_PER_PERIOD * TYPICAL_PERIODS, seconds)
     taken: dict[int, float] = {}
     for workers in (1, 2):
         taken[workers], answers = _timed(batches, workers)
@@ -96,18 +96,21 @@ def _batches(variant: Variant, point: float, seconds: float) -> list[Batch]:
     friction, eta = 0.1 + 0.9 * (places + 0.5) / places.size, 0.3 + 1.3 * (places * (np.sqrt(5) - 1) / 2 % 1)
     order = places.reshape(lanes, count).T
     return [
-        [Question(variant=variant, friction_ratio=float(friction[k]), frequency_ratio=float(eta[k])) for k in row]
+        [
+            SteadyStateTask(variant=variant, friction_ratio=float(friction[k]), frequency_ratio=float(eta[k]))
+            for k in row
+        ]
         for row in order
     ]
 
 
-def _timed(batches: Sequence[Batch], workers: int) -> tuple[float, list[Answer]]:
+def _timed(batches: Sequence[Batch], workers: int) -> tuple[float, list[Result]]:
     """Answer batches by so many workers; gives the seconds, and the answers."""
-    with LocalCrew(workers) as crew:
-        for _ in crew.answers([batches[0][:1]] * workers):  # starts the processes, and imports the engine in each
+    with LocalExecutor(workers) as executor:
+        for _ in executor.answers([batches[0][:1]] * workers):  # starts the processes, and imports the engine in each
             pass
         begin = time.perf_counter()
-        answers = [answer for _, found in crew.answers(batches) for answer in found]
+        answers = [answer for _, found in executor.answers(batches) for answer in found]
         return time.perf_counter() - begin, answers
 
 

@@ -28,8 +28,8 @@ from scenarios.studies.attenuation_band import (
     refined_crossings,
     unresolved,
 )
-from scenarios.tasks.questions import Answer, AnswerStatus, ChainRatios, Excitation, Question
-from scenarios.verdicts.pointwise import CONVERGED, GivenTolerance, PointAnswers, compare_point, refinements
+from scenarios.tasks.questions import ChainRatios, Excitation, Result, ResultStatus, SteadyStateTask
+from scenarios.verdicts.pointwise import CONVERGED, GivenTolerance, PointResults, compare_point, refinements
 from scenarios.verdicts.steady_case import REFERENCE, amplification
 from scenarios.verdicts.verdict import Comparison, Verdict, compare_edge
 
@@ -149,7 +149,7 @@ class Figure3:
         _check_grid("frequency_ratios", self.frequency_ratios, "> 0")
         checked_count("steps_per_period", self.steps_per_period, FEWEST_STEPS_PER_PERIOD)
         for variant in self.variants:
-            engine(variant.engine).preset(variant.formulation, variant.preset)
+            engine(variant.engine).preset(variant.formulation, variant.preset_name)
 
     @property
     def all_variants(self) -> tuple[Variant, ...]:
@@ -157,7 +157,7 @@ class Figure3:
         return tuple(dict.fromkeys((CONVERGED, REFERENCE, *self.variants)))
 
     @property
-    def grid(self) -> list[Question]:
+    def grid(self) -> list[SteadyStateTask]:
         """Every variant at every point of the grid, and with other steps where its own error is needed."""
         return [
             self.question(variant, friction, eta, refinement)
@@ -169,9 +169,9 @@ class Figure3:
 
     def question(
         self, variant: Variant, friction_ratio: float, frequency_ratio: float, refinement: float = 1.0
-    ) -> Question:
+    ) -> SteadyStateTask:
         """Ask one variant about one point, with `refinement` times the steps a period."""
-        return Question(
+        return SteadyStateTask(
             variant=variant,
             friction_ratio=friction_ratio,
             frequency_ratio=frequency_ratio,
@@ -188,7 +188,7 @@ class Point:
     variant: Variant
     friction_ratio: float
     frequency_ratio: float
-    answer: Answer
+    answer: Result
     comparison: Comparison
 
 
@@ -261,7 +261,7 @@ def run(asked: Figure3, evaluator: Evaluator) -> Figure3Result:
         [*(asked.question(*place) for place in places), *(asked.question(*place, times) for place, times in refined)]
     )
     answers = dict(zip(places, found, strict=False))
-    others: dict[_Place, list[Answer]] = defaultdict(list)
+    others: dict[_OperatingPoint, list[Result]] = defaultdict(list)
     for (place, _), answer in zip(refined, found[len(places) :], strict=True):
         others[place].append(answer)
     points = tuple(Point(*place, answer, _compare(asked, place, answers, others)) for place, answer in answers.items())
@@ -290,18 +290,18 @@ def _dense_reference(asked: Figure3, evaluator: Evaluator) -> dict[float, tuple[
     return {friction: (eta, curve) for friction, curve in zip(asked.friction_ratios, curves, strict=True)}
 
 
-_Place = tuple[Variant, float, float]
+_OperatingPoint = tuple[Variant, float, float]
 
 
 def _compare(
     asked: Figure3,
-    place: _Place,
-    answers: Mapping[_Place, Answer],
-    others: Mapping[_Place, list[Answer]],
+    place: _OperatingPoint,
+    answers: Mapping[_OperatingPoint, Result],
+    others: Mapping[_OperatingPoint, list[Result]],
 ) -> Comparison:
     """Compare a point with its ruler."""
     variant, friction, eta = place
-    known = PointAnswers(
+    known = PointResults(
         variant=variant,
         answer=answers[place],
         others=tuple(others.get(place, ())),
@@ -315,7 +315,10 @@ def _compare(
 
 
 def _edges(
-    asked: Figure3, grids: Mapping[float, tuple[float, ...]], answers: dict[_Place, Answer], evaluator: Evaluator
+    asked: Figure3,
+    grids: Mapping[float, tuple[float, ...]],
+    answers: dict[_OperatingPoint, Result],
+    evaluator: Evaluator,
 ) -> Iterator[BandEdge]:
     """Refine all edges of all curves together, and compare them with the converged reference's."""
     curves = [(variant, friction) for variant in asked.all_variants for friction in asked.friction_ratios]
@@ -328,14 +331,14 @@ def _edges(
     unanswered: set[tuple[Variant, float]] = {
         (variant, friction)
         for variant, friction in curves
-        if any(answers[variant, friction, eta].status is AnswerStatus.MISSING for eta in grids[friction])
+        if any(answers[variant, friction, eta].status is ResultStatus.MISSING for eta in grids[friction])
     }
 
     def transmittance_db(index: NDArray[np.intp], eta: FloatArray) -> FloatArray:
         asks = [asked.question(owners[k][0], owners[k][1], float(ratio)) for k, ratio in zip(index, eta, strict=True)]
         found = evaluator.evaluate(asks)
         unanswered.update(
-            owners[k][:2] for k, one in zip(index, found, strict=True) if one.status is AnswerStatus.MISSING
+            owners[k][:2] for k, one in zip(index, found, strict=True) if one.status is ResultStatus.MISSING
         )
         return np.array([_decided(answer) for answer in found])
 
@@ -347,7 +350,7 @@ def _edges(
             comparison = compare_edge(found, refined.get((CONVERGED, friction, edge)))
             lacking = [one for one in (variant, CONVERGED) if (one, friction) in unanswered]
             curve_answers = [answers[variant, friction, eta] for eta in grids[friction]]
-            if all(answer.status is AnswerStatus.BLOCKED for answer in curve_answers):
+            if all(answer.status is ResultStatus.BLOCKED for answer in curve_answers):
                 comparison = Comparison(Verdict.BLOCKED, curve_answers[0].reason)
             elif lacking:
                 found = math.nan if variant in lacking else found
@@ -360,7 +363,7 @@ def _lacking(variants: Sequence[Variant]) -> str:
     return " and ".join(f"{variant.title}'s curve" for variant in variants) + ": points are not answered so far"
 
 
-def _decided(answer: Answer) -> float:
+def _decided(answer: Result) -> float:
     """Transmittance of a steady state, or of one so close that it decides an edge; NaN where there is none."""
     return answer.transmittance_db if answer.converged or answer.residual <= EDGE_RESIDUAL else math.nan
 

@@ -10,7 +10,7 @@ from reference_lcp.validation import FloatArray
 from scenarios.execution.evaluator import Evaluator
 from scenarios.studies.attenuation_band import Edge, edge_brackets, interpolated_crossing, unresolved
 from scenarios.studies.figure3 import REFERENCE, Figure3
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 
 MAP_FRICTION_RATIOS = tuple(float(ratio) for ratio in np.round(np.arange(0, 1.501, 0.05), 2))
 MAP_FREQUENCY_RATIOS = tuple(float(ratio) for ratio in np.round(np.arange(0.3, 1.801, 0.02), 2))
@@ -84,7 +84,7 @@ def _resolve(asked: Figure3, known: dict[float, tuple[FloatArray, FloatArray]], 
             known[friction] = np.insert(etas, at, eta), np.insert(curve, at, answer.transmittance_db)
 
 
-def _decibel(answer: Answer) -> float:
+def _decibel(answer: Result) -> float:
     return answer.transmittance_db if answer.converged else math.nan
 
 

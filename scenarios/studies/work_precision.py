@@ -13,8 +13,8 @@ from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.store import ResultStore
-from scenarios.studies.accuracy import ORDER_STEPS, Place, exact_answer, transmittance_error_db
-from scenarios.tasks.questions import USUAL_EXCITATION, Answer, AnswerStatus, Excitation, Question
+from scenarios.studies.accuracy import ORDER_STEPS, OperatingPoint, exact_answer, transmittance_error_db
+from scenarios.tasks.questions import USUAL_EXCITATION, Excitation, Result, ResultStatus, SteadyStateTask
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class StepPoint:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExactQuestion(Question):
+class ExactTask(SteadyStateTask):
     """A question to the event-driven solver, which has no time step."""
 
     def content(self) -> dict[str, Any]:
@@ -59,10 +59,10 @@ class ExactQuestion(Question):
         return {**super().content(), "solver": "event-driven"}
 
 
-def step_questions(variant: Variant, excitation: Excitation = USUAL_EXCITATION) -> list[Question]:
+def step_questions(variant: Variant, excitation: Excitation = USUAL_EXCITATION) -> list[SteadyStateTask]:
     """Give what is asked of a variant: the six points at every number of steps."""
     return [
-        Question(
+        SteadyStateTask(
             variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=steps,
             excitation=excitation,
         )
@@ -73,7 +73,7 @@ def step_questions(variant: Variant, excitation: Excitation = USUAL_EXCITATION) 
 
 def step_study(
     variants: Sequence[Variant],
-    exact: Mapping[Place, Answer],
+    exact: Mapping[OperatingPoint, Result],
     evaluator: Evaluator,
     excitation: Excitation = USUAL_EXCITATION,
 ) -> tuple[StepPoint, ...]:
@@ -106,7 +106,10 @@ def step_study(
 
 
 def _step_point(
-    variant: Variant, steps: int, answered: Sequence[tuple[Question, Answer]], exact: Mapping[Place, Answer]
+    variant: Variant,
+    steps: int,
+    answered: Sequence[tuple[SteadyStateTask, Result]],
+    exact: Mapping[OperatingPoint, Result],
 ) -> StepPoint:
     """Sum up one number of steps."""
     certified = [(place_of(question), answer) for question, answer in answered if answer.converged]
@@ -119,31 +122,31 @@ def _step_point(
         step_seconds=_median(answer.seconds / (answer.periods * answer.steps_per_period) for answer in timed),
         seconds=_median(answer.seconds for answer in timed),
         certified=len(certified),
-        answered=sum(answer.status not in (AnswerStatus.MISSING, AnswerStatus.BLOCKED) for _, answer in answered),
-        reason=next((answer.reason for _, answer in answered if answer.status is AnswerStatus.BLOCKED), ""),
+        answered=sum(answer.status not in (ResultStatus.MISSING, ResultStatus.BLOCKED) for _, answer in answered),
+        reason=next((answer.reason for _, answer in answered if answer.status is ResultStatus.BLOCKED), ""),
     )
 
 
-def place_of(question: Question) -> Place:
+def place_of(question: SteadyStateTask) -> OperatingPoint:
     """Give the friction and the frequency ratio of a question about a chain of equal friction."""
     assert isinstance(question.friction_ratio, float)
     return question.friction_ratio, question.frequency_ratio
 
 
 def exact_answers(
-    places: Sequence[Place],
+    places: Sequence[OperatingPoint],
     store: ResultStore,
     *,
     excitation: Excitation = USUAL_EXCITATION,
     ask: bool = True,
     workers: int | None = None,
-) -> dict[Place, Answer]:
+) -> dict[OperatingPoint, Result]:
     """Give the exact motion at every place: from the store, or computed there and kept; takes a second each.
 
     Without `ask`, what the store does not know is left out.
     """
     questions = {
-        (friction, eta): ExactQuestion(
+        (friction, eta): ExactTask(
             variant=Variant("reference"), friction_ratio=friction, frequency_ratio=eta, excitation=excitation
         )
         for friction, eta in places

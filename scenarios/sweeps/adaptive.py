@@ -10,9 +10,9 @@ from scenarios.studies.adaptive_grid import AdaptiveAxis, AdaptiveCurve
 from scenarios.studies.figure3 import resonances
 from scenarios.sweeps.summary import SweepSummary
 from scenarios.sweeps.sweep import Sweep
-from scenarios.tasks.questions import Answer, Outcome, Question
+from scenarios.tasks.questions import Result, ResultSummary, SteadyStateTask
 
-Answering = Callable[[Sequence[Question]], Sequence[Answer | None]]
+Answering = Callable[[Sequence[SteadyStateTask]], Sequence[Result | None]]
 """Gives an answer to each question, or ``None`` where there is none."""
 
 
@@ -31,11 +31,11 @@ class AdaptiveSweep:
     outline: Sweep
     frequencies: AdaptiveAxis
 
-    def curves(self) -> Iterator[Question]:
+    def curves(self) -> Iterator[SteadyStateTask]:
         """Give a question of every curve, at the first frequency."""
         return self._with_frequencies((self.frequencies.first,)).questions()
 
-    def start(self) -> Iterator[Question]:
+    def start(self) -> Iterator[SteadyStateTask]:
         """Give the questions with which every curve begins."""
         for curve in self.curves():
             for eta in self.frequencies.start(resonances(curve.ratios).tolist()):
@@ -50,7 +50,7 @@ class AdaptiveSweep:
         return replace(self.outline, axes={**self.outline.axes, "frequency_ratio": values})
 
 
-def refined(sweep: AdaptiveSweep, answering: Answering) -> dict[Question, AdaptiveCurve]:
+def refined(sweep: AdaptiveSweep, answering: Answering) -> dict[SteadyStateTask, AdaptiveCurve]:
     """Ask round by round, all curves together, until every curve is resolved; curves by a question of theirs.
 
     What is asked depends on nothing but the answers: the same ones lead to the same points.
@@ -58,7 +58,7 @@ def refined(sweep: AdaptiveSweep, answering: Answering) -> dict[Question, Adapti
     curves = {one: AdaptiveCurve(sweep.frequencies, resonances(one.ratios).tolist()) for one in sweep.curves()}
     while due := [(one, eta) for one, curve in curves.items() for eta in curve.due]:
         answers = answering([replace(one, frequency_ratio=eta) for one, eta in due])
-        values: dict[Question, dict[float, float]] = {}
+        values: dict[SteadyStateTask, dict[float, float]] = {}
         for (one, eta), answer in zip(due, answers, strict=True):
             value = answer.transmittance_db if answer is not None and answer.converged else math.nan
             values.setdefault(one, {})[eta] = value
@@ -71,10 +71,10 @@ def run_adaptive_sweep(sweep: AdaptiveSweep, evaluator: Evaluator) -> SweepSumma
     """Answer what every curve needs and the store does not know yet; every answer is on disk at once."""
     summary = SweepSummary()
 
-    def answering(asked: Sequence[Question]) -> list[Answer]:
+    def answering(asked: Sequence[SteadyStateTask]) -> list[Result]:
         answers = evaluator.evaluate(asked)
         for question, answer in zip(asked, answers, strict=True):
-            summary.add(question.variant, Outcome.of(answer))
+            summary.add(question.variant, ResultSummary.of(answer))
         return answers
 
     for one, curve in refined(sweep, answering).items():

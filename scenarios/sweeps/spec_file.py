@@ -14,8 +14,8 @@ from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEP
 from reference_lcp.validation import ParameterError, checked_choice
 from scenarios.studies.adaptive_grid import LEAST_SPACING, MOST_POINTS, START_POINTS, AdaptiveAxis
 from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.verdicts import ruler_of
-from scenarios.tasks.questions import USUAL_AMPLITUDE, ChainRatios, Excitation
+from scenarios.sweeps.verdicts import baseline_of
+from scenarios.tasks.questions import DEFAULT_AMPLITUDE, ChainRatios, Excitation
 
 EXAMPLE = """\
 # A sweep: every combination of the values under [grid], by every engine.
@@ -208,7 +208,7 @@ def _asked(read: _File) -> SweepFile:
     frequencies = AdaptiveAxis(**adaptive["frequency_ratio"].model_dump()) if adaptive else None
     axes = {name: tuple(_values(values)) for name, values in read.grid.items()}
     varied = {name: tuple(int(v) if v == int(v) else v for v in axes[name]) for name in _WHOLE if name in axes}
-    amplitude = read.drive.amplitude if read.drive.amplitude is not None else USUAL_AMPLITUDE[read.drive.kind]
+    amplitude = read.drive.amplitude if read.drive.amplitude is not None else DEFAULT_AMPLITUDE[read.drive.kind]
     sweep = Sweep(
         variants=_variants(read.engines, read.presets),
         axes=axes | varied,
@@ -217,7 +217,7 @@ def _asked(read: _File) -> SweepFile:
         excitation=Excitation(kind=read.drive.kind, amplitude=amplitude),
     )
     tolerance = None if read.tolerances is None else read.tolerances.transmittance_db
-    if tolerance is not None and ruler_of(sweep) is None:
+    if tolerance is not None and baseline_of(sweep) is None:
         problem = f"tolerances.transmittance_db = {tolerance:g} without the reference among the engines"
         raise ParameterError(f"{problem}; allowed: engines with 'reference:joint'")
     return SweepFile(sweep, frequencies, tolerance)
@@ -238,8 +238,8 @@ def _variants_of(name: str, presets: Sequence[str] | None) -> list[Variant]:
         Variant.parse(name)
     every = [variant for variant in variants_of(engine) if formulation in ("", variant.formulation)]
     for preset in presets:
-        checked_choice(f"presets: preset of {name}", preset, sorted({variant.preset for variant in every}))
-    return [variant for variant in every if variant.preset in presets]
+        checked_choice(f"presets: preset of {name}", preset, sorted({variant.preset_name for variant in every}))
+    return [variant for variant in every if variant.preset_name in presets]
 
 
 _WHOLE = ("cells", "steps_per_period")

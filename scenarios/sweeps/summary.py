@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from engines.interface.variant import Variant
-from scenarios.tasks.questions import AnswerStatus, Outcome, repetition
+from scenarios.tasks.questions import ResultStatus, ResultSummary, repetition
 
 
 @dataclass
@@ -25,15 +25,15 @@ class SweepSummary:
         Curves of an adaptive grid, by variant, that ended at its least spacing or at its most points.
     """
 
-    statuses: Counter[tuple[Variant, AnswerStatus]] = field(default_factory=Counter)
+    statuses: Counter[tuple[Variant, ResultStatus]] = field(default_factory=Counter)
     reasons: Counter[tuple[Variant, str]] = field(default_factory=Counter)
     periods: Counter[tuple[Variant, int]] = field(default_factory=Counter)
     unresolved: Counter[Variant] = field(default_factory=Counter)
 
-    def add(self, variant: Variant, outcome: Outcome) -> None:
+    def add(self, variant: Variant, outcome: ResultSummary) -> None:
         """Count a point."""
         self.statuses[variant, outcome.status] += 1
-        if outcome.status == AnswerStatus.CONVERGED:
+        if outcome.status == ResultStatus.CONVERGED:
             self.periods[variant, outcome.periods] += 1
         else:
             self.reasons[variant, reason_of(outcome)] += 1
@@ -47,8 +47,8 @@ class SweepSummary:
         return counts[int(np.searchsorted(reached, part * reached[-1]))][0]
 
 
-def reason_of(outcome: Outcome) -> str:
+def reason_of(outcome: ResultSummary) -> str:
     """Say in words why a point has no steady state."""
-    if outcome.status == AnswerStatus.PERIOD_LIMIT:
+    if outcome.status == ResultStatus.PERIOD_LIMIT:
         return f"period limit{repetition(outcome.multiple)}"
     return outcome.reason or outcome.status

@@ -16,7 +16,7 @@ from reference_lcp.validation import ParameterError, checked_count, checked_scal
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.summary import SweepSummary
-from scenarios.tasks.questions import AnswerStatus, ChainRatios, Excitation, Question
+from scenarios.tasks.questions import ChainRatios, Excitation, ResultStatus, SteadyStateTask
 
 CHAIN_AXES = ("cells", "mass_ratio", "stiffness_ratio", "damping_ratio", "inner_damping_ratio")
 AXES = ("friction_ratio", "frequency_ratio", *CHAIN_AXES, "steps_per_period")
@@ -26,8 +26,8 @@ _COUNTS = {"cells": 1, "steps_per_period": FEWEST_STEPS_PER_PERIOD}
 _POSITIVE = ("frequency_ratio", "mass_ratio", "stiffness_ratio")
 
 STATUSES = (
-    AnswerStatus.CONVERGED, AnswerStatus.PERIOD_LIMIT, AnswerStatus.DIVERGED, AnswerStatus.BLOCKED,
-    AnswerStatus.MISSING,
+    ResultStatus.CONVERGED, ResultStatus.PERIOD_LIMIT, ResultStatus.DIVERGED, ResultStatus.BLOCKED,
+    ResultStatus.MISSING,
 )  # fmt: skip
 """How a point may have ended, by its number in exported files; missing: not answered so far."""
 
@@ -76,15 +76,15 @@ class Sweep:
         """Number of questions."""
         return len(self.variants) * int(np.prod([len(values) for values in self.axes.values()]))
 
-    def questions(self) -> Iterator[Question]:
+    def questions(self) -> Iterator[SteadyStateTask]:
         """Every combination, the last axis fastest; variants are the slowest."""
         for variant in self.variants:
             for values in itertools.product(*self.axes.values()):
                 yield self._question(variant, dict(zip(self.axes, values, strict=True)))
 
-    def _question(self, variant: Variant, place: dict[str, Any]) -> Question:
+    def _question(self, variant: Variant, place: dict[str, Any]) -> SteadyStateTask:
         chain = {name: place[name] for name in CHAIN_AXES if name in place}
-        return Question(
+        return SteadyStateTask(
             variant=variant,
             friction_ratio=place["friction_ratio"],
             frequency_ratio=place["frequency_ratio"],
@@ -127,7 +127,7 @@ def dataset(sweep: Sweep, store: ResultStore) -> xr.Dataset:
     """
     sizes = (len(sweep.variants), *(len(values) for values in sweep.axes.values()))
     columns = {name: np.full(sweep.points, np.nan) for name in _COLUMNS}
-    status = np.full(sweep.points, STATUSES.index(AnswerStatus.MISSING), dtype=np.int8)
+    status = np.full(sweep.points, STATUSES.index(ResultStatus.MISSING), dtype=np.int8)
     for index, answer in enumerate(store.answers(sweep.questions())):
         if answer is None:
             continue

@@ -7,16 +7,16 @@ from dataclasses import dataclass, field, replace
 from engines.interface.variant import Variant
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.sweep import Sweep
-from scenarios.tasks.questions import Question
+from scenarios.tasks.questions import SteadyStateTask
 from scenarios.verdicts.verdict import Comparison, Verdict, compare_transmittance
 
-RULERS = (Variant("reference", preset="converged"), Variant("reference"))
+BASELINES = (Variant("reference", preset_name="converged"), Variant("reference"))
 """Whom engines are compared with: the first of these that takes part."""
 
 
-def ruler_of(sweep: Sweep) -> Variant | None:
+def baseline_of(sweep: Sweep) -> Variant | None:
     """Give whom the engines of a sweep are compared with; ``None`` if the reference takes no part."""
-    return next((ruler for ruler in RULERS if ruler in sweep.variants), None)
+    return next((baseline for baseline in BASELINES if baseline in sweep.variants), None)
 
 
 @dataclass
@@ -32,9 +32,9 @@ class Verdicts:
     """
 
     counts: Counter[Verdict] = field(default_factory=Counter)
-    largest: tuple[float, Question] | None = None
+    largest: tuple[float, SteadyStateTask] | None = None
 
-    def add(self, question: Question, comparison: Comparison) -> None:
+    def add(self, question: SteadyStateTask, comparison: Comparison) -> None:
         """Count a point."""
         self.counts[comparison.verdict] += 1
         size = abs(comparison.difference)
@@ -54,13 +54,13 @@ def verdicts(sweep: Sweep, store: ResultStore, tolerance_db: float) -> dict[Vari
     tolerance_db
         Largest difference that counts as agreement [dB], see `compare_transmittance`.
     """
-    ruler = ruler_of(sweep)
-    if ruler is None:
+    baseline = baseline_of(sweep)
+    if baseline is None:
         return {}
-    found = {variant: Verdicts() for variant in sweep.variants if variant != ruler}
+    found = {variant: Verdicts() for variant in sweep.variants if variant != baseline}
     for variant, counted in found.items():
         own = list(replace(sweep, variants=(variant,)).questions())
-        others = replace(sweep, variants=(ruler,)).questions()
+        others = replace(sweep, variants=(baseline,)).questions()
         for question, answer, right in zip(own, store.answers(own), store.answers(others), strict=True):
             if answer is not None and right is not None:
                 counted.add(question, compare_transmittance(answer, right, tolerance_db))

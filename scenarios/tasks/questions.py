@@ -21,7 +21,7 @@ from reference_lcp.steady.orbits import OrbitStatus
 from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE
 from reference_lcp.validation import ParameterError, checked_array, checked_choice, checked_count, checked_scalar
 
-ANSWER_FORMAT = 2
+RESULT_FORMAT = 2
 """Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
 
 
@@ -71,10 +71,10 @@ class Excitation:
         return base if self.kind == "base" else HarmonicForce(self.amplitude, base.angular_frequency)
 
 
-USUAL_AMPLITUDE = {"base": BASE_AMPLITUDE, "force": CHAIN_STIFFNESS * BASE_AMPLITUDE}
+DEFAULT_AMPLITUDE = {"base": BASE_AMPLITUDE, "force": CHAIN_STIFFNESS * BASE_AMPLITUDE}
 """U0 [m] or P0 [N] by kind: the same displacement scale for both."""
 
-EXCITATIONS = tuple(USUAL_AMPLITUDE)
+EXCITATIONS = tuple(DEFAULT_AMPLITUDE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,7 +151,7 @@ class Modulation:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Asked:
+class Task:
     """What every question says: who is asked, and about which chain.
 
     Parameters
@@ -173,13 +173,13 @@ class Asked:
         """Build the chain."""
         return self.ratios.chain(self.friction_ratio)
 
-    def why_not_represented(self) -> str | None:
+    def unsupported_reason(self) -> str | None:
         """Say why the variant cannot represent the case, as far as that is known without asking it."""
         return None
 
     def content(self) -> dict[str, Any]:
         """Everything that the answer depends on: the question, the engine's version and its options."""
-        return {"format": ANSWER_FORMAT, "question": self.as_data(), **_identity(self.variant)}
+        return {"format": RESULT_FORMAT, "question": self.as_data(), **_identity(self.variant)}
 
     def as_data(self) -> dict[str, Any]:
         """Give the question as plain data, ready for JSON."""
@@ -196,13 +196,13 @@ class Asked:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Question(Asked):
+class SteadyStateTask(Task):
     """The steady state of one chain under one harmonic excitation, by one variant.
 
     Parameters
     ----------
     variant, ratios, friction_ratio
-        As for `Asked`.
+        As for `Task`.
     frequency_ratio
         ω / ω_r, with ω_r of the first cell.
     steps_per_period
@@ -237,11 +237,11 @@ class Question(Asked):
         chain = self.chain
         return chain, self.excitation.drive(chain, self.frequency_ratio)
 
-    def why_not_represented(self) -> str | None:
+    def unsupported_reason(self) -> str | None:
         """Say why the variant cannot change its normal force like this; ``None`` if it can, or it is constant."""
         if self.modulation is None:
             return None
-        return self.variant.options.why_not_represented(self.lane()[0], str(self.variant))
+        return self.variant.preset.unsupported_reason(self.lane()[0], str(self.variant))
 
     def lane(self) -> tuple[Lane, int]:
         """Build the lane, and give its number of steps a period."""
@@ -255,14 +255,14 @@ class Question(Asked):
         content = super().content()
         if self.modulation is None:
             return content
-        options = self.variant.options.modulated().options
+        options = self.variant.preset.modulated().options
         return content | {"options": {name: repr(option.value) for name, option in sorted(options.items())}}
 
 
 USUAL_EXCITATION = Excitation()
 
 
-class AnswerStatus(StrEnum):
+class ResultStatus(StrEnum):
     """How a question ended."""
 
     CONVERGED = OrbitStatus.CONVERGED.value
@@ -294,7 +294,7 @@ class AnswerStatus(StrEnum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Answer:
+class Result:
     """What came of a question.
 
     Parameters
@@ -322,7 +322,7 @@ class Answer:
         Changes of mode as (cell from 1, time [s], new mode).
     creep
         Largest |ġ_T| of each contact within a stick, over ω and the displacement scale.
-    air_fraction
+    open_fraction
         Part of the period that each contact is open; empty where the normal force is constant.
     largest_gap
         Largest g_N of each contact over the displacement scale; likewise.
@@ -337,7 +337,7 @@ class Answer:
         If the status is unknown.
     """
 
-    status: AnswerStatus
+    status: ResultStatus
     reason: str = ""
     transmittance_db: float = math.nan
     residual: float = math.nan
@@ -348,28 +348,28 @@ class Answer:
     stuck_fraction: tuple[float, ...] = ()
     transitions: tuple[tuple[int, float, str], ...] = ()
     creep: tuple[float, ...] = ()
-    air_fraction: tuple[float, ...] = ()
+    open_fraction: tuple[float, ...] = ()
     largest_gap: tuple[float, ...] = ()
     seconds: float = math.nan
     series: Series = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "status", AnswerStatus.parse(self.status))
+        object.__setattr__(self, "status", ResultStatus.parse(self.status))
 
     @property
     def converged(self) -> bool:
         """Whether the numbers belong to a steady state."""
-        return self.status is AnswerStatus.CONVERGED
+        return self.status is ResultStatus.CONVERGED
 
     @classmethod
     def blocked(cls, reason: str) -> Self:
         """Say why there is no answer."""
-        return cls(status=AnswerStatus.BLOCKED, reason=" ".join(reason.split()))
+        return cls(status=ResultStatus.BLOCKED, reason=" ".join(reason.split()))
 
     @classmethod
     def missing(cls) -> Self:
         """Stand for an answer that nobody has given so far."""
-        return cls(status=AnswerStatus.MISSING, reason="not answered so far")
+        return cls(status=ResultStatus.MISSING, reason="not answered so far")
 
     def to_json(self) -> str:
         """Give the answer as JSON; NaN becomes null."""
@@ -381,29 +381,29 @@ class Answer:
         numbers: dict[str, Any] = {
             name: math.nan if value is None else value for name, value in json.loads(text).items()
         }
-        for name in ("stuck_fraction", "creep", "air_fraction", "largest_gap"):
+        for name in ("stuck_fraction", "creep", "open_fraction", "largest_gap"):
             numbers[name] = tuple(numbers.get(name, ()))
         numbers["transitions"] = tuple((cell, time, kind) for cell, time, kind in numbers["transitions"])
         numbers["series"] = {name: tuple(values) for name, values in numbers.get("series", {}).items()}
         return cls(**numbers)
 
 
-class Outcome(NamedTuple):
+class ResultSummary(NamedTuple):
     """How a question ended: its answer without the numbers.
 
     Parameters
     ----------
     status, periods, multiple, reason
-        As of `Answer`.
+        As of `Result`.
     """
 
-    status: AnswerStatus
+    status: ResultStatus
     periods: int = 0
     multiple: int = 1
     reason: str = ""
 
     @classmethod
-    def of(cls, answer: Answer) -> Self:
+    def of(cls, answer: Result) -> Self:
         """Take it from an answer."""
         return cls(answer.status, answer.periods, answer.multiple, answer.reason)
 
@@ -411,7 +411,7 @@ class Outcome(NamedTuple):
     def from_json(cls, text: str) -> Self:
         """Read the list [status, periods, multiple]; answers of old have no multiple."""
         status, periods, multiple = json.loads(text)
-        return cls(AnswerStatus.parse(status), periods, 1 if multiple is None else multiple)
+        return cls(ResultStatus.parse(status), periods, 1 if multiple is None else multiple)
 
 
 def repetition(multiple: int) -> str:
@@ -425,7 +425,7 @@ def repetition(multiple: int) -> str:
 def _identity(variant: Variant) -> dict[str, Any]:
     """Version and options that a variant's answers depend on."""
     asked = engine(variant.engine)
-    preset = asked.preset(variant.formulation, variant.preset)
+    preset = asked.preset(variant.formulation, variant.preset_name)
     identity: dict[str, Any] = {
         "version": asked.version(),
         "options": {name: repr(option.value) for name, option in sorted(preset.options.items())},

@@ -12,7 +12,7 @@ from reference_lcp.chain.record import RecordedBase
 from reference_lcp.chain.simulation import LARGEST_PHASE_STEP, Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray, ParameterError, checked_choice, checked_count, checked_scalar
-from scenarios.tasks.questions import Asked
+from scenarios.tasks.questions import Task
 
 SHAPES = ("undeformed", "stretched", "inner masses displaced")
 """Where a motion may start, always from rest.
@@ -26,13 +26,13 @@ RECORDED = ("response", "decay")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Motion(Asked):
+class TransientTask(Task):
     """The motion of one chain from an initial state, by one variant.
 
     Parameters
     ----------
     variant, ratios, friction_ratio
-        As for `Asked`; the base amplitude U0 of the friction ratio is 0.01 m.
+        As for `Task`; the base amplitude U0 of the friction ratio is 0.01 m.
     base
         How the base moves.
     time_step
@@ -82,7 +82,7 @@ class Motion(Asked):
         positions = initial_positions(self.chain, self.shape, self.base.displacement_scale(self.chain))
         return State(positions[None], np.zeros((1, positions.size)))
 
-    def refined(self, factor: int) -> "Motion":
+    def refined(self, factor: int) -> "TransientTask":
         """Ask for the same motion with `factor` times as many steps; rows stay at the same times."""
         return dataclasses.replace(
             self, time_step=self.time_step / factor, steps=self.steps * factor, every=self.every * factor

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from engines.interface.variant import Variant
 from engines.reference import CONVERGED_SUBSTEPS
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 from scenarios.verdicts.steady_case import REFERENCE, resolution_db
 from scenarios.verdicts.verdict import (
     FLOOR_DB,
@@ -26,7 +26,7 @@ from scenarios.verdicts.verdict import (
     missing_steady_state,
 )
 
-CONVERGED = Variant("reference", preset="converged")
+CONVERGED = Variant("reference", preset_name="converged")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,18 +42,18 @@ class GivenTolerance:
     """
 
     transmittance_db: float
-    ruler: Variant
+    baseline: Variant
 
     def judges(self, variant: Variant) -> bool:
         """Say whether it is for this variant: for everybody but whom others are compared with."""
-        return variant not in (self.ruler, CONVERGED)
+        return variant not in (self.baseline, CONVERGED)
 
 
-def ruler(variant: Variant, given: GivenTolerance | None = None) -> Variant:
+def baseline(variant: Variant, given: GivenTolerance | None = None) -> Variant:
     """Give whom a variant is compared with."""
     if given is not None and given.judges(variant):
-        return given.ruler
-    return REFERENCE if variant.engine != REFERENCE.engine and variant.options.shares_scheme else CONVERGED
+        return given.baseline
+    return REFERENCE if variant.engine != REFERENCE.engine and variant.preset.shares_scheme else CONVERGED
 
 
 def refinements(variant: Variant, given: GivenTolerance | None = None) -> tuple[float, ...]:
@@ -65,11 +65,11 @@ def refinements(variant: Variant, given: GivenTolerance | None = None) -> tuple[
         return ()
     if variant == REFERENCE:
         return (2.0, 4.0)
-    return (0.5,) if ruler(variant) == CONVERGED != variant else ()
+    return (0.5,) if baseline(variant) == CONVERGED != variant else ()
 
 
 @dataclass(frozen=True, kw_only=True)
-class PointAnswers:
+class PointResults:
     """What is known at one point of the grid.
 
     Parameters
@@ -91,19 +91,19 @@ class PointAnswers:
     """
 
     variant: Variant
-    answer: Answer
-    others: tuple[Answer, ...]
-    reference: Answer
-    converged: Answer
+    answer: Result
+    others: tuple[Result, ...]
+    reference: Result
+    converged: Result
     amplified: float
-    refined: tuple[Answer, ...] = ()
+    refined: tuple[Result, ...] = ()
     given: GivenTolerance | None = None
 
 
-def compare_point(known: PointAnswers) -> Comparison:
+def compare_point(known: PointResults) -> Comparison:
     """Compare a point with its ruler."""
     given = known.given
-    expected = known.reference if ruler(known.variant, given) == REFERENCE else known.converged
+    expected = known.reference if baseline(known.variant, given) == REFERENCE else known.converged
     if given is not None and given.judges(known.variant):
         return compare_transmittance(known.answer, expected, given.transmittance_db)
     missing = missing_steady_state("engine", known.answer) or missing_steady_state("reference", expected)
@@ -119,10 +119,10 @@ def compare_point(known: PointAnswers) -> Comparison:
     return Comparison(verdict, reason, difference, tolerance.allowed)
 
 
-def _tolerance(known: PointAnswers, level_db: float) -> Tolerance:
+def _tolerance(known: PointResults, level_db: float) -> Tolerance:
     """Derive how far the point may be from its ruler [dB]."""
     resolution = resolution_db(known.variant, known.answer, max(level_db, FLOOR_DB), known.amplified)
-    if ruler(known.variant) == REFERENCE:
+    if baseline(known.variant) == REFERENCE:
         return Tolerance(reference=0.0, engine=0.0, resolution=resolution)
     scheme = 0.0
     if known.reference.converged:
@@ -140,7 +140,7 @@ def _tolerance(known: PointAnswers, level_db: float) -> Tolerance:
     )
 
 
-def _step_error(answer: Answer, others: Sequence[Answer], level_db: float) -> float:
+def _step_error(answer: Result, others: Sequence[Result], level_db: float) -> float:
     """Estimate the error of an answer [dB] from what other steps give: the largest of all neighbouring pairs.
 
     The errors of a first-order scheme with a < b steps differ by c (1 / a − 1 / b), and c / n is that with n.

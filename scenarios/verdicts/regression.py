@@ -14,7 +14,7 @@ from engines.interface.tolerances import SCHEME_TOLERANCE_DB
 from reference_lcp.observables.transition_matching import match_transitions
 from reference_lcp.validation import ParameterError, checked_scalar
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 from scenarios.verdicts.verdict import allowed_difference_db
 
 
@@ -66,7 +66,7 @@ class Kept:
     question: Mapping[str, Any]
     version: str
     options: Mapping[str, str]
-    answer: Answer
+    answer: Result
 
     @property
     def variant(self) -> str:
@@ -151,7 +151,7 @@ def _rows(file: Path) -> Iterator[tuple[str, Kept]]:
             asked = json.loads(content)
             if "solver" in asked:  # the exact motion depends on no engine
                 continue
-            kept = Kept(asked["question"], asked["version"], asked["options"], Answer.from_json(answer))
+            kept = Kept(asked["question"], asked["version"], asked["options"], Result.from_json(answer))
             yield json.dumps(asked["question"], sort_keys=True), kept
 
 

@@ -14,7 +14,7 @@ from reference_lcp.chain.simulation import steps_per_period_for
 from reference_lcp.exact.exact_orbit import ExactPeriod
 from reference_lcp.observables.transition_matching import TimedTransition
 from reference_lcp.steady_state import exact_steady_state
-from scenarios.tasks.questions import Answer, ChainRatios, Question, Ratio
+from scenarios.tasks.questions import ChainRatios, Ratio, Result, SteadyStateTask
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, missing_steady_state, scheme_bar, step_estimate
 
 REFERENCE = Variant("reference")
@@ -28,7 +28,7 @@ of them would say little of the error. The reference answers the third too, whic
 
 
 @dataclass(frozen=True, kw_only=True)
-class Case:
+class SteadyCase:
     """A chain under a harmonic base motion.
 
     Parameters
@@ -52,16 +52,16 @@ class Case:
         """Build the chain and its drive."""
         return self.question(REFERENCE).setting()
 
-    def question(self, variant: Variant, refinement: int = COARSE) -> Question:
+    def question(self, variant: Variant, refinement: int = COARSE) -> SteadyStateTask:
         """Ask a variant, with `refinement` times the fewest steps that the case allows."""
-        asked = Question(
+        asked = SteadyStateTask(
             variant=variant,
             friction_ratio=self.friction_ratio,
             frequency_ratio=self.frequency_ratio,
             ratios=self.ratios,
         )
         steps = steps_per_period_for(*asked.setting(), asked.steps_per_period)
-        return Question(
+        return SteadyStateTask(
             variant=variant,
             friction_ratio=self.friction_ratio,
             frequency_ratio=self.frequency_ratio,
@@ -95,7 +95,7 @@ class Expected:
     travels: tuple[float, ...] = ()
 
 
-def exact_expected(case: Case) -> Expected:
+def exact_expected(case: SteadyCase) -> Expected:
     """Find the exact motion by the event-driven solver; a second for seven cells, minutes from thirty on."""
     chain, drive = case.setting()
     found = exact_steady_state(chain, drive)
@@ -122,23 +122,23 @@ class Evidence:
         The reference's answers with once, twice and four times the fewest steps.
     expected
         What the answer should be.
-    refusal
+    skip_reason
         Why the variant was not asked; ``None`` if it was.
     """
 
     variant: Variant
-    case: Case
-    coarse: Answer
-    fine: Answer
-    scheme: tuple[Answer, Answer, Answer]
+    case: SteadyCase
+    coarse: Result
+    fine: Result
+    scheme: tuple[Result, Result, Result]
     expected: Expected
-    refusal: Comparison | None = None
+    skip_reason: Comparison | None = None
 
     @property
     def missing(self) -> Comparison | None:
         """Say why nothing can be compared; ``None`` where every steady state is certified."""
-        if self.refusal is not None:
-            return self.refusal
+        if self.skip_reason is not None:
+            return self.skip_reason
         for whose, answers in (("engine", (self.fine, self.coarse)), ("reference", self.scheme)):
             for answer in answers:
                 gap = missing_steady_state(f"{whose} at {answer.steps_per_period} steps a period", answer)
@@ -165,7 +165,7 @@ class Evidence:
         )
 
 
-def resolution_db(variant: Variant, answer: Answer, transmittance_db: float, amplified: float) -> float:
+def resolution_db(variant: Variant, answer: Result, transmittance_db: float, amplified: float) -> float:
     """What a variant's answer leaves open of a transmittance near this one [dB].
 
     It is certified to repeat within the engine's residual, and is `amplified` times that from its steady state. A
@@ -173,11 +173,13 @@ def resolution_db(variant: Variant, answer: Answer, transmittance_db: float, amp
     up as the contract derives it for forty periods of `STEPS` steps of a motion as large as the base's: in proportion
     to the motion, and to the root of the number of steps, of all the periods that were simulated.
     """
-    capabilities, softness = variant.capabilities, variant.options.softness
+    capabilities, residual_slip_compliance = variant.capabilities, variant.preset.residual_slip_compliance
     motion = max(1.0, 10 ** (transmittance_db / 20))
     steps = max(answer.periods, 1) * answer.steps_per_period
     round_off = TRAJECTORY_TOLERANCE[capabilities.precision] * math.sqrt(steps / (40 * STEPS)) * motion
-    return amplitude_in_db(capabilities.residual * amplified + CREEP * softness + round_off, transmittance_db)
+    return amplitude_in_db(
+        capabilities.residual * amplified + CREEP * residual_slip_compliance + round_off, transmittance_db
+    )
 
 
 @cache
@@ -192,7 +194,7 @@ def amplitude_in_db(amplitude: float, transmittance_db: float) -> float:
     return 20 * math.log10(1 + amplitude * 10 ** (-transmittance_db / 20))
 
 
-def questions_of(variant: Variant, case: Case) -> list[Question]:
+def questions_of(variant: Variant, case: SteadyCase) -> list[SteadyStateTask]:
     """Give everything that is asked of a variant in a case."""
     refinements = (COARSE, FINE, FINEST) if variant == REFERENCE else (COARSE, FINE)
     return [case.question(variant, refinement) for refinement in refinements]
@@ -200,16 +202,16 @@ def questions_of(variant: Variant, case: Case) -> list[Question]:
 
 def evidence(
     variant: Variant,
-    case: Case,
+    case: SteadyCase,
     expected: Expected,
-    answers: Mapping[Question, Answer],
-    refusal: Comparison | None = None,
+    answers: Mapping[SteadyStateTask, Result],
+    skip_reason: Comparison | None = None,
 ) -> Evidence:
     """Collect what is known of a variant in a case, from the answers to `questions_of` it and of the reference.
 
     What a refused variant was not asked is `missing`.
     """
-    own = [answers.get(question, Answer.missing()) for question in questions_of(variant, case)]
+    own = [answers.get(question, Result.missing()) for question in questions_of(variant, case)]
     coarse, middle, finest = (answers[question] for question in questions_of(REFERENCE, case))
     return Evidence(
         variant=variant,
@@ -218,5 +220,5 @@ def evidence(
         fine=own[1],
         scheme=(coarse, middle, finest),
         expected=expected,
-        refusal=refusal,
+        skip_reason=skip_reason,
     )

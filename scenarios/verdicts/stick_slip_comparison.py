@@ -38,7 +38,7 @@ from engines.interface.tolerances import CREEP
 from reference_lcp.observables.stick_slip import UNREPEATED_SLIP, Mode
 from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
 from scenarios.catalogue.base import Finding, Metric
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 from scenarios.verdicts.steady_case import Evidence, Expected
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, compare, scheme_bar, step_estimate
 
@@ -103,7 +103,7 @@ def as_resolved(found: Evidence) -> Expected:
     return dataclasses.replace(expected, transitions=tuple(kept), stuck_fraction=tuple(stuck), travels=())
 
 
-def _errors(answer: Answer, expected: Sequence[TimedTransition]) -> dict[TimedTransition, float]:
+def _errors(answer: Result, expected: Sequence[TimedTransition]) -> dict[TimedTransition, float]:
     """Time error of every expected transition that an answer has, over the period."""
     match = match_transitions(answer.transitions, expected, answer.period)
     return {pair[1]: error for pair, error in zip(match.pairs, match.time_errors, strict=True)}
@@ -114,8 +114,8 @@ def _missed(found: Evidence) -> tuple[list[TimedTransition], list[TimedTransitio
     expected = found.expected.transitions
     decided = [one for one in expected if all(one in _errors(answer, expected) for answer in found.scheme)]
     missed = [one for one in decided if one not in _errors(found.fine, expected)]
-    wavering = [one for one in missed if one in _errors(found.coarse, expected)]
-    return missed, wavering, len(expected) - len(decided)
+    step_dependent = [one for one in missed if one in _errors(found.coarse, expected)]
+    return missed, step_dependent, len(expected) - len(decided)
 
 
 def _spurious(found: Evidence) -> tuple[list[TimedTransition], list[TimedTransition], int]:
@@ -123,23 +123,23 @@ def _spurious(found: Evidence) -> tuple[list[TimedTransition], list[TimedTransit
     extra = match_transitions(found.fine.transitions, found.expected.transitions, found.fine.period).spurious
     grazing = [one for one in extra if any(one in _errors(answer, extra) for answer in found.scheme)]
     spurious = [one for one in extra if one not in grazing]
-    wavering = [one for one in spurious if one not in _errors(found.coarse, spurious)]
-    return spurious, wavering, len(grazing)
+    step_dependent = [one for one in spurious if one not in _errors(found.coarse, spurious)]
+    return spurious, step_dependent, len(grazing)
 
 
 def _counted(
-    found: Evidence, metric: Metric, wrong: list[TimedTransition], wavering: list[TimedTransition], undecided: int
+    found: Evidence, metric: Metric, wrong: list[TimedTransition], step_dependent: list[TimedTransition], undecided: int
 ) -> Finding:
     """Judge a number of transitions, none of which is expected."""
     total = len(found.expected.transitions)
     aside = f"; {undecided} grazing ones left out" if undecided else ""
     if not wrong:
         comparison = Comparison(Verdict.AGREE, f"none, of {total}{aside}", 0.0, 0.0)
-    elif len(wavering) == len(wrong):
+    elif len(step_dependent) == len(wrong):
         reason = f"{len(wrong)} of {total}, none of them with both of the engine's steps{aside}"
         comparison = Comparison(Verdict.INCONCLUSIVE, reason, float(len(wrong)), 0.0)
     else:
-        cell, time, kind = next(one for one in wrong if one not in wavering)
+        cell, time, kind = next(one for one in wrong if one not in step_dependent)
         first = f"cell {cell} to {kind} at {100 * time / found.fine.period:.1f} % of the period"
         comparison = Comparison(Verdict.DISAGREE, f"{len(wrong)} of {total}: {first}{aside}", float(len(wrong)), 0.0)
     return Finding(found.variant, found.case.label, metric, float(len(wrong)), 0.0, comparison)
@@ -213,7 +213,8 @@ def _creep(found: Evidence) -> Finding:
         reference=0.0,
         engine=step_estimate(coarse, fine),
         # a slip of so many residuals, all of it in one step of 2π / (ω steps)
-        resolution=UNREPEATED_SLIP * residual * steps / (2 * math.pi) + CREEP * found.variant.options.softness,
+        resolution=UNREPEATED_SLIP * residual * steps / (2 * math.pi)
+        + CREEP * found.variant.preset.residual_slip_compliance,
     )
     comparison = compare(fine, 0.0, tolerance, CREEP_VELOCITY.unit)
     return Finding(found.variant, found.case.label, CREEP_VELOCITY, fine, 0.0, comparison)

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
-from scenarios.tasks.questions import Answer, AnswerStatus, repetition
+from scenarios.tasks.questions import Result, ResultStatus, repetition
 
 FLOOR_DB = -60.0
 """Below this transmittance the tolerance is absolute: what it is, as an amplitude, at the floor.
@@ -52,7 +52,7 @@ class Comparison:
     tolerance: float = math.nan
 
 
-def compare_transmittance(answer: Answer, reference: Answer, tolerance_db: float) -> Comparison:
+def compare_transmittance(answer: Result, reference: Result, tolerance_db: float) -> Comparison:
     """Compare two steady states at the same point.
 
     Parameters
@@ -71,13 +71,13 @@ def compare_transmittance(answer: Answer, reference: Answer, tolerance_db: float
     return Comparison(verdict, f"difference {difference:+.4f} dB, allowed {allowed:.3g} dB", difference, allowed)
 
 
-def missing_steady_state(whose: str, answer: Answer) -> Comparison | None:
+def missing_steady_state(whose: str, answer: Result) -> Comparison | None:
     """Say why there is nothing to compare; ``None`` where there is a certified steady state."""
-    if answer.status is AnswerStatus.BLOCKED:
+    if answer.status is ResultStatus.BLOCKED:
         return Comparison(Verdict.BLOCKED, answer.reason)
     if answer.converged:
         return None
-    if answer.status is AnswerStatus.MISSING:
+    if answer.status is ResultStatus.MISSING:
         return Comparison(Verdict.INCONCLUSIVE, f"{whose.split(maxsplit=1)[0]}: {answer.reason}")
     reason = f"{whose}: {answer.status} after {answer.periods} periods, residual {answer.residual:.1e}"
     reason += repetition(answer.multiple)

@@ -27,7 +27,7 @@ def test_json_describes_every_registered_engine(capsys: pytest.CaptureFixture[st
 def test_missing_engine_is_listed_with_its_reason(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(PyBullet, "why_not_installed", lambda _self: "no wheel for this Python")
+    monkeypatch.setattr(PyBullet, "unavailable_reason", lambda _self: "no wheel for this Python")
     assert run_command(app, []) == 0
     printed = capsys.readouterr().out
     assert "missing" in printed

@@ -21,12 +21,12 @@ from tests.engines.scheme_oracle import AMPLITUDE, STEPS, random_state, uneven_l
 INSTALLED = [
     variant
     for name in engine_names()
-    if name != "reference" and engine(name).why_not_installed() is None
+    if name != "reference" and engine(name).unavailable_reason() is None
     for variant in variants_of(name)
-    if variant.preset == "tuned" and variant.options.shares_scheme
+    if variant.preset_name == "tuned" and variant.preset.shares_scheme
 ]
-FOLLOWING = [one for one in INSTALLED if one.options.represents(NormalForce.MODULATED)]
-LIFTING = [one for one in INSTALLED if one.options.represents(NormalForce.LIFTING)]
+FOLLOWING = [one for one in INSTALLED if one.preset.represents(NormalForce.MODULATED)]
+LIFTING = [one for one in INSTALLED if one.preset.represents(NormalForce.LIFTING)]
 
 
 def modulated(lane: Lane, modulation: float, multiple: int = 1, phase: float = 0.0) -> Lane:
@@ -35,7 +35,10 @@ def modulated(lane: Lane, modulation: float, multiple: int = 1, phase: float = 0
 
 def allowed(variant: Variant) -> float:
     """Of motions of a few periods, over U0."""
-    return TRAJECTORY_TOLERANCE[variant.capabilities.precision] + CREEP * variant.options.modulated().softness
+    return (
+        TRAJECTORY_TOLERANCE[variant.capabilities.precision]
+        + CREEP * variant.preset.modulated().residual_slip_compliance
+    )
 
 
 @pytest.mark.parametrize("variant", FOLLOWING, ids=str)
@@ -60,7 +63,7 @@ def test_gap_of_masses_that_differ_is_that_over_a_guided_outer_mass(variant: Var
     scale = chain.normal_force / chain.inner_mass / lane.preload.angular_frequency**2
     assert np.max(run.normal_gap, axis=0) / scale == pytest.approx(np.full(7, flight.highest), rel=0.01)
     in_air = np.mean(run.normal_force[STEPS : 2 * STEPS] == 0, axis=0)
-    assert in_air == pytest.approx(np.full(7, flight.air_fraction), abs=2 / STEPS)
+    assert in_air == pytest.approx(np.full(7, flight.open_fraction), abs=2 / STEPS)
 
 
 @pytest.mark.parametrize("variant", LIFTING, ids=str)
@@ -90,7 +93,7 @@ def test_landing_is_inelastic(variant: Variant) -> None:
     assert np.all(np.sum(takes_off, axis=0) == 2), "once in each of two cycles"
 
 
-@pytest.mark.skipif(engine("pybullet").why_not_installed() is not None, reason="PyBullet is not installed")
+@pytest.mark.skipif(engine("pybullet").unavailable_reason() is not None, reason="PyBullet is not installed")
 def test_motor_that_may_do_nothing_reports_nothing() -> None:
     """Bullet keeps the last force of a motor whose bound is zero; at N = 0 the adapter does not believe it."""
     lane = modulated(uneven_lane(), 1.0)
@@ -101,7 +104,7 @@ def test_motor_that_may_do_nothing_reports_nothing() -> None:
     assert np.all(run.friction[3 * STEPS // 4] == 0)
 
 
-@pytest.mark.skipif(engine("mujoco").why_not_installed() is not None, reason="MuJoCo is not installed")
+@pytest.mark.skipif(engine("mujoco").unavailable_reason() is not None, reason="MuJoCo is not installed")
 def test_sphere_sinks_into_its_plate_by_less_and_less_with_finer_steps() -> None:
     """Its contact is as stiff as a step allows, and no stiffer: the static depth is in proportion to N dt² / m."""
     chain = Chain.from_ratios(friction_ratio=0.3, base_amplitude=AMPLITUDE)

@@ -13,8 +13,8 @@ from scenarios.studies.attenuation_band import Edge
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
-from scenarios.tasks.questions import Answer, ChainRatios
-from scenarios.verdicts.pointwise import PointAnswers, compare_point, refinements
+from scenarios.tasks.questions import ChainRatios, Result
+from scenarios.verdicts.pointwise import PointResults, compare_point, refinements
 from scenarios.verdicts.steady_case import amplification
 from scenarios.verdicts.verdict import Comparison, compare_edge
 
@@ -33,15 +33,15 @@ OFF = (RUNS, 0.0, 0.9)
 """Where the engine that runs is wrong."""
 
 
-def answer(variant: Variant, friction_ratio: float, frequency_ratio: float, refinement: float = 1.0) -> Answer:
+def answer(variant: Variant, friction_ratio: float, frequency_ratio: float, refinement: float = 1.0) -> Result:
     if variant == MISSING:
-        return Answer.blocked(REASON)
+        return Result.blocked(REASON)
     if (variant, friction_ratio, frequency_ratio) == (RUNS, 0.3, 1.3):
-        return Answer(status="period limit", residual=2e-3, periods=400, steps_per_period=400, period=1.0)
+        return Result(status="period limit", residual=2e-3, periods=400, steps_per_period=400, period=1.0)
     error = 0.0 if variant == CONVERGED else STEP_ERROR / refinement
     if (variant, friction_ratio, frequency_ratio) == OFF:
         error += 0.03
-    return Answer(
+    return Result(
         status="converged",
         transmittance_db={0.3: 5.0, 0.6: 2.0, 0.9: -15.0, 1.3: -40.0}[frequency_ratio] + error + friction_ratio,
         residual=3e-9,
@@ -64,7 +64,7 @@ def edge_of(variant: Variant, friction_ratio: float, edge: Edge) -> BandEdge:
 def compared(variant: Variant, friction_ratio: float, frequency_ratio: float) -> Comparison:
     """Judge as Figure 3 does."""
     place = friction_ratio, frequency_ratio
-    known = PointAnswers(
+    known = PointResults(
         variant=variant,
         answer=answer(variant, *place),
         others=tuple(answer(variant, *place, times) for times in refinements(variant)),

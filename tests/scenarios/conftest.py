@@ -7,7 +7,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.execution.steady import answer_batch
-from scenarios.tasks.questions import Question
+from scenarios.tasks.questions import SteadyStateTask
 
 WRONG = Variant("mujoco")
 """Whose answers are falsified: any variant that shares the scheme, for the reference answers in its place."""
@@ -27,7 +27,7 @@ class InProcess:
             self.known.update(zip(asked, answer_batch([self.really(question) for question in asked]), strict=True))
         return [self.known[question] for question in questions]
 
-    def really(self, question: Question) -> Question:
+    def really(self, question: SteadyStateTask) -> SteadyStateTask:
         if question.variant != WRONG:
             return question
         return dataclasses.replace(self.falsified(question), variant=Variant("reference"))

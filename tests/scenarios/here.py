@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from concurrent.futures import Future
 
 from scenarios.execution.steady import answer_batch
-from scenarios.tasks.questions import Answer, Question
+from scenarios.tasks.questions import Result, SteadyStateTask
 
 
 class Here:
@@ -12,8 +12,8 @@ class Here:
 
     def __init__(self, *_arguments: object, **_options: object) -> None: ...
 
-    def submit(self, _function: object, batch: Sequence[Question], *_rest: object) -> Future[list[Answer]]:
-        done: Future[list[Answer]] = Future()
+    def submit(self, _function: object, batch: Sequence[SteadyStateTask], *_rest: object) -> Future[list[Result]]:
+        done: Future[list[Result]] = Future()
         done.set_result(answer_batch(batch))
         return done
 

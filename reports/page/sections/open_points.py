@@ -28,8 +28,8 @@ class OpenPoints(Section):
             rows = self._rows(variant)
             if rows:
                 of = engine(variant.engine)
-                departure = of.preset(variant.formulation, variant.preset).departure
-                law = f"What explains a disagreement: {departure}." if departure else ""
+                known_deviation = of.preset(variant.formulation, variant.preset_name).known_deviation
+                law = f"What explains a disagreement: {known_deviation}." if known_deviation else ""
                 notes = " ".join(note for note in (of.capabilities.notes, law) if note)
                 left_out = max(len(rows) - LONGEST, 0)
                 open_ones.append({"title": variant.title, "notes": notes, "rows": rows[:LONGEST], "left_out": left_out})

@@ -7,13 +7,13 @@ from typing import Any
 from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from reference_lcp.observables.transition_matching import MATCHING_WINDOW, match_transitions
-from reports.data.report import Place
+from reports.data.report import OperatingPoint
 from reports.figures.figure import Picture
 from reports.figures.hysteresis import hysteresis
 from reports.figures.stick_slip import raster
 from reports.page.section import Section
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3Result, Point
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 
 
 class StickSlip(Section):
@@ -42,9 +42,9 @@ class StickSlip(Section):
             "unknown": unknown,
         }
 
-    def _answers(self) -> dict[Place, dict[Variant, Answer]]:
+    def _answers(self) -> dict[OperatingPoint, dict[Variant, Result]]:
         """Certified answers of everybody but the converged reference, at the points that the grid holds."""
-        found: dict[Place, dict[Variant, Answer]] = {}
+        found: dict[OperatingPoint, dict[Variant, Result]] = {}
         for place in STICK_SLIP_POINTS:
             points = [_at(self.result, v, *place) for v in self.result.asked.all_variants if v != CONVERGED]
             answers = {p.variant: p.answer for p in points if p is not None and p.answer.converged}
@@ -87,13 +87,13 @@ def _at(result: Figure3Result, variant: Variant, friction_ratio: float, frequenc
     return next((p for p in curve if math.isclose(p.frequency_ratio, frequency_ratio, rel_tol=1e-9)), None)
 
 
-def _row(point: Point, expected: Answer) -> dict[str, Any]:
+def _row(point: Point, expected: Result) -> dict[str, Any]:
     """Compare one point; without a steady state there is only its status."""
     answer = point.answer
     row: dict[str, Any] = {
         "engine": point.variant.engine,
         "formulation": point.variant.formulation,
-        "preset": point.variant.preset,
+        "preset": point.variant.preset_name,
         "title": point.variant.title,
         "friction_ratio": point.friction_ratio,
         "frequency_ratio": point.frequency_ratio,
@@ -102,7 +102,7 @@ def _row(point: Point, expected: Answer) -> dict[str, Any]:
     return {**row, **(_compared(answer, expected) if answer.converged else _nothing())}
 
 
-def _compared(answer: Answer, expected: Answer) -> dict[str, Any]:
+def _compared(answer: Result, expected: Result) -> dict[str, Any]:
     match = match_transitions(answer.transitions, expected.transitions, expected.period)
     errors = [abs(error) for error in match.time_errors]
     pairs = zip(answer.stuck_fraction, expected.stuck_fraction, strict=True)

@@ -16,7 +16,7 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, uneven_lane, with_coefficients
 
-pytestmark = pytest.mark.skipif(Box2D().why_not_installed() is not None, reason="Box2D is not installed")
+pytestmark = pytest.mark.skipif(Box2D().unavailable_reason() is not None, reason="Box2D is not installed")
 
 ROUNDINGS = 10 * np.sqrt(STEPS) * SINGLE
 """Three standard deviations of the roundings of a period, for motions of some six displacement scales."""

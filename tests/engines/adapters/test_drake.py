@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from engines.drake import Drake
-from engines.interface.engine import BareStepping, Formulation, Preset
+from engines.interface.engine import Formulation, NativeStepping, Preset
 from reference_lcp.chain.harmonic import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, uneven_lane, with_coefficients
 
-pytestmark = pytest.mark.skipif(Drake().why_not_installed() is not None, reason="drake is not installed")
+pytestmark = pytest.mark.skipif(Drake().unavailable_reason() is not None, reason="drake is not installed")
 
 
 both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
@@ -163,9 +163,9 @@ def test_nothing_is_remembered_between_runs(variant: str) -> None:
 @both_formulations
 def test_bare_steps_leave_nothing_behind(formulation: str) -> None:
     model = Drake().build([lane_of()], formulation).models[0]  # type: ignore[attr-defined]
-    assert isinstance(model, BareStepping)
+    assert isinstance(model, NativeStepping)
     before = model.advance(random_state(), 0, 10).positions
-    model.bare_steps(100)
+    model.native_steps(100)
     assert np.array_equal(model.advance(random_state(), 0, 10).positions, before)
 
 
@@ -201,7 +201,7 @@ def test_it_is_silent_imports_late_and_writes_nothing(tmp_path: Path) -> None:
 
 def test_the_reason_for_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("engines.drake.importlib.util.find_spec", lambda _: None)
-    assert Drake().why_not_installed() == "the package drake is not installed; pip install 'multibody-xval[engines]'"
+    assert Drake().unavailable_reason() == "the package drake is not installed; pip install 'multibody-xval[engines]'"
 
 
 def test_in_the_tuned_contact_nothing_moves_across_the_plane() -> None:

@@ -21,7 +21,7 @@ from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.steady_state import exact_steady_state
 from reference_lcp.validation import ParameterError
 
-pytestmark = pytest.mark.skipif(ExudynBristle().why_not_installed() is not None, reason="exudyn is not installed")
+pytestmark = pytest.mark.skipif(ExudynBristle().unavailable_reason() is not None, reason="exudyn is not installed")
 
 AMPLITUDE = 0.01
 STEPS = 400

@@ -12,7 +12,7 @@ from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import ParameterError
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, with_coefficients
 
-pytestmark = pytest.mark.skipif(MuJoCo().why_not_installed() is not None, reason="mujoco is not installed")
+pytestmark = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="mujoco is not installed")
 
 
 both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])

@@ -27,7 +27,7 @@ from tests.engines.scheme_oracle import (
     with_coefficients,
 )
 
-pytestmark = pytest.mark.skipif(ODE().why_not_installed() is not None, reason="ODE is not installed")
+pytestmark = pytest.mark.skipif(ODE().unavailable_reason() is not None, reason="ODE is not installed")
 
 both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
 
@@ -198,17 +198,17 @@ def test_a_motion_that_diverges_comes_back_as_numbers() -> None:
 @pytest.mark.parametrize("variant", ["ode", "ode:joint:stops", "ode:contact", "siconos", "siconos:contact"])
 def test_the_bare_engine_steps_in_every_formulation(variant: str) -> None:
     one = Variant.parse(variant)
-    if one.engine == "siconos" and Siconos().why_not_installed() is not None:
+    if one.engine == "siconos" and Siconos().unavailable_reason() is not None:
         pytest.skip("Siconos is not installed")
     simulation = one.build([lane_of()])
     before = simulation.advance(random_state(), 0, 10)
-    simulation.models[0].bare_steps(20)
+    simulation.models[0].native_steps(20)
     assert np.array_equal(simulation.advance(random_state(), 0, 10).positions, before.positions)
 
 
 def test_a_python_without_ode_is_a_reason_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MULTIBODY_XVAL_ODE_PYTHON", sys.executable)
-    reason = ODE().why_not_installed()
+    reason = ODE().unavailable_reason()
     OUTSIDE.process().close()
     assert reason is not None
     assert "No module named 'ode'; apt install python3-pyode, or let MULTIBODY_XVAL_ODE_PYTHON" in reason

@@ -11,7 +11,7 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, uneven_lane
 
-pytestmark = pytest.mark.skipif(Pinocchio().why_not_installed() is not None, reason="pin is not installed")
+pytestmark = pytest.mark.skipif(Pinocchio().unavailable_reason() is not None, reason="pin is not installed")
 
 
 def but(preset: str, **options: object) -> Preset:
@@ -78,6 +78,6 @@ def test_the_rounding_of_a_state_is_not_passed_on(preset: str) -> None:
 
 def test_versions_without_friction_of_joints_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("engines.pinocchio.version", lambda _: "3.9.0")
-    reason = Pinocchio().why_not_installed()
+    reason = Pinocchio().unavailable_reason()
     assert reason is not None
     assert "4.0 or newer" in reason

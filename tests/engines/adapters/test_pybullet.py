@@ -12,7 +12,7 @@ from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import ParameterError
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, assert_equals_scheme, lane_of, random_state, with_coefficients
 
-pytestmark = pytest.mark.skipif(PyBullet().why_not_installed() is not None, reason="pybullet is not installed")
+pytestmark = pytest.mark.skipif(PyBullet().unavailable_reason() is not None, reason="pybullet is not installed")
 
 
 both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
@@ -68,7 +68,7 @@ def test_a_weak_gain_of_a_motor_is_not_coulomb_friction() -> None:
 
 def test_the_reason_for_a_missing_package_names_the_python_versions(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("engines.pybullet.importlib.util.find_spec", lambda _: None)
-    reason = PyBullet().why_not_installed()
+    reason = PyBullet().unavailable_reason()
     assert reason is not None
     assert "CPython 3.11" in reason
 

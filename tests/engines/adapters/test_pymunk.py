@@ -12,7 +12,7 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, uneven_lane
 
-pytestmark = pytest.mark.skipif(Pymunk().why_not_installed() is not None, reason="pymunk is not installed")
+pytestmark = pytest.mark.skipif(Pymunk().unavailable_reason() is not None, reason="pymunk is not installed")
 
 
 def tuned_but(**options: object) -> Preset:

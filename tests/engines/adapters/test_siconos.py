@@ -28,7 +28,7 @@ from tests.engines.scheme_oracle import (
     uneven_lane,
 )
 
-pytestmark = pytest.mark.skipif(Siconos().why_not_installed() is not None, reason="Siconos is not installed")
+pytestmark = pytest.mark.skipif(Siconos().unavailable_reason() is not None, reason="Siconos is not installed")
 
 
 def run(lane: Lane, state: State, steps: int = STEPS, preset: str = "tuned", formulation: str = "joint") -> Trajectory:
@@ -188,7 +188,7 @@ def test_a_motion_that_diverges_comes_back_as_numbers() -> None:
 
 def test_a_python_without_siconos_is_a_reason_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MULTIBODY_XVAL_SICONOS_PYTHON", sys.executable)
-    reason = Siconos().why_not_installed()
+    reason = Siconos().unavailable_reason()
     OUTSIDE.process().close()
     assert reason is not None
     assert "apt install python3-siconos" in reason

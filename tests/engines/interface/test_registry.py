@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from engines import engine, engine_names
-from engines.interface.registry import usual_engine_names
+from engines.interface.registry import default_engine_names
 from engines.out_of_process import interpreter
 from reference_lcp import ParameterError
 
@@ -15,8 +15,8 @@ WITHOUT_WHEEL = {"pybullet"} if sys.version_info >= (3, 12) else set()
 
 
 def test_every_engine_that_comes_with_the_suite_is_installed() -> None:
-    assert {"reference", "mujoco", "pybullet", "exudyn-regularised", "exudyn-bristle"} <= set(usual_engine_names())
-    missing = {name for name in usual_engine_names() if engine(name).why_not_installed() is not None}
+    assert {"reference", "mujoco", "pybullet", "exudyn-regularised", "exudyn-bristle"} <= set(default_engine_names())
+    missing = {name for name in default_engine_names() if engine(name).unavailable_reason() is not None}
     assert missing <= WITHOUT_WHEEL
 
 
@@ -24,7 +24,7 @@ FURTHER = ("box2d", "dart", "drake", "ode", "pinocchio", "pymunk", "siconos")
 
 
 def test_further_engines_are_those_that_are_not_usual() -> None:
-    assert set(FURTHER) <= set(engine_names()) - set(usual_engine_names())
+    assert set(FURTHER) <= set(engine_names()) - set(default_engine_names())
 
 
 @pytest.mark.parametrize("name", FURTHER)
@@ -34,7 +34,7 @@ def test_further_engine_that_is_missing_says_how_to_install_it(name, monkeypatch
     monkeypatch.setattr(interpreter, "SYSTEM_PYTHON", "/nowhere/python3")
     for variable in ("MULTIBODY_XVAL_SICONOS_PYTHON", "MULTIBODY_XVAL_ODE_PYTHON"):
         monkeypatch.delenv(variable, raising=False)
-    assert re.search(r"\b(pip|apt|conda) install\b", engine(name).why_not_installed())
+    assert re.search(r"\b(pip|apt|conda) install\b", engine(name).unavailable_reason())
 
 
 def test_unknown_engine_is_refused_with_the_known_ones() -> None:

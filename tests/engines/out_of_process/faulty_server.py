@@ -37,7 +37,7 @@ class Lane:
             "process": self._made_by,
         }
 
-    def bare_steps(self, steps: int) -> None:
+    def native_steps(self, steps: int) -> None:
         return
 
     def _none(self) -> None:

@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 
 from engines.interface.engine import Option, Preset
-from engines.out_of_process.interpreter import OutsideEngine
-from engines.out_of_process.lane import OutsideLane
+from engines.out_of_process.interpreter import Installation
+from engines.out_of_process.lane import OutOfProcessLane
 from engines.out_of_process.process import EngineProcess, EngineProcessError
 from engines.out_of_process.worker import NotAMessage, read_message, write_message
 from reference_lcp.chain.trajectory import State
@@ -40,12 +40,12 @@ def process() -> Iterator[EngineProcess]:
 
 
 def run(process: EngineProcess, trouble: str, limit: float = LIMIT) -> dict[str, np.ndarray]:
-    process.ask("build", LIMIT, number=1, trouble=trouble)
-    return process.ask("run", limit, number=1, **STILL)
+    process.request("build", LIMIT, number=1, trouble=trouble)
+    return process.request("run", limit, number=1, **STILL)
 
 
-def lane_in(process: EngineProcess, trouble: str = "none") -> OutsideLane:
-    return OutsideLane(
+def lane_in(process: EngineProcess, trouble: str = "none") -> OutOfProcessLane:
+    return OutOfProcessLane(
         process, lane_of(), Preset("", {"units": Option("SI", "", ""), "trouble": Option(trouble, "", "")}), "joint"
     )
 
@@ -82,8 +82,8 @@ def test_a_run_comes_back_as_it_was_computed(process: EngineProcess) -> None:
 
 
 def test_only_the_end_is_sent_when_no_record_is_asked_for(process: EngineProcess) -> None:
-    process.ask("build", LIMIT, number=1, trouble="none")
-    end = process.ask("run", LIMIT, number=1, **{**STILL, "record": False})
+    process.request("build", LIMIT, number=1, trouble="none")
+    end = process.request("run", LIMIT, number=1, **{**STILL, "record": False})
     assert set(end) == {"position", "velocity"}
     assert np.array_equal(end["position"], [[3, 3]])
 
@@ -97,9 +97,9 @@ def test_a_segmentation_fault_is_named_and_the_next_use_starts_afresh(process: E
 
 def test_what_was_printed_in_earlier_requests_is_not_quoted(process: EngineProcess) -> None:
     run(process, "print")
-    process.ask("build", LIMIT, number=1, trouble="crash")
+    process.request("build", LIMIT, number=1, trouble="crash")
     with pytest.raises(EngineProcessError, match=r"printed last: about to read nowhere$"):
-        process.ask("run", LIMIT, number=1, **STILL)
+        process.request("run", LIMIT, number=1, **STILL)
 
 
 def test_an_engine_that_ends_by_itself_is_named(process: EngineProcess) -> None:
@@ -116,10 +116,10 @@ def test_a_hang_in_compiled_code_is_killed_at_its_limit(process: EngineProcess) 
 
 
 def test_a_request_larger_than_a_pipe_holds_does_not_block_on_a_stopped_child(process: EngineProcess) -> None:
-    process.ask("build", LIMIT, number=1, trouble="none")
+    process.request("build", LIMIT, number=1, trouble="none")
     os.kill(process.pid, signal.SIGSTOP)
     with pytest.raises(EngineProcessError, match=r"within 0\.5 s"):
-        process.ask("run", 0.5, number=1, **{**STILL, "loads": np.zeros(1_000_000)})
+        process.request("run", 0.5, number=1, **{**STILL, "loads": np.zeros(1_000_000)})
 
 
 def test_a_message_is_read_as_it_was_written() -> None:
@@ -184,7 +184,7 @@ def test_the_child_sees_nothing_of_this_environment(
 ) -> None:
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.setenv("LD_LIBRARY_PATH", str(tmp_path))
-    answer = {name: str(value) for name, value in process.ask("versions", LIMIT).items()}
+    answer = {name: str(value) for name, value in process.request("versions", LIMIT).items()}
     assert str(tmp_path) not in answer["path"]
     assert "LD_LIBRARY_PATH" not in answer["environment"]
     # Else a server called siconos.py would hide the package.
@@ -291,9 +291,9 @@ def test_a_closed_lane_is_built_again_and_a_deleted_one_is_forgotten(process: En
     assert np.array_equal(model.run(random_state(), 0, 1).positions, first.positions)
     number = model._number
     del model
-    process.ask("versions", LIMIT)
+    process.request("versions", LIMIT)
     with pytest.raises(EngineProcessError, match="KeyError"):
-        process.ask("run", LIMIT, number=number, **STILL)
+        process.request("run", LIMIT, number=number, **STILL)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
@@ -307,9 +307,9 @@ def test_a_state_that_is_not_finite_never_reaches_the_engine(process: EngineProc
 
 
 def test_a_missing_interpreter_is_a_reason_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
-    engine = OutsideEngine("tested", SERVER, "TESTED_PYTHON", "apt install python3-tested")
+    engine = Installation("tested", SERVER, "TESTED_PYTHON", "apt install python3-tested")
     monkeypatch.setenv("TESTED_PYTHON", "/nowhere/python3")
-    reason = engine.why_not_installed()
+    reason = engine.unavailable_reason()
     assert reason is not None
     assert "/nowhere/python3 does not start" in reason
     assert reason.endswith("apt install python3-tested, or let TESTED_PYTHON name a Python that has it")
@@ -318,9 +318,9 @@ def test_a_missing_interpreter_is_a_reason_with_a_remedy(monkeypatch: pytest.Mon
 def test_a_python_without_the_engine_is_asked_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     server, log = tmp_path / "server.py", tmp_path / "log"
     server.write_text(f"open({str(log)!r}, 'a').write('asked ')\nimport no_such_engine\n")
-    engine = OutsideEngine("tested", server, "TESTED_PYTHON", "apt install python3-tested")
+    engine = Installation("tested", server, "TESTED_PYTHON", "apt install python3-tested")
     monkeypatch.setenv("TESTED_PYTHON", sys.executable)
-    reasons = {engine.why_not_installed() for _ in range(3)}
+    reasons = {engine.unavailable_reason() for _ in range(3)}
     assert len(reasons) == 1
     assert "No module named 'no_such_engine'; apt install" in str(reasons.pop())
     assert log.read_text() == "asked "

@@ -7,7 +7,7 @@ from engines.interface.registry import engine
 from engines.interface.variant import variants_of
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import LARGEST_MOTION, ExplicitForcesLane, Step
-from engines.shared.step_cost import bare_stepping
+from engines.shared.step_cost import native_stepping
 from engines.shared.units import Units
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
@@ -15,7 +15,7 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, assert_equals_scheme, lane_of, random_state, uneven_lane
 
-NAMES = [name for name in ("dart", "pymunk", "box2d", "pinocchio") if engine(name).why_not_installed() is None]
+NAMES = [name for name in ("dart", "pymunk", "box2d", "pinocchio") if engine(name).unavailable_reason() is None]
 
 every_coordinate = pytest.mark.parametrize("coordinates", list(ChainCoordinates))
 
@@ -23,7 +23,7 @@ every_coordinate = pytest.mark.parametrize("coordinates", list(ChainCoordinates)
 class ByHand(ExplicitForcesLane):
     """The closed solution of a contact in the coordinates of a body each: what an engine is expected to do."""
 
-    def bare_steps(self, steps: int) -> None:
+    def native_steps(self, steps: int) -> None:
         return
 
     def _begin(self, motion: np.ndarray) -> Step:
@@ -94,7 +94,7 @@ def test_every_variant_can_tell_what_the_engine_costs_alone(name: str) -> None:
     for variant in variants_of(name):
         simulation = variant.build([lane_of()])
         before = simulation.advance(random_state(), 0, 10)
-        bare = bare_stepping(simulation)
+        bare = native_stepping(simulation)
         assert bare is not None
-        bare.bare_steps(20)
+        bare.native_steps(20)
         assert np.array_equal(simulation.advance(random_state(), 0, 10).positions, before.positions)

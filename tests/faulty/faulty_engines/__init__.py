@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from engines import Capabilities, Engine, Formulation, FrictionLaw, NormalForce, Option, Preset
-from engines.interface.engine import LaneModel, LanewiseSimulation
+from engines.interface.engine import LaneModel, SequentialSimulation
 from reference_lcp import HarmonicBase, State, StillBase, Trajectory
 from reference_lcp.chain.preload import normal_motion
 
@@ -45,10 +45,10 @@ class Lane(LaneModel):
         own = (memory, normal.gap) if self.lane.opens else (None, None)
         return Trajectory(self.lane.times(start, steps), positions, velocities, friction, normal.normal_force, *own)
 
-    def across(self, state, press):
+    def across(self, state, normal_load):
         """Press and fly."""
         gap, speed = state.normal_state(self.chain.cells)
-        return normal_motion(press, self.chain.inner_mass, self.lane.time_step, gap[0], speed[0])
+        return normal_motion(normal_load, self.chain.inner_mass, self.lane.time_step, gap[0], speed[0])
 
     def step(self, x, v, load):
         """Velocities first, then positions."""
@@ -84,12 +84,12 @@ class Faulty(Engine):
         """Version of the package."""
         return "1.0.0"
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """It needs nothing but NumPy."""
         return None
 
     def _build(self, lanes, formulation, preset):
-        return LanewiseSimulation([self.lane_model(lane, preset) for lane in lanes])
+        return SequentialSimulation([self.lane_model(lane, preset) for lane in lanes])
 
 
 class Forgets(Faulty):
@@ -376,8 +376,8 @@ class NeverFlies(Faulty):
     name = "faulty-grounded"
 
     class lane_model(Lane):  # noqa: N801
-        def across(self, state, press):
-            return dataclasses.replace(super().across(state, press), normal_force=np.maximum(press, 0.0))
+        def across(self, state, normal_load):
+            return dataclasses.replace(super().across(state, normal_load), normal_force=np.maximum(normal_load, 0.0))
 
 
 class LandsBetweenRuns(Faulty):
@@ -386,8 +386,8 @@ class LandsBetweenRuns(Faulty):
     name = "faulty-lands"
 
     class lane_model(Lane):  # noqa: N801
-        def across(self, state, press):
-            return super().across(dataclasses.replace(state, memory=None), press)
+        def across(self, state, normal_load):
+            return super().across(dataclasses.replace(state, memory=None), normal_load)
 
 
 class NamedWithASign(Faulty):

@@ -7,7 +7,7 @@ state in and gives a trajectory out, and one line in `pyproject.toml`.
 import numpy as np
 
 from engines import Capabilities, Engine, Formulation, FrictionLaw, Preset
-from engines.interface.engine import LaneModel, LanewiseSimulation, constant_normal_force
+from engines.interface.engine import LaneModel, SequentialSimulation, constant_normal_force
 from reference_lcp import State, Trajectory
 
 
@@ -29,12 +29,12 @@ class Tiny(Engine):
         """Version of the package."""
         return "1.2.3"
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         """It needs nothing but NumPy."""
         return None
 
     def _build(self, lanes, formulation, preset):
-        return LanewiseSimulation([TinyLane(lane) for lane in lanes])
+        return SequentialSimulation([TinyLane(lane) for lane in lanes])
 
 
 class TinyLane(LaneModel):

@@ -11,15 +11,15 @@ from reference_lcp import (
     EventDrivenSimulation,
     Flight,
     HarmonicBase,
+    InclinedChain,
     Lane,
     LemkeSimulation,
     ParameterError,
     Preload,
-    PreloadedChain,
     State,
-    air_fraction,
     contact_modes,
     largest_gap,
+    open_fraction,
     periodic_orbits,
     simulate_system,
     stuck_fraction,
@@ -39,8 +39,8 @@ def lane_of(modulation, multiple=1, *, phase=0.0, friction=0.3, frequency=0.9, s
 
 
 def equation_7(lane, steps):
-    """The same lane as a `PreloadedChain`, every step solved by Lemke's method in both directions at once."""
-    preloaded = PreloadedChain(
+    """The same lane as a `InclinedChain`, every step solved by Lemke's method in both directions at once."""
+    preloaded = InclinedChain(
         chain=lane.chain, drive=lane.drive, modulation=lane.preload.modulation,
         modulation_frequency=lane.preload.angular_frequency, modulation_phase=lane.preload.phase,
     )  # fmt: skip
@@ -87,7 +87,7 @@ def test_flight_of_the_scheme_tends_to_the_exact_flight(modulation, multiple) ->
         flight = Flight.of(lane.preload)
         scale = lane.chain.normal_force / lane.chain.inner_mass / lane.preload.angular_frequency**2
         # Lift-off and landing are each met to a step, in every cycle; the highest point to a step's fall from it.
-        assert np.all(np.abs(air_fraction(orbit) - flight.air_fraction) * steps <= 2 * multiple)
+        assert np.all(np.abs(open_fraction(orbit) - flight.open_fraction) * steps <= 2 * multiple)
         step_phase = lane.preload.angular_frequency * lane.time_step
         assert np.all(np.abs(largest_gap(orbit) / scale - flight.highest) <= step_phase**2)
 
@@ -109,7 +109,7 @@ def test_open_contact_feels_no_friction_and_is_no_stick() -> None:
     assert np.all(orbit.trajectory.friction[opened] == 0)
     modes = contact_modes(orbit)
     assert np.all(modes[opened] == np.sign(orbit.trajectory.relative_velocity)[opened])
-    assert np.all(stuck_fraction(orbit) <= 1 - air_fraction(orbit))
+    assert np.all(stuck_fraction(orbit) <= 1 - open_fraction(orbit))
     assert np.max(stuck_fraction(orbit)) > 0.2
 
 
@@ -171,7 +171,7 @@ def _plain():
 
 def test_flights_repeat_up_to_the_modulation_at_which_they_last_a_cycle() -> None:
     nearly = math.sqrt(1 + math.pi**2) - 1e-6
-    assert Flight.of(Preload(modulation=nearly, angular_frequency=1.0)).air_fraction == pytest.approx(1, abs=1e-3)
+    assert Flight.of(Preload(modulation=nearly, angular_frequency=1.0)).open_fraction == pytest.approx(1, abs=1e-3)
     for modulation in (0.9, 1.0, 3.3):
         with pytest.raises(ParameterError, match=f"modulation = {modulation:g}"):
             Flight.of(Preload(modulation=modulation, angular_frequency=1.0))

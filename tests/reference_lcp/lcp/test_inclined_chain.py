@@ -10,9 +10,9 @@ from reference_lcp import (
     Chain,
     CompiledSimulation,
     HarmonicBase,
+    InclinedChain,
     Lane,
     ParameterError,
-    PreloadedChain,
     State,
     StillBase,
     simulate_system,
@@ -38,7 +38,7 @@ def test_flat_contacts_under_constant_preload_move_as_the_chain_with_given_norma
     lane, steps = Lane.periodic(chain, drive, 400), 3 * 400
     fast = CompiledSimulation([lane]).run(State.at_rest(1, 7), 0, steps)[0]
     full = simulate_system(
-        PreloadedChain(chain=chain, drive=drive),
+        InclinedChain(chain=chain, drive=drive),
         position=np.zeros(21), velocity=np.zeros(21), time_step=lane.time_step, steps=steps, solver=solver,
     )  # fmt: skip
     velocity_scale = AMPLITUDE * drive.angular_frequency
@@ -173,7 +173,7 @@ def inclined_cell(alpha, friction_ratio, frequency_ratio, modulation, multiple):
         chain.chain_stiffness[0], chain.chain_damping[0], chain.inner_stiffness[0], AMPLITUDE,
         drive.angular_frequency, lambda t: mean * (1 + modulation * math.sin(frequency * t)), alpha, mu,
     )  # fmt: skip
-    cell = PreloadedChain(
+    cell = InclinedChain(
         chain=chain, drive=drive, inclination=alpha, modulation=modulation, modulation_frequency=frequency
     )
     return cell, exact
@@ -228,7 +228,7 @@ def test_both_implementations_of_lemke_give_the_same_lifting_motion() -> None:
 
 def test_seven_inclined_cells_share_their_loads_and_keep_every_contact_law() -> None:
     chain, drive = flat_chain(friction_ratio=0.6, frequency_ratio=0.8)
-    row = PreloadedChain(
+    row = InclinedChain(
         chain=chain, drive=drive, inclination=0.3, modulation=1.5, modulation_frequency=2 * drive.angular_frequency
     )
     motion = simulate_system(
@@ -250,7 +250,7 @@ def test_seven_inclined_cells_share_their_loads_and_keep_every_contact_law() -> 
 def test_preload_alone_leaves_the_chain_at_rest() -> None:
     """The actuator presses along the normal: no force along the face, whatever its inclination."""
     chain, _ = flat_chain(cells=2)
-    still = PreloadedChain(chain=chain, drive=StillBase(), inclination=-0.6)
+    still = InclinedChain(chain=chain, drive=StillBase(), inclination=-0.6)
     motion = simulate_system(still, position=np.zeros(6), velocity=np.zeros(6), time_step=1e-3, steps=50)
     assert np.max(np.abs(motion.positions)) <= ROUND_OFF * AMPLITUDE
     assert np.allclose(motion.normal_force, chain.normal_force)
@@ -270,4 +270,4 @@ def test_preload_alone_leaves_the_chain_at_rest() -> None:
 def test_impossible_preload_is_refused_with_its_value(wrong, message) -> None:
     chain, drive = flat_chain()
     with pytest.raises(ParameterError, match=message):
-        PreloadedChain(chain=chain, drive=drive, **wrong)
+        InclinedChain(chain=chain, drive=drive, **wrong)

@@ -15,10 +15,10 @@ from reports.cli import animate as module
 from reports.cli.animate import ChainDrawing, write_animation
 from reports.figures.stick_slip import MODE_COLOURS
 from scenarios.execution.recorded import RecordedPeriod
-from scenarios.tasks.questions import ChainRatios, Question
+from scenarios.tasks.questions import ChainRatios, SteadyStateTask
 from tests.reports.conftest import motion
 
-QUESTION = Question(
+QUESTION = SteadyStateTask(
     variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9, ratios=ChainRatios(cells=2)
 )  # fmt: skip
 

@@ -13,14 +13,14 @@ import pytest
 import reports.__main__ as command
 from engines.interface.variant import Variant
 from reference_lcp.console import run_command
-from reports.data.collect import Extent, expected_questions
+from reports.data.collect import Scope, expected_questions
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import ProcessWorker
 from scenarios.execution.store import ResultStore
 from scenarios.studies.figure3 import Figure3
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.verdicts import verdicts
-from scenarios.tasks.questions import Answer, Excitation
+from scenarios.tasks.questions import Excitation, Result
 
 SMALL = {"friction_ratios": (0.3,), "frequency_ratios": (0.3, 0.6, 0.63, 0.65, 0.7, 0.8, 0.9, 1.1)}
 
@@ -39,7 +39,7 @@ def small_grid(monkeypatch: pytest.MonkeyPatch) -> None:
         return Figure3(variants=tuple(command.Variant(name) for name in names), **SMALL)
 
     monkeypatch.setattr(command, "_asked", asked)
-    monkeypatch.setattr(command, "Extent", lambda: Extent(((0.3, 0.9),), (0.3,), (0.6, 0.9), step_study=False))
+    monkeypatch.setattr(command, "Scope", lambda: Scope(((0.3, 0.9),), (0.3,), (0.6, 0.9), step_study=False))
 
 
 def one_line(capsys: pytest.CaptureFixture[str]) -> str:
@@ -156,7 +156,7 @@ def stopped(tmp_path: Path) -> list[str]:
     asked = command._asked_by(tmp_path / "sweep.toml", None, quick=False)
     with ResultStore(tmp_path / "sweep.sqlite") as store:
         questions = [asked.question(command.Variant("mujoco"), 0.3, eta) for eta in (0.6, 0.9)]
-        store.keep((question, Answer(status="converged", transmittance_db=-1.0)) for question in questions)
+        store.keep((question, Result(status="converged", transmittance_db=-1.0)) for question in questions)
     return [
         "--sweep",
         str(tmp_path / "sweep.toml"),
@@ -203,8 +203,8 @@ transmittance_db = 0.1
 def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    extent = Extent(((0.3, 0.9),), (0.3,), (0.6, 0.9), step_study=False)
-    monkeypatch.setattr(command, "Extent", lambda: extent)
+    scope = Scope(((0.3, 0.9),), (0.3,), (0.6, 0.9), step_study=False)
+    monkeypatch.setattr(command, "Scope", lambda: scope)
     file, store = tmp_path / "sweep.toml", tmp_path / "results.sqlite"
     file.write_text(PUSHED)
     arguments = ["--sweep", str(file), "--store", str(store), "--out", str(tmp_path / "out"), "--workers", "1"]
@@ -242,7 +242,7 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
 def test_the_step_study_of_a_report_is_about_the_drive_of_its_sweep(tmp_path: Path) -> None:
     (tmp_path / "sweep.toml").write_text(PUSHED)
     asked = command._asked_by(tmp_path / "sweep.toml", None, quick=False)
-    expected = expected_questions(asked, Extent())
+    expected = expected_questions(asked, Scope())
     assert {question.steps_per_period for question in expected} >= {400, 800, 1600}
     assert {question.excitation for question in expected} == {Excitation(kind="force", amplitude=10.0)}
 

@@ -14,7 +14,7 @@ from reference_lcp.validation import ParameterError
 from reports.__main__ import app
 from scenarios.execution.store import ResultStore
 from scenarios.tasks import questions
-from scenarios.tasks.questions import Answer, Question
+from scenarios.tasks.questions import Result, SteadyStateTask
 from scenarios.verdicts.regression import Kept, Thresholds, change, compare_stores
 
 SOFT, HARD = Option(1, 5, "soft"), Option(100, 5, "hard")
@@ -35,32 +35,33 @@ class Softening(Engine):
     def version(self) -> str:
         return "1.0"
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         return None
 
     def _build(self, *_: object):
         raise NotImplementedError
 
 
-def answered(question: Question, softness: float) -> Answer:
+def answered(question: SteadyStateTask, residual_slip_compliance: float) -> Result:
     """Only where contacts slip is the transmittance changed by their softness."""
     slips = question.frequency_ratio > 0.5
-    return Answer(
-        status="converged", transmittance_db=-5.0 + softness * slips, residual=1e-9, periods=30, steps_per_period=400,
-        period=1.0, stuck_fraction=(0.5, 1.0), transitions=((1, 0.2 + softness * slips / 1000, "stick"),),
+    return Result(
+        status="converged", transmittance_db=-5.0 + residual_slip_compliance * slips, residual=1e-9, periods=30, steps_per_period=400,
+        period=1.0, stuck_fraction=(0.5, 1.0), transitions=((1, 0.2 + residual_slip_compliance * slips / 1000, "stick"),),
     )  # fmt: skip
 
 
-def fill(file: Path, option: Option, softness: float, monkeypatch: pytest.MonkeyPatch) -> Path:
+def fill(file: Path, option: Option, residual_slip_compliance: float, monkeypatch: pytest.MonkeyPatch) -> Path:
     engine = Softening(option)
     monkeypatch.setattr(questions, "engine", lambda _name: engine)
     monkeypatch.setattr(variant, "engine", lambda _name: engine)
     questions._identity.cache_clear()
     with ResultStore(file) as store:
         asked = [
-            Question(variant=Variant("softening"), friction_ratio=0.3, frequency_ratio=eta) for eta in (0.3, 0.6, 0.9)
+            SteadyStateTask(variant=Variant("softening"), friction_ratio=0.3, frequency_ratio=eta)
+            for eta in (0.3, 0.6, 0.9)
         ]
-        store.keep((question, answered(question, softness)) for question in asked)
+        store.keep((question, answered(question, residual_slip_compliance)) for question in asked)
     questions._identity.cache_clear()
     return file
 
@@ -105,7 +106,7 @@ def test_a_store_equals_itself(before: Path, capsys: pytest.CaptureFixture[str])
 
 def test_points_of_one_store_alone_are_counted(before: Path, tmp_path: Path) -> None:
     now = tmp_path / "now.sqlite"
-    other = Question(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
+    other = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
     with ResultStore(now) as store:
         store.keep([(other, answered(other, 0.0))])
     found = compare_stores(before, now)
@@ -125,7 +126,7 @@ def test_points_of_one_store_alone_are_counted(before: Path, tmp_path: Path) -> 
     ],
 )
 def test_every_kind_of_change_passes_its_threshold(now: dict[str, object], beyond: str) -> None:
-    question = Question(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
+    question = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
     old = answered(question, 0.0)
     kept = [Kept({}, "1", {}, answer) for answer in (old, dataclasses.replace(old, **now))]
     assert beyond in change(*kept, Thresholds()).beyond

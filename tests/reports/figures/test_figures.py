@@ -16,7 +16,7 @@ from reports.figures.style import PALETTE, Look, look_of
 from reports.page.render import sections
 from reports.page.sections import StickSlip
 from scenarios.studies.figure3 import Figure3, Figure3Result
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 
 RGB = tuple[float, float, float]
 
@@ -85,7 +85,7 @@ def test_printed_looks_and_looks_on_the_screen_have_the_same_colour(many: Figure
 
 
 def test_phases_of_a_contact_fill_the_period_once() -> None:
-    answer = Answer(
+    answer = Result(
         status="converged", period=2.0, stuck_fraction=(0.5, 1.0, 0.0),
         transitions=((1, 0.5, "forward slip"), (1, 1.5, "stick")),
     )  # fmt: skip

@@ -91,10 +91,10 @@ SORTED = """(() => {
 @pytest.mark.parametrize(
     "press", ["click()", "dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}))"]
 )
-def test_tables_sort_by_number_and_back(browser: Browser, page: Path, press: str) -> None:
+def test_tables_sort_by_number_and_back(browser: Browser, page: Path, normal_load: str) -> None:
     """Errors of a hundredth and below: neither in order from the start, nor ordered alike as texts and as numbers."""
     browser.open(page, 1440)
-    sort = SORTED % ("work_precision", "largest error", press)
+    sort = SORTED % ("work_precision", "largest error", normal_load)
     order, before, values = browser.run(sort)
     numbers = [float(value) for value in values]
     assert order == "ascending"

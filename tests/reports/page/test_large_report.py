@@ -12,11 +12,11 @@ import pytest
 from engines.interface.registry import engine, engine_names
 from engines.interface.variant import Variant, variants_of
 from reports.page.render import LARGEST_PAGE
-from scenarios.execution.evaluator import StoredAnswers
+from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.store import ResultStore
 from scenarios.studies.figure3 import run
 from scenarios.sweeps.spec_file import read_sweep
-from scenarios.tasks.questions import Answer, Question
+from scenarios.tasks.questions import Result, SteadyStateTask
 
 POINTS = 20_000
 SECONDS = 120.0
@@ -26,17 +26,17 @@ a slower machine. A step that takes a millisecond more a point, or looks through
 FRICTION_RATIOS = (0.0, 0.1, 0.3, 0.6, 1.0, 5.0)
 
 
-class Inventor(StoredAnswers):
+class Inventor(StoredResults):
     """Makes answers up, and keeps them: curves that fall through the band, with an error of each variant's own."""
 
-    def evaluate(self, questions: Sequence[Question]) -> list[Answer]:
+    def evaluate(self, questions: Sequence[SteadyStateTask]) -> list[Result]:
         new = {question: invented(question) for question in self.unanswered(questions)}
         self._store.keep(new.items())
         self._answered |= new
         return [self._answered[question] for question in questions]
 
 
-def invented(question: Question) -> Answer:
+def invented(question: SteadyStateTask) -> Result:
     edge = 0.6 + abs(question.friction_ratio - 0.3) / 4
     error = 1e-3 * (sum(map(ord, str(question.variant))) % 700)
     changes = [
@@ -44,7 +44,7 @@ def invented(question: Question) -> Answer:
         for cell in range(1, 6)
         for k in range(4)
     ]
-    return Answer(
+    return Result(
         status="converged",
         transmittance_db=6 * (1 - (question.frequency_ratio / edge) ** 4)
         + error * math.sin(9 * question.frequency_ratio),
@@ -61,7 +61,7 @@ def invented(question: Question) -> Answer:
 def sweep_text(variants: Sequence[Variant]) -> str:
     count = math.ceil(POINTS / len(variants) / len(FRICTION_RATIOS))
     etas = sorted({0.6, 0.9, 1.3, *(round(0.3 + 1.7 * k / count, 4) for k in range(count))})
-    names = [f"{v.engine}:{v.formulation}:{v.preset}" for v in variants]
+    names = [f"{v.engine}:{v.formulation}:{v.preset_name}" for v in variants]
     return (
         f"engines = {names!r}\n[grid]\nfriction_ratio = {list(FRICTION_RATIOS)}\nfrequency_ratio = {etas}\n"
     )  # fmt: skip
@@ -69,7 +69,7 @@ def sweep_text(variants: Sequence[Variant]) -> str:
 
 @pytest.mark.slow
 def test_twenty_thousand_points_are_a_page_of_less_than_five_mebibytes(tmp_path: Path) -> None:
-    installed = [name for name in engine_names() if engine(name).why_not_installed() is None]
+    installed = [name for name in engine_names() if engine(name).unavailable_reason() is None]
     variants = [variant for name in installed for variant in variants_of(name)]
     sweep, store = tmp_path / "sweep.toml", tmp_path / "results.sqlite"
     sweep.write_text(sweep_text(variants))

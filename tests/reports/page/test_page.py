@@ -16,7 +16,7 @@ from reports.page.sections import OpenPoints
 from reports.page.sections.stick_slip import stick_slip_rows
 from scenarios.studies.attenuation_band import Edge
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
-from scenarios.tasks.questions import Answer, ChainRatios
+from scenarios.tasks.questions import ChainRatios, Result
 from scenarios.verdicts.verdict import compare_edge, compare_transmittance
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
@@ -166,8 +166,8 @@ def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
     place = (0.3, 0.6)
     ratios = ChainRatios(cells=2, mass_ratio=(1.0, 0.5), outer_mass_ratio=(1.0, 2.0))
     asked = Figure3(variants=(MISSING,), friction_ratios=place[:1], frequency_ratios=place[1:], ratios=ratios)
-    lost = Answer(status="period limit", residual=1e-3, periods=400)
-    answers = {variant: Answer.blocked("why") if variant == MISSING else lost for variant in asked.all_variants}
+    lost = Result(status="period limit", residual=1e-3, periods=400)
+    answers = {variant: Result.blocked("why") if variant == MISSING else lost for variant in asked.all_variants}
     result = Figure3Result(
         asked,
         tuple(Point(v, *place, answer, compare_transmittance(answer, lost, 0.25)) for v, answer in answers.items()),

@@ -15,7 +15,7 @@ from scenarios.catalogue.figure3 import EDGE, LOWER_EDGES
 from scenarios.catalogue.linear_limits import LOCKING_FRICTION
 from scenarios.catalogue.steady_base import LONGEST_SECONDS, SAME_STEP, TRANSMITTANCE, SteadyScenario
 from scenarios.catalogue.unequal_cells import SEED
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 from scenarios.verdicts.verdict import Verdict
 from tests.reference_lcp.cases import STANDING
 
@@ -154,12 +154,12 @@ class Answering:
 
     def evaluate(self, questions):
         self.asked += [question for question in questions if question.variant != REFERENCE]
-        found = Answer(status="converged", transmittance_db=0.0, steps_per_period=400)
+        found = Result(status="converged", transmittance_db=0.0, steps_per_period=400)
         return [found if question.variant.engine == "reference" else self.answer for question in questions]
 
 
 def test_a_slow_engine_is_asked_the_first_case_only(verdicts) -> None:
-    slow = Answer(status="converged", transmittance_db=0.0, residual=1e-9, seconds=0.6 * LONGEST_SECONDS)
+    slow = Result(status="converged", transmittance_db=0.0, residual=1e-9, seconds=0.6 * LONGEST_SECONDS)
     evaluator = Answering(verdicts, slow)
     scenario = CATALOGUE["frictionless-limit"]
     findings = scenario.run([Variant("mujoco")], evaluator)
@@ -170,7 +170,7 @@ def test_a_slow_engine_is_asked_the_first_case_only(verdicts) -> None:
 
 
 def test_a_longer_chain_is_not_asked_where_the_shorter_one_says_that_it_takes_too_long(verdicts) -> None:
-    slow = Answer(status="converged", transmittance_db=0.0, residual=1e-9, seconds=LONGEST_SECONDS / 6)
+    slow = Result(status="converged", transmittance_db=0.0, residual=1e-9, seconds=LONGEST_SECONDS / 6)
     findings = CATALOGUE["long-chain"].run([Variant("mujoco")], Answering(verdicts, slow))
     reasons = {one.case: one.comparison.reason for one in findings if one.metric == TRANSMITTANCE}
     assert reasons["15 cells"].startswith("not asked: 7 cells took 50 s, this would take some 230 s")
@@ -180,9 +180,9 @@ def test_a_longer_chain_is_not_asked_where_the_shorter_one_says_that_it_takes_to
 @pytest.mark.parametrize(
     ("answer", "verdict", "reason"),
     [
-        (Answer.blocked("not installed: no wheel"), Verdict.BLOCKED, "not installed: no wheel"),
+        (Result.blocked("not installed: no wheel"), Verdict.BLOCKED, "not installed: no wheel"),
         (
-            Answer(status="period limit", residual=2e-3, periods=400, steps_per_period=800),
+            Result(status="period limit", residual=2e-3, periods=400, steps_per_period=800),
             Verdict.INCONCLUSIVE,
             "engine at 800 steps a period: period limit after 400 periods, residual 2.0e-03",
         ),

@@ -64,7 +64,7 @@ def test_friction_that_is_too_large_by_a_twentieth_is_found(tmp_path, monkeypatc
 def test_variant_that_is_not_installed_is_blocked_in_every_metric(tmp_path, monkeypatch) -> None:
     from engines.mujoco import MuJoCo
 
-    monkeypatch.setattr(MuJoCo, "why_not_installed", lambda _self: "no wheel")
+    monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _self: "no wheel")
     found = findings(tmp_path, "mujoco")
     assert {finding.comparison.verdict for finding in found} == {Verdict.BLOCKED}
     assert "no wheel" in found[0].comparison.reason

@@ -8,17 +8,17 @@ import pytest
 from engines.interface.variant import Variant
 from reference_lcp.validation import ParameterError
 from scenarios.catalogue.modulated_normal_force import AIR, CASES, GAP, TRANSMITTANCE, ModulatedNormalForce
-from scenarios.execution.evaluator import Evaluator, StoredAnswers
-from scenarios.execution.local_processes import Crew
+from scenarios.execution.evaluator import Evaluator, StoredResults
+from scenarios.execution.local_processes import Executor
 from scenarios.execution.steady import answer_batch
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.questions import Answer, Modulation, Question
+from scenarios.tasks.questions import Modulation, Result, SteadyStateTask
 from scenarios.verdicts.verdict import Verdict
 
 REFERENCE, OTHER = Variant("reference"), Variant("mujoco", "contact")
 
 
-KNOWN: dict[Question, Answer] = {}
+KNOWN: dict[SteadyStateTask, Result] = {}
 
 
 class Answering:
@@ -71,7 +71,7 @@ def test_what_cannot_be_represented_is_blocked_with_its_reason() -> None:
     class Refusing(Answering):
         def evaluate(self, questions):
             return [
-                Answer.blocked("contacts stay closed") if question.variant != REFERENCE else answer
+                Result.blocked("contacts stay closed") if question.variant != REFERENCE else answer
                 for question, answer in zip(questions, super().evaluate(questions), strict=True)
             ]
 
@@ -86,18 +86,22 @@ def test_what_cannot_be_represented_is_blocked_with_its_reason() -> None:
 def test_refusal_is_known_before_the_engine_is_asked(tmp_path, workers) -> None:
     """Joints of PyBullet take a normal force that stays above zero, joints of Exudyn a constant one only."""
     asked = [
-        Question(variant=variant, friction_ratio=0.3, frequency_ratio=0.6, modulation=Modulation(modulation=modulation))
+        SteadyStateTask(
+            variant=variant, friction_ratio=0.3, frequency_ratio=0.6, modulation=Modulation(modulation=modulation)
+        )
         for variant, modulation in [(Variant("pybullet"), 1.5), (Variant("exudyn-regularised"), 0.5)]
     ]
     with ResultStore(tmp_path / "store.sqlite") as store:
-        answers = (StoredAnswers(store) if workers is None else Evaluator(store, Crew(nobody, workers))).evaluate(asked)
+        answers = (StoredResults(store) if workers is None else Evaluator(store, Executor(nobody, workers))).evaluate(
+            asked
+        )
     assert [answer.status for answer in answers] == ["blocked", "blocked"]
     for answer, what in zip(answers, ("modulation = 1.5: pybullet", "modulation = 0.5: exudyn"), strict=True):
         assert answer.reason.startswith(("not installed", f"cannot be represented: {what}"))
 
 
 def test_question_under_a_constant_normal_force_keeps_its_stored_key() -> None:
-    plain = Question(variant=REFERENCE, friction_ratio=0.3, frequency_ratio=0.6)
+    plain = SteadyStateTask(variant=REFERENCE, friction_ratio=0.3, frequency_ratio=0.6)
     assert "modulation" not in plain.content()["question"]
     assert plain.key() == "b52b488965a04fe29e37990273d6fdea90f45e71064ff16182b67da419ce2f5c"
     modulated = dataclasses.replace(plain, modulation=Modulation(modulation=0.5))
@@ -106,21 +110,23 @@ def test_question_under_a_constant_normal_force_keeps_its_stored_key() -> None:
 
 
 def test_key_of_a_modulated_question_holds_the_options_of_that_case() -> None:
-    question = Question(variant=OTHER, friction_ratio=0.3, frequency_ratio=0.6, modulation=Modulation(modulation=1.5))
+    question = SteadyStateTask(
+        variant=OTHER, friction_ratio=0.3, frequency_ratio=0.6, modulation=Modulation(modulation=1.5)
+    )
     assert "solimp" in question.content()["options"]
     assert "solimp" not in dataclasses.replace(question, modulation=None).content()["options"]
 
 
 def test_answer_keeps_time_in_the_air_and_largest_gap() -> None:
-    question = Question(
+    question = SteadyStateTask(
         variant=REFERENCE, friction_ratio=0.3, frequency_ratio=0.5, modulation=Modulation(modulation=1.5, multiple=2)
     )
     (answer,) = answer_batch([question])
-    assert Answer.from_json(answer.to_json()) == answer
-    assert min(answer.air_fraction) > 0.5
+    assert Result.from_json(answer.to_json()) == answer
+    assert min(answer.open_fraction) > 0.5
     assert min(answer.largest_gap) > 0
     (plain,) = answer_batch([dataclasses.replace(question, modulation=None)])
-    assert (plain.air_fraction, plain.largest_gap) == ((), ())
+    assert (plain.open_fraction, plain.largest_gap) == ((), ())
 
 
 @pytest.mark.parametrize(

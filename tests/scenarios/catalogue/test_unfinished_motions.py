@@ -1,20 +1,20 @@
 """Motions that are not there: those that failed are blocked, those that nobody has asked for are inconclusive."""
 
 from scenarios.catalogue.transient_base import unfinished
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 from scenarios.verdicts.verdict import Verdict
 
-FINISHED = Answer(status="finished")
+FINISHED = Result(status="finished")
 
 
 def test_a_motion_that_nobody_has_asked_for_is_no_failure() -> None:
-    found = unfinished([FINISHED, Answer.missing()])
+    found = unfinished([FINISHED, Result.missing()])
     assert found is not None
     assert (found.verdict, found.reason) == (Verdict.INCONCLUSIVE, "not answered so far")
 
 
 def test_an_engine_that_fails_is_blocked_with_its_reason() -> None:
-    found = unfinished([FINISHED, Answer.blocked("crashed")])
+    found = unfinished([FINISHED, Result.blocked("crashed")])
     assert found is not None
     assert (found.verdict, found.reason) == (Verdict.BLOCKED, "crashed")
 

@@ -27,7 +27,7 @@ from scenarios.cli import run as catalogue_command
 from scenarios.verdicts.verdict import Comparison, Verdict
 
 PITCH = Metric("pitch", "Hz", "how high it is")
-RIGHT, LAWFUL, MISSING = Variant("reference"), Variant("mujoco", preset="default"), Variant("siconos")
+RIGHT, LAWFUL, MISSING = Variant("reference"), Variant("mujoco", preset_name="default"), Variant("siconos")
 
 
 def finding(variant, case, verdict, difference=math.nan, tolerance=math.nan) -> Finding:

@@ -12,12 +12,12 @@ import pytest
 from engines.interface.variant import Variant
 from reference_lcp import ParameterError
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalCrew
+from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.questions import ChainRatios, Question
+from scenarios.tasks.questions import ChainRatios, SteadyStateTask
 
 pytest.importorskip("distributed")
-from scenarios.execution.dask_cluster import ClusterCrew
+from scenarios.execution.dask_cluster import DaskExecutor
 
 
 @contextlib.contextmanager
@@ -54,15 +54,15 @@ def scheduler(install) -> Iterator[str]:
             yield address
 
 
-def question(eta: float, name: str = "mujoco") -> Question:
-    return Question(variant=Variant(name), friction_ratio=0.3, frequency_ratio=eta, ratios=ChainRatios(cells=2))
+def question(eta: float, name: str = "mujoco") -> SteadyStateTask:
+    return SteadyStateTask(variant=Variant(name), friction_ratio=0.3, frequency_ratio=eta, ratios=ChainRatios(cells=2))
 
 
 def test_cluster_and_local_processes_give_the_same_table(scheduler, tmp_path) -> None:
     asked = [question(eta, name) for eta in (0.4, 0.6, 0.9) for name in ("mujoco", "reference")]
     tables = []
-    for name, crew in (("local", LocalCrew(2)), ("cluster", ClusterCrew(scheduler))):
-        with ResultStore(tmp_path / f"{name}.sqlite") as store, Evaluator(store, crew) as evaluator:
+    for name, executor in (("local", LocalExecutor(2)), ("cluster", DaskExecutor(scheduler))):
+        with ResultStore(tmp_path / f"{name}.sqlite") as store, Evaluator(store, executor) as evaluator:
             tables.append([(a.transmittance_db, a.residual, a.transitions) for a in evaluator.evaluate(asked)])
     assert tables[0] == tables[1]
 
@@ -70,6 +70,6 @@ def test_cluster_and_local_processes_give_the_same_table(scheduler, tmp_path) ->
 def test_nobody_at_the_address_is_an_error_that_names_it(monkeypatch) -> None:
     monkeypatch.setattr("scenarios.execution.dask_cluster.CONNECT_SECONDS", 1)
     with pytest.raises(ParameterError, match=r"scheduler = 'tcp://127.0.0.1:9' does not answer"):
-        ClusterCrew("tcp://127.0.0.1:9")
+        DaskExecutor("tcp://127.0.0.1:9")
     with pytest.raises(ParameterError, match="scheduler = 'nonsense:nonsense' does not answer"):
-        ClusterCrew("nonsense:nonsense")
+        DaskExecutor("nonsense:nonsense")

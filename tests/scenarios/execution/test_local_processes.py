@@ -15,17 +15,17 @@ import json, sys, time
 from pathlib import Path
 from engines.interface.variant import Variant
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalCrew
-from scenarios.tasks.questions import ChainRatios, Question
+from scenarios.execution.local_processes import LocalExecutor
+from scenarios.tasks.questions import ChainRatios, SteadyStateTask
 from scenarios.execution.store import ResultStore
 
 def question(name, eta):
-    return Question(variant=Variant(name), friction_ratio=0.3, frequency_ratio=eta, ratios=ChainRatios(cells=2))
+    return SteadyStateTask(variant=Variant(name), friction_ratio=0.3, frequency_ratio=eta, ratios=ChainRatios(cells=2))
 
 if __name__ == "__main__":
     names, file = sys.argv[1].split(","), Path(sys.argv[2])
     asked = [question(name, eta) for name in names for eta in json.loads(sys.argv[3])]
-    with ResultStore(file) as store, Evaluator(store, LocalCrew(2, 4.0)) as evaluator:
+    with ResultStore(file) as store, Evaluator(store, LocalExecutor(2, 4.0)) as evaluator:
         found = evaluator.evaluate(asked)
     rows = [(q.variant.engine, q.frequency_ratio, a.status, a.reason) for q, a in zip(asked, found)]
     print(json.dumps(rows))

@@ -8,11 +8,11 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.execution import local_processes as isolation
-from scenarios.execution.local_processes import LocalCrew
+from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.progress import Bars, CountingEvaluator, Pace
 from scenarios.execution.store import ResultStore
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3
-from scenarios.tasks.questions import Answer, Question
+from scenarios.tasks.questions import Result, SteadyStateTask
 
 
 class CountedBars(Bars):
@@ -31,8 +31,8 @@ class CountedBars(Bars):
     recall = advance
 
 
-def answer_everything(batch: Sequence[Question]) -> list[Answer]:
-    return [Answer(status="converged", transmittance_db=question.frequency_ratio) for question in batch]
+def answer_everything(batch: Sequence[SteadyStateTask]) -> list[Result]:
+    return [Result(status="converged", transmittance_db=question.frequency_ratio) for question in batch]
 
 
 class HereAndNow:
@@ -40,9 +40,9 @@ class HereAndNow:
 
     def __init__(self, *_arguments: object, **_options: object) -> None: ...
 
-    def submit(self, *arguments: object) -> Future[list[Answer]]:
+    def submit(self, *arguments: object) -> Future[list[Result]]:
         batch = next(one for one in arguments if isinstance(one, list))
-        done: Future[list[Answer]] = Future()
+        done: Future[list[Result]] = Future()
         done.set_result(answer_everything(batch))
         return done
 
@@ -57,7 +57,7 @@ def test_the_grid_is_expected_from_the_start_and_a_question_counts_once(
     bars = CountedBars()
     with (
         ResultStore(tmp_path / "s.sqlite") as store,
-        CountingEvaluator(store, LocalCrew(1), asked.grid, bars) as evaluator,
+        CountingEvaluator(store, LocalExecutor(1), asked.grid, bars) as evaluator,
     ):
         assert bars.total == {CONVERGED: 4, REFERENCE: 12}
         on_grid = asked.question(REFERENCE, 0.3, 0.5)

@@ -13,12 +13,12 @@ from scenarios.execution.local_processes import ProcessWorker
 from scenarios.execution.recorded import PeriodStore, RecordedPeriod, period_of, periods_of, recorded_periods
 from scenarios.execution.steady import answer_batch
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.questions import ChainRatios, Question
+from scenarios.tasks.questions import ChainRatios, SteadyStateTask
 
 
-def question(frequency_ratio: float = 0.9, variant: str = "reference") -> Question:
+def question(frequency_ratio: float = 0.9, variant: str = "reference") -> SteadyStateTask:
     ratios = ChainRatios(cells=2)
-    return Question(variant=Variant(variant), friction_ratio=0.3, frequency_ratio=frequency_ratio, ratios=ratios)
+    return SteadyStateTask(variant=Variant(variant), friction_ratio=0.3, frequency_ratio=frequency_ratio, ratios=ratios)
 
 
 @pytest.fixture
@@ -67,7 +67,7 @@ def test_a_motion_without_a_steady_state_is_not_kept(store: PeriodStore) -> None
     assert store.find(question()) is None
 
 
-def ends_at_high_frequency(batch: list[Question]) -> list[RecordedPeriod]:
+def ends_at_high_frequency(batch: list[SteadyStateTask]) -> list[RecordedPeriod]:
     if batch[0].frequency_ratio > 1:
         os._exit(1)
     return periods_of(batch)

@@ -12,16 +12,16 @@ from engines.interface.variant import Variant
 from reference_lcp import ParameterError
 from reference_lcp.steady.orbits import OrbitStatus
 from scenarios import answering, evaluation, isolation
-from scenarios.execution.evaluator import Evaluator, StoredAnswers
-from scenarios.execution.local_processes import LocalCrew
+from scenarios.execution.evaluator import Evaluator, StoredResults
+from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.questions import Answer, AnswerStatus, ChainRatios, Outcome, Question
+from scenarios.tasks.questions import ChainRatios, Result, ResultStatus, ResultSummary, SteadyStateTask
 
 SMALL = ChainRatios(cells=2)
 
 
-def question(friction=0.3, eta=0.9, variant="reference", **more) -> Question:
-    return Question(variant=Variant(variant), friction_ratio=friction, frequency_ratio=eta, ratios=SMALL, **more)
+def question(friction=0.3, eta=0.9, variant="reference", **more) -> SteadyStateTask:
+    return SteadyStateTask(variant=Variant(variant), friction_ratio=friction, frequency_ratio=eta, ratios=SMALL, **more)
 
 
 @pytest.fixture
@@ -30,37 +30,37 @@ def store(tmp_path):
         yield opened
 
 
-FULL = Answer(
+FULL = Result(
     status="finished", reason="told", transmittance_db=-3.25, residual=1e-9, periods=33, multiple=2,
     steps_per_period=400, period=0.25, stuck_fraction=(0.5, 1.0), transitions=((1, 0.25, "stick"),),
-    creep=(1e-6, 2e-6), air_fraction=(0.125, 0.0), largest_gap=(0.75, 0.0), seconds=0.5, series={"outer": (0.0, 1.5)},
+    creep=(1e-6, 2e-6), open_fraction=(0.125, 0.0), largest_gap=(0.75, 0.0), seconds=0.5, series={"outer": (0.0, 1.5)},
 )  # fmt: skip
 """Every field has another value than it has unless it is given: what is lost on the way is noticed."""
 
 
 def test_every_field_of_an_answer_survives_json() -> None:
-    usual = vars(Answer(status="converged"))
+    usual = vars(Result(status="converged"))
     assert [name for name, value in vars(FULL).items() if value == usual[name]] == []
-    assert Answer.from_json(FULL.to_json()) == FULL
+    assert Result.from_json(FULL.to_json()) == FULL
 
 
 @pytest.mark.parametrize("name", [name for name in vars(FULL) if name not in ("status", "transitions")])
 def test_answer_that_lost_a_field_is_another_one(name) -> None:
     lost = {key: value for key, value in json.loads(FULL.to_json()).items() if key != name}
-    assert Answer.from_json(json.dumps(lost)) != FULL
+    assert Result.from_json(json.dumps(lost)) != FULL
 
 
 def test_answer_without_numbers_survives_json_as_nan() -> None:
-    text = Answer(status="diverged").to_json()
+    text = Result(status="diverged").to_json()
     assert "NaN" not in text
-    again = Answer.from_json(text)
+    again = Result.from_json(text)
     assert again.status == "diverged"
     for name in ("transmittance_db", "residual", "period", "seconds"):
         assert math.isnan(getattr(again, name)), name
 
 
 def test_kept_answer_is_found_by_an_equal_question_only(store) -> None:
-    store.keep([(question(), Answer(status="converged", transmittance_db=1.0))])
+    store.keep([(question(), Result(status="converged", transmittance_db=1.0))])
     assert store.find(question()).transmittance_db == 1.0
     for other in (
         question(friction=0.4),
@@ -72,14 +72,14 @@ def test_kept_answer_is_found_by_an_equal_question_only(store) -> None:
 
 
 def test_blocked_answer_is_not_kept_so_that_it_is_tried_again(store) -> None:
-    store.keep([(question(), Answer.blocked("crashed"))])
+    store.keep([(question(), Result.blocked("crashed"))])
     assert store.find(question()) is None
 
 
 def test_store_is_there_again_after_it_was_closed(tmp_path) -> None:
     file = tmp_path / "results.sqlite"
     with ResultStore(file) as store:
-        store.keep([(question(), Answer(status="converged", transmittance_db=2.0))])
+        store.keep([(question(), Result(status="converged", transmittance_db=2.0))])
     with ResultStore(file) as store:
         assert store.find(question()).transmittance_db == 2.0
 
@@ -102,11 +102,11 @@ def test_foreign_and_damaged_files_are_refused_and_left_alone(tmp_path) -> None:
 
 def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
     asked = [question(eta=eta) for eta in (0.5, 0.9, 0.5)]
-    with Evaluator(store, LocalCrew(1)) as evaluator:
+    with Evaluator(store, LocalExecutor(1)) as evaluator:
         first = evaluator.evaluate(asked)
     monkeypatch.setattr(isolation, "ProcessPoolExecutor", None)
     counted = []
-    with Evaluator(store, LocalCrew(1)) as evaluator:
+    with Evaluator(store, LocalExecutor(1)) as evaluator:
         evaluator.recalled = lambda _variant, count: counted.append(count)
         assert evaluator.evaluate(asked) == first
     assert sum(counted) == 2
@@ -116,33 +116,33 @@ def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
 
 def test_stored_answers_complete_with_what_is_kept_and_say_what_is_missing(store, monkeypatch) -> None:
     kept, unknown, absent = question(), question(eta=0.5), question(variant="pybullet")
-    store.keep([(kept, Answer(status=AnswerStatus.PERIOD_LIMIT, periods=400, multiple=0))])
+    store.keep([(kept, Result(status=ResultStatus.PERIOD_LIMIT, periods=400, multiple=0))])
     monkeypatch.setattr(
-        evaluation, "why_not_installed", lambda asked: "no wheel" if asked.engine == "pybullet" else None
+        evaluation, "unavailable_reason", lambda asked: "no wheel" if asked.engine == "pybullet" else None
     )
     counted = []
-    with StoredAnswers(store) as stored:
+    with StoredResults(store) as stored:
         stored.recalled = lambda asked, count: counted.append((asked, count))
         found = list(stored.complete([kept, unknown, absent]))
     assert found == [
-        (kept, Outcome(AnswerStatus.PERIOD_LIMIT, 400, 0)),
-        (unknown, Outcome(AnswerStatus.MISSING, reason="not answered so far")),
-        (absent, Outcome(AnswerStatus.BLOCKED, reason="not installed: no wheel")),
+        (kept, ResultSummary(ResultStatus.PERIOD_LIMIT, 400, 0)),
+        (unknown, ResultSummary(ResultStatus.MISSING, reason="not answered so far")),
+        (absent, ResultSummary(ResultStatus.BLOCKED, reason="not installed: no wheel")),
     ]
     assert counted == [(asked.variant, 1) for asked in (kept, unknown, absent)]
 
 
 def test_a_status_that_there_is_not_is_refused() -> None:
     with pytest.raises(ParameterError, match="status of an answer = 'not asked'; allowed: converged, period limit, "):
-        Answer(status="not asked")
-    assert {str(status) for status in OrbitStatus} < set(AnswerStatus)
+        Result(status="not asked")
+    assert {str(status) for status in OrbitStatus} < set(ResultStatus)
 
 
 def test_a_store_with_an_unknown_status_says_which_file_and_which_status(tmp_path) -> None:
     file = tmp_path / "results.sqlite"
     with ResultStore(file) as store:
-        store.keep([(question(), Answer(status=AnswerStatus.CONVERGED, transmittance_db=1.0))])
-        assert type(store.find(question()).status) is AnswerStatus
+        store.keep([(question(), Result(status=ResultStatus.CONVERGED, transmittance_db=1.0))])
+        assert type(store.find(question()).status) is ResultStatus
     with sqlite3.connect(file) as connection:
         changed = "UPDATE answers SET answer = replace(answer, '\"converged\"', '\"solved\"')"
         assert connection.execute(changed).rowcount == 1
@@ -161,14 +161,17 @@ def test_number_of_workers_does_not_change_the_answers(tmp_path) -> None:
     asked = [question(eta=eta, variant=name) for eta in (0.5, 0.9) for name in ("reference", "mujoco")]
     tables = []
     for workers in (1, 2):
-        with ResultStore(tmp_path / f"{workers}.sqlite") as store, Evaluator(store, LocalCrew(workers)) as evaluator:
+        with (
+            ResultStore(tmp_path / f"{workers}.sqlite") as store,
+            Evaluator(store, LocalExecutor(workers)) as evaluator,
+        ):
             tables.append([(a.transmittance_db, a.residual, a.transitions) for a in evaluator.evaluate(asked)])
     assert tables[0] == tables[1]
 
 
 def test_workers_below_one_are_refused(store) -> None:
     with pytest.raises(ParameterError, match="workers = 0"):
-        Evaluator(store, LocalCrew(0))
+        Evaluator(store, LocalExecutor(0))
 
 
 class _Failing(Engine):
@@ -183,7 +186,7 @@ class _Failing(Engine):
     def version(self) -> str:
         return "1"
 
-    def why_not_installed(self) -> str | None:
+    def unavailable_reason(self) -> str | None:
         return self.missing
 
     def _build(self, lanes, formulation, preset):

@@ -20,23 +20,23 @@ from reference_lcp import (
 )
 from scenarios.execution import transient as motion_answering
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalCrew
+from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.steady import answer_batch
 from scenarios.execution.store import ResultStore
 from scenarios.execution.transient import answer_motions, energy
-from scenarios.tasks.questions import Answer, ChainRatios, Question
-from scenarios.tasks.transient import SHAPES, Motion, initial_positions
+from scenarios.tasks.questions import ChainRatios, Result, SteadyStateTask
+from scenarios.tasks.transient import SHAPES, TransientTask, initial_positions
 
 SMALL = ChainRatios(cells=2)
 PULSE = RickerPulse(0.01, 31.6, 0.35)
 
 
-def motion(**more) -> Motion:
+def motion(**more) -> TransientTask:
     usual = {
         "variant": Variant("reference"), "ratios": SMALL, "friction_ratio": 0.1, "base": PULSE,
         "time_step": 1e-3, "steps": 1200, "every": 4,
     }  # fmt: skip
-    return Motion(**(usual | more))
+    return TransientTask(**(usual | more))
 
 
 def test_response_is_the_motion_that_the_reference_simulates() -> None:
@@ -80,7 +80,7 @@ def test_equal_motions_have_one_key_and_every_part_of_the_question_is_in_it() ->
 
 def test_content_of_a_question_for_a_steady_state_is_what_stores_have() -> None:
     """Their keys are hashes of it: answers that are kept must be found again."""
-    asked = Question(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
+    asked = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
     content = asked.content()
     assert list(content) == ["format", "question", "version", "options"]
     plain = dataclasses.asdict(asked)
@@ -92,9 +92,9 @@ def test_content_of_a_question_for_a_steady_state_is_what_stores_have() -> None:
 
 
 def test_motions_and_steady_states_are_answered_side_by_side_and_kept(tmp_path) -> None:
-    steady = Question(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9, ratios=SMALL)
+    steady = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9, ratios=SMALL)
     asked = [motion(), steady, motion(steps=400)]
-    with ResultStore(tmp_path / "store.sqlite") as store, Evaluator(store, LocalCrew(1)) as evaluator:
+    with ResultStore(tmp_path / "store.sqlite") as store, Evaluator(store, LocalExecutor(1)) as evaluator:
         first = evaluator.evaluate(asked)
         assert [answer.status for answer in first] == ["finished", "converged", "finished"]
         assert [answer.to_json() for answer in store.answers(asked)] == [answer.to_json() for answer in first]
@@ -108,7 +108,7 @@ def test_motions_and_steady_states_are_answered_side_by_side_and_kept(tmp_path) 
 
 def test_answer_of_a_store_that_knew_no_motions_is_read() -> None:
     old = '{"status": "converged", "stuck_fraction": [], "creep": [], "transitions": []}'
-    assert Answer.from_json(old).series == {}
+    assert Result.from_json(old).series == {}
 
 
 def test_motion_whose_numbers_are_not_finite_is_blocked_with_its_time(monkeypatch) -> None:

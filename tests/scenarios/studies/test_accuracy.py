@@ -10,10 +10,10 @@ import pytest
 from engines.interface.variant import Variant
 from scenarios.studies.accuracy import PLACES, Accuracy, accuracy, accuracy_questions, transmittance_error_db
 from scenarios.studies.accuracy_table import COLUMNS, csv_table, markdown, remark
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 
 VARIANT = Variant("mujoco")
-EXACT = Answer(
+EXACT = Result(
     status="converged", transmittance_db=-3.0, period=2.0, stuck_fraction=(0.5, 0.25), creep=(0.0, 0.0),
     transitions=((1, 0.5, "stick"), (1, 1.0, "forward slip"), (2, 1.9, "stick"), (2, 0.2, "backward slip")),
 )  # fmt: skip
@@ -68,13 +68,13 @@ def test_order_is_that_of_the_error_in_the_time_step(order) -> None:
 
 
 def test_points_without_a_steady_state_are_counted_and_give_no_numbers() -> None:
-    answers = {q: Answer.blocked("crashed") if q.frequency_ratio == 0.9 else EXACT for q in accuracy_questions(VARIANT)}
+    answers = {q: Result.blocked("crashed") if q.frequency_ratio == 0.9 else EXACT for q in accuracy_questions(VARIANT)}
     row = accuracy(VARIANT, answers, dict.fromkeys(PLACES, EXACT))
     assert row.certified < row.points
     assert math.isnan(row.order)
     assert row.map_db == 0
     assert "points are not certified; blocked: crashed" in remark(row)
-    nothing = accuracy(VARIANT, dict.fromkeys(answers, Answer.blocked("gone")), dict.fromkeys(PLACES, EXACT))
+    nothing = accuracy(VARIANT, dict.fromkeys(answers, Result.blocked("gone")), dict.fromkeys(PLACES, EXACT))
     assert all(column.text((nothing, None)) for column in COLUMNS)
     assert "–" in markdown([(nothing, None)], "command")
 

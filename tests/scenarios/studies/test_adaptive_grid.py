@@ -87,11 +87,11 @@ def test_points_crowd_at_resonances(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_straight_line_needs_one_halving() -> None:
     curve = AdaptiveCurve(AXIS)
-    rounds = 0
+    stages = 0
     while curve.due:
         curve.add({eta: 10 * eta for eta in curve.due})
-        rounds += 1
-    assert rounds == 2
+        stages += 1
+    assert stages == 2
     assert len(curve.asked) == 2 * START_POINTS - 1
 
 

@@ -5,11 +5,11 @@ import pytest
 from scipy.optimize import brentq
 
 from engines import engine
-from engines.interface.registry import usual_engine_names
+from engines.interface.registry import default_engine_names
 from engines.interface.variant import Variant
 from reference_lcp import HarmonicBase, ParameterError, frictionless_transmittance
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalCrew
+from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.steady import answer_batch
 from scenarios.execution.store import ResultStore
 from scenarios.studies.attenuation_band import Edge
@@ -25,7 +25,7 @@ from scenarios.studies.figure3 import (
 from scenarios.tasks.questions import ChainRatios
 from scenarios.verdicts.verdict import Verdict
 
-INSTALLED = [name for name in usual_engine_names() if engine(name).why_not_installed() is None]
+INSTALLED = [name for name in default_engine_names() if engine(name).unavailable_reason() is None]
 
 CONVERGED_LOWER_EDGES = {0.1: 0.753, 0.3: 0.637, 0.6: 0.756, 1.0: 0.999, 5.0: 1.17}
 """Of the scheme for Δt → 0, to the digits given; the frictionless edge has a closed form instead."""
@@ -47,7 +47,7 @@ def edges(tmp_path_factory):
     found = {}
     with (
         ResultStore(tmp_path_factory.mktemp("store") / "results.sqlite") as store,
-        Evaluator(store, LocalCrew(2)) as evaluator,
+        Evaluator(store, LocalExecutor(2)) as evaluator,
     ):
         for friction, support in SUPPORT.items():
             asked = Figure3(
@@ -129,7 +129,7 @@ def test_grid_holds_every_resonance_and_the_ends() -> None:
 
 def test_every_point_is_compared_and_reports_its_residual(tmp_path) -> None:
     asked = Figure3(variants=(Variant("mujoco"),), friction_ratios=(0.3,), frequency_ratios=(0.6, 0.9, 1.6))
-    with ResultStore(tmp_path / "results.sqlite") as store, Evaluator(store, LocalCrew(1)) as evaluator:
+    with ResultStore(tmp_path / "results.sqlite") as store, Evaluator(store, LocalExecutor(1)) as evaluator:
         result = run(asked, evaluator)
     for variant in (CONVERGED, REFERENCE, Variant("mujoco")):
         curve = result.curve(variant, 0.3)
@@ -148,7 +148,7 @@ def test_every_point_is_compared_and_reports_its_residual(tmp_path) -> None:
         ({"frequency_ratios": (0.0, 1.0)}, "frequency_ratios = 0"),
         ({"steps_per_period": 0}, "steps_per_period = 0"),
         ({"variants": (Variant("bullet"),)}, "engine = 'bullet' is unknown"),
-        ({"variants": (Variant("mujoco", preset="best"),)}, "preset of mujoco = 'best' is unknown"),
+        ({"variants": (Variant("mujoco", preset_name="best"),)}, "preset of mujoco = 'best' is unknown"),
     ],
 )
 def test_impossible_question_is_refused(wrong, message) -> None:

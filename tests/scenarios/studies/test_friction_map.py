@@ -6,7 +6,7 @@ from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.steady import answer_batch
 from scenarios.studies.figure3 import Figure3
 from scenarios.studies.friction_map import friction_map
-from scenarios.tasks.questions import Answer, Question
+from scenarios.tasks.questions import Result, SteadyStateTask
 
 
 class Here(Evaluator):
@@ -15,7 +15,7 @@ class Here(Evaluator):
     def __init__(self) -> None:
         self._answered = {}
 
-    def evaluate(self, questions: list[Question]) -> list[Answer]:
+    def evaluate(self, questions: list[SteadyStateTask]) -> list[Result]:
         new = self.unanswered(questions)
         self._answered.update(zip(new, answer_batch(new), strict=True))
         return [self._answered[question] for question in questions]
@@ -36,8 +36,8 @@ def test_the_lower_edge_moves_with_friction_as_in_the_paper() -> None:
 
 def test_a_map_without_answers_has_no_edges() -> None:
     class Nobody(Here):
-        def evaluate(self, questions: list[Question]) -> list[Answer]:
-            return [Answer.missing() for _ in questions]
+        def evaluate(self, questions: list[SteadyStateTask]) -> list[Result]:
+            return [Result.missing() for _ in questions]
 
     found = friction_map(Figure3(variants=()), (0.3,), (0.6, 0.9), Nobody())
     assert found.known == 0

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution.evaluator import StoredAnswers
+from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.steady import answer_batch
 from scenarios.execution.store import ResultStore
 from scenarios.studies.attenuation_band import Edge
@@ -24,7 +24,7 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Figure3Result:
         for variant, etas in ((CONVERGED, GRID), (REFERENCE, GRID), (STOPPED, GRID[:4])):
             questions = [ASKED.question(variant, 0.3, eta) for eta in etas]
             store.keep(zip(questions, answer_batch(questions), strict=True))
-        return run(ASKED, StoredAnswers(store))
+        return run(ASKED, StoredResults(store))
 
 
 def test_points_that_are_not_answered_are_inconclusive_with_that_reason(result: Figure3Result) -> None:
@@ -48,7 +48,7 @@ def test_edges_of_a_curve_with_gaps_are_not_judged(result: Figure3Result) -> Non
 
 def test_an_empty_store_gives_a_result_without_a_single_number(tmp_path: Path) -> None:
     with ResultStore(tmp_path / "results.sqlite") as store:
-        result = run(ASKED, StoredAnswers(store))
+        result = run(ASKED, StoredResults(store))
     assert {point.answer.status for point in result.points} == {"missing"}
     assert {point.comparison.verdict for point in result.points} == {Verdict.INCONCLUSIVE}
     assert {edge.comparison.verdict for edge in result.edges} == {Verdict.INCONCLUSIVE}

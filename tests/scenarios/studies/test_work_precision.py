@@ -7,14 +7,14 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
-from scenarios.execution.evaluator import StoredAnswers
+from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.store import ResultStore
 from scenarios.studies.accuracy import ORDER_STEPS, exact_answer
 from scenarios.studies.work_precision import exact_answers, step_questions, step_study
-from scenarios.tasks.questions import Answer, Excitation
+from scenarios.tasks.questions import Excitation, Result
 
 REFERENCE = Variant("reference")
-EXACT = {place: Answer(status="converged", transmittance_db=-5.0) for place in STICK_SLIP_POINTS}
+EXACT = {place: Result(status="converged", transmittance_db=-5.0) for place in STICK_SLIP_POINTS}
 
 
 @pytest.fixture
@@ -23,14 +23,14 @@ def store(tmp_path: Path):
         yield opened
 
 
-def answer(steps: int, **more: object) -> Answer:
+def answer(steps: int, **more: object) -> Result:
     found = {"status": "converged", "transmittance_db": -5.0 + 4 / steps, "residual": 1e-9, "periods": 20}
-    return Answer(**{**found, "steps_per_period": steps, "seconds": steps * 20 * 3e-6, **more})
+    return Result(**{**found, "steps_per_period": steps, "seconds": steps * 20 * 3e-6, **more})
 
 
 def test_error_and_cost_are_read_from_the_answers(store: ResultStore) -> None:
     store.keep((question, answer(question.steps_per_period)) for question in step_questions(REFERENCE))
-    points = step_study([REFERENCE], EXACT, StoredAnswers(store))
+    points = step_study([REFERENCE], EXACT, StoredResults(store))
     assert [point.steps_per_period for point in points] == list(ORDER_STEPS)
     for point in points:
         assert point.error_db == pytest.approx(4 / point.steps_per_period)
@@ -43,7 +43,7 @@ def test_points_without_a_steady_state_and_missing_ones_are_counted(store: Resul
     questions = [question for question in step_questions(REFERENCE) if question.steps_per_period == 400]
     statuses = ["converged", "period limit", "diverged"]
     store.keep((q, answer(400, status=status)) for q, status in zip(questions, statuses, strict=False))
-    coarse, *finer = step_study([REFERENCE], EXACT, StoredAnswers(store))
+    coarse, *finer = step_study([REFERENCE], EXACT, StoredResults(store))
     assert (coarse.certified, coarse.answered) == (1, 3)
     assert [point.answered for point in finer] == [0, 0]
     assert all(math.isnan(point.error_db) for point in finer)
@@ -64,8 +64,8 @@ def test_another_drive_asks_other_questions_and_has_an_exact_motion_of_its_own(s
     questions = step_questions(REFERENCE, force)
     assert {question.excitation for question in questions} == {force}
     store.keep((question, answer(question.steps_per_period)) for question in questions)
-    assert {point.answered for point in step_study([REFERENCE], EXACT, StoredAnswers(store))} == {0}
-    assert {point.answered for point in step_study([REFERENCE], EXACT, StoredAnswers(store), force)} == {6}
+    assert {point.answered for point in step_study([REFERENCE], EXACT, StoredResults(store))} == {0}
+    assert {point.answered for point in step_study([REFERENCE], EXACT, StoredResults(store), force)} == {6}
     place = (0.3, 0.9)
     pushed = exact_answers([place], store, excitation=force, workers=1)[place]
     assert pushed.transmittance_db == pytest.approx(exact_answer(place, force).transmittance_db, abs=1e-12)

@@ -19,7 +19,7 @@ from reference_lcp import Chain, HarmonicBase, ParameterError, steady_state
 from reference_lcp.console import run_command
 from scenarios.__main__ import app
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalCrew
+from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
 from scenarios.sweeps.sweep import STATUSES, Sweep, dataset, run_sweep, write_dataset
@@ -112,7 +112,7 @@ def test_what_is_not_answered_is_missing_and_the_rest_is_shown(file: Path) -> No
     asked = read_sweep(file).sweep
     part = Sweep(asked.variants[:1], {**asked.axes, "mass_ratio": (0.5,)}, asked.ratios, asked.steps_per_period)
     with ResultStore(file.with_suffix(".sqlite")) as store:
-        with Evaluator(store, LocalCrew(1)) as evaluator:
+        with Evaluator(store, LocalExecutor(1)) as evaluator:
             assert run_sweep(part, evaluator).statuses == {(Variant("reference"), "converged"): 6}
         found = dataset(asked, store)
     missing = found.status == STATUSES.index("missing")
@@ -193,7 +193,7 @@ def interrupted_sweep(folder: Path, rows: int, kills: int) -> None:
     assert subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode == 0
     asked = read_sweep(file).sweep
     with ResultStore(store) as broken, ResultStore(folder / "whole.sqlite") as whole:
-        with Evaluator(whole, LocalCrew(2)) as evaluator:
+        with Evaluator(whole, LocalExecutor(2)) as evaluator:
             run_sweep(asked, evaluator)
         tables = [dataset(asked, one).drop_vars("seconds") for one in (broken, whole)]
     xr.testing.assert_identical(*tables)

@@ -15,7 +15,7 @@ from scenarios.__main__ import app
 from scenarios.cli.sweep import answer_sweep, dataset_of
 from scenarios.execution import local_processes as isolation
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalCrew
+from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.store import ResultStore
 from scenarios.studies.adaptive_grid import level
 from scenarios.sweeps.adaptive import AdaptiveSweep, refined
@@ -23,7 +23,7 @@ from scenarios.sweeps.spec_file import SweepFile, read_sweep
 from scenarios.sweeps.summary import SweepSummary
 from scenarios.sweeps.sweep import STATUSES
 from scenarios.sweeps.verdicts import verdicts
-from scenarios.tasks.questions import Answer, ChainRatios, Excitation, Outcome, Question
+from scenarios.tasks.questions import ChainRatios, Excitation, Result, ResultSummary, SteadyStateTask
 from tests.scenarios.here import Here
 
 CONTENT = """\
@@ -87,9 +87,9 @@ def test_each_curve_has_points_of_its_own_and_interruption_changes_none(file: Pa
     asked = read_sweep(written(file.parent, CONTENT.replace(', "mujoco:joint"', "")))
     with ResultStore(file.with_suffix(".sqlite")) as store:
         assert dataset_of(asked, store).sizes["frequency_ratio"] > 0
-        with Evaluator(store, LocalCrew(1)) as evaluator:
+        with Evaluator(store, LocalExecutor(1)) as evaluator:
             evaluator.evaluate(list(adaptive(asked).start()))
-        summary = answer_sweep(asked, store, LocalCrew(1))
+        summary = answer_sweep(asked, store, LocalExecutor(1))
         curves = refined(adaptive(asked), lambda questions: list(store.answers(questions)))
         found = dataset_of(asked, store)
     free, rubbing = (curve.asked for curve in curves.values())
@@ -101,7 +101,7 @@ def test_each_curve_has_points_of_its_own_and_interruption_changes_none(file: Pa
 
 
 def test_force_and_base_of_equal_friction_ratio_are_different_questions_and_amplitude_changes_no_answer() -> None:
-    usual = Question(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
+    usual = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
     louder = dataclasses.replace(usual, excitation=Excitation(amplitude=1.0))
     pushed = dataclasses.replace(usual, excitation=Excitation(kind="force", amplitude=10.0))
     assert len({usual.key(), louder.key(), pushed.key()}) == 3
@@ -170,12 +170,12 @@ def test_presets_choose_among_those_that_are_not_named(file: Path, engines: str,
 def test_summary_names_every_reason_once_and_the_periods_that_suffice() -> None:
     summary, variant = SweepSummary(), Variant("mujoco")
     for periods in range(1, 101):
-        summary.add(variant, Outcome("converged", periods))
+        summary.add(variant, ResultSummary("converged", periods))
     for _ in range(2):
-        summary.add(variant, Outcome("blocked", reason="crashed"))
-    summary.add(variant, Outcome("period limit", 401, multiple=3))
-    summary.add(variant, Outcome("period limit", 401, multiple=0))
-    summary.add(variant, Outcome("period limit", 401))
+        summary.add(variant, ResultSummary("blocked", reason="crashed"))
+    summary.add(variant, ResultSummary("period limit", 401, multiple=3))
+    summary.add(variant, ResultSummary("period limit", 401, multiple=0))
+    summary.add(variant, ResultSummary("period limit", 401))
     assert [summary.quantile_of_periods(variant, part) for part in (0.5, 0.99, 1.0)] == [50, 99, 100]
     assert summary.quantile_of_periods(Variant("pybullet"), 0.5) is None
     assert {reason: count for (_, reason), count in summary.reasons.items()} == {
@@ -187,16 +187,19 @@ def test_summary_names_every_reason_once_and_the_periods_that_suffice() -> None:
 
 
 def test_outcomes_of_kept_answers_are_those_of_the_answers_with_and_without_a_multiple(tmp_path: Path) -> None:
-    asked = [Question(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=eta) for eta in (0.5, 0.7, 0.9)]
+    asked = [
+        SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=eta)
+        for eta in (0.5, 0.7, 0.9)
+    ]
     with ResultStore(tmp_path / "s.sqlite") as store:
-        store.keep([(asked[0], Answer(status="period limit", periods=401, multiple=3))])
-        store.keep([(asked[1], Answer(status="converged", periods=28))])
+        store.keep([(asked[0], Result(status="period limit", periods=401, multiple=3))])
+        store.keep([(asked[1], Result(status="converged", periods=28))])
         store._connection.execute(
             "UPDATE answers SET answer = json_remove(answer, '$.multiple') WHERE key = ?", (asked[1].key(),)
         )
         assert [outcome for _, outcome in store.outcomes(asked)] == [
-            Outcome("period limit", 401, 3),
-            Outcome("converged", 28),
+            ResultSummary("period limit", 401, 3),
+            ResultSummary("converged", 28),
             None,
         ]
         answer = store.find(asked[1])

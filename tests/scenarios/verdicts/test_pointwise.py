@@ -3,27 +3,27 @@
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 from scenarios.verdicts.pointwise import (
     CONVERGED,
     REFERENCE,
     GivenTolerance,
-    PointAnswers,
+    PointResults,
+    baseline,
     compare_point,
     refinements,
-    ruler,
 )
 from scenarios.verdicts.verdict import FLOOR_DB, Verdict
 
 SHARES, OWN = Variant("mujoco"), Variant("exudyn-regularised")
 
 
-def answer(db, steps=400, status="converged") -> Answer:
-    return Answer(status=status, transmittance_db=db, residual=1e-9, periods=30, steps_per_period=steps)
+def answer(db, steps=400, status="converged") -> Result:
+    return Result(status=status, transmittance_db=db, residual=1e-9, periods=30, steps_per_period=steps)
 
 
 def judged(variant, db, *others, reference=-10.02, converged=-10.0, amplified=1.0, given=None):
-    known = PointAnswers(
+    known = PointResults(
         variant=variant,
         answer=answer(db),
         others=others,
@@ -36,7 +36,7 @@ def judged(variant, db, *others, reference=-10.02, converged=-10.0, amplified=1.
 
 
 def test_who_shares_the_scheme_equals_the_reference_at_equal_step_or_does_not_share_it() -> None:
-    assert ruler(SHARES) == REFERENCE
+    assert baseline(SHARES) == REFERENCE
     assert judged(SHARES, -10.02 + 1e-8).verdict is Verdict.AGREE
     found = judged(SHARES, -10.02 + 1e-6)
     assert found.verdict is Verdict.DISAGREE
@@ -49,7 +49,7 @@ def test_near_a_resonance_a_steady_state_is_farther_than_its_residual() -> None:
 
 
 def test_an_integrator_of_its_own_may_err_as_the_scheme_does_at_the_same_step() -> None:
-    assert ruler(OWN) == CONVERGED
+    assert baseline(OWN) == CONVERGED
     assert judged(OWN, -9.98, answer(-9.98, 200)).verdict is Verdict.AGREE
     found = judged(OWN, -9.97, answer(-9.97, 200))
     assert found.verdict is Verdict.DISAGREE
@@ -96,9 +96,9 @@ def test_below_the_floor_differences_are_those_of_amplitudes() -> None:
 
 @pytest.mark.parametrize(("whom", "level"), [(REFERENCE, -10.02), (CONVERGED, -10.0)])
 def test_a_given_tolerance_judges_everybody_but_whom_others_are_compared_with(whom, level) -> None:
-    given = GivenTolerance(transmittance_db=0.1, ruler=whom)
+    given = GivenTolerance(transmittance_db=0.1, baseline=whom)
     for variant in (SHARES, OWN):
-        assert ruler(variant, given) == whom
+        assert baseline(variant, given) == whom
         assert refinements(variant, given) == ()
         assert judged(variant, level + 0.099, given=given).verdict is Verdict.AGREE
         found = judged(variant, level - 0.101, given=given)
@@ -106,5 +106,5 @@ def test_a_given_tolerance_judges_everybody_but_whom_others_are_compared_with(wh
         assert found.tolerance == pytest.approx(0.1, rel=1e-12)
     # its own steps are its measure still
     assert refinements(whom, given) == refinements(whom)
-    assert judged(REFERENCE, -10.02, answer(-10.02, 800), given=GivenTolerance(transmittance_db=9, ruler=REFERENCE)
+    assert judged(REFERENCE, -10.02, answer(-10.02, 800), given=GivenTolerance(transmittance_db=9, baseline=REFERENCE)
                   ).verdict is Verdict.DISAGREE  # fmt: skip

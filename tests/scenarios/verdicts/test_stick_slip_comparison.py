@@ -7,8 +7,8 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp.observables.transition_matching import MATCHING_WINDOW
-from scenarios.tasks.questions import Answer
-from scenarios.verdicts.steady_case import Case, Evidence, Expected
+from scenarios.tasks.questions import Result
+from scenarios.verdicts.steady_case import Evidence, Expected, SteadyCase
 from scenarios.verdicts.stick_slip_comparison import (
     CREEP_VELOCITY,
     LARGEST_TIME,
@@ -24,12 +24,12 @@ from scenarios.verdicts.verdict import Verdict
 
 TRANSITIONS = ((1, 0.1, "stick"), (1, 0.3, "forward slip"), (1, 0.6, "stick"), (1, 0.8, "backward slip"))
 SHORT = ((1, 0.45, "stick"), (1, 0.455, "forward slip"))
-CASE = Case(label="by hand", friction_ratio=0.3, frequency_ratio=0.9)
+CASE = SteadyCase(label="by hand", friction_ratio=0.3, frequency_ratio=0.9)
 STEP = 1 / 800
 
 
-def answer(transitions, steps, stuck=0.4, creep=0.0) -> Answer:
-    return Answer(
+def answer(transitions, steps, stuck=0.4, creep=0.0) -> Result:
+    return Result(
         status="converged", transmittance_db=-3.0, residual=1e-9, periods=30, steps_per_period=steps, period=1.0,
         stuck_fraction=(stuck,), transitions=tuple(transitions), creep=(creep,),
     )  # fmt: skip
@@ -109,9 +109,9 @@ def test_what_only_one_step_of_the_engine_misses_or_makes_up_is_inconclusive() -
 
 def test_a_grazing_stick_that_the_reference_has_at_some_steps_only_is_left_out() -> None:
     with_it = (*TRANSITIONS, *SHORT)
-    wavering = (TRANSITIONS, with_it, with_it)
+    step_dependent = (TRANSITIONS, with_it, with_it)
     for expected, found in ((with_it, TRANSITIONS), (TRANSITIONS, with_it)):
-        verdicts = judged(found, found, scheme=wavering, expected=expected)
+        verdicts = judged(found, found, scheme=step_dependent, expected=expected)
         for metric in (MISSED, SPURIOUS, LARGEST_TIME):
             assert verdicts[metric].comparison.verdict is Verdict.AGREE, metric
         reasons = verdicts[MISSED].comparison.reason + verdicts[SPURIOUS].comparison.reason

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from scenarios.tasks.questions import Answer
+from scenarios.tasks.questions import Result
 from scenarios.verdicts.verdict import (
     EDGE_TOLERANCE,
     Tolerance,
@@ -18,8 +18,8 @@ from scenarios.verdicts.verdict import (
 )
 
 
-def answer(db, status="converged", **more) -> Answer:
-    return Answer(status=status, transmittance_db=db, residual=1e-9, periods=30, **more)
+def answer(db, status="converged", **more) -> Result:
+    return Result(status=status, transmittance_db=db, residual=1e-9, periods=30, **more)
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_motion_without_a_steady_state_is_named_by_its_own_period(multiple: int,
 
 
 def test_missing_engine_is_blocked_with_its_reason() -> None:
-    comparison = compare_transmittance(Answer.blocked("not installed:\n no wheel"), answer(-10.0), 0.02)
+    comparison = compare_transmittance(Result.blocked("not installed:\n no wheel"), answer(-10.0), 0.02)
     assert comparison.verdict is Verdict.BLOCKED
     assert comparison.reason == "not installed: no wheel"
 
