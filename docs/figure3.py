@@ -15,7 +15,7 @@ from engines import engine
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
 from reports.figures.style import COLUMN, PALETTE, PRINT_STYLE
 from scenarios.studies.figure3 import resonances
-from scenarios.tasks.questions import ChainRatios
+from scenarios.tasks.parameters import ChainRatios
 
 STEPS = 400
 LOWEST = -80.0

@@ -32,7 +32,7 @@ from scenarios.studies.figure3 import (
 )
 from scenarios.sweeps.spec_file import SweepFile, read_sweep
 from scenarios.sweeps.verdicts import baseline_of
-from scenarios.tasks.questions import ChainRatios
+from scenarios.tasks.parameters import ChainRatios
 from scenarios.verdicts.pointwise import GivenTolerance
 
 RARE_COLLECTIONS = (200_000, 20, 100)

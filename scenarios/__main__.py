@@ -41,7 +41,7 @@ from scenarios.studies.cost import COLUMNS as COST_COLUMNS
 from scenarios.studies.cost import SECONDS, cost, cost_csv, cost_markdown, cost_rows
 from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
 from scenarios.sweeps.sweep import write_dataset
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 from scenarios.verdicts.steady_case import REFERENCE
 
 EXPERIMENTS = {

@@ -6,8 +6,10 @@ from typing import ClassVar
 
 from engines.box2d.contact import CONTACT_DEFAULT, CONTACT_TUNED, Box2DContactLane
 from engines.box2d.joint import JOINT_DEFAULT, JOINT_TUNED, Box2DJointLane
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset, SequentialSimulation
+from engines.interface.engine import Engine
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.stepping.sequential import SequentialSimulation
 
 
 class Box2D(Engine):

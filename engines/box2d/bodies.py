@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.engine import Preset
+from engines.interface.presets import Preset
 from engines.shared.force_loop import ExplicitForcesLane, Step
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane

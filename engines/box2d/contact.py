@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from engines.box2d.bodies import FARTHEST, Box2DLane, import_box2d
-from engines.interface.engine import Option, Preset
+from engines.interface.presets import Option, Preset
 from engines.shared.box_geometry import PressedBoxes
 from engines.shared.force_loop import Step
 from reference_lcp.chain.simulation import Lane

@@ -3,7 +3,7 @@
 from typing import Any
 
 from engines.box2d.bodies import Box2DLane
-from engines.interface.engine import NormalForce, Option, Preset
+from engines.interface.presets import NormalForce, Option, Preset
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 

@@ -3,7 +3,7 @@
 import pytest
 
 from engines.contract.lanes import label
-from engines.interface.engine import NormalForce
+from engines.interface.presets import NormalForce
 from engines.interface.registry import engine, engine_names
 from engines.interface.variant import Variant, variants_of
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from engines.contract.lanes import AMPLITUDE, drive_of, lane_of, random_state
-from engines.interface.engine import FrictionLaw
+from engines.interface.presets import FrictionLaw
 from engines.interface.tolerances import BOUND_MARGIN, CREEP, ROUND_OFF, SLIDING, STEPS
 from engines.interface.variant import Variant
 from reference_lcp.chain.harmonic import HarmonicBase

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from engines.contract.lanes import AMPLITUDE, modulated_lane
-from engines.interface.engine import NormalForce
+from engines.interface.presets import NormalForce
 from engines.interface.registry import engine
 from engines.interface.tolerances import (
     BOUND_MARGIN,

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from engines.dart.world import new_world
-from engines.interface.engine import NormalForce, Option, Preset
+from engines.interface.presets import NormalForce, Option, Preset
 from engines.shared.box_geometry import PressedBoxes
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import ExplicitForcesLane, Step

@@ -12,8 +12,10 @@ from engines.drake.contact import (
     DrakeContactLane,
 )
 from engines.drake.joint import JOINT_DEFAULT, JOINT_TUNED, DrakeJointLane
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset, SequentialSimulation
+from engines.interface.engine import Engine
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.stepping.sequential import SequentialSimulation
 
 
 class Drake(Engine):

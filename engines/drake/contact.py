@@ -20,7 +20,8 @@ from engines.drake.lane import (
     add_slider,
     set_options,
 )
-from engines.interface.engine import Option, Preset, constant_normal_force
+from engines.interface.engine import constant_normal_force
+from engines.interface.presets import Option, Preset
 from engines.shared.units import power_of_two
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray

@@ -6,7 +6,8 @@ import numpy as np
 
 from engines.drake.diagram import Mechanism, joint_numbers
 from engines.drake.lane import SHARED_DEFAULT_OPTIONS, SHARED_TUNED_OPTIONS, DrakeLane, add_slider, set_options
-from engines.interface.engine import Option, Preset, constant_normal_force
+from engines.interface.engine import constant_normal_force
+from engines.interface.presets import Option, Preset
 from reference_lcp.validation import FloatArray
 
 JOINT_TUNED = Preset(

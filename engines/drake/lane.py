@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from engines.drake.diagram import Diagram, Mechanism
-from engines.interface.engine import LaneModel, Option, Preset
+from engines.interface.presets import Option, Preset
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_count
 
 SHARED_TUNED_OPTIONS = {

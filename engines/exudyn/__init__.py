@@ -18,8 +18,10 @@ from engines.exudyn.joint import (
     BristleLane,
     RegularisedLane,
 )
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset, SequentialSimulation
+from engines.interface.engine import Engine
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.stepping.sequential import SequentialSimulation
 
 
 class _Exudyn(Engine):

@@ -6,7 +6,8 @@ import numpy as np
 
 from engines.exudyn.joint import REGULARISED_DEFAULT, REGULARISED_TUNED, proportional_zone
 from engines.exudyn.lane import ExudynLane
-from engines.interface.engine import Option, Preset, constant_normal_force
+from engines.interface.engine import constant_normal_force
+from engines.interface.presets import Option, Preset
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from engines.exudyn.lane import ExudynLane
-from engines.interface.engine import Option, Preset
+from engines.interface.presets import Option, Preset
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray, checked_count

@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.engine import LaneModel, Preset, constant_normal_force
+from engines.interface.engine import constant_normal_force
+from engines.interface.presets import Preset
 from engines.shared.units import Units
 from reference_lcp.chain.harmonic import HarmonicBase, HarmonicForce
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_count
 
 

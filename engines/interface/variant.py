@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
-from engines.interface.engine import Capabilities, Preset
+from engines.interface.presets import Capabilities, Preset
 from engines.interface.registry import engine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.validation import ParameterError

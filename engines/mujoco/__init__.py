@@ -4,7 +4,8 @@ import importlib.util
 from importlib.metadata import version
 from typing import ClassVar
 
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset
+from engines.interface.engine import Engine
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.mujoco.contact import CONTACT_DEFAULT, CONTACT_TUNED, contact_model, contact_units, lifting_model
 from engines.mujoco.joint import JOINT_DEFAULT, JOINT_TUNED, joint_model
 from engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.engine import NormalForce, Option, Preset
+from engines.interface.presets import NormalForce, Option, Preset
 from engines.mujoco.model import DEFAULT_OPTIONS, TUNED_OPTIONS, add_chain, add_slider, set_options
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.mass_in_mass import Chain

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.engine import NormalForce, Option, Preset
+from engines.interface.presets import NormalForce, Option, Preset
 from engines.mujoco.model import DEFAULT_OPTIONS, TUNED_OPTIONS, add_chain, add_slider, set_options
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from engines.interface.engine import Option, Preset
+from engines.interface.presets import Option, Preset
 from reference_lcp.chain.mass_in_mass import Chain
 
 TUNED_OPTIONS = {

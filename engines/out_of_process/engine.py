@@ -2,10 +2,12 @@
 
 from typing import ClassVar
 
-from engines.interface.engine import Engine, Formulation, Preset, SequentialSimulation
+from engines.interface.engine import Engine
+from engines.interface.presets import Formulation, Preset
 from engines.out_of_process.interpreter import Installation
 from engines.out_of_process.lane import OutOfProcessLane
 from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.stepping.sequential import SequentialSimulation
 
 
 class OutOfProcessEngine(Engine):

@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.engine import LaneModel, Preset
+from engines.interface.presets import Preset
 from engines.out_of_process.process import EngineProcess, EngineProcessError
 from engines.out_of_process.worker import Message
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_array, checked_count
 
 REQUEST_LIMIT = 60.0

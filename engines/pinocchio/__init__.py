@@ -4,9 +4,11 @@ import importlib.util
 from importlib.metadata import version
 from typing import ClassVar
 
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset, SequentialSimulation
+from engines.interface.engine import Engine
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.pinocchio.joint import JOINT_ADMM, JOINT_DEFAULT, JOINT_TUNED, PinocchioJointLane
 from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.stepping.sequential import SequentialSimulation
 
 
 class Pinocchio(Engine):

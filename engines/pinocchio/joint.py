@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.engine import NormalForce, Option, Preset
+from engines.interface.presets import NormalForce, Option, Preset
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import ExplicitForcesLane, Step
 from engines.shared.units import Units

@@ -5,11 +5,13 @@ import sys
 from importlib.metadata import version
 from typing import ClassVar
 
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset, SequentialSimulation
+from engines.interface.engine import Engine
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.pybullet.contact import CONTACT_DEFAULT, CONTACT_TUNED, PyBulletContactLane
 from engines.pybullet.joint import JOINT_DEFAULT, JOINT_TUNED, PyBulletJointLane
 from engines.pybullet.world import World
 from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.stepping.sequential import SequentialSimulation
 
 
 class PyBullet(Engine):

@@ -4,12 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from engines.interface.engine import LaneModel, NormalForce, Option, Preset
+from engines.interface.presets import NormalForce, Option, Preset
 from engines.pybullet.world import World, import_pybullet
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray, ParameterError
 
 JOINT_TUNED = Preset(

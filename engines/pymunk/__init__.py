@@ -4,11 +4,13 @@ import importlib.util
 from importlib.metadata import version
 from typing import ClassVar
 
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset, SequentialSimulation
+from engines.interface.engine import Engine
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.pymunk.contact import CONTACT_DEFAULT, CONTACT_TUNED, PymunkBoxes
 from engines.pymunk.joint import JOINT_DEFAULT, JOINT_TUNED, PymunkJoints
 from engines.pymunk.simulation import PymunkLane, PymunkSimulation
 from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.stepping.sequential import SequentialSimulation
 
 
 class Pymunk(Engine):

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.engine import Preset
+from engines.interface.presets import Preset
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.mass_in_mass import Chain

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.engine import Option, Preset
+from engines.interface.presets import Option, Preset
 from engines.pymunk.bodies import PymunkBodies, World
 from engines.shared.box_geometry import PressedBoxes
 from reference_lcp.chain.mass_in_mass import Chain

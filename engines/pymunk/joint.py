@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.engine import NormalForce, Option, Preset
+from engines.interface.presets import NormalForce, Option, Preset
 from engines.pymunk.bodies import PymunkBodies, World
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane

@@ -5,11 +5,12 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface.engine import LaneModel, Preset
+from engines.interface.presets import Preset
 from engines.pymunk.bodies import PymunkBodies, World
 from engines.shared.force_loop import LARGEST_MOTION, STEPS_BETWEEN_CHECKS
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_count
 
 

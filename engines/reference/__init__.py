@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, NormalForce, Option, Preset
+from engines.interface.engine import Engine
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.stepping.euler_compiled import CompiledSimulation

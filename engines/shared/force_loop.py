@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from engines.interface.engine import LaneModel
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_count
 
 Step = Callable[[FloatArray], None]

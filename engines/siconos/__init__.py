@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import ClassVar
 
-from engines.interface.engine import Capabilities, Formulation, FrictionLaw, Option, Preset
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Option, Preset
 from engines.out_of_process.engine import OutOfProcessEngine
 from engines.out_of_process.interpreter import Installation
 from engines.out_of_process.lane import OutOfProcessLane

@@ -20,7 +20,7 @@ from reports.figures.stick_slip import MODE_COLOURS
 from reports.formatting import ratio
 from scenarios.execution.local_processes import TIME_LIMIT
 from scenarios.execution.recorded import RecordedPeriod, period_of
-from scenarios.tasks.questions import SteadyStateTask
+from scenarios.tasks.task import SteadyStateTask
 
 SPACING = 2.0
 """Distance of neighbouring cells in the drawing, over the width of an outer mass."""

@@ -21,7 +21,8 @@ from scenarios.studies.friction_map import (
     friction_map,
 )
 from scenarios.studies.work_precision import StepPoint, exact_answers, step_questions, step_study
-from scenarios.tasks.questions import ChainRatios, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.task import SteadyStateTask
 
 MOTION_PLACES = ((0.3, 0.9), (1.0, 0.9))
 """Friction and frequency ratios at which the motion is kept in full: where contacts stick for part of the period."""

@@ -12,7 +12,7 @@ from reference_lcp.validation import FloatArray
 from reports.formatting import ratio
 from scenarios.studies.attenuation_band import Edge
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
-from scenarios.tasks.questions import ResultStatus
+from scenarios.tasks.result import ResultStatus
 from scenarios.verdicts.pointwise import GivenTolerance, baseline
 from scenarios.verdicts.verdict import FLOOR_DB, Verdict
 

@@ -9,7 +9,7 @@ from scenarios.execution.recorded import RecordedPeriod
 from scenarios.studies.figure3 import Figure3Result
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
-from scenarios.tasks.questions import ResultStatus
+from scenarios.tasks.result import ResultStatus
 
 OperatingPoint = tuple[float, float]
 """Friction ratio and frequency ratio."""

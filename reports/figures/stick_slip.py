@@ -13,7 +13,7 @@ from reference_lcp.observables.stick_slip import Mode
 from reports.figures.figure import Picture, axis, layout
 from reports.figures.style import PAGE_WIDTH
 from reports.formatting import ratio
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 
 MODE_COLOURS = {Mode.STICK: "#2b2b2b", Mode.FORWARD: "#F0E442", Mode.BACKWARD: "#0072B2"}
 """Dark, light and middle: told apart in grey and by colour-blind readers."""

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from reference_lcp.exact.den_hartog import SlidingMotion
 from reference_lcp.observables.stick_slip import Mode
 from scenarios.catalogue.steady_base import SteadyScenario
-from scenarios.tasks.questions import ChainRatios, Result, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.steady_case import Expected, SteadyCase
 
 STANDING_RATIO = 1e6

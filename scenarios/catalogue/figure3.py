@@ -4,10 +4,10 @@ import dataclasses
 import math
 from collections.abc import Mapping
 
-from scenarios.catalogue.base import Finding, Metric
 from scenarios.catalogue.steady_base import SAME_STEP, TRANSMITTANCE, SteadyScenario
 from scenarios.studies.attenuation_band import BandDefinition
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
+from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.steady_case import Evidence, Expected, SteadyCase
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, compare, scheme_bar, step_estimate
 

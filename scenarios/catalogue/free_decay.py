@@ -11,12 +11,14 @@ from reference_lcp.chain.harmonic import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.base import Finding, Metric, Scenario
+from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.transient_base import unfinished, with_refined_steps
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.transient import kept_of
-from scenarios.tasks.questions import ChainRatios, Result, Series
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.result import Result, Series
 from scenarios.tasks.transient import TransientTask
+from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.refinement import REFINEMENTS, error_of_finest
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Tolerance, compare

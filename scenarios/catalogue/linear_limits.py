@@ -5,7 +5,9 @@ from collections.abc import Mapping
 from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
 from reference_lcp.observables.transmittance import decibel
 from scenarios.catalogue.steady_base import SteadyScenario
-from scenarios.tasks.questions import ChainRatios, Result, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.steady_case import Expected, SteadyCase
 
 THREE_CELLS = ChainRatios(cells=3)

@@ -4,7 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 
 from scenarios.catalogue.steady_base import SteadyScenario
-from scenarios.tasks.questions import ChainRatios, Result, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import COARSE, FINE, FINEST, Expected, SteadyCase
 from scenarios.verdicts.verdict import scheme_bar, step_estimate

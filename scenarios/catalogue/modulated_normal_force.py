@@ -15,9 +15,12 @@ from typing import ClassVar
 from engines.interface.variant import Variant
 from reference_lcp.chain.preload import Flight
 from reference_lcp.observables.transition_matching import match_transitions
-from scenarios.catalogue.base import Finding, Metric, Scenario
+from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.questions import Modulation, Result, SteadyStateTask
+from scenarios.tasks.parameters import Modulation
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
+from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.verdict import SAFETY, Comparison, Tolerance, Verdict, compare, missing_steady_state, scheme_bar
 
 STEPS = (400, 800, 1600)

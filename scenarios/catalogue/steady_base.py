@@ -5,9 +5,11 @@ from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 from engines.interface.variant import Variant
-from scenarios.catalogue.base import Finding, Metric, Scenario
+from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.questions import Result, ResultStatus, SteadyStateTask
+from scenarios.tasks.result import Result, ResultStatus
+from scenarios.tasks.task import SteadyStateTask
+from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.steady_case import (
     REFERENCE,
     Evidence,

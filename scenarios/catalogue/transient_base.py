@@ -18,10 +18,12 @@ from reference_lcp.chain.harmonic import MovingBase
 from reference_lcp.observables.transmissibility import Transmissibility
 from reference_lcp.observables.transmittance import decibel
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.base import Finding, Metric, Scenario
+from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.questions import ChainRatios, Result, ResultStatus
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.transient import TransientTask
+from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.refinement import REFINEMENTS, error_of_finest
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, compare

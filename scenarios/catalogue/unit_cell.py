@@ -1,7 +1,7 @@
 """Stick and slip of a single cell."""
 
 from scenarios.catalogue.steady_base import SteadyScenario
-from scenarios.tasks.questions import ChainRatios
+from scenarios.tasks.parameters import ChainRatios
 from scenarios.verdicts.steady_case import SteadyCase
 
 ONE_CELL = ChainRatios(cells=1)

@@ -11,7 +11,8 @@ from itertools import groupby
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from scenarios.catalogue.base import Finding, Metric, Scenario
+from scenarios.catalogue.base import Scenario
+from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.verdict import Verdict
 
 Results = Mapping[Scenario, Sequence[Finding]]

@@ -13,7 +13,7 @@ from rich.markup import escape
 from engines.interface.variant import Variant
 from reference_lcp.validation import ParameterError
 from scenarios.catalogue import CATALOGUE
-from scenarios.catalogue.base import Finding, Scenario
+from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.record import Record
 from scenarios.catalogue.verdict_table import (
     HEADINGS,
@@ -43,6 +43,7 @@ from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.local_processes import TIME_LIMIT, Executor
 from scenarios.execution.progress import Bars, CountingEvaluator
+from scenarios.verdicts.finding import Finding
 
 EVERY = "all"
 

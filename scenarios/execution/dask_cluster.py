@@ -7,7 +7,7 @@ from typing import Any
 
 from reference_lcp.validation import ParameterError
 from scenarios.execution.local_processes import TIME_LIMIT, Batch, Executor, LocalExecutor, WorkerDied, answer_within
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 
 CONNECT_SECONDS = 15
 """How long a scheduler may take to answer."""

@@ -9,7 +9,8 @@ from engines.interface.variant import Variant
 from scenarios.execution.closing import Closing
 from scenarios.execution.local_processes import Executor
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.questions import Result, ResultSummary, Task
+from scenarios.tasks.result import Result, ResultSummary
+from scenarios.tasks.task import Task
 
 Progress = Callable[[Variant, int], None]
 """Told how many answers a variant has just got: computed ones, or such as need no computation."""

@@ -5,7 +5,7 @@ from typing import TypeVar
 
 from engines.interface.engine import EngineNotInstalled
 from reference_lcp.validation import ParameterError
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 
 Item = TypeVar("Item")
 

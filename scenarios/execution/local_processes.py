@@ -18,7 +18,8 @@ from typing import Any, Protocol
 from reference_lcp.validation import checked_count, checked_scalar
 from scenarios.execution.closing import Closing
 from scenarios.execution.steady import answer_batch
-from scenarios.tasks.questions import Result, Task
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import Task
 
 TIME_LIMIT = 300.0
 """Seconds that a batch of questions may take: a hundred times what the slowest engine needs for the usual one."""

@@ -24,7 +24,8 @@ from engines.interface.variant import Variant
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import Executor
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.questions import Result, Task
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import Task
 
 
 class Pace:

@@ -20,7 +20,7 @@ from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 from scenarios.execution.evaluator import unavailable_reason
 from scenarios.execution.local_processes import TIME_LIMIT, Batch, ProcessWorker, WorkerDied
-from scenarios.tasks.questions import SteadyStateTask
+from scenarios.tasks.task import SteadyStateTask
 
 _EMPTY = np.empty((0, 0))
 

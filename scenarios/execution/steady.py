@@ -14,7 +14,8 @@ from reference_lcp.steady.orbits import OrbitStatus, PeriodicOrbit, periodic_orb
 from reference_lcp.steady_state import SteadyState
 from scenarios.execution.failures import answered_together
 from scenarios.execution.transient import answer_motions
-from scenarios.tasks.questions import Result, ResultStatus, SteadyStateTask, Task
+from scenarios.tasks.result import Result, ResultStatus
+from scenarios.tasks.task import SteadyStateTask, Task
 from scenarios.tasks.transient import TransientTask
 
 

@@ -8,7 +8,8 @@ from typing import TypeVar
 
 from reference_lcp.validation import ParameterError
 from scenarios.execution.closing import Closing
-from scenarios.tasks.questions import Result, ResultStatus, ResultSummary, Task, key_of
+from scenarios.tasks.result import Result, ResultStatus, ResultSummary
+from scenarios.tasks.task import Task, key_of
 
 APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""

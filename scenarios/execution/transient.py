@@ -12,7 +12,7 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray
 from scenarios.execution.failures import answered_together
-from scenarios.tasks.questions import Result, ResultStatus, Series
+from scenarios.tasks.result import Result, ResultStatus, Series
 from scenarios.tasks.transient import TransientTask
 
 STRETCH = 4096

@@ -11,7 +11,9 @@ from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from reference_lcp.observables.transition_matching import match_transitions
 from reference_lcp.steady_state import exact_steady_state
 from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.questions import USUAL_EXCITATION, Excitation, Result, ResultStatus, SteadyStateTask
+from scenarios.tasks.parameters import Excitation
+from scenarios.tasks.result import Result, ResultStatus
+from scenarios.tasks.task import USUAL_EXCITATION, SteadyStateTask
 from scenarios.verdicts.verdict import difference_db
 
 MAP_FRICTION_RATIOS = (0.1, 0.3, 0.6, 1.0)

@@ -13,7 +13,9 @@ from engines.interface.variant import Variant
 from engines.shared.step_cost import StepCost, step_cost
 from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
 from scenarios.execution.local_processes import Batch, LocalExecutor
-from scenarios.tasks.questions import ChainRatios, Result, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
 
 SECONDS = 2.0
 """Length of a measurement with one worker that is aimed at unless one is given."""

@@ -28,7 +28,9 @@ from scenarios.studies.attenuation_band import (
     refined_crossings,
     unresolved,
 )
-from scenarios.tasks.questions import ChainRatios, Excitation, Result, ResultStatus, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios, Excitation
+from scenarios.tasks.result import Result, ResultStatus
+from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.pointwise import CONVERGED, GivenTolerance, PointResults, compare_point, refinements
 from scenarios.verdicts.steady_case import REFERENCE, amplification
 from scenarios.verdicts.verdict import Comparison, Verdict, compare_edge

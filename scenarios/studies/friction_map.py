@@ -10,7 +10,7 @@ from reference_lcp.validation import FloatArray
 from scenarios.execution.evaluator import Evaluator
 from scenarios.studies.attenuation_band import Edge, edge_brackets, interpolated_crossing, unresolved
 from scenarios.studies.figure3 import REFERENCE, Figure3
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 
 MAP_FRICTION_RATIOS = tuple(float(ratio) for ratio in np.round(np.arange(0, 1.501, 0.05), 2))
 MAP_FREQUENCY_RATIOS = tuple(float(ratio) for ratio in np.round(np.arange(0.3, 1.801, 0.02), 2))

@@ -14,7 +14,9 @@ from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.store import ResultStore
 from scenarios.studies.accuracy import ORDER_STEPS, OperatingPoint, exact_answer, transmittance_error_db
-from scenarios.tasks.questions import USUAL_EXCITATION, Excitation, Result, ResultStatus, SteadyStateTask
+from scenarios.tasks.parameters import Excitation
+from scenarios.tasks.result import Result, ResultStatus
+from scenarios.tasks.task import USUAL_EXCITATION, SteadyStateTask
 
 
 @dataclass(frozen=True)

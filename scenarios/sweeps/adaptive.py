@@ -10,7 +10,8 @@ from scenarios.studies.adaptive_grid import AdaptiveAxis, AdaptiveCurve
 from scenarios.studies.figure3 import resonances
 from scenarios.sweeps.summary import SweepSummary
 from scenarios.sweeps.sweep import Sweep
-from scenarios.tasks.questions import Result, ResultSummary, SteadyStateTask
+from scenarios.tasks.result import Result, ResultSummary
+from scenarios.tasks.task import SteadyStateTask
 
 Answering = Callable[[Sequence[SteadyStateTask]], Sequence[Result | None]]
 """Gives an answer to each question, or ``None`` where there is none."""

@@ -15,7 +15,7 @@ from reference_lcp.validation import ParameterError, checked_choice
 from scenarios.studies.adaptive_grid import LEAST_SPACING, MOST_POINTS, START_POINTS, AdaptiveAxis
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.verdicts import baseline_of
-from scenarios.tasks.questions import DEFAULT_AMPLITUDE, ChainRatios, Excitation
+from scenarios.tasks.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation
 
 EXAMPLE = """\
 # A sweep: every combination of the values under [grid], by every engine.

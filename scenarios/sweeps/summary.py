@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from engines.interface.variant import Variant
-from scenarios.tasks.questions import ResultStatus, ResultSummary, repetition
+from scenarios.tasks.result import ResultStatus, ResultSummary, repetition
 
 
 @dataclass

@@ -16,7 +16,9 @@ from reference_lcp.validation import ParameterError, checked_count, checked_scal
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.summary import SweepSummary
-from scenarios.tasks.questions import ChainRatios, Excitation, ResultStatus, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios, Excitation
+from scenarios.tasks.result import ResultStatus
+from scenarios.tasks.task import SteadyStateTask
 
 CHAIN_AXES = ("cells", "mass_ratio", "stiffness_ratio", "damping_ratio", "inner_damping_ratio")
 AXES = ("friction_ratio", "frequency_ratio", *CHAIN_AXES, "steps_per_period")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from engines.interface.variant import Variant
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.sweep import Sweep
-from scenarios.tasks.questions import SteadyStateTask
+from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.verdict import Comparison, Verdict, compare_transmittance
 
 BASELINES = (Variant("reference", preset_name="converged"), Variant("reference"))

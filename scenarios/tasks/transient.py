@@ -12,7 +12,7 @@ from reference_lcp.chain.record import RecordedBase
 from reference_lcp.chain.simulation import LARGEST_PHASE_STEP, Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray, ParameterError, checked_choice, checked_count, checked_scalar
-from scenarios.tasks.questions import Task
+from scenarios.tasks.task import Task
 
 SHAPES = ("undeformed", "stretched", "inner masses displaced")
 """Where a motion may start, always from rest.

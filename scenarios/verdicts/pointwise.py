@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from engines.interface.variant import Variant
 from engines.reference import CONVERGED_SUBSTEPS
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 from scenarios.verdicts.steady_case import REFERENCE, resolution_db
 from scenarios.verdicts.verdict import (
     FLOOR_DB,

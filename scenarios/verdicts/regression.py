@@ -14,7 +14,7 @@ from engines.interface.tolerances import SCHEME_TOLERANCE_DB
 from reference_lcp.observables.transition_matching import match_transitions
 from reference_lcp.validation import ParameterError, checked_scalar
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 from scenarios.verdicts.verdict import allowed_difference_db
 
 

@@ -14,7 +14,9 @@ from reference_lcp.chain.simulation import steps_per_period_for
 from reference_lcp.exact.exact_orbit import ExactPeriod
 from reference_lcp.observables.transition_matching import TimedTransition
 from reference_lcp.steady_state import exact_steady_state
-from scenarios.tasks.questions import ChainRatios, Ratio, Result, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios, Ratio
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, missing_steady_state, scheme_bar, step_estimate
 
 REFERENCE = Variant("reference")

@@ -37,8 +37,8 @@ import numpy as np
 from engines.interface.tolerances import CREEP
 from reference_lcp.observables.stick_slip import UNREPEATED_SLIP, Mode
 from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
-from scenarios.catalogue.base import Finding, Metric
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
+from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.steady_case import Evidence, Expected
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, compare, scheme_bar, step_estimate
 

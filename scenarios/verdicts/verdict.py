@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
-from scenarios.tasks.questions import Result, ResultStatus, repetition
+from scenarios.tasks.result import Result, ResultStatus, repetition
 
 FLOOR_DB = -60.0
 """Below this transmittance the tolerance is absolute: what it is, as an amplitude, at the floor.

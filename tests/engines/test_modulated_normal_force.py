@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from engines.interface.engine import NormalForce
+from engines.interface.presets import NormalForce
 from engines.interface.registry import engine, engine_names
 from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
 from engines.interface.variant import Variant, variants_of

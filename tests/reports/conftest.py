@@ -13,7 +13,8 @@ from scenarios.studies.attenuation_band import Edge
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
-from scenarios.tasks.questions import ChainRatios, Result
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.result import Result
 from scenarios.verdicts.pointwise import PointResults, compare_point, refinements
 from scenarios.verdicts.steady_case import amplification
 from scenarios.verdicts.verdict import Comparison, compare_edge

@@ -7,7 +7,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.execution.steady import answer_batch
-from scenarios.tasks.questions import SteadyStateTask
+from scenarios.tasks.task import SteadyStateTask
 
 WRONG = Variant("mujoco")
 """Whose answers are falsified: any variant that shares the scheme, for the reference answers in its place."""

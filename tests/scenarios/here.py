@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from concurrent.futures import Future
 
 from scenarios.execution.steady import answer_batch
-from scenarios.tasks.questions import Result, SteadyStateTask
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
 
 
 class Here:

@@ -13,7 +13,7 @@ from reports.figures.hysteresis import hysteresis
 from reports.figures.stick_slip import raster
 from reports.page.section import Section
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3Result, Point
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 
 
 class StickSlip(Section):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from engines.box2d import Box2D
-from engines.interface.engine import Formulation, Option, Preset
+from engines.interface.presets import Formulation, Option, Preset
 from engines.interface.tolerances import FRICTION_TOLERANCE, ROUND_OFF, SINGLE
 from reference_lcp.chain.harmonic import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain

@@ -5,7 +5,7 @@ import pytest
 
 from engines.dart import Dart
 from engines.dart.joint import RESIDUAL_SLIP_COMPLIANCE
-from engines.interface.engine import Formulation, Option, Preset
+from engines.interface.presets import Formulation, Option, Preset
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from engines.drake import Drake
-from engines.interface.engine import Formulation, NativeStepping, Preset
+from engines.interface.engine import NativeStepping
+from engines.interface.presets import Formulation, Preset
 from reference_lcp.chain.harmonic import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from engines.exudyn import ExudynBristle, ExudynRegularised
-from engines.interface.engine import Engine, Formulation, Preset
+from engines.interface.engine import Engine
+from engines.interface.presets import Formulation, Preset
 from reference_lcp.chain.harmonic import Drive, HarmonicBase, HarmonicForce
 from reference_lcp.chain.linear_response import frictionless_response, stuck_transmittance
 from reference_lcp.chain.mass_in_mass import Chain

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from engines.interface.engine import Formulation, Option, Preset
+from engines.interface.presets import Formulation, Option, Preset
 from engines.mujoco import MuJoCo
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from engines.interface.engine import Formulation, Option, Preset
+from engines.interface.presets import Formulation, Option, Preset
 from engines.interface.variant import Variant
 from engines.ode import BOUNCE, ODE, OUTSIDE
 from engines.out_of_process.process import EngineProcessError

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from engines.interface.engine import Formulation, Option, Preset
+from engines.interface.presets import Formulation, Option, Preset
 from engines.pymunk import Pymunk
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from engines.interface.engine import Formulation, Option, Preset
+from engines.interface.presets import Formulation, Option, Preset
 from engines.out_of_process.process import EngineProcessError
 from engines.siconos import OUTSIDE, Siconos
 from reference_lcp.chain.harmonic import HarmonicBase, StillBase

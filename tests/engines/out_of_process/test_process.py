@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from engines.interface.engine import Option, Preset
+from engines.interface.presets import Option, Preset
 from engines.out_of_process.interpreter import Installation
 from engines.out_of_process.lane import OutOfProcessLane
 from engines.out_of_process.process import EngineProcess, EngineProcessError

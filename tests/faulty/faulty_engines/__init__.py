@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 
 from engines import Capabilities, Engine, Formulation, FrictionLaw, NormalForce, Option, Preset
-from engines.interface.engine import LaneModel, SequentialSimulation
 from reference_lcp import HarmonicBase, State, StillBase, Trajectory
 from reference_lcp.chain.preload import normal_motion
+from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
 
 PRESETS = {
     "tuned": Preset("The scheme.", {}, shares_scheme=True, normal_force=NormalForce.LIFTING),

@@ -7,8 +7,9 @@ state in and gives a trajectory out, and one line in `pyproject.toml`.
 import numpy as np
 
 from engines import Capabilities, Engine, Formulation, FrictionLaw, Preset
-from engines.interface.engine import LaneModel, SequentialSimulation, constant_normal_force
+from engines.interface.engine import constant_normal_force
 from reference_lcp import State, Trajectory
+from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
 
 
 class Tiny(Engine):

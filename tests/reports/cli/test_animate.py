@@ -15,7 +15,8 @@ from reports.cli import animate as module
 from reports.cli.animate import ChainDrawing, write_animation
 from reports.figures.stick_slip import MODE_COLOURS
 from scenarios.execution.recorded import RecordedPeriod
-from scenarios.tasks.questions import ChainRatios, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.task import SteadyStateTask
 from tests.reports.conftest import motion
 
 QUESTION = SteadyStateTask(

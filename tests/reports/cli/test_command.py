@@ -20,7 +20,8 @@ from scenarios.execution.store import ResultStore
 from scenarios.studies.figure3 import Figure3
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.verdicts import verdicts
-from scenarios.tasks.questions import Excitation, Result
+from scenarios.tasks.parameters import Excitation
+from scenarios.tasks.result import Result
 
 SMALL = {"friction_ratios": (0.3,), "frequency_ratios": (0.3, 0.6, 0.63, 0.65, 0.7, 0.8, 0.9, 1.1)}
 

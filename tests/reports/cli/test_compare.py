@@ -7,14 +7,16 @@ from pathlib import Path
 import pytest
 
 from engines.interface import variant
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Option, Preset
+from engines.interface.engine import Engine
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Option, Preset
 from engines.interface.variant import Variant
 from reference_lcp.console import run_command
 from reference_lcp.validation import ParameterError
 from reports.__main__ import app
 from scenarios.execution.store import ResultStore
 from scenarios.tasks import questions
-from scenarios.tasks.questions import Result, SteadyStateTask
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.regression import Kept, Thresholds, change, compare_stores
 
 SOFT, HARD = Option(1, 5, "soft"), Option(100, 5, "hard")

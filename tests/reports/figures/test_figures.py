@@ -16,7 +16,7 @@ from reports.figures.style import PALETTE, Look, look_of
 from reports.page.render import sections
 from reports.page.sections import StickSlip
 from scenarios.studies.figure3 import Figure3, Figure3Result
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 
 RGB = tuple[float, float, float]
 

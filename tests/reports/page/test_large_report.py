@@ -16,7 +16,8 @@ from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.store import ResultStore
 from scenarios.studies.figure3 import run
 from scenarios.sweeps.spec_file import read_sweep
-from scenarios.tasks.questions import Result, SteadyStateTask
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
 
 POINTS = 20_000
 SECONDS = 120.0

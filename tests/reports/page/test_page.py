@@ -16,7 +16,8 @@ from reports.page.sections import OpenPoints
 from reports.page.sections.stick_slip import stick_slip_rows
 from scenarios.studies.attenuation_band import Edge
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
-from scenarios.tasks.questions import ChainRatios, Result
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.result import Result
 from scenarios.verdicts.verdict import compare_edge, compare_transmittance
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")

@@ -28,7 +28,7 @@ from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.store import ResultStore
 from scenarios.execution.transient import answer_motions
 from scenarios.studies.attenuation_band import BandDefinition, Edge, edge_brackets
-from scenarios.tasks.questions import ChainRatios
+from scenarios.tasks.parameters import ChainRatios
 from scenarios.verdicts.refinement import error_of_finest
 from scenarios.verdicts.verdict import Verdict
 from tests.scenarios.motion_crew import Here, evaluator, rub_harder

@@ -15,7 +15,7 @@ from scenarios.catalogue.figure3 import EDGE, LOWER_EDGES
 from scenarios.catalogue.linear_limits import LOCKING_FRICTION
 from scenarios.catalogue.steady_base import LONGEST_SECONDS, SAME_STEP, TRANSMITTANCE, SteadyScenario
 from scenarios.catalogue.unequal_cells import SEED
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 from scenarios.verdicts.verdict import Verdict
 from tests.reference_lcp.cases import STANDING
 

@@ -12,7 +12,9 @@ from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.local_processes import Executor
 from scenarios.execution.steady import answer_batch
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.questions import Modulation, Result, SteadyStateTask
+from scenarios.tasks.parameters import Modulation
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.verdict import Verdict
 
 REFERENCE, OTHER = Variant("reference"), Variant("mujoco", "contact")

@@ -1,7 +1,7 @@
 """Motions that are not there: those that failed are blocked, those that nobody has asked for are inconclusive."""
 
 from scenarios.catalogue.transient_base import unfinished
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 from scenarios.verdicts.verdict import Verdict
 
 FINISHED = Result(status="finished")

@@ -12,7 +12,7 @@ from engines.interface.variant import Variant
 from reference_lcp.console import run_command
 from scenarios.__main__ import app
 from scenarios.catalogue import CATALOGUE
-from scenarios.catalogue.base import Finding, Metric, Scenario
+from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.verdict_table import (
     COLUMNS,
     csv_table,
@@ -24,6 +24,7 @@ from scenarios.catalogue.verdict_table import (
     unexplained,
 )
 from scenarios.cli import run as catalogue_command
+from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.verdict import Comparison, Verdict
 
 PITCH = Metric("pitch", "Hz", "how high it is")

@@ -14,7 +14,8 @@ from reference_lcp import ParameterError
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.questions import ChainRatios, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.task import SteadyStateTask
 
 pytest.importorskip("distributed")
 from scenarios.execution.dask_cluster import DaskExecutor

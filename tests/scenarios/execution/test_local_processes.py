@@ -16,7 +16,8 @@ from pathlib import Path
 from engines.interface.variant import Variant
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import LocalExecutor
-from scenarios.tasks.questions import ChainRatios, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.task import SteadyStateTask
 from scenarios.execution.store import ResultStore
 
 def question(name, eta):

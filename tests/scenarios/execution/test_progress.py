@@ -12,7 +12,8 @@ from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.progress import Bars, CountingEvaluator, Pace
 from scenarios.execution.store import ResultStore
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3
-from scenarios.tasks.questions import Result, SteadyStateTask
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
 
 
 class CountedBars(Bars):

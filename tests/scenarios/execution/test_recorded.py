@@ -13,7 +13,8 @@ from scenarios.execution.local_processes import ProcessWorker
 from scenarios.execution.recorded import PeriodStore, RecordedPeriod, period_of, periods_of, recorded_periods
 from scenarios.execution.steady import answer_batch
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.questions import ChainRatios, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.task import SteadyStateTask
 
 
 def question(frequency_ratio: float = 0.9, variant: str = "reference") -> SteadyStateTask:

@@ -7,7 +7,8 @@ import sqlite3
 import pytest
 
 from engines.interface import variant
-from engines.interface.engine import Capabilities, Engine, Formulation, FrictionLaw, Preset
+from engines.interface.engine import Engine
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.interface.variant import Variant
 from reference_lcp import ParameterError
 from reference_lcp.steady.orbits import OrbitStatus
@@ -15,7 +16,9 @@ from scenarios import answering, evaluation, isolation
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.questions import ChainRatios, Result, ResultStatus, ResultSummary, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.result import Result, ResultStatus, ResultSummary
+from scenarios.tasks.task import SteadyStateTask
 
 SMALL = ChainRatios(cells=2)
 

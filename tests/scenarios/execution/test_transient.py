@@ -24,7 +24,9 @@ from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.steady import answer_batch
 from scenarios.execution.store import ResultStore
 from scenarios.execution.transient import answer_motions, energy
-from scenarios.tasks.questions import ChainRatios, Result, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
 from scenarios.tasks.transient import SHAPES, TransientTask, initial_positions
 
 SMALL = ChainRatios(cells=2)

@@ -10,7 +10,7 @@ import pytest
 from engines.interface.variant import Variant
 from scenarios.studies.accuracy import PLACES, Accuracy, accuracy, accuracy_questions, transmittance_error_db
 from scenarios.studies.accuracy_table import COLUMNS, csv_table, markdown, remark
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 
 VARIANT = Variant("mujoco")
 EXACT = Result(

@@ -12,7 +12,7 @@ from reference_lcp import HarmonicBase, ParameterError, decibel, frictionless_tr
 from scenarios.studies import adaptive_grid
 from scenarios.studies.adaptive_grid import START_POINTS, AdaptiveAxis, AdaptiveCurve, level
 from scenarios.studies.figure3 import resonances
-from scenarios.tasks.questions import ChainRatios
+from scenarios.tasks.parameters import ChainRatios
 
 AXIS = AdaptiveAxis(first=0.3, last=1.6, accuracy_db=0.5)
 CLOSED_FORM_MULTIPLE = 1.5

@@ -22,7 +22,7 @@ from scenarios.studies.figure3 import (
     resonances,
     run,
 )
-from scenarios.tasks.questions import ChainRatios
+from scenarios.tasks.parameters import ChainRatios
 from scenarios.verdicts.verdict import Verdict
 
 INSTALLED = [name for name in default_engine_names() if engine(name).unavailable_reason() is None]

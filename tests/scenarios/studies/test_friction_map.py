@@ -6,7 +6,8 @@ from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.steady import answer_batch
 from scenarios.studies.figure3 import Figure3
 from scenarios.studies.friction_map import friction_map
-from scenarios.tasks.questions import Result, SteadyStateTask
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
 
 
 class Here(Evaluator):

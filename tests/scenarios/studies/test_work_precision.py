@@ -11,7 +11,8 @@ from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.store import ResultStore
 from scenarios.studies.accuracy import ORDER_STEPS, exact_answer
 from scenarios.studies.work_precision import exact_answers, step_questions, step_study
-from scenarios.tasks.questions import Excitation, Result
+from scenarios.tasks.parameters import Excitation
+from scenarios.tasks.result import Result
 
 REFERENCE = Variant("reference")
 EXACT = {place: Result(status="converged", transmittance_db=-5.0) for place in STICK_SLIP_POINTS}

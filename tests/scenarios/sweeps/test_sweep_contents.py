@@ -23,7 +23,9 @@ from scenarios.sweeps.spec_file import SweepFile, read_sweep
 from scenarios.sweeps.summary import SweepSummary
 from scenarios.sweeps.sweep import STATUSES
 from scenarios.sweeps.verdicts import verdicts
-from scenarios.tasks.questions import ChainRatios, Excitation, Result, ResultSummary, SteadyStateTask
+from scenarios.tasks.parameters import ChainRatios, Excitation
+from scenarios.tasks.result import Result, ResultSummary
+from scenarios.tasks.task import SteadyStateTask
 from tests.scenarios.here import Here
 
 CONTENT = """\

@@ -3,7 +3,7 @@
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 from scenarios.verdicts.pointwise import (
     CONVERGED,
     REFERENCE,

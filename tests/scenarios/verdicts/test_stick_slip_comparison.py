@@ -7,7 +7,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp.observables.transition_matching import MATCHING_WINDOW
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 from scenarios.verdicts.steady_case import Evidence, Expected, SteadyCase
 from scenarios.verdicts.stick_slip_comparison import (
     CREEP_VELOCITY,

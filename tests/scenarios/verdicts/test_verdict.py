@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from scenarios.tasks.questions import Result
+from scenarios.tasks.result import Result
 from scenarios.verdicts.verdict import (
     EDGE_TOLERANCE,
     Tolerance,

@@ -1,0 +1,174 @@
+"""What an engine can do and how it is set up, as data: capabilities, formulations, presets, options."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from typing import Any
+
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.observables.stick_slip import STICK_MARGIN
+from reference_lcp.steady.orbits import DEFAULT_RESIDUAL
+
+
+class FrictionLaw(StrEnum):
+    """How an engine represents Coulomb friction."""
+
+    COULOMB = "Coulomb"
+    REGULARISED = "regularised"
+    BRISTLE = "bristle"
+
+
+class Formulation(StrEnum):
+    """Where the friction acts: in a joint's own dry friction, or between two pressed bodies."""
+
+    JOINT = "joint"
+    CONTACT = "contact"
+
+
+class NormalForce(StrEnum):
+    """How a normal force may change in time, from the least that a preset can represent to the most."""
+
+    CONSTANT = "constant"
+    MODULATED = "modulated"
+    LIFTING = "modulated until contacts open"
+
+    @classmethod
+    def of(cls, lane: Lane) -> "NormalForce":
+        """Give what a lane asks for."""
+        if lane.preload is None:
+            return cls.CONSTANT
+        return cls.LIFTING if lane.opens else cls.MODULATED
+
+
+@dataclass(frozen=True)
+class Option:
+    """One setting of an engine.
+
+    Parameters
+    ----------
+    value
+        What the preset sets, as the engine takes it.
+    default
+        What the engine does without it.
+    reason
+        Why it is set, in one sentence.
+    """
+
+    value: Any
+    default: Any
+    reason: str
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A named, documented set of options of one formulation.
+
+    Parameters
+    ----------
+    description
+        What it is for, in a sentence.
+    options
+        What it sets, by name.
+    shares_scheme
+        With these options the engine advances velocities, then positions, by the same semi-implicit Euler
+        step as equation (5), so that at equal time step its trajectories equal the reference's.
+    split_tolerance
+        Largest difference between one run and the same run split in two, over the displacement scale.
+    residual_slip_compliance
+        Part of the relative velocity which a contact would gain in a step without its forces, along it when it
+        sticks or across it, that is left to it, where the engine cannot be told to leave none.
+    known_deviation
+        The law of the engine by which its motion departs from Coulomb's with these options, by more than its time
+        step explains; empty where there is none. Reports print it beside a disagreement.
+    stick_margin
+        Part of the bound that the friction of a stick leaves at least, as `contact_modes` reads it: wider where the
+        friction of a sliding contact only tends to its bound.
+    normal_force
+        How the normal force may change in time.
+    modulated_options
+        What it sets otherwise where it does.
+    modulated_residual_slip_compliance
+        The softness where it does.
+    """
+
+    description: str
+    options: Mapping[str, Option] = field(default_factory=dict)
+    shares_scheme: bool = False
+    split_tolerance: float = 0.0
+    residual_slip_compliance: float = 0.0
+    known_deviation: str = ""
+    stick_margin: float = STICK_MARGIN
+    normal_force: NormalForce = NormalForce.CONSTANT
+    modulated_options: Mapping[str, Option] = field(default_factory=dict)
+    modulated_residual_slip_compliance: float = 0.0
+
+    def __getitem__(self, name: str) -> Any:
+        return self.options[name].value
+
+    def modulated(self) -> "Preset":
+        """Give the options, and the softness, that hold where the normal force changes in time."""
+        options = {**self.options, **self.modulated_options}
+        return replace(
+            self,
+            options=options,
+            residual_slip_compliance=max(self.residual_slip_compliance, self.modulated_residual_slip_compliance),
+        )
+
+    def represents(self, needed: NormalForce) -> bool:
+        """Say whether the normal force may change like this."""
+        order = list(NormalForce)
+        return order.index(needed) <= order.index(self.normal_force)
+
+    def unsupported_reason(self, lane: Lane, name: str) -> str | None:
+        """Say why a lane's normal force cannot be represented by what has this name; ``None`` if it can."""
+        if lane.preload is None or self.represents(NormalForce.of(lane)):
+            return None
+        allowed = {
+            NormalForce.CONSTANT: "a constant one, without a preload",
+            NormalForce.MODULATED: "up to 1, where contacts stay closed",
+        }[self.normal_force]
+        problem = f"{name} cannot represent a modulated normal force like this; allowed: {allowed}"
+        return f"modulation = {lane.preload.modulation:g}: {problem}"
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """What an engine can do, as data.
+
+    Parameters
+    ----------
+    title
+        The name that reports print.
+    package
+        The distribution that holds the engine, as pip knows it.
+    licence
+        Licence of the engine.
+    friction_law
+        How it represents Coulomb friction.
+    presets
+        Presets by formulation, then by name; a formulation that is not listed is not supported.
+    batch_lanes
+        Lanes that one simulation takes at best: few where lanes cost the same alone, many where they share work.
+    precision
+        Arithmetic of the engine.
+    residual
+        Periodicity residual that certifies a steady state: no engine repeats a motion closer than it computes.
+    deterministic
+        Repeated runs are bitwise equal.
+    notes
+        What a reader must know of its friction, in a sentence.
+    optional
+        It comes with an extra or with the system and not with the suite: it takes part where it is asked for.
+    """
+
+    title: str
+    package: str
+    licence: str
+    friction_law: FrictionLaw
+    presets: Mapping[Formulation, Mapping[str, Preset]]
+    batch_lanes: int = 4
+    precision: str = "double"
+    residual: float = DEFAULT_RESIDUAL
+    deterministic: bool = True
+    notes: str = ""
+    optional: bool = False

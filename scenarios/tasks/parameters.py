@@ -1,0 +1,121 @@
+"""What a task is about: the chain in ratios, its excitation, the modulation of its normal force."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from reference_lcp.chain.harmonic import HarmonicBase, HarmonicForce, PeriodicDrive
+from reference_lcp.chain.mass_in_mass import CHAIN_STIFFNESS, Chain
+from reference_lcp.chain.preload import Preload
+from reference_lcp.validation import checked_array, checked_choice, checked_count, checked_scalar
+
+Ratio = float | tuple[float, ...]
+"""One number for all cells, or one a cell."""
+
+
+BASE_AMPLITUDE = 0.01
+"""U0 [m] of a base motion unless an amplitude is given; with friction given as a ratio it changes no answer."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Excitation:
+    """What drives the chain at the frequency of a question.
+
+    Parameters
+    ----------
+    kind
+        ``base``: the base moves; ``force``: a force acts on the outer mass of cell 1.
+    amplitude
+        Of the base U0 [m], or of the force P0 [N]; > 0.
+
+    Raises
+    ------
+    ParameterError
+        If the kind is unknown or the amplitude is not > 0.
+    """
+
+    kind: str = "base"
+    amplitude: float = BASE_AMPLITUDE
+
+    def __post_init__(self) -> None:
+        checked_choice("drive.kind", self.kind, EXCITATIONS)
+        checked_scalar("drive.amplitude", self.amplitude, "> 0")
+
+    @property
+    def displacement(self) -> float:
+        """Length [m] that friction and displacements are referred to: U0, or P0 / k_c."""
+        return self.amplitude if self.kind == "base" else self.amplitude / CHAIN_STIFFNESS
+
+    def drive(self, chain: Chain, frequency_ratio: float) -> PeriodicDrive:
+        """Drive a chain at η_r = ω / ω_r."""
+        base = HarmonicBase.from_ratio(chain, frequency_ratio, self.displacement)
+        return base if self.kind == "base" else HarmonicForce(self.amplitude, base.angular_frequency)
+
+
+DEFAULT_AMPLITUDE = {"base": BASE_AMPLITUDE, "force": CHAIN_STIFFNESS * BASE_AMPLITUDE}
+"""U0 [m] or P0 [N] by kind: the same displacement scale for both."""
+
+EXCITATIONS = tuple(DEFAULT_AMPLITUDE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChainRatios:
+    """The chain but for its friction, non-dimensional; the defaults are the canonical case of figure 3.
+
+    The parameters are those of `Chain.from_ratios`; every ratio is a number, or one a cell.
+
+    Parameters
+    ----------
+    friction_profile
+        μ λ_N of each cell over that which a friction ratio asks for, where cells differ.
+    """
+
+    cells: int = 7
+    mass_ratio: Ratio = 1.0
+    stiffness_ratio: Ratio = 1.0
+    damping_ratio: Ratio = 0.01
+    inner_damping_ratio: Ratio = 0.0
+    outer_mass_ratio: Ratio = 1.0
+    chain_stiffness_ratio: Ratio = 1.0
+    friction_profile: Ratio = 1.0
+
+    def chain(self, friction_ratio: Ratio, base_amplitude: float = BASE_AMPLITUDE) -> Chain:
+        """Build the chain with this friction ratio μ λ_N / (k_c U0), U0 [m] being the amplitude of the base."""
+        ratios = dict(vars(self))
+        profile = checked_array("friction_profile", ratios.pop("friction_profile"), ">= 0")
+        bound = checked_array("friction_ratio", friction_ratio, ">= 0") * profile
+        return Chain.from_ratios(friction_ratio=bound, base_amplitude=base_amplitude, **ratios)
+
+    def as_data(self) -> dict[str, Any]:
+        """Give the ratios as plain data; those in which cells may differ beside the paper's are left out where not."""
+        return {name: value for name, value in vars(self).items() if name not in _OF_UNEQUAL_CELLS or value != 1.0}
+
+
+_OF_UNEQUAL_CELLS = ("outer_mass_ratio", "chain_stiffness_ratio", "friction_profile")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Modulation:
+    """A preload that changes in step with the drive, non-dimensional.
+
+    Parameters
+    ----------
+    modulation
+        a >= 0, of N = N0 (1 + a sin(Ω t + φ)); above 1 contacts open.
+    multiple
+        Ω / ω, a whole number, so that the motion may have the drive's period.
+    phase
+        φ [rad].
+    """
+
+    modulation: float
+    multiple: int = 1
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        checked_scalar("modulation", self.modulation, ">= 0")
+        checked_count("modulation_multiple", self.multiple)
+        checked_scalar("modulation_phase", self.phase)
+
+    def preload(self, drive: PeriodicDrive) -> Preload:
+        """Give the preload under this drive."""
+        return Preload.at_multiple(drive, self.modulation, self.multiple, self.phase)

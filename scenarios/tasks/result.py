@@ -1,0 +1,181 @@
+"""What came of a task, as plain data."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any, NamedTuple, Self
+
+from reference_lcp.steady.orbits import OrbitStatus
+from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE
+from reference_lcp.validation import ParameterError
+
+Series = Mapping[str, tuple[float, ...]]
+"""Numbers by name: what is kept of a motion."""
+
+
+_COMPACT = json.JSONEncoder(separators=(",", ":"))
+
+
+class ResultStatus(StrEnum):
+    """How a question ended."""
+
+    CONVERGED = OrbitStatus.CONVERGED.value
+    """A certified steady state."""
+    PERIOD_LIMIT = OrbitStatus.PERIOD_LIMIT.value
+    """The search for a steady state gave up."""
+    DIVERGED = OrbitStatus.DIVERGED.value
+    """The search for a steady state left every bound."""
+    FINISHED = "finished"
+    """A motion was simulated to its end."""
+    BLOCKED = "blocked"
+    """The engine cannot answer; the reason says why."""
+    MISSING = "missing"
+    """There is no answer so far, because the question was not put to the engine."""
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Give the status of this text.
+
+        Raises
+        ------
+        ParameterError
+            If there is no such status.
+        """
+        try:
+            return cls(text)
+        except ValueError:
+            raise ParameterError(f"status of an answer = {text!r}; allowed: {', '.join(cls)}") from None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result:
+    """What came of a question.
+
+    Parameters
+    ----------
+    status
+        How the question ended.
+    reason
+        Why it is blocked or missing; empty otherwise.
+    transmittance_db
+        20 log10 |U_n| / U0; NaN where there is no number.
+    residual
+        Periodicity residual of the orbit; NaN where there is none.
+    periods
+        Periods simulated.
+    multiple
+        Periods of the drive after which the motion repeats, where one was looked for: more than one for a
+        subharmonic response, 0 where no repetition was found.
+    steps_per_period
+        Steps a period that were taken.
+    period
+        Period of the drive [s].
+    stuck_fraction
+        Part of the period that each contact sticks.
+    transitions
+        Changes of mode as (cell from 1, time [s], new mode).
+    creep
+        Largest |ġ_T| of each contact within a stick, over ω and the displacement scale.
+    open_fraction
+        Part of the period that each contact is open; empty where the normal force is constant.
+    largest_gap
+        Largest g_N of each contact over the displacement scale; likewise.
+    seconds
+        Wall-clock time that the point took, an even share of its batch.
+    series
+        What is kept of a motion; empty for a steady state.
+
+    Raises
+    ------
+    ParameterError
+        If the status is unknown.
+    """
+
+    status: ResultStatus
+    reason: str = ""
+    transmittance_db: float = math.nan
+    residual: float = math.nan
+    periods: int = 0
+    multiple: int = 1
+    steps_per_period: int = 0
+    period: float = math.nan
+    stuck_fraction: tuple[float, ...] = ()
+    transitions: tuple[tuple[int, float, str], ...] = ()
+    creep: tuple[float, ...] = ()
+    open_fraction: tuple[float, ...] = ()
+    largest_gap: tuple[float, ...] = ()
+    seconds: float = math.nan
+    series: Series = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "status", ResultStatus.parse(self.status))
+
+    @property
+    def converged(self) -> bool:
+        """Whether the numbers belong to a steady state."""
+        return self.status is ResultStatus.CONVERGED
+
+    @classmethod
+    def blocked(cls, reason: str) -> Self:
+        """Say why there is no answer."""
+        return cls(status=ResultStatus.BLOCKED, reason=" ".join(reason.split()))
+
+    @classmethod
+    def missing(cls) -> Self:
+        """Stand for an answer that nobody has given so far."""
+        return cls(status=ResultStatus.MISSING, reason="not answered so far")
+
+    def to_json(self) -> str:
+        """Give the answer as JSON; NaN becomes null."""
+        return _COMPACT.encode({name: None if _is_nan(value) else value for name, value in vars(self).items()})
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """Read what `to_json` wrote."""
+        numbers: dict[str, Any] = {
+            name: math.nan if value is None else value for name, value in json.loads(text).items()
+        }
+        for name in ("stuck_fraction", "creep", "open_fraction", "largest_gap"):
+            numbers[name] = tuple(numbers.get(name, ()))
+        numbers["transitions"] = tuple((cell, time, kind) for cell, time, kind in numbers["transitions"])
+        numbers["series"] = {name: tuple(values) for name, values in numbers.get("series", {}).items()}
+        return cls(**numbers)
+
+
+class ResultSummary(NamedTuple):
+    """How a question ended: its answer without the numbers.
+
+    Parameters
+    ----------
+    status, periods, multiple, reason
+        As of `Result`.
+    """
+
+    status: ResultStatus
+    periods: int = 0
+    multiple: int = 1
+    reason: str = ""
+
+    @classmethod
+    def of(cls, answer: Result) -> Self:
+        """Take it from an answer."""
+        return cls(answer.status, answer.periods, answer.multiple, answer.reason)
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """Read the list [status, periods, multiple]; answers of old have no multiple."""
+        status, periods, multiple = json.loads(text)
+        return cls(ResultStatus.parse(status), periods, 1 if multiple is None else multiple)
+
+
+def repetition(multiple: int) -> str:
+    """Say after how many periods a motion without a steady state repeats; empty if nobody has looked."""
+    if multiple == 0:
+        return f", no period up to {LONGEST_MULTIPLE}"
+    return f", period {multiple}" if multiple > 1 else ""
+
+
+def _is_nan(value: object) -> bool:
+    return isinstance(value, float) and math.isnan(value)

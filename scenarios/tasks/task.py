@@ -1,0 +1,156 @@
+"""Tasks that engines are given, as plain data."""
+
+import dataclasses
+import hashlib
+import json
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+from engines.interface.registry import engine
+from engines.interface.variant import Variant
+from reference_lcp.chain.harmonic import PeriodicDrive
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, steps_per_period_for
+from reference_lcp.observables.stick_slip import STICK_MARGIN
+from scenarios.tasks.parameters import ChainRatios, Excitation, Modulation, Ratio
+
+RESULT_FORMAT = 2
+"""Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
+_SORTED = json.JSONEncoder(sort_keys=True)
+
+
+def key_of(text: str) -> str:
+    """Hash of a question's text, under which its answer is kept."""
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """What every question says: who is asked, and about which chain.
+
+    Parameters
+    ----------
+    variant
+        Who is asked.
+    ratios
+        The chain but for its friction.
+    friction_ratio
+        μ λ_N / (k_c U0), a number or one a cell.
+    """
+
+    variant: Variant
+    friction_ratio: Ratio
+    ratios: ChainRatios = field(default_factory=ChainRatios)
+
+    @property
+    def chain(self) -> Chain:
+        """Build the chain."""
+        return self.ratios.chain(self.friction_ratio)
+
+    def unsupported_reason(self) -> str | None:
+        """Say why the variant cannot represent the case, as far as that is known without asking it."""
+        return None
+
+    def content(self) -> dict[str, Any]:
+        """Everything that the answer depends on: the question, the engine's version and its options."""
+        return {"format": RESULT_FORMAT, "question": self.as_data(), **_identity(self.variant)}
+
+    def as_data(self) -> dict[str, Any]:
+        """Give the question as plain data, ready for JSON."""
+        data: dict[str, Any] = _plain(self)
+        return data | {"ratios": self.ratios.as_data()}
+
+    def key(self) -> str:
+        """Hash of the content: equal for equal questions to equal engines."""
+        return key_of(self.text())
+
+    def text(self) -> str:
+        """Give the content as JSON, one text for equal contents."""
+        return _SORTED.encode(self.content())
+
+
+@dataclass(frozen=True, kw_only=True)
+class SteadyStateTask(Task):
+    """The steady state of one chain under one harmonic excitation, by one variant.
+
+    Parameters
+    ----------
+    variant, ratios, friction_ratio
+        As for `Task`.
+    frequency_ratio
+        ω / ω_r, with ω_r of the first cell.
+    steps_per_period
+        Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.
+    excitation
+        What drives the chain; a moving base unless something else is given.
+    modulation
+        How the normal force changes over the period; ``None`` where it is constant.
+    """
+
+    frequency_ratio: float
+    steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
+    excitation: Excitation = field(default_factory=Excitation)
+    modulation: Modulation | None = None
+
+    @property
+    def chain(self) -> Chain:
+        """Build the chain, whose friction is referred to this excitation."""
+        return self.ratios.chain(self.friction_ratio, self.excitation.displacement)
+
+    def as_data(self) -> dict[str, Any]:
+        """Give the question as plain data; what is usual (excitation, constant normal force) is left out."""
+        data = super().as_data()
+        if self.excitation == USUAL_EXCITATION:
+            del data["excitation"]
+        if self.modulation is None:
+            del data["modulation"]
+        return data
+
+    def setting(self) -> tuple[Chain, PeriodicDrive]:
+        """Build the chain and its drive."""
+        chain = self.chain
+        return chain, self.excitation.drive(chain, self.frequency_ratio)
+
+    def unsupported_reason(self) -> str | None:
+        """Say why the variant cannot change its normal force like this; ``None`` if it can, or it is constant."""
+        if self.modulation is None:
+            return None
+        return self.variant.preset.unsupported_reason(self.lane()[0], str(self.variant))
+
+    def lane(self) -> tuple[Lane, int]:
+        """Build the lane, and give its number of steps a period."""
+        chain, drive = self.setting()
+        steps = steps_per_period_for(chain, drive, self.steps_per_period)
+        preload = None if self.modulation is None else self.modulation.preload(drive)
+        return Lane.periodic(chain, drive, steps, preload), steps
+
+    def content(self) -> dict[str, Any]:
+        """Everything that the answer depends on: under a modulated normal force, the options for it."""
+        content = super().content()
+        if self.modulation is None:
+            return content
+        options = self.variant.preset.modulated().options
+        return content | {"options": {name: repr(option.value) for name, option in sorted(options.items())}}
+
+
+USUAL_EXCITATION = Excitation()
+
+
+@cache
+def _identity(variant: Variant) -> dict[str, Any]:
+    """Version and options that a variant's answers depend on."""
+    asked = engine(variant.engine)
+    preset = asked.preset(variant.formulation, variant.preset_name)
+    identity: dict[str, Any] = {
+        "version": asked.version(),
+        "options": {name: repr(option.value) for name, option in sorted(preset.options.items())},
+    }
+    return identity if preset.stick_margin == STICK_MARGIN else identity | {"stick_margin": preset.stick_margin}
+
+
+def _plain(value: Any) -> Any:
+    """Give a dataclass as dictionaries, without the copies of `dataclasses.asdict` that took most of a key's time."""
+    if not dataclasses.is_dataclass(value):
+        return value
+    return {name: _plain(part) for name, part in vars(value).items()}
