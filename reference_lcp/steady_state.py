@@ -16,7 +16,7 @@ from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, Simul
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.exact.exact_orbit import ExactPeriod
-from reference_lcp.exact.monodromy import polished
+from reference_lcp.exact.steady import EXACT_RESIDUAL, exact_orbit
 from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, stuck_fraction, transitions
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
@@ -28,9 +28,6 @@ SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
     {"compiled": CompiledSimulation, "lemke": LemkeSimulation, "exact": EventDrivenSimulation}
 )
 """Solvers by name: the Euler scheme as compiled closed form and by Lemke's method, and the exact motion."""
-
-EXACT_RESIDUAL = 1e-11
-"""Periodicity residual of an exact steady state, some hundred times what the event-driven period map can resolve."""
 
 
 @dataclass(frozen=True)
@@ -173,13 +170,8 @@ def exact_steady_state(
     ParameterError
         If an argument is outside its range, or the drive is not harmonic.
     """
-    simulation = EventDrivenSimulation([Lane.periodic(chain, drive, steps_per_period)])
-    search = partial(periodic_orbits, simulation, steps_per_period, longest_multiple=1)
-    orbit = polished(search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0], steps_per_period, tolerance)
-    if not orbit.converged and orbit.periods < max_periods:
-        again = search(start=orbit.trajectory.end, tolerance=tolerance, max_periods=max_periods - orbit.periods)[0]
-        orbit = dataclasses.replace(again, periods=orbit.periods + again.periods)
-    return SteadyState.of_exact(orbit, ExactPeriod.following(orbit, drive.period))
+    found = exact_orbit(chain, drive, steps_per_period=steps_per_period, tolerance=tolerance, max_periods=max_periods)
+    return SteadyState.of_exact(*found)
 
 
 def simulate(

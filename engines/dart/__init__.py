@@ -28,9 +28,9 @@ class Dart(Engine):
         },
         notes=(
             "Coulomb's law as a boxed LCP, solved by pivoting, whose diagonal is enlarged by a part that cannot be set "
-            f"to less than {RESIDUAL_SLIP_COMPLIANCE:g} in joints, and not at all in contacts, where normal forces err by 2.5e-6 at "
-            "first. By default joints have their own springs and dashpots, implicit ones, which damp the motion by as "
-            "much as the time step is long."
+            f"to less than {RESIDUAL_SLIP_COMPLIANCE:g} in joints, and not at all in contacts, "
+            "where normal forces err by 2.5e-6 at first. By default joints have their own springs and dashpots, "
+            "implicit ones, which damp the motion by as much as the time step is long."
         ),
     )
 

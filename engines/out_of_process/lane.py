@@ -49,7 +49,7 @@ class OutOfProcessLane(LaneModel):
         }
         self._generation = 0
         self._number = -1
-        self._forget: Callable[[], object] = int
+        self._release: Callable[[], object] = int
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state`, in one request; see `LaneModel.run`."""
@@ -78,11 +78,11 @@ class OutOfProcessLane(LaneModel):
 
     def native_steps(self, steps: int) -> None:
         """Take steps of the engine alone, in one request; see `engines.interface.engine.NativeStepping`."""
-        self._ask("bare_steps", checked_count("steps", steps), steps=steps)
+        self._request("native_steps", checked_count("steps", steps), steps=steps)
 
     def close(self) -> None:
         """Let the child drop the chain; another use builds it again."""
-        self._forget()
+        self._release()
         self._generation = 0
 
     def _loads(self, start: int, steps: int) -> FloatArray:
@@ -110,7 +110,7 @@ class OutOfProcessLane(LaneModel):
     def _rows(self, state: State, start: int, steps: int, record: bool) -> Message:
         checked_count("steps", steps)
         # An engine that meets numbers which are not finite may loop for ever.
-        return self._ask(
+        return self._request(
             "run",
             steps,
             position=checked_array("initial positions", state.positions[0]) / self._units.length,
@@ -136,7 +136,7 @@ class OutOfProcessLane(LaneModel):
             return None
         return np.concatenate([rows["gap"][-1] * self._units.length, rows["gap_rate"][-1] * self._units.velocity])
 
-    def _ask(self, request: str, steps: int, /, **values: Any) -> Message:
+    def _request(self, request: str, steps: int, /, **values: Any) -> Message:
         self._ensure_built()
         try:
             return self._process.request(request, REQUEST_LIMIT + STEP_LIMIT * steps, number=self._number, **values)
@@ -148,8 +148,8 @@ class OutOfProcessLane(LaneModel):
         """Build the chain unless the child that runs has it."""
         if self._generation == self._process.generation and self._process.alive():
             return
-        self._forget()
+        self._release()
         self._number = self._process.new_number()
         self._process.request("build", REQUEST_LIMIT, number=self._number, **self._parameters)
         self._generation = self._process.generation
-        self._forget = weakref.finalize(self, self._process.release, self._number)
+        self._release = weakref.finalize(self, self._process.release, self._number)

@@ -85,7 +85,7 @@ class EngineProcess:
         Parameters
         ----------
         request
-            What is asked for: ``"versions"``, ``"build"``, ``"run"`` or ``"bare_steps"``.
+            What is asked for: ``"versions"``, ``"build"``, ``"run"`` or ``"native_steps"``.
         limit
             Longest wait [s]; then the child is killed.
         values
@@ -118,7 +118,7 @@ class EngineProcess:
         with self._lock:
             self._lose()
 
-    def _usable_child(self) -> "_Child":
+    def _usable_child(self) -> "_WorkerProcess":
         if not self.alive():
             self._lose()
             try:
@@ -129,7 +129,7 @@ class EngineProcess:
         assert self._worker is not None
         return self._worker
 
-    def _exchange(self, child: "_Child", message: Message, limit: float) -> Message:
+    def _exchange(self, child: "_WorkerProcess", message: Message, limit: float) -> Message:
         """Give the answer, or say in one line what became of the child."""
         child.truncate_errors()
         with child.killed_after(limit) as expired:

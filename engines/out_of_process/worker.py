@@ -4,9 +4,9 @@ It is started as ``python3 -I child.py SERVER``, where SERVER is a file that def
 
 - ``versions()``: a dictionary of versions, with the engine's own under ``"engine"``;
 - ``Lane(parameters)``: one chain, with ``run(position, velocity, loads, record)``, which gives a dictionary of
-  arrays with one row a step (position and velocity alone where nothing is recorded), and ``bare_steps(steps)``.
-  Where the normal force changes in time, ``run`` gets ``normal_load``, a row a step; where contacts open, also ``across``,
-  gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not.
+  arrays with one row a step (position and velocity alone where nothing is recorded), and ``native_steps(steps)``.
+  Where the normal force changes in time, ``run`` gets ``normal_load``, a row a step; where contacts open, also
+  ``across``, gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not.
 
 A message is two numbers of eight bytes, its length and that of its head; the head, a JSON list of name, data type
 and shape of every array; and what the arrays hold, one after the other. An ``npz`` file says the same, and takes as

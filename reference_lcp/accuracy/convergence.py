@@ -1,15 +1,20 @@
 """How the Euler scheme converges to the exact motion when the time step is halved again and again."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from reference_lcp.accuracy.error_bar import euler_orbit
 from reference_lcp.chain.harmonic import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import steps_per_period_for
+from reference_lcp.exact.steady import exact_orbit
+from reference_lcp.observables.stick_slip import Transition, transitions
 from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
-from reference_lcp.steady_state import SteadyState, exact_steady_state, steady_state
+from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.validation import FloatArray, checked_count
 
 HALVINGS = 6
@@ -85,12 +90,14 @@ def convergence(chain: Chain, drive: PeriodicDrive, *, coarsest: int = 400, halv
     steps = tuple(
         checked_count("coarsest", coarsest, 3) * 2**k for k in range(checked_count("halvings", halvings, 2) + 1)
     )
-    exact = exact_steady_state(chain, drive)
-    found = [steady_state(chain, drive, steps_per_period=count, with_error_bar=False) for count in steps]
-    matches = [match_transitions(_timed(one), _timed(exact), drive.period) for one in found]
+    exact = exact_orbit(chain, drive)[1]
+    orbits = [euler_orbit(chain, drive, steps_per_period_for(chain, drive, count)) for count in steps]
+    exact_transitions = _timed(exact.transitions)
+    matches = [match_transitions(_timed(transitions(orbit)), exact_transitions, drive.period) for orbit in orbits]
+    errors_db = [decibel(transmittance(orbit)) - decibel(exact.transmittance) for orbit in orbits]
     return Convergence(
         steps,
-        np.array([abs(one.transmittance_db - exact.transmittance_db) for one in found]),
+        np.abs(errors_db),
         np.array([np.mean(np.abs(match.time_errors)) if match.pairs else np.nan for match in matches]),
         tuple(len(match.missed) + len(match.spurious) for match in matches),
     )
@@ -127,5 +134,5 @@ def plot_convergence(studies: dict[str, Convergence], file: Path) -> None:
     figure.savefig(file, dpi=150)
 
 
-def _timed(state: SteadyState) -> list[TimedTransition]:
-    return [(change.cell, change.time, str(change.kind)) for change in state.transitions]
+def _timed(changes: Sequence[Transition]) -> list[TimedTransition]:
+    return [(change.cell, change.time, str(change.kind)) for change in changes]

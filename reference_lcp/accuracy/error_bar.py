@@ -96,7 +96,7 @@ def measured_error_bar(
     """
     checked_count("steps_per_period", steps_per_period, FEWEST_STEPS_PER_PERIOD)
     steps = tuple(steps_per_period * factor for factor in REFINEMENTS)
-    orbits = [_orbit(chain, drive, count, tolerance, max_periods) for count in steps]
+    orbits = [euler_orbit(chain, drive, count, tolerance, max_periods) for count in steps]
     values = np.array([decibel(transmittance(orbit)) if orbit.converged else np.nan for orbit in orbits])
     stuck = np.array([stuck_fraction(orbit) for orbit in orbits])
     resolution = 1 / steps_per_period
@@ -109,7 +109,14 @@ def measured_error_bar(
     )
 
 
-def _orbit(chain: Chain, drive: PeriodicDrive, steps: int, tolerance: float, max_periods: int) -> PeriodicOrbit:
+def euler_orbit(
+    chain: Chain,
+    drive: PeriodicDrive,
+    steps: int,
+    tolerance: float = DEFAULT_RESIDUAL,
+    max_periods: int = DEFAULT_PERIODS,
+) -> PeriodicOrbit:
+    """Find the periodic orbit of the compiled Euler scheme with so many steps a period; see `periodic_orbits`."""
     simulation = CompiledSimulation([Lane.periodic(chain, drive, steps)])
     return periodic_orbits(simulation, steps, tolerance=tolerance, max_periods=max_periods)[0]
 

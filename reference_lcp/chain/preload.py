@@ -172,8 +172,9 @@ def normal_motion(
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def _advance_normal(normal_load: Any, mass: Any, time_step: Any, start: Any, rate: Any) -> Any:
-    """Advance contacts, shape (k,), through the rows of `normal_load`; gives forces and gaps of every step, final rates."""
-    force, gaps, gap, speed = np.zeros_like(normal_load), np.zeros_like(normal_load), start.copy(), rate.copy()
+    """Advance contacts, shape (k,), through the rows of `normal_load`; gives forces, gaps and final rates."""
+    force, gaps = np.zeros_like(normal_load), np.zeros_like(normal_load)
+    gap, speed = start.copy(), rate.copy()
     for step in range(normal_load.shape[0]):
         for k in range(normal_load.shape[1]):
             dt, pressing = time_step[k], normal_load[step, k]

@@ -15,7 +15,7 @@ from plotly.offline import get_plotlyjs
 from reports import formatting as numbers
 from reports.data.report import Report
 from reports.figures.figure import Picture, inline_png, inline_svg
-from reports.page.section import Section, registered_sections
+from reports.page.section import SUITE, Section, registered_sections
 from reports.page.sections import (
     BandEdges,
     FrictionMap,
@@ -71,7 +71,7 @@ def page(title: str, parts: Sequence[Section]) -> RenderedPage:
     """
     album = _Album()
     rendered = [_rendered(part, album) for part in parts]
-    html = _environment("reports").get_template("page.html").render(
+    html = _environment(SUITE).get_template("page.html").render(
         title=title,
         sections=rendered,
         plots=_packed(json.dumps(album.plots, allow_nan=False, separators=(",", ":"))),
@@ -93,7 +93,7 @@ class _Album:
             raise ValueError(f"two pictures are called {picture.name!r}; allowed: names of their own")
         drawn = picture.print_files()
         self.plots[picture.name] = picture.plot
-        template = _environment("reports").get_template("picture.html")
+        template = _environment(SUITE).get_template("picture.html")
         if "png" in drawn:
             still = inline_png(drawn.pop("png"), picture)
         else:
@@ -109,7 +109,7 @@ def _rendered(part: Section, album: _Album) -> RenderedSection:
         template = _environment(part.templates).get_template(f"{part.template}.html")
         html = template.render(**part.context(), picture=_chosen(drawn), pictures=list(drawn.values()))
     except Exception as problem:
-        if part.templates == "reports":
+        if part.templates == SUITE:
             raise
         print(f"section {part.title!r} failed: {type(problem).__name__}: {problem}", file=sys.stderr)
         html = Markup("<p class='blocked'>This section failed: {}: {}</p>").format(type(problem).__name__, problem)
@@ -123,7 +123,7 @@ def _chosen(drawn: dict[str, Markup]) -> Callable[[str], Markup]:
 def _environment(package: str) -> Environment:
     """Templates that escape what they print and refuse names that are not there."""
     environment = Environment(
-        loader=ChoiceLoader([PackageLoader(name) for name in dict.fromkeys((package, "reports.page"))]),
+        loader=ChoiceLoader([PackageLoader(name) for name in dict.fromkeys((package, SUITE))]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

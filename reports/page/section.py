@@ -8,6 +8,9 @@ from typing import Any, ClassVar
 from reports.data.report import Report
 from reports.figures.figure import Picture
 
+SUITE = "reports.page"
+"""Package that holds the suite's own templates."""
+
 ENTRY_POINT_GROUP = "multibody_xval.sections"
 """Group under which a distribution registers sections of its own: names of classes, or of anything that makes one."""
 
@@ -28,7 +31,7 @@ class Section(ABC):
     """The heading."""
     template: ClassVar[str]
     """Name of the template, without its ending; also the anchor of the section."""
-    templates: ClassVar[str] = "reports"
+    templates: ClassVar[str] = SUITE
     """Package that holds the template."""
 
     def __init__(self, report: Report):

@@ -183,7 +183,8 @@ def _record(scenario: Scenario, one: Finding) -> tuple[object, ...]:
     value, expected, difference, allowed = (None if math.isnan(number) else number for number in numbers)
     variant, comparison = one.variant, one.comparison
     return (
-        scenario.name, one.case, variant.engine, variant.formulation, variant.preset_name, one.metric.name, one.metric.unit,
+        scenario.name, one.case, variant.engine, variant.formulation, variant.preset_name,
+        one.metric.name, one.metric.unit,
         value, expected, str(comparison.verdict), explained(one), difference, allowed, comparison.reason,
     )  # fmt: skip
 

@@ -15,7 +15,7 @@ from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, steps
 from reference_lcp.observables.stick_slip import STICK_MARGIN
 from scenarios.tasks.parameters import ChainRatios, Excitation, Modulation, Ratio
 
-RESULT_FORMAT = 2
+RESULT_FORMAT = 3
 """Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
 _SORTED = json.JSONEncoder(sort_keys=True)
 
@@ -54,7 +54,7 @@ class Task:
 
     def content(self) -> dict[str, Any]:
         """Everything that the answer depends on: the question, the engine's version and its options."""
-        return {"format": RESULT_FORMAT, "question": self.as_data(), **_identity(self.variant)}
+        return {"format": RESULT_FORMAT, "task": self.as_data(), **_identity(self.variant)}
 
     def as_data(self) -> dict[str, Any]:
         """Give the question as plain data, ready for JSON."""

@@ -71,7 +71,7 @@ class Kept:
     @property
     def variant(self) -> str:
         """Engine, formulation and preset, joined by colons."""
-        return ":".join(self.question["variant"][name] for name in ("engine", "formulation", "preset"))
+        return ":".join(self.question["variant"][name] for name in ("engine", "formulation", "preset_name"))
 
 
 @dataclass(frozen=True)
@@ -151,8 +151,8 @@ def _rows(file: Path) -> Iterator[tuple[str, Kept]]:
             asked = json.loads(content)
             if "solver" in asked:  # the exact motion depends on no engine
                 continue
-            kept = Kept(asked["question"], asked["version"], asked["options"], Result.from_json(answer))
-            yield json.dumps(asked["question"], sort_keys=True), kept
+            kept = Kept(asked["task"], asked["version"], asked["options"], Result.from_json(answer))
+            yield json.dumps(asked["task"], sort_keys=True), kept
 
 
 def compare_stores(first: Path, second: Path, thresholds: Thresholds | None = None) -> StoreComparison:

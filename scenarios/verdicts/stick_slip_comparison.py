@@ -1,9 +1,9 @@
 """When the stick–slip motions of two simulations are the same: the definitions, for every engine alike.
 
 *Mode.* A contact sticks in a step while its friction is below its bound by more than the preset's stick margin
-(`reference_lcp.observables.stick_slip.contact_modes`), and slips the way that its friction opposes; exact, regularised and bristle
-laws are read alike. A stick of one step is a reversal of the slip; a slip shorter than four residuals of the orbit is
-none. The event-driven solver knows its modes without a margin.
+(`reference_lcp.observables.stick_slip.contact_modes`), and slips the way that its friction opposes; exact,
+regularised and bristle laws are read alike. A stick of one step is a reversal of the slip; a slip
+shorter than four residuals of the orbit is none. The event-driven solver knows its modes without a margin.
 
 *Matching.* A transition of the engine and one of the expected motion are the same if they are of one cell, to one
 mode, and at most `MATCHING_WINDOW` of the period apart; they are paired one to one, the closest first.

@@ -18,7 +18,7 @@ EDGE_TOLERANCE = 0.005
 
 
 SAFETY = 1.25
-"""Factor on estimated errors, that of `reference_lcp.accuracy.error_bar`: its calibration on random chains is the reason."""
+"""Factor on estimated errors, that of `reference_lcp.accuracy.error_bar`, calibrated on random chains."""
 
 
 class Verdict(StrEnum):
@@ -163,9 +163,9 @@ def step_estimate(coarse: float, fine: float) -> float:
 def scheme_bar(coarse: float, middle: float, fine: float) -> float:
     """Error bar of the middle one of three values of a first-order scheme, whose steps are 1, 1/2 and 1/4.
 
-    As in `reference_lcp.accuracy.error_bar`: if the errors are e, e/2, e/4, either difference gives e/2. Where the first-order
-    part is small and the second-order part is not, both may be too small; extrapolation with both parts then gives
-    the error. The largest of the three is taken, lest one of them vanishes by chance.
+    As in `reference_lcp.accuracy.error_bar`: if the errors are e, e/2, e/4, either difference gives e/2. Where the
+    first-order part is small and the second-order part is not, both may be too small; extrapolation with
+    both parts then gives the error. The largest of the three is taken, lest one of them vanishes by chance.
     """
     first, second = middle - coarse, fine - middle
     return SAFETY * max(abs(first), 2 * abs(second), abs(8 * second - first) / 3)

@@ -25,14 +25,14 @@ def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> 
     script = (
         "from pathlib import Path\n"
         "from scenarios.execution.evaluator import Evaluator\n"
-        "from scenarios.execution.local_processes import LocalCrew\n"
+        "from scenarios.execution.local_processes import LocalExecutor\n"
         "from scenarios.studies.figure3 import Figure3, run\n"
         "from engines.interface.variant import Variant\n"
         "from scenarios.execution.store import ResultStore\n"
         "if __name__ == '__main__':\n"
         "    asked = Figure3(variants=(Variant('tiny'),), friction_ratios=(0.3,), frequency_ratios=(0.9, 1.3))\n"
         f"    file = Path({str(tmp_path / 'store.sqlite')!r})\n"
-        "    with ResultStore(file) as store, Evaluator(store, LocalCrew(1)) as evaluator:\n"
+        "    with ResultStore(file) as store, Evaluator(store, LocalExecutor(1)) as evaluator:\n"
         "        points = run(asked, evaluator).curve(Variant('tiny'), 0.3)\n"
         "    print([str(point.comparison.verdict) for point in points])\n"
     )

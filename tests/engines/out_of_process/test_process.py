@@ -228,7 +228,7 @@ def test_threads_take_turns(process: EngineProcess) -> None:
 
 
 def test_a_child_ends_with_its_parent_even_if_that_is_killed() -> None:
-    with python("process.ask('versions', 30.0); print(process.pid, flush=True); sys.stdin.read()") as parent:
+    with python("process.request('versions', 30.0); print(process.pid, flush=True); sys.stdin.read()") as parent:
         assert parent.stdout is not None
         child = int(parent.stdout.readline())
         parent.kill()
@@ -238,10 +238,10 @@ def test_a_child_ends_with_its_parent_even_if_that_is_killed() -> None:
 def test_a_hanging_child_of_a_killed_parent_ends_at_its_limit() -> None:
     program = """
         outside.GRACE = 0.5
-        process.ask("build", 30.0, number=1, trouble="hang")
+        process.request("build", 30.0, number=1, trouble="hang")
         print(process.pid, flush=True)
         still = [0.0, 0.0]
-        process.ask("run", 2.0, number=1, position=still, velocity=still, loads=[0.0], record=True)
+        process.request("run", 2.0, number=1, position=still, velocity=still, loads=[0.0], record=True)
     """
     with python(program) as parent:
         assert parent.stdout is not None
@@ -253,7 +253,7 @@ def test_a_hanging_child_of_a_killed_parent_ends_at_its_limit() -> None:
 
 
 def test_a_program_that_ends_takes_its_child_along_without_a_word() -> None:
-    parent = python("process.ask('versions', 30.0); print(process.pid)")
+    parent = python("process.request('versions', 30.0); print(process.pid)")
     child = int(parent.communicate()[0])
     assert parent.returncode == 0
     assert ends(child, 1)
@@ -261,14 +261,14 @@ def test_a_program_that_ends_takes_its_child_along_without_a_word() -> None:
 
 def test_a_forked_process_has_a_child_of_its_own() -> None:
     parent = python("""
-        process.ask("versions", 30.0)
+        process.request("versions", 30.0)
         first = process.pid
         fork = os.fork()
-        process.ask("versions", 30.0)
+        process.request("versions", 30.0)
         if fork == 0:
             os._exit(process.pid == first)
         assert os.waitpid(fork, 0)[1] == 0
-        process.ask("versions", 30.0)
+        process.request("versions", 30.0)
         assert process.pid == first
     """)
     parent.communicate()

@@ -19,7 +19,6 @@ from reference_lcp import (
     State,
     StillBase,
     chain_step,
-    event_driven,
     exact_steady_state,
     frictionless_response,
     periodic_orbits,
@@ -28,6 +27,7 @@ from reference_lcp import (
     stuck_response,
     transmittance,
 )
+from reference_lcp.exact import event_driven
 from reference_lcp.exact.monodromy import monodromy_matrix
 from reference_lcp.lcp.time_step import solve_step_given_normal_force
 from tests.reference_lcp.cases import EXACT_DB, STANDING, random_chain

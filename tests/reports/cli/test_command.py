@@ -216,7 +216,7 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
         found = {place: kept.find(question) for place, question in asked.items()}
         expected = verdicts(read.sweep, kept, 0.1)
     with sqlite3.connect(store) as connection:
-        contents = [json.loads(text)["question"] for (text,) in connection.execute("SELECT content FROM answers")]
+        contents = [json.loads(text)["task"] for (text,) in connection.execute("SELECT content FROM answers")]
         motions = connection.execute("SELECT count(*) FROM motions").fetchone()[0]
     connection.close()
     # everything that was asked, map and lines of the reference among it, is about the force

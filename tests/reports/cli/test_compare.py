@@ -14,7 +14,7 @@ from reference_lcp.console import run_command
 from reference_lcp.validation import ParameterError
 from reports.__main__ import app
 from scenarios.execution.store import ResultStore
-from scenarios.tasks import questions
+from scenarios.tasks import task
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.regression import Kept, Thresholds, change, compare_stores
@@ -46,25 +46,25 @@ class Softening(Engine):
 
 def answered(question: SteadyStateTask, residual_slip_compliance: float) -> Result:
     """Only where contacts slip is the transmittance changed by their softness."""
-    slips = question.frequency_ratio > 0.5
+    slip = residual_slip_compliance * (question.frequency_ratio > 0.5)
     return Result(
-        status="converged", transmittance_db=-5.0 + residual_slip_compliance * slips, residual=1e-9, periods=30, steps_per_period=400,
-        period=1.0, stuck_fraction=(0.5, 1.0), transitions=((1, 0.2 + residual_slip_compliance * slips / 1000, "stick"),),
+        status="converged", transmittance_db=-5.0 + slip, residual=1e-9, periods=30, steps_per_period=400,
+        period=1.0, stuck_fraction=(0.5, 1.0), transitions=((1, 0.2 + slip / 1000, "stick"),),
     )  # fmt: skip
 
 
 def fill(file: Path, option: Option, residual_slip_compliance: float, monkeypatch: pytest.MonkeyPatch) -> Path:
     engine = Softening(option)
-    monkeypatch.setattr(questions, "engine", lambda _name: engine)
+    monkeypatch.setattr(task, "engine", lambda _name: engine)
     monkeypatch.setattr(variant, "engine", lambda _name: engine)
-    questions._identity.cache_clear()
+    task._identity.cache_clear()
     with ResultStore(file) as store:
         asked = [
             SteadyStateTask(variant=Variant("softening"), friction_ratio=0.3, frequency_ratio=eta)
             for eta in (0.3, 0.6, 0.9)
         ]
         store.keep((question, answered(question, residual_slip_compliance)) for question in asked)
-    questions._identity.cache_clear()
+    task._identity.cache_clear()
     return file
 
 
