@@ -141,7 +141,7 @@ def workers_of(client: int) -> list[int]:
     return [int(one) for one in children if "spawn_main" in Path(f"/proc/{one}/cmdline").read_text()]
 
 
-START_LIMIT = 60.0
+START_LIMIT = 180.0
 """Seconds after which a sweep that has kept nothing new, on a machine that is busy, is taken for stuck."""
 
 
@@ -170,7 +170,7 @@ def kill_while_running(command: list[str], store: Path, answers: int, worker_fir
         wait_for(client, store, answers)
         if worker_first:
             os.kill(workers_of(client.pid)[0], signal.SIGKILL)
-        client.kill()
+            wait_for(client, store, kept_in(store) + 1)  # it goes on with other workers
     finally:
         client.kill()
         ended = client.wait()
