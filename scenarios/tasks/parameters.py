@@ -1,16 +1,35 @@
 """What a task is about: the chain in ratios, its excitation, the modulation of its normal force."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import ConfigDict, Discriminator, Field, Tag, TypeAdapter
 
 from reference_lcp.chain.harmonic import HarmonicBase, HarmonicForce, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import CHAIN_STIFFNESS, Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.validation import checked_array, checked_choice, checked_count, checked_scalar
 
-Ratio = float | tuple[float, ...]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, strict=True)]
+
+
+def _kind_of_ratio(value: object) -> str:
+    """Tell whether cells are alike."""
+    return "one a cell" if isinstance(value, list | tuple) else "one for all"
+
+
+_ByKind = Discriminator(_kind_of_ratio)
+_OneForAll, _OneACell = Tag("one for all"), Tag("one a cell")
+PositiveRatio = Annotated[
+    Annotated[Positive, _OneForAll] | Annotated[tuple[Positive, ...], _OneACell], _ByKind
+]  # fmt: skip
+Ratio = Annotated[
+    Annotated[NotNegative, _OneForAll] | Annotated[tuple[NotNegative, ...], _OneACell], _ByKind
+]  # fmt: skip
 """One number for all cells, or one a cell."""
 
+_LeftOutOfEqualCells = Field(exclude_if=lambda value: value == 1.0)
 
 BASE_AMPLITUDE = 0.01
 """U0 [m] of a base motion unless an amplitude is given; with friction given as a ratio it changes no answer."""
@@ -69,14 +88,16 @@ class ChainRatios:
         μ λ_N of each cell over that which a friction ratio asks for, where cells differ.
     """
 
-    cells: int = 7
-    mass_ratio: Ratio = 1.0
-    stiffness_ratio: Ratio = 1.0
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
+    cells: Annotated[int, Field(ge=1, strict=True)] = 7
+    mass_ratio: PositiveRatio = 1.0
+    stiffness_ratio: PositiveRatio = 1.0
     damping_ratio: Ratio = 0.01
     inner_damping_ratio: Ratio = 0.0
-    outer_mass_ratio: Ratio = 1.0
-    chain_stiffness_ratio: Ratio = 1.0
-    friction_profile: Ratio = 1.0
+    outer_mass_ratio: Annotated[PositiveRatio, _LeftOutOfEqualCells] = 1.0
+    chain_stiffness_ratio: Annotated[PositiveRatio, _LeftOutOfEqualCells] = 1.0
+    friction_profile: Annotated[Ratio, _LeftOutOfEqualCells] = 1.0
 
     def chain(self, friction_ratio: Ratio, base_amplitude: float = BASE_AMPLITUDE) -> Chain:
         """Build the chain with this friction ratio μ λ_N / (k_c U0), U0 [m] being the amplitude of the base."""
@@ -87,10 +108,10 @@ class ChainRatios:
 
     def as_data(self) -> dict[str, Any]:
         """Give the ratios as plain data; those in which cells may differ beside the paper's are left out where not."""
-        return {name: value for name, value in vars(self).items() if name not in _OF_UNEQUAL_CELLS or value != 1.0}
+        return _RATIOS.dump_python(self, mode="json")
 
 
-_OF_UNEQUAL_CELLS = ("outer_mass_ratio", "chain_stiffness_ratio", "friction_profile")
+_RATIOS = TypeAdapter(ChainRatios)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,21 +1,20 @@
 """What came of a task, as plain data."""
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any, NamedTuple, Self
+from typing import Annotated, NamedTuple, Self, TypeVar
+
+from pydantic import BeforeValidator, ConfigDict, TypeAdapter, ValidationError
 
 from reference_lcp.steady.orbits import OrbitStatus
 from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE
 from reference_lcp.validation import ParameterError
+from scenarios.tasks.validation_message import first_error
 
 Series = Mapping[str, tuple[float, ...]]
 """Numbers by name: what is kept of a motion."""
-
-
-_COMPACT = json.JSONEncoder(separators=(",", ":"))
 
 
 class ResultStatus(StrEnum):
@@ -47,6 +46,13 @@ class ResultStatus(StrEnum):
             return cls(text)
         except ValueError:
             raise ParameterError(f"status of an answer = {text!r}; allowed: {', '.join(cls)}") from None
+
+
+_Status = Annotated[ResultStatus, BeforeValidator(ResultStatus.parse)]
+_Number = Annotated[float, BeforeValidator(lambda value: math.nan if value is None else value)]
+"""NaN is written as null."""
+_Multiple = Annotated[int, BeforeValidator(lambda value: 1 if value is None else value)]
+"""Kept answers may have none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,20 +99,22 @@ class Result:
         If the status is unknown.
     """
 
-    status: ResultStatus
+    __pydantic_config__ = ConfigDict(extra="forbid", ser_json_inf_nan="null")
+
+    status: _Status
     reason: str = ""
-    transmittance_db: float = math.nan
-    residual: float = math.nan
+    transmittance_db: _Number = math.nan
+    residual: _Number = math.nan
     periods: int = 0
     multiple: int = 1
     steps_per_period: int = 0
-    period: float = math.nan
+    period: _Number = math.nan
     stuck_fraction: tuple[float, ...] = ()
     transitions: tuple[tuple[int, float, str], ...] = ()
     creep: tuple[float, ...] = ()
     open_fraction: tuple[float, ...] = ()
     largest_gap: tuple[float, ...] = ()
-    seconds: float = math.nan
+    seconds: _Number = math.nan
     series: Series = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -129,19 +137,18 @@ class Result:
 
     def to_json(self) -> str:
         """Give the answer as JSON; NaN becomes null."""
-        return _COMPACT.encode({name: None if _is_nan(value) else value for name, value in vars(self).items()})
+        return _RESULT.dump_json(self).decode()
 
-    @classmethod
-    def from_json(cls, text: str) -> Self:
-        """Read what `to_json` wrote."""
-        numbers: dict[str, Any] = {
-            name: math.nan if value is None else value for name, value in json.loads(text).items()
-        }
-        for name in ("stuck_fraction", "creep", "open_fraction", "largest_gap"):
-            numbers[name] = tuple(numbers.get(name, ()))
-        numbers["transitions"] = tuple((cell, time, kind) for cell, time, kind in numbers["transitions"])
-        numbers["series"] = {name: tuple(values) for name, values in numbers.get("series", {}).items()}
-        return cls(**numbers)
+    @staticmethod
+    def from_json(text: str) -> "Result":
+        """Read what `to_json` wrote.
+
+        Raises
+        ------
+        ParameterError
+            If it is something else; the message names the field.
+        """
+        return _read(_RESULT, text)
 
 
 class ResultSummary(NamedTuple):
@@ -153,9 +160,9 @@ class ResultSummary(NamedTuple):
         As of `Result`.
     """
 
-    status: ResultStatus
+    status: _Status
     periods: int = 0
-    multiple: int = 1
+    multiple: _Multiple = 1
     reason: str = ""
 
     @classmethod
@@ -163,11 +170,22 @@ class ResultSummary(NamedTuple):
         """Take it from an answer."""
         return cls(answer.status, answer.periods, answer.multiple, answer.reason)
 
-    @classmethod
-    def from_json(cls, text: str) -> Self:
-        """Read the list [status, periods, multiple]; answers of old have no multiple."""
-        status, periods, multiple = json.loads(text)
-        return cls(ResultStatus.parse(status), periods, 1 if multiple is None else multiple)
+    @staticmethod
+    def from_json(text: str) -> "ResultSummary":
+        """Read the list [status, periods, multiple]."""
+        return _read(_SUMMARY, text)
+
+
+_RESULT, _SUMMARY = TypeAdapter(Result), TypeAdapter(ResultSummary)
+_Read = TypeVar("_Read")
+
+
+def _read(schema: TypeAdapter[_Read], text: str) -> _Read:
+    """Read what a store has kept; an error names the first field that is wrong."""
+    try:
+        return schema.validate_json(text)
+    except ValidationError as problem:
+        raise first_error(problem, ", ".join(vars(Result.missing()))) from None
 
 
 def repetition(multiple: int) -> str:
@@ -176,6 +194,3 @@ def repetition(multiple: int) -> str:
         return f", no period up to {LONGEST_MULTIPLE}"
     return f", period {multiple}" if multiple > 1 else ""
 
-
-def _is_nan(value: object) -> bool:
-    return isinstance(value, float) and math.isnan(value)

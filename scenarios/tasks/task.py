@@ -1,11 +1,12 @@
 """Tasks that engines are given, as plain data."""
 
-import dataclasses
 import hashlib
-import json
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, TypeAdapter
+from pydantic_core import to_json
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
@@ -17,7 +18,6 @@ from scenarios.tasks.parameters import ChainRatios, Excitation, Modulation, Rati
 
 RESULT_FORMAT = 3
 """Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
-_SORTED = json.JSONEncoder(sort_keys=True)
 
 
 def key_of(text: str) -> str:
@@ -57,9 +57,8 @@ class Task:
         return {"format": RESULT_FORMAT, "task": self.as_data(), **_identity(self.variant)}
 
     def as_data(self) -> dict[str, Any]:
-        """Give the question as plain data, ready for JSON."""
-        data: dict[str, Any] = _plain(self)
-        return data | {"ratios": self.ratios.as_data()}
+        """Give the question as plain data, ready for JSON; what is usual and came later is left out."""
+        return _schema(type(self)).dump_python(self, mode="json")
 
     def key(self) -> str:
         """Hash of the content: equal for equal questions to equal engines."""
@@ -67,7 +66,7 @@ class Task:
 
     def text(self) -> str:
         """Give the content as JSON, one text for equal contents."""
-        return _SORTED.encode(self.content())
+        return to_json(self.content()).decode()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,22 +89,15 @@ class SteadyStateTask(Task):
 
     frequency_ratio: float
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
-    excitation: Excitation = field(default_factory=Excitation)
-    modulation: Modulation | None = None
+    excitation: Annotated[Excitation, Field(exclude_if=lambda value: value == USUAL_EXCITATION)] = field(
+        default_factory=Excitation
+    )
+    modulation: Annotated[Modulation | None, Field(exclude_if=lambda value: value is None)] = None
 
     @property
     def chain(self) -> Chain:
         """Build the chain, whose friction is referred to this excitation."""
         return self.ratios.chain(self.friction_ratio, self.excitation.displacement)
-
-    def as_data(self) -> dict[str, Any]:
-        """Give the question as plain data; what is usual (excitation, constant normal force) is left out."""
-        data = super().as_data()
-        if self.excitation == USUAL_EXCITATION:
-            del data["excitation"]
-        if self.modulation is None:
-            del data["modulation"]
-        return data
 
     def setting(self) -> tuple[Chain, PeriodicDrive]:
         """Build the chain and its drive."""
@@ -149,8 +141,7 @@ def _identity(variant: Variant) -> dict[str, Any]:
     return identity if preset.stick_margin == STICK_MARGIN else identity | {"stick_margin": preset.stick_margin}
 
 
-def _plain(value: Any) -> Any:
-    """Give a dataclass as dictionaries, without the copies of `dataclasses.asdict` that took most of a key's time."""
-    if not dataclasses.is_dataclass(value):
-        return value
-    return {name: _plain(part) for name, part in vars(value).items()}
+@cache
+def _schema(kind: type[Task]) -> TypeAdapter[Any]:
+    """Give how tasks of a kind are written."""
+    return TypeAdapter(kind)

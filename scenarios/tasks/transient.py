@@ -2,9 +2,10 @@
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated
 
 import numpy as np
+from pydantic import PlainSerializer, PlainValidator
 
 from reference_lcp.chain.harmonic import MovingBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
@@ -23,6 +24,12 @@ scale, inner springs unstretched. ``inner masses displaced``: all of them by the
 
 RECORDED = ("response", "decay")
 """What may be kept of a motion: see `scenarios.execution.transient`."""
+
+
+_Base = Annotated[
+    MovingBase | StillBase, PlainValidator(lambda base: base), PlainSerializer(lambda base: base.parameters())
+]
+"""Written with the hash of its samples where it follows a record."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +59,7 @@ class TransientTask(Task):
         If a value is outside its range.
     """
 
-    base: MovingBase | StillBase
+    base: _Base
     time_step: float
     steps: int
     every: int = 1
@@ -91,12 +98,6 @@ class TransientTask(Task):
     def row_times(self) -> FloatArray:
         """Times of the rows that are kept [s], shape (steps / every,)."""
         return self.time_step * np.arange(self.every, self.steps + 1, self.every, dtype=np.float64)
-
-    def as_data(self) -> dict[str, Any]:
-        """Give the question as plain data; samples of a record stand there as their hash."""
-        own = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-        plain = {"variant": dataclasses.asdict(self.variant), "ratios": self.ratios.as_data()}
-        return {**own, **plain, "base": self.base.parameters()}
 
 
 def initial_positions(chain: Chain, shape: str, length: float) -> FloatArray:
