@@ -10,11 +10,14 @@ import itertools
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from pydantic import ConfigDict, Field
 from scipy.interpolate import PchipInterpolator
 
 from reference_lcp.validation import FloatArray, ParameterError, checked_count, checked_scalar
+from scenarios.tasks.parameters import Positive
 from scenarios.verdicts.verdict import FLOOR_DB
 
 START_POINTS = 17
@@ -56,11 +59,13 @@ class AdaptiveAxis:
         If a number is outside its range.
     """
 
-    first: float
-    last: float
-    accuracy_db: float
-    least_spacing: float = LEAST_SPACING
-    most_points: int = MOST_POINTS
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
+    first: Positive
+    last: Positive
+    accuracy_db: Positive
+    least_spacing: Positive = LEAST_SPACING
+    most_points: Annotated[int, Field(ge=START_POINTS, strict=True)] = MOST_POINTS
 
     def __post_init__(self) -> None:
         for name in ("first", "last", "accuracy_db", "least_spacing"):

@@ -1,21 +1,22 @@
 """A sweep from a TOML file: what may stand in it, and errors that name the place."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
 
 from engines.interface.variant import Variant, variants_named, variants_of
 from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import ParameterError, checked_choice
-from scenarios.studies.adaptive_grid import LEAST_SPACING, MOST_POINTS, START_POINTS, AdaptiveAxis
+from scenarios.studies.adaptive_grid import AdaptiveAxis
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.verdicts import baseline_of
-from scenarios.tasks.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation
+from scenarios.tasks.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation, Positive
+from scenarios.tasks.validation_message import first_error
 
 EXAMPLE = """\
 # A sweep: every combination of the values under [grid], by every engine.
@@ -62,12 +63,8 @@ amplitude = 0.01             # > 0: of the base U0 [m], of the force P0 [N]; fri
 # transmittance_db = 0.1     # > 0
 """
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-
-
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
 class _Range(_Table):
@@ -75,55 +72,14 @@ class _Range(_Table):
     last: float
     points: Annotated[int, Field(ge=2)]
 
-
-class _Adaptive(_Table):
-    first: Positive
-    last: Positive
-    accuracy_db: Positive
-    least_spacing: Positive = LEAST_SPACING
-    most_points: Annotated[int, Field(ge=START_POINTS)] = MOST_POINTS
-
-
-def _kind_of_ratio(value: object) -> str:
-    """Tell whether cells are alike."""
-    return "one a cell" if isinstance(value, list) else "one for all"
-
-
-_PositiveRatio = Annotated[
-    Annotated[Positive, Tag("one for all")] | Annotated[list[Positive], Tag("one a cell")],
-    Discriminator(_kind_of_ratio),
-]
-_Ratio = Annotated[
-    Annotated[NotNegative, Tag("one for all")] | Annotated[list[NotNegative], Tag("one a cell")],
-    Discriminator(_kind_of_ratio),
-]
-
-
-class _Chain(_Table):
-    cells: Annotated[int, Field(ge=1)] = 7
-    mass_ratio: _PositiveRatio = 1.0
-    stiffness_ratio: _PositiveRatio = 1.0
-    damping_ratio: _Ratio = 0.01
-    inner_damping_ratio: _Ratio = 0.0
-    outer_mass_ratio: _PositiveRatio = 1.0
-    chain_stiffness_ratio: _PositiveRatio = 1.0
-    friction_profile: _Ratio = 1.0
-
-    def ratios(self, varied: Mapping[str, Sequence[float]]) -> ChainRatios:
-        """Give the ratios, if lists have a number for every cell of every chain that is asked for."""
-        given = self.model_dump()
-        lists = {name: tuple(value) for name, value in given.items() if isinstance(value, list)}
-        for name, values in lists.items():
-            for cells in varied.get("cells", (self.cells,)):
-                if name not in varied and len(values) != cells:
-                    problem = f"chain.{name} has {len(values)} values and the chain {cells:g} cells"
-                    raise ParameterError(f"{problem}; allowed: one number, or as many as there are cells")
-        return ChainRatios(**{**given, **lists})
+    def values(self) -> list[float]:
+        """Give evenly spaced values."""
+        return np.linspace(self.first, self.last, self.points).tolist()
 
 
 class _Drive(_Table):
     kind: Literal["base", "force"] = "base"
-    amplitude: Positive | None = None
+    amplitude: Positive = Field(default_factory=lambda read: DEFAULT_AMPLITUDE[read["kind"]])
 
 
 class _Tolerances(_Table):
@@ -138,38 +94,90 @@ def _kind_of_axis(values: object) -> str:
 
 
 _Axis = Annotated[
-    Annotated[list[float], Tag("values")] | Annotated[_Range, Tag("range")] | Annotated[_Adaptive, Tag("adaptive")],
+    Annotated[list[float], Tag("values")]
+    | Annotated[_Range, AfterValidator(_Range.values), Tag("range")]
+    | Annotated[AdaptiveAxis, Tag("adaptive")],
     Discriminator(_kind_of_axis),
 ]
 
+_WHOLE = ("cells", "steps_per_period")
 
-class _File(_Table):
+
+class SweepFile(_Table):
+    """What a file asks for, as `EXAMPLE` shows it.
+
+    Parameters
+    ----------
+    engines, presets
+        Who is asked, by name.
+    grid
+        Values by parameter.
+    chain, drive, steps_per_period
+        What is not varied.
+    tolerances
+        What counts as agreement; ``None`` for no comparison.
+
+    Raises
+    ------
+    ValidationError
+        If a value is not allowed.
+    """
+
     engines: Annotated[list[str], Field(min_length=1)]
     presets: Annotated[list[str], Field(min_length=1)] | None = None
     grid: dict[str, _Axis]
-    chain: _Chain = _Chain()
+    chain: ChainRatios = ChainRatios()
     drive: _Drive = _Drive()
     tolerances: _Tolerances | None = None
     steps_per_period: Annotated[int, Field(ge=FEWEST_STEPS_PER_PERIOD)] = MINIMUM_STEPS_PER_PERIOD
 
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        """Refuse what each value alone does not show."""
+        for name, values in self.grid.items():
+            if isinstance(values, AdaptiveAxis) and name != "frequency_ratio":
+                raise ParameterError(f"grid.{name} has an accuracy; allowed: of frequency_ratio only")
+        self._check_lists()
+        if self.tolerance_db is not None and baseline_of(self.sweep) is None:
+            problem = f"tolerances.transmittance_db = {self.tolerance_db:g} without the reference among the engines"
+            raise ParameterError(f"{problem}; allowed: engines with 'reference:joint'")
+        return self
 
-@dataclass(frozen=True)
-class SweepFile:
-    """What a file asks for.
+    def _check_lists(self) -> None:
+        """Refuse lists that have not a number for every cell of every chain that is asked for."""
+        lists = {name: values for name, values in vars(self.chain).items() if isinstance(values, tuple)}
+        for name in lists.keys() - self.sweep.axes.keys():
+            for cells in self.sweep.axes.get("cells", (self.chain.cells,)):
+                if len(lists[name]) != cells:
+                    problem = f"chain.{name} has {len(lists[name])} values and the chain {cells:g} cells"
+                    raise ParameterError(f"{problem}; allowed: one number, or as many as there are cells")
 
-    Parameters
-    ----------
-    sweep
-        Every combination of the values; of an adaptive axis those with which every curve begins.
-    frequencies
-        The adaptive axis; ``None`` without one.
-    tolerance_db
-        Largest difference from the reference that counts as agreement [dB]; ``None`` for no comparison.
-    """
+    @cached_property
+    def sweep(self) -> Sweep:
+        """Every combination of the values; of an adaptive axis those with which every curve begins."""
+        axes = {
+            name: values.start() if isinstance(values, AdaptiveAxis) else tuple(values)
+            for name, values in self.grid.items()
+        }
+        whole = {name: tuple(int(v) if v == int(v) else v for v in axes[name]) for name in _WHOLE if name in axes}
+        return Sweep(
+            variants=_variants(self.engines, self.presets),
+            axes=axes | whole,
+            ratios=self.chain,
+            steps_per_period=self.steps_per_period,
+            excitation=Excitation(**dict(self.drive)),
+        )
 
-    sweep: Sweep
-    frequencies: AdaptiveAxis | None = None
-    tolerance_db: float | None = None
+    @property
+    def frequencies(self) -> AdaptiveAxis | None:
+        """The adaptive axis; ``None`` without one."""
+        values = self.grid.get("frequency_ratio")
+        return values if isinstance(values, AdaptiveAxis) else None
+
+    @property
+    def tolerance_db(self) -> float | None:
+        """Largest difference from the reference that counts as agreement [dB]; ``None`` for no comparison."""
+        return None if self.tolerances is None else self.tolerances.transmittance_db
 
 
 def read_sweep(file: Path) -> SweepFile:
@@ -187,46 +195,18 @@ def read_sweep(file: Path) -> SweepFile:
         the key, the value and what is allowed.
     """
     try:
-        content = tomllib.loads(file.read_text(encoding="utf-8"))
+        return SweepFile.model_validate(tomllib.loads(file.read_text(encoding="utf-8")))
     except (OSError, UnicodeDecodeError) as problem:
         raise ParameterError(f"{file} cannot be read: {problem}") from None
     except tomllib.TOMLDecodeError as problem:
         raise ParameterError(f"{file} is no TOML: {problem}") from None
-    try:
-        return _asked(_File.model_validate(content))
     except ValidationError as problem:
-        raise ParameterError(f"{file}: {_first(problem)}") from None
-    except ParameterError as problem:
-        raise ParameterError(f"{file}: {problem}") from None
-
-
-def _asked(read: _File) -> SweepFile:
-    adaptive = {name: values for name, values in read.grid.items() if isinstance(values, _Adaptive)}
-    for name in adaptive:
-        if name != "frequency_ratio":
-            raise ParameterError(f"grid.{name} has an accuracy; allowed: of frequency_ratio only")
-    frequencies = AdaptiveAxis(**adaptive["frequency_ratio"].model_dump()) if adaptive else None
-    axes = {name: tuple(_values(values)) for name, values in read.grid.items()}
-    varied = {name: tuple(int(v) if v == int(v) else v for v in axes[name]) for name in _WHOLE if name in axes}
-    amplitude = read.drive.amplitude if read.drive.amplitude is not None else DEFAULT_AMPLITUDE[read.drive.kind]
-    sweep = Sweep(
-        variants=_variants(read.engines, read.presets),
-        axes=axes | varied,
-        ratios=read.chain.ratios(axes),
-        steps_per_period=read.steps_per_period,
-        excitation=Excitation(kind=read.drive.kind, amplitude=amplitude),
-    )
-    tolerance = None if read.tolerances is None else read.tolerances.transmittance_db
-    if tolerance is not None and baseline_of(sweep) is None:
-        problem = f"tolerances.transmittance_db = {tolerance:g} without the reference among the engines"
-        raise ParameterError(f"{problem}; allowed: engines with 'reference:joint'")
-    return SweepFile(sweep, frequencies, tolerance)
+        raise ParameterError(f"{file}: {first_error(problem, 'what `python -m scenarios example` shows')}") from None
 
 
 def _variants(engines: Sequence[str], presets: Sequence[str] | None) -> tuple[Variant, ...]:
-    """Give everyone who is asked: what is named, in the presets that are asked for."""
-    found = [variant for name in engines for variant in _variants_of(name, presets)]
-    return tuple(dict.fromkeys(found))
+    """Give every variant that is named, in the presets that are asked for."""
+    return tuple(dict.fromkeys(variant for name in engines for variant in _variants_of(name, presets)))
 
 
 def _variants_of(name: str, presets: Sequence[str] | None) -> list[Variant]:
@@ -240,29 +220,3 @@ def _variants_of(name: str, presets: Sequence[str] | None) -> list[Variant]:
     for preset in presets:
         checked_choice(f"presets: preset of {name}", preset, sorted({variant.preset_name for variant in every}))
     return [variant for variant in every if variant.preset_name in presets]
-
-
-_WHOLE = ("cells", "steps_per_period")
-
-
-def _values(values: list[float] | _Range | _Adaptive) -> list[float]:
-    if isinstance(values, _Adaptive):
-        return list(AdaptiveAxis(**values.model_dump()).start())
-    if isinstance(values, _Range):
-        return [float(value) for value in np.linspace(values.first, values.last, values.points)]
-    return [float(value) for value in values]
-
-
-_TAGS = ("values", "range", "adaptive", "one for all", "one a cell")
-"""Of the ways in which a value may be written; they stand in no file."""
-
-
-def _first(problem: ValidationError) -> str:
-    """Say what is wrong first, in one line."""
-    error: Any = problem.errors()[0]
-    place = ".".join(str(part) for part in error["loc"] if part not in _TAGS)
-    if error["type"] == "extra_forbidden":
-        return f"{place} is unknown; allowed: what `python -m scenarios example` shows"
-    if error["type"] == "missing":
-        return f"{place} is missing"
-    return f"{place} = {error['input']!r}; {error['msg'][0].lower()}{error['msg'][1:]}"
