@@ -4,12 +4,12 @@ python -m reports --quick --engine mujoco --engine pybullet --engine exudyn-regu
 python docs/figure3.py report/transmittance.csv docs/_static/figure3.svg
 """
 
-import csv
 import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 
 from engines import engine
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
@@ -31,9 +31,9 @@ def curve(friction_ratio: float, frequency_ratios: np.ndarray) -> list[float]:
 
 def draw(table: Path, picture: Path) -> None:
     """Draw a table of transmittance into a picture."""
-    rows = [row for row in csv.DictReader(table.open()) if row["engine"] != "reference" and row["transmittance_db"]]
-    frictions = sorted({float(row["friction_ratio"]) for row in rows})
-    names = list(dict.fromkeys(row["engine"] for row in rows))
+    rows = pd.read_csv(table).query("engine != 'reference'").dropna(subset="transmittance_db")
+    frictions = sorted(rows.friction_ratio.unique().tolist())
+    names = rows.engine.unique().tolist()
     peaks = resonances(ChainRatios())
     eta = np.union1d(np.linspace(0.3, 1.6, 521), peaks[(peaks > 0.3) & (peaks < 1.6)])
     with plt.rc_context(PRINT_STYLE):
@@ -41,10 +41,13 @@ def draw(table: Path, picture: Path) -> None:
         for friction, line in zip(frictions, ("-", "--", ":"), strict=False):
             axes.plot(eta, curve(friction, eta), line, color="0.15", label=f"reference, friction ratio {friction:g}")
         for name, colour, shape in zip(names, PALETTE, SHAPES, strict=False):
-            points = [(float(r["frequency_ratio"]), float(r["transmittance_db"])) for r in rows if r["engine"] == name]
+            points = rows[rows.engine == name]
             size = 9.0 - 1.8 * names.index(name)
             title = engine(name).capabilities.title
-            axes.plot(*zip(*points, strict=True), shape, color=colour, fillstyle="none", markersize=size, label=title)
+            axes.plot(
+                points.frequency_ratio, points.transmittance_db, shape,
+                color=colour, fillstyle="none", markersize=size, label=title,
+            )  # fmt: skip
         axes.set(xlabel="frequency ratio $\\omega/\\omega_r$", ylabel="transmittance [dB]", ylim=(LOWEST, 40))
         figure.legend(loc="outside upper center", ncols=4)
         figure.savefig(picture, metadata={"Date": None})

@@ -7,9 +7,9 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Annotated
 
+import pandas as pd
 import typer
 from rich.console import Console
-from rich.markup import escape
 from rich.progress import track
 
 from engines.interface.variant import Variant
@@ -27,7 +27,6 @@ from scenarios.cli.options import (
     chosen_variants,
     store_of_run,
 )
-from scenarios.cli.printed_table import print_table, printed_table
 from scenarios.cli.run import add_scenarios
 from scenarios.cli.sweep import answer_sweep, dataset_of, print_summary, print_verdicts
 from scenarios.execution.dask_cluster import executor_for
@@ -38,9 +37,10 @@ from scenarios.execution.store import ResultStore
 from scenarios.studies.accuracy import PLACES, Accuracy, OperatingPoint, accuracies, accuracy_questions, exact_answer
 from scenarios.studies.accuracy_table import COLUMNS, Row, csv_table, markdown, remark
 from scenarios.studies.cost import COLUMNS as COST_COLUMNS
-from scenarios.studies.cost import SECONDS, cost, cost_csv, cost_markdown, cost_rows
+from scenarios.studies.cost import SECONDS, cost
 from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
 from scenarios.sweeps.sweep import write_dataset
+from scenarios.tables import csv_text, full_table, markdown_lines, print_table, text_table
 from scenarios.tasks.result import Result
 from scenarios.verdicts.steady_case import REFERENCE
 
@@ -166,24 +166,19 @@ def costs(
             print(f"{variant}: {missing}", file=sys.stderr)
         else:
             found.append(reference if variant == REFERENCE else cost(variant, seconds))
-    table = printed_table("engine:formulation:preset", *(heading for heading, _, _ in COST_COLUMNS))
-    for row in cost_rows(found, reference):
-        table.add_row(*row)
+    rows = [(one, reference) for one in found]
+    table = text_table(COST_COLUMNS, rows)
     print_table(table)
     if out is not None:
-        out.write_text(cost_markdown(found, reference) if out.suffix == ".md" else cost_csv(found, reference))
+        document = "\n".join([*markdown_lines(table), ""])
+        out.write_text(document if out.suffix == ".md" else csv_text(full_table(COST_COLUMNS, rows)))
 
 
 def _print_catalogue() -> None:
     """Print what there is to run."""
-    table = printed_table("scenario", "question", "compared with")
-    for scenario in CATALOGUE.values():
-        table.add_row(scenario.name, escape(scenario.question), escape(scenario.expects))
-    print_table(table)
-    table = printed_table("measurement", "question")
-    for name, question in EXPERIMENTS.items():
-        table.add_row(name, escape(question))
-    print_table(table)
+    scenarios = [(one.name, one.question, one.expects) for one in CATALOGUE.values()]
+    print_table(pd.DataFrame(scenarios, columns=["scenario", "question", "compared with"]))
+    print_table(pd.DataFrame(EXPERIMENTS.items(), columns=["measurement", "question"]))
     print("python -m scenarios run NAME runs one, python -m scenarios run all every scenario.")
 
 
@@ -210,10 +205,7 @@ def _exact_answers(workers: int | None) -> dict[OperatingPoint, Result]:
 
 def _print_accuracy(rows: list[Row]) -> None:
     """Print the table and what it leaves out."""
-    table = printed_table(*(column.heading for column in COLUMNS))
-    for row in rows:
-        table.add_row(*(column.text(row) for column in COLUMNS))
-    print_table(table)
+    print_table(text_table(COLUMNS, rows))
     for row in rows:
         if row[0].certified < row[0].points:
             print(remark(row[0]))

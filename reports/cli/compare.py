@@ -1,19 +1,18 @@
 """``python -m reports compare``: what changed from one store to another, for people and for CI."""
 
-import csv
 import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
+import pandas as pd
 import typer
-from rich import box
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from reference_lcp.console import checked_output_file
 from reference_lcp.validation import ParameterError
+from scenarios.tables import Column, csv_text, full_table, printed_table, text_table
 from scenarios.verdicts.regression import Change, StoreComparison, Thresholds, compare_stores
 
 CHANGED = 1
@@ -22,10 +21,23 @@ CHANGED = 1
 MOST_ROWS = 20
 """Affected points that are printed; a file holds all of them."""
 
-COLUMNS = (
-    "variant", "friction_ratio", "frequency_ratio", "steps_per_period", "status_first", "status_second",
-    "transmittance_db_first", "transmittance_db_second", "transmittance_db_change", "stuck_fraction_change",
-    "transition_change", "unmatched_transitions", "beyond",
+VARIANT = Column[Change]("variant", lambda change: change.first.variant, "engine:formulation:preset")
+FRICTION = Column[Change]("friction_ratio", lambda change: change.first.question["friction_ratio"], "friction")
+FREQUENCY = Column[Change]("frequency_ratio", lambda change: change.first.question.get("frequency_ratio"), "η_r")
+STEPS = Column[Change]("steps_per_period", lambda change: change.first.question.get("steps_per_period"), "steps")
+BEYOND = Column[Change]("beyond", lambda change: "; ".join(change.beyond), "what changed")
+
+COLUMNS: tuple[Column[Change], ...] = (
+    VARIANT, FRICTION, FREQUENCY, STEPS,
+    Column("status_first", lambda change: change.first.answer.status),
+    Column("status_second", lambda change: change.second.answer.status),
+    Column("transmittance_db_first", lambda change: change.first.answer.transmittance_db),
+    Column("transmittance_db_second", lambda change: change.second.answer.transmittance_db),
+    Column("transmittance_db_change", lambda change: change.transmittance_db),
+    Column("stuck_fraction_change", lambda change: change.stuck_fraction),
+    Column("transition_change", lambda change: change.transition),
+    Column("unmatched_transitions", lambda change: change.unmatched),
+    BEYOND,
 )  # fmt: skip
 
 
@@ -58,34 +70,35 @@ def compare(
     if not found.changes:
         raise ParameterError(f"{first} and {second} have no question in common; allowed: stores of the same points")
     console = Console(width=max(Console().width, 120))
-    console.print(_overview(found))
+    console.print(printed_table(_overview(found)))
     for line in _identities(found.changes):
         console.print(escape(line))
     if found.beyond:
-        console.print(_affected(found.beyond))
+        shown = text_table((VARIANT, FRICTION, FREQUENCY, STEPS, BEYOND), found.beyond[:MOST_ROWS])
+        more = f", the {MOST_ROWS} largest" if len(found.beyond) > MOST_ROWS else ""
+        console.print(printed_table(shown, title=f"{len(found.beyond)} points beyond{more}"))
     if out is not None:
-        _write(found.changes, out)
+        out.write_text(csv_text(full_table(COLUMNS, found.changes)), encoding="utf-8")
     raise typer.Exit(CHANGED if found.beyond else 0)
 
 
-def _overview(found: StoreComparison) -> Table:
+def _overview(found: StoreComparison) -> pd.DataFrame:
     """Give a row for each variant."""
-    table = _table(
-        "engine:formulation:preset", "compared", "beyond", "largest change [dB]", "only first", "only second"
-    )
+    rows = []
     by_variant = _by_variant(found.changes)
     for variant in dict.fromkeys((*by_variant, *found.only_first, *found.only_second)):
         changes = by_variant.get(variant, [])
         sizes = [abs(change.transmittance_db) for change in changes if not math.isnan(change.transmittance_db)]
-        table.add_row(
-            variant,
-            str(len(changes)),
-            str(sum(bool(change.beyond) for change in changes)),
-            f"{max(sizes):.4g}" if sizes else "–",
-            str(found.only_first.get(variant, 0)),
-            str(found.only_second.get(variant, 0)),
-        )
-    return table
+        row = {
+            "engine:formulation:preset": variant,
+            "compared": str(len(changes)),
+            "beyond": str(sum(bool(change.beyond) for change in changes)),
+            "largest change [dB]": f"{max(sizes):.4g}" if sizes else "–",
+            "only first": str(found.only_first.get(variant, 0)),
+            "only second": str(found.only_second.get(variant, 0)),
+        }
+        rows.append(row)
+    return pd.DataFrame(rows)
 
 
 def _identities(changes: Iterable[Change]) -> list[str]:
@@ -103,54 +116,8 @@ def _identities(changes: Iterable[Change]) -> list[str]:
     return lines
 
 
-def _affected(changes: list[Change]) -> Table:
-    """Give a row for each point that passes a threshold."""
-    shown = changes[:MOST_ROWS]
-    title = f"{len(changes)} points beyond" + (f", the {MOST_ROWS} largest" if len(changes) > len(shown) else "")
-    table = _table("engine:formulation:preset", "friction", "η_r", "steps", "what changed")
-    table.title = title
-    for change in shown:
-        row = _row(change)
-        names = ("variant", "friction_ratio", "frequency_ratio", "steps_per_period", "beyond")
-        table.add_row(*(escape(str(row[name])) for name in names))
-    return table
-
-
-def _row(change: Change) -> dict[str, Any]:
-    question = change.first.question
-    return {
-        "variant": change.first.variant,
-        "friction_ratio": question["friction_ratio"],
-        "frequency_ratio": question.get("frequency_ratio"),
-        "steps_per_period": question.get("steps_per_period"),
-        "status_first": change.first.answer.status,
-        "status_second": change.second.answer.status,
-        "transmittance_db_first": change.first.answer.transmittance_db,
-        "transmittance_db_second": change.second.answer.transmittance_db,
-        "transmittance_db_change": change.transmittance_db,
-        "stuck_fraction_change": change.stuck_fraction,
-        "transition_change": change.transition,
-        "unmatched_transitions": change.unmatched,
-        "beyond": "; ".join(change.beyond),
-    }
-
-
-def _write(changes: Iterable[Change], file: Path) -> None:
-    with file.open("w", newline="", encoding="utf-8") as opened:
-        writer = csv.DictWriter(opened, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(_row(change) for change in changes)
-
-
 def _by_variant(changes: Iterable[Change]) -> dict[str, list[Change]]:
     found: dict[str, list[Change]] = {}
     for change in changes:
         found.setdefault(change.first.variant, []).append(change)
     return found
-
-
-def _table(*headings: str) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), title_justify="left")
-    for heading in headings:
-        table.add_column(escape(heading))
-    return table

@@ -11,20 +11,12 @@ import xarray as xr
 
 from reports.data.provenance import provenance
 from reports.data.report import Report
-from reports.export.tables import (
-    BAND_EDGE_COLUMNS,
-    TRANSITION_COLUMNS,
-    TRANSMITTANCE_COLUMNS,
-    band_edge_rows,
-    csv_text,
-    json_text,
-    transition_rows,
-    transmittance_rows,
-)
+from reports.export.tables import band_edge_table, report_json, transition_table, transmittance_table
 from reports.page.render import page, sections
 from reports.page.sections.stick_slip import stick_slip_rows
 from scenarios.studies.attenuation_band import Edge
 from scenarios.studies.figure3 import Figure3Result
+from scenarios.tables import csv_text
 from scenarios.verdicts.verdict import Verdict
 
 TITLE = "Dry friction in multibody engines: a frictional mass-in-mass chain against its LCP reference"
@@ -42,10 +34,10 @@ def files_of(report: Report) -> dict[str, bytes]:
     rendered = page(TITLE, sections(report))
     stick_slip, origin = stick_slip_rows(result), provenance(result, report.command)
     texts = {
-        "band_edges.csv": csv_text(BAND_EDGE_COLUMNS, band_edge_rows(result)),
-        "transmittance.csv": csv_text(TRANSMITTANCE_COLUMNS, transmittance_rows(result)),
-        "transitions.csv": csv_text(TRANSITION_COLUMNS, transition_rows(result)),
-        "report.json": json_text(result, stick_slip, origin),
+        "band_edges.csv": csv_text(band_edge_table(result)),
+        "transmittance.csv": csv_text(transmittance_table(result)),
+        "transitions.csv": csv_text(transition_table(result)),
+        "report.json": report_json(result, stick_slip, origin),
     }
     return {
         **{name: text.encode() for name, text in texts.items()},

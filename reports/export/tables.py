@@ -1,118 +1,79 @@
 """Tables and the JSON file beside the page: the numbers in full."""
 
-import csv
 import dataclasses
-import io
-import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
+
+import pandas as pd
 
 from engines.interface.variant import Variant
 from reports.data.findings import findings
-from scenarios.studies.figure3 import Figure3Result
+from scenarios.studies.figure3 import BandEdge, Figure3Result, Point
+from scenarios.tables import Column, full_table, json_text, records
 
-Row = dict[str, Any]
-
-BAND_EDGE_COLUMNS = (
-    "engine", "formulation", "preset", "friction_ratio", "edge", "frequency_ratio", "difference",
-    "verdict", "reason",
-)  # fmt: skip
-TRANSMITTANCE_COLUMNS = (
-    "engine", "formulation", "preset", "friction_ratio", "frequency_ratio", "transmittance_db", "residual",
-    "difference_db", "verdict", "reason",
-)  # fmt: skip
-TRANSITION_COLUMNS = (
-    "engine", "formulation", "preset", "friction_ratio", "frequency_ratio", "cell", "time_s", "kind",
-)  # fmt: skip
-
-
-def band_edge_rows(result: Figure3Result) -> list[Row]:
-    """Both edges of every curve; ``nan`` where the grid does not hold the edge or nothing could be compared."""
-    return [
-        {
-            **_names(edge.variant),
-            "friction_ratio": edge.friction_ratio,
-            "edge": str(edge.edge),
-            "frequency_ratio": math.nan if edge.frequency_ratio is None else edge.frequency_ratio,
-            "difference": edge.comparison.difference,
-            "verdict": str(edge.comparison.verdict),
-            "reason": edge.comparison.reason,
-        }
-        for edge in result.edges
-    ]
+BAND_EDGE_COLUMNS: tuple[Column[BandEdge], ...] = (
+    Column("engine", lambda edge: edge.variant.engine),
+    Column("formulation", lambda edge: edge.variant.formulation),
+    Column("preset", lambda edge: edge.variant.preset_name),
+    Column("friction_ratio", lambda edge: edge.friction_ratio),
+    Column("edge", lambda edge: str(edge.edge)),
+    Column("frequency_ratio", lambda edge: math.nan if edge.frequency_ratio is None else edge.frequency_ratio),
+    Column("difference", lambda edge: edge.comparison.difference),
+    Column("verdict", lambda edge: str(edge.comparison.verdict)),
+    Column("reason", lambda edge: edge.comparison.reason),
+)
+PLACE_COLUMNS: tuple[Column[Point], ...] = (
+    Column("engine", lambda point: point.variant.engine),
+    Column("formulation", lambda point: point.variant.formulation),
+    Column("preset", lambda point: point.variant.preset_name),
+    Column("friction_ratio", lambda point: point.friction_ratio),
+    Column("frequency_ratio", lambda point: point.frequency_ratio),
+)
+TRANSMITTANCE_COLUMNS: tuple[Column[Point], ...] = (
+    *PLACE_COLUMNS,
+    Column("transmittance_db", lambda point: point.answer.transmittance_db),
+    Column("residual", lambda point: point.answer.residual),
+    Column("difference_db", lambda point: point.comparison.difference),
+    Column("verdict", lambda point: str(point.comparison.verdict)),
+    Column("reason", lambda point: point.comparison.reason),
+)
 
 
-def transmittance_rows(result: Figure3Result) -> list[Row]:
+def band_edge_table(result: Figure3Result) -> pd.DataFrame:
+    """Both edges of every curve; NaN where the grid does not hold the edge or nothing could be compared."""
+    return full_table(BAND_EDGE_COLUMNS, result.edges)
+
+
+def transmittance_table(result: Figure3Result) -> pd.DataFrame:
     """Every point of every curve."""
-    return [
-        {
-            **_names(point.variant),
-            "friction_ratio": point.friction_ratio,
-            "frequency_ratio": point.frequency_ratio,
-            "transmittance_db": point.answer.transmittance_db,
-            "residual": point.answer.residual,
-            "difference_db": point.comparison.difference,
-            "verdict": str(point.comparison.verdict),
-            "reason": point.comparison.reason,
-        }
-        for point in result.points
-    ]
+    return full_table(TRANSMITTANCE_COLUMNS, result.points)
 
 
-def transition_rows(result: Figure3Result) -> list[Row]:
+def transition_table(result: Figure3Result) -> pd.DataFrame:
     """Every change of mode at every point of every curve that has a steady state."""
-    return [
-        {
-            **_names(point.variant),
-            "friction_ratio": point.friction_ratio,
-            "frequency_ratio": point.frequency_ratio,
-            "cell": cell,
-            "time_s": time,
-            "kind": kind,
-        }
+    rows = [
+        (*(column.value(point) for column in PLACE_COLUMNS), *transition)
         for point in result.points
         if point.answer.converged
-        for cell, time, kind in point.answer.transitions
+        for transition in point.answer.transitions
     ]
+    return pd.DataFrame(rows, columns=[*(column.key for column in PLACE_COLUMNS), "cell", "time_s", "kind"])
 
 
-def csv_text(columns: tuple[str, ...], rows: Iterable[Row]) -> str:
-    """Give rows as CSV, with numbers in full."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows([row[name] for name in columns] for row in rows)
-    return text.getvalue()
-
-
-def json_text(result: Figure3Result, stick_slip: list[Row], provenance: Mapping[str, Any]) -> str:
+def report_json(result: Figure3Result, stick_slip: list[dict[str, Any]], provenance: Mapping[str, Any]) -> str:
     """Give the numbers of all tables but the transitions as JSON, with where they come from."""
-    report = {
-        "provenance": provenance,
-        "summary": [_summary(result, variant) for variant in result.asked.all_variants],
-        "band_edges": band_edge_rows(result),
-        "stick_slip": stick_slip,
-        "transmittance": transmittance_rows(result),
-    }
-    return json.dumps(_plain(report), ensure_ascii=False, allow_nan=False) + "\n"
+    return json_text(
+        {
+            "provenance": provenance,
+            "summary": [_summary(result, variant) for variant in result.asked.all_variants],
+            "band_edges": records(band_edge_table(result)),
+            "stick_slip": stick_slip,
+            "transmittance": records(transmittance_table(result)),
+        }
+    )
 
 
-def _names(variant: Variant) -> Row:
-    return {"engine": variant.engine, "formulation": variant.formulation, "preset": variant.preset_name}
-
-
-def _summary(result: Figure3Result, variant: Variant) -> Row:
+def _summary(result: Figure3Result, variant: Variant) -> dict[str, Any]:
     found = dataclasses.asdict(findings(result, variant))
     return {**found.pop("variant"), **found}
-
-
-def _plain(value: Any) -> Any:
-    """Turn everything into what JSON holds: NaN and infinities into null, strange options into their text."""
-    if isinstance(value, Mapping):
-        return {str(name): _plain(one) for name, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value if value is None or isinstance(value, bool | int | str) else repr(value)

@@ -1,17 +1,17 @@
 """Verdicts as tables: for the terminal, for documents, for other programs."""
 
-import csv
-import io
-import json
 import math
 import platform
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
+import pandas as pd
+
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario
+from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records, text_table
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.verdict import Verdict
 
@@ -87,14 +87,18 @@ class VariantRow:
                 return f"{verdict} {self.count(verdict)}/{total}"
         return f"agrees {total}"
 
-    def cells(self) -> list[str]:
-        """The row as tables print it, by `HEADINGS`."""
-        counts = [str(self.count(verdict)) for verdict in Verdict]
-        worst = "–" if self.worst is None else f"{excess(self.worst):.2g}".replace("inf", "∞")
-        return [str(self.variant), *counts, worst, self.reason]
+
+def _count(verdict: Verdict) -> Column[VariantRow]:
+    return Column(str(verdict), lambda row: row.count(verdict))
 
 
-HEADINGS = ("engine:formulation:preset", *(str(verdict) for verdict in Verdict), "worst", "what")
+COLUMNS: tuple[Column[VariantRow], ...] = (
+    Column("variant", lambda row: str(row.variant), "engine:formulation:preset"),
+    *(_count(verdict) for verdict in Verdict),
+    Column("worst", lambda row: None if row.worst is None else f"{excess(row.worst):.2g}".replace("inf", "∞")),
+    Column("what", lambda row: row.reason),
+)
+"""What is printed of a variant."""
 
 
 def rows_of(findings: Sequence[Finding]) -> list[VariantRow]:
@@ -103,12 +107,17 @@ def rows_of(findings: Sequence[Finding]) -> list[VariantRow]:
     return [VariantRow(variant, tuple(one for one in findings if one.variant == variant)) for variant in variants]
 
 
-def matrix(results: Results) -> list[list[str]]:
-    """Give variants × scenarios: a heading, then a line a variant with the outcome in each scenario."""
-    tables = {scenario: {row.variant: row.outcome for row in rows_of(found)} for scenario, found in results.items()}
-    variants = dict.fromkeys(variant for table in tables.values() for variant in table)
-    heading = ["engine:formulation:preset", *(scenario.name for scenario in tables)]
-    return [heading, *([str(v), *(table.get(v, "–") for table in tables.values())] for v in variants)]
+def verdict_table(findings: Sequence[Finding]) -> pd.DataFrame:
+    """Give a table for people: a row a variant, with its verdicts counted and the worst of them."""
+    return text_table(COLUMNS, rows_of(findings))
+
+
+def matrix(results: Results) -> pd.DataFrame:
+    """Give variants × scenarios, with the outcome of each variant in each scenario."""
+    outcomes = {one.name: {str(row.variant): row.outcome for row in rows_of(found)} for one, found in results.items()}
+    variants = list(dict.fromkeys(variant for column in outcomes.values() for variant in column))
+    table = pd.DataFrame(outcomes, index=variants, dtype=object).fillna("–")
+    return table.rename_axis("engine:formulation:preset").reset_index()
 
 
 def details(findings: Sequence[Finding]) -> Iterator[tuple[Variant, list[str]]]:
@@ -137,7 +146,7 @@ def law(variant: Variant) -> str:
 def markdown(results: Results, command: str) -> str:
     """Give everything as a document, with how it was made."""
     lines = ["# Verdicts", "", LEGEND, f"Made by `{command}`.", ""]
-    lines += [*_markdown_table(matrix(results)), "", "## Laws of the engines that explain disagreements", ""]
+    lines += [*markdown_lines(matrix(results)), "", "## Laws of the engines that explain disagreements", ""]
     findings = [one for found in results.values() for one in found]
     lines += [
         f"- {variant}: {law(variant)}" for variant in dict.fromkeys(one.variant for one in findings if explained(one))
@@ -150,7 +159,7 @@ def markdown(results: Results, command: str) -> str:
             for metric in scenario.metrics
         ]
         lines += [f"- {line}" for line in scenario.parameters()]
-        lines += ["", *_markdown_table([list(HEADINGS), *(row.cells() for row in rows_of(found))])]
+        lines += ["", *markdown_lines(verdict_table(found))]
         wrong = list(details(found))
         if wrong:
             lines += ["", "What does not agree:", ""]
@@ -159,49 +168,42 @@ def markdown(results: Results, command: str) -> str:
     return "\n".join([*lines, "", f"Versions: {versions(findings)}; Python {platform.python_version()}.", ""])
 
 
-def _markdown_table(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Give lines of a table; the first row is the heading."""
-    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
-    return [lines[0], "|" + "---|" * len(rows[0]), *lines[1:]]
+FINDING_COLUMNS: tuple[Column[tuple[Scenario, Finding]], ...] = (
+    Column("scenario", lambda row: row[0].name),
+    Column("case", lambda row: row[1].case),
+    Column("engine", lambda row: row[1].variant.engine),
+    Column("formulation", lambda row: row[1].variant.formulation),
+    Column("preset", lambda row: row[1].variant.preset_name),
+    Column("metric", lambda row: row[1].metric.name),
+    Column("unit", lambda row: row[1].metric.unit),
+    Column("value", lambda row: row[1].value),
+    Column("expected", lambda row: row[1].expected),
+    Column("verdict", lambda row: str(row[1].comparison.verdict)),
+    Column("explained", lambda row: explained(row[1])),
+    Column("difference", lambda row: row[1].comparison.difference),
+    Column("allowed", lambda row: row[1].comparison.tolerance),
+    Column("reason", lambda row: row[1].comparison.reason),
+)
 
 
-COLUMNS = (
-    "scenario", "case", "engine", "formulation", "preset", "metric", "unit", "value", "expected", "verdict",
-    "explained", "difference", "allowed", "reason",
-)  # fmt: skip
+def finding_table(results: Results) -> pd.DataFrame:
+    """Give every finding, with full precision."""
+    return full_table(FINDING_COLUMNS, [(scenario, one) for scenario, found in results.items() for one in found])
 
 
-def records(results: Results) -> list[dict[str, object]]:
-    """Give every finding as plain data by `COLUMNS`; what is not known is ``None``."""
-    return [
-        dict(zip(COLUMNS, _record(scenario, one), strict=True)) for scenario, found in results.items() for one in found
-    ]
+def verdicts_text(results: Results, command: str, ending: str) -> str:
+    """Give the verdicts in the format of a file: ``.md``, ``.csv`` or ``.json``."""
+    if ending == ".md":
+        return markdown(results, command)
+    if ending == ".csv":
+        return csv_text(finding_table(results), missing="")
+    return json_text(_content(results, command), indent=1)
 
 
-def _record(scenario: Scenario, one: Finding) -> tuple[object, ...]:
-    numbers = (one.value, one.expected, one.comparison.difference, one.comparison.tolerance)
-    value, expected, difference, allowed = (None if math.isnan(number) else number for number in numbers)
-    variant, comparison = one.variant, one.comparison
-    return (
-        scenario.name, one.case, variant.engine, variant.formulation, variant.preset_name,
-        one.metric.name, one.metric.unit,
-        value, expected, str(comparison.verdict), explained(one), difference, allowed, comparison.reason,
-    )  # fmt: skip
-
-
-def csv_table(results: Results) -> str:
-    """Give every finding as CSV, with full precision."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(records(results))
-    return text.getvalue()
-
-
-def json_text(results: Results, command: str) -> str:
-    """Give every finding, what was asked and the versions as JSON."""
+def _content(results: Results, command: str) -> dict[str, object]:
+    """Give every finding, what was asked and the versions."""
     findings = [one for found in results.values() for one in found]
-    content = {
+    return {
         "command": command,
         "versions": versions(findings),
         "scenarios": [
@@ -209,10 +211,9 @@ def json_text(results: Results, command: str) -> str:
              "parameters": one.parameters()}
             for one in results
         ],
-        "findings": records(results),
+        "findings": records(finding_table(results)),
         "laws": {str(one.variant): law(one.variant) for one in findings if explained(one)},
     }  # fmt: skip
-    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 
 def versions(findings: Sequence[Finding]) -> str:

@@ -16,17 +16,14 @@ from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.record import Record
 from scenarios.catalogue.verdict_table import (
-    HEADINGS,
     Results,
-    csv_table,
     details,
     explained,
-    json_text,
     law,
-    markdown,
     matrix,
-    rows_of,
     unexplained,
+    verdict_table,
+    verdicts_text,
 )
 from scenarios.cli.options import (
     Chosen,
@@ -38,11 +35,11 @@ from scenarios.cli.options import (
     chosen_variants,
     store_of_run,
 )
-from scenarios.cli.printed_table import printed_table
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.local_processes import TIME_LIMIT, Executor
 from scenarios.execution.progress import Bars, CountingEvaluator
+from scenarios.tables import printed_table
 from scenarios.verdicts.finding import Finding
 
 EVERY = "all"
@@ -146,7 +143,7 @@ def _perform(asked: _Run, store: Path | None, out: Path | None, executor: Execut
     results = _known_results(asked, store) if executor is None else _results(asked, store, executor)
     print_results(results)
     if out is not None:
-        out.write_text(_text(results, asked.command, out.suffix))
+        out.write_text(verdicts_text(results, asked.command, out.suffix))
     if any(unexplained(found) for found in results.values()):
         raise typer.Exit(UNEXPLAINED)
 
@@ -175,18 +172,11 @@ def print_results(results: Results) -> None:
     for scenario, found in results.items():
         console.print(f"\n[bold]{scenario.name}[/bold]: {escape(scenario.question)}")
         console.print(escape("\n".join([f"compared with {scenario.expects}", *scenario.parameters()])))
-        table = printed_table(*HEADINGS)
-        for row in rows_of(found):
-            table.add_row(*(escape(cell) for cell in row.cells()))
-        console.print(table)
+        console.print(printed_table(verdict_table(found)))
         for variant, remarks in details(found):
             console.print(escape("\n".join([f"{variant}:", *(f"  {remark}" for remark in remarks)])), soft_wrap=True)
     if len(results) > 1:
-        heading, *lines = matrix(results)
-        table = printed_table(*heading)
-        for line in lines:
-            table.add_row(*(escape(cell) for cell in line))
-        console.print(table)
+        console.print(printed_table(matrix(results)))
     _print_laws(console, [one for found in results.values() for one in found])
 
 
@@ -198,10 +188,3 @@ def _print_laws(console: Console, findings: Sequence[Finding]) -> None:
     if left:
         names = ", ".join(dict.fromkeys(str(one.variant) for one in left))
         console.print(escape(f"unexplained: {len(left)} disagreements, of {names}"), soft_wrap=True)
-
-
-def _text(results: Results, command: str, ending: str) -> str:
-    """Give the verdicts in the format of a file."""
-    if ending == ".md":
-        return markdown(results, command)
-    return csv_table(results) if ending == ".csv" else json_text(results, command)

@@ -1,9 +1,9 @@
 """What the command ``sweep`` does: answer what is missing, print how it ended, write what the store knows."""
 
+import pandas as pd
 import xarray as xr
 
 from engines.interface.variant import Variant
-from scenarios.cli.printed_table import print_table, printed_table
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import Executor
 from scenarios.execution.progress import Bars, CountingEvaluator
@@ -13,6 +13,7 @@ from scenarios.sweeps.spec_file import SweepFile
 from scenarios.sweeps.summary import SweepSummary
 from scenarios.sweeps.sweep import STATUSES, Sweep, dataset, run_sweep
 from scenarios.sweeps.verdicts import Verdicts, verdicts
+from scenarios.tables import print_table
 from scenarios.verdicts.verdict import Verdict
 
 PARTS = (0.5, 0.99, 1.0)
@@ -51,15 +52,15 @@ def dataset_of(asked: SweepFile, kept: ResultStore) -> xr.Dataset:
 
 def print_summary(asked: SweepFile, summary: SweepSummary) -> None:
     """Print how the points of every variant ended, the periods that they took, and every reason once."""
-    headings = ["periods: median, 99 %, most", *(["curves unresolved"] if asked.frequencies is not None else [])]
-    table = printed_table("engine:formulation:preset", *STATUSES[:-1], *headings)
+    rows = []
     for variant in asked.sweep.variants:
-        statuses = [str(summary.statuses[variant, status]) for status in STATUSES[:-1]]
+        row = {str(status): str(summary.statuses[variant, status]) for status in STATUSES[:-1]}
         periods = [summary.quantile_of_periods(variant, part) for part in PARTS]
-        numbers = ", ".join("–" if number is None else str(number) for number in periods)
-        unresolved = [str(summary.unresolved[variant])] if asked.frequencies is not None else []
-        table.add_row(str(variant), *statuses, numbers, *unresolved)
-    print_table(table)
+        row["periods: median, 99 %, most"] = ", ".join("–" if number is None else str(number) for number in periods)
+        if asked.frequencies is not None:
+            row["curves unresolved"] = str(summary.unresolved[variant])
+        rows.append({"engine:formulation:preset": str(variant), **row})
+    print_table(pd.DataFrame(rows))
     for (variant, reason), count in sorted(summary.reasons.items(), key=_by_variant):
         print(f"{variant}: {count} point{'s' if count > 1 else ''}: {reason}")
 
@@ -68,11 +69,15 @@ def print_verdicts(asked: SweepFile, kept: ResultStore) -> None:
     """Print how every variant compares with the reference, if the file has a tolerance for it."""
     if asked.tolerance_db is None:
         return
-    table = printed_table("engine:formulation:preset", *Verdict, "largest [dB]", "at friction, frequency")
-    for variant, found in verdicts(grid_of(asked, kept), kept, asked.tolerance_db).items():
-        counts = [str(found.counts[verdict]) for verdict in Verdict]
-        table.add_row(str(variant), *counts, *_worst(found))
-    print_table(table)
+    print_table(
+        pd.DataFrame(
+            [
+                [str(variant), *(str(found.counts[verdict]) for verdict in Verdict), *_worst(found)]
+                for variant, found in verdicts(grid_of(asked, kept), kept, asked.tolerance_db).items()
+            ],
+            columns=["engine:formulation:preset", *map(str, Verdict), "largest [dB]", "at friction, frequency"],
+        )
+    )
 
 
 def _worst(found: Verdicts) -> list[str]:

@@ -1,35 +1,16 @@
 """The accuracy of engines as a table: for the terminal, for documents, for other programs."""
 
-import csv
-import io
 import math
 import platform
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from engines.interface.registry import engine
 from engines.shared.step_cost import StepCost
 from scenarios.studies.accuracy import MAP_STEPS, ORDER_STEPS, Accuracy
+from scenarios.tables import Column, csv_text, full_table, markdown_lines, text_table
 
 Row = tuple[Accuracy, StepCost | None]
 """A variant's accuracy, and what its step costs if that was measured."""
-
-
-@dataclass(frozen=True)
-class Column:
-    """One column: what it is called for people and for programs, and what stands in it."""
-
-    heading: str
-    key: str
-    value: Callable[[Row], float | int | str]
-    pattern: str = "{}"
-
-    def text(self, row: Row) -> str:
-        """Give the value as people read it."""
-        value = self.value(row)
-        if isinstance(value, float) and math.isnan(value):
-            return "–"
-        return self.pattern.format(value)
 
 
 def _points(steps: int) -> Callable[[Row], float]:
@@ -40,23 +21,23 @@ def _cost(name: str, scale: float) -> Callable[[Row], float]:
     return lambda row: math.nan if row[1] is None else scale * getattr(row[1], name)
 
 
-COLUMNS = (
-    Column("engine", "engine", lambda row: row[0].variant.engine),
-    Column("formulation", "formulation", lambda row: row[0].variant.formulation),
-    Column("preset", "preset", lambda row: row[0].variant.preset_name),
-    *(Column(f"six points, {n} [dB]", f"points_{n}_db", _points(n), "{:.3f}") for n in ORDER_STEPS[:2]),
-    Column(f"map, {MAP_STEPS} [dB]", "map_db", lambda row: row[0].map_db, "{:.3f}"),
-    Column("stuck fraction", "stuck_fraction_error", lambda row: row[0].stuck_fraction, "{:.3f}"),
-    Column("median [% T]", "median_transition_percent", lambda row: 100 * row[0].median_transition, "{:.3f}"),
-    Column("max [% T]", "largest_transition_percent", lambda row: 100 * row[0].largest_transition, "{:.2f}"),
-    Column("missed", "missed", lambda row: row[0].missed),
-    Column("spurious", "spurious", lambda row: row[0].spurious),
-    Column("of", "transitions", lambda row: row[0].transitions),
-    Column("creep [ω U0]", "creep", lambda row: row[0].creep, "{:.1e}"),
-    Column("order", "order", lambda row: row[0].order, "{:.2f}"),
-    Column("certified", "certified", lambda row: f"{row[0].certified}/{row[0].points}"),
-    Column("µs a step", "advance_us", _cost("advance", 1e6), "{:.2f}"),
-    Column("× bare", "times_bare", _cost("ratio", 1), "{:.2f}"),
+COLUMNS: tuple[Column[Row], ...] = (
+    Column("engine", lambda row: row[0].variant.engine),
+    Column("formulation", lambda row: row[0].variant.formulation),
+    Column("preset", lambda row: row[0].variant.preset_name),
+    *(Column(f"points_{n}_db", _points(n), f"six points, {n} [dB]", "{:.3f}") for n in ORDER_STEPS[:2]),
+    Column("map_db", lambda row: row[0].map_db, f"map, {MAP_STEPS} [dB]", "{:.3f}"),
+    Column("stuck_fraction_error", lambda row: row[0].stuck_fraction, "stuck fraction", "{:.3f}"),
+    Column("median_transition_percent", lambda row: 100 * row[0].median_transition, "median [% T]", "{:.3f}"),
+    Column("largest_transition_percent", lambda row: 100 * row[0].largest_transition, "max [% T]", "{:.2f}"),
+    Column("missed", lambda row: row[0].missed),
+    Column("spurious", lambda row: row[0].spurious),
+    Column("transitions", lambda row: row[0].transitions, "of"),
+    Column("creep", lambda row: row[0].creep, "creep [ω U0]", "{:.1e}"),
+    Column("order", lambda row: row[0].order, pattern="{:.2f}"),
+    Column("certified", lambda row: f"{row[0].certified}/{row[0].points}"),
+    Column("advance_us", _cost("advance", 1e6), "µs a step", "{:.2f}"),
+    Column("times_bare", _cost("ratio", 1), "× bare", "{:.2f}"),
 )
 
 LEGEND = f"""\
@@ -74,8 +55,7 @@ runs; *× bare*: over the engine's own loop in the same run.
 def markdown(rows: Sequence[Row], command: str) -> str:
     """Give the table as a document, with how it was made."""
     lines = ["# Accuracy of the engines", "", LEGEND, f"Made by `{command}`.", ""]
-    lines += ["| " + " | ".join(column.heading for column in COLUMNS) + " |", "|" + "---|" * len(COLUMNS)]
-    lines += ["| " + " | ".join(column.text(row) for column in COLUMNS) + " |" for row in rows]
+    lines += markdown_lines(text_table(COLUMNS, rows))
     lines += ["", "Where the largest error on the map is, and what has no certified steady state:", ""]
     lines += [f"- {note}" for row in rows if (note := remark(row[0]))]
     lines += ["", f"Versions: {versions(rows)}; Python {platform.python_version()}.", ""]
@@ -84,11 +64,7 @@ def markdown(rows: Sequence[Row], command: str) -> str:
 
 def csv_table(rows: Sequence[Row]) -> str:
     """Give the table as CSV, with full precision."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(column.key for column in COLUMNS)
-    writer.writerows([column.value(row) for column in COLUMNS] for row in rows)
-    return text.getvalue()
+    return csv_text(full_table(COLUMNS, rows))
 
 
 def remark(found: Accuracy) -> str:

@@ -1,10 +1,8 @@
 """What engines cost side by side: a step, a steady state, and what a second worker process gives."""
 
-import csv
-import io
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +11,7 @@ from engines.interface.variant import Variant
 from engines.shared.step_cost import StepCost, step_cost
 from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
 from scenarios.execution.local_processes import Batch, LocalExecutor
+from scenarios.tables import Column
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
@@ -116,46 +115,24 @@ def _timed(batches: Sequence[Batch], workers: int) -> tuple[float, list[Result]]
         return time.perf_counter() - begin, answers
 
 
-Column = tuple[str, str, Callable[[Cost, Cost], float]]
-"""Heading, format, and how the number is read from a cost and the reference's."""
+Row = tuple[Cost, Cost]
+"""A cost, and that of the reference."""
 
-COLUMNS: tuple[Column, ...] = (
-    ("advance [µs]", ".2f", lambda one, _: 1e6 * one.step.advance),
-    ("run [µs]", ".2f", lambda one, _: 1e6 * one.step.run),
-    ("bare [µs]", ".2f", lambda one, _: 1e6 * one.step.bare),
-    ("advance / bare", ".2f", lambda one, _: one.step.ratio),
-    ("run / bare", ".2f", lambda one, _: one.step.run / one.step.bare),
-    ("cell-step [ns]", ".2f", lambda one, _: 1e9 * one.cell_step),
-    ("step / reference", ".1f", lambda one, reference: one.step.advance / reference.step.advance),
-    ("points", ".0f", lambda one, _: one.points),
-    ("certified", ".0f", lambda one, _: one.certified),
-    ("periods", ".0f", lambda one, _: one.periods),
-    ("point [ms]", ".2f", lambda one, _: 1e3 * one.point),
-    ("point / reference", ".1f", lambda one, reference: one.point / reference.point),
-    ("two workers [ms]", ".2f", lambda one, _: 1e3 * one.seconds[2] / one.points),
-    ("speed-up", ".2f", lambda one, _: one.speed_up),
+COLUMNS: tuple[Column[Row], ...] = (
+    Column("variant", lambda row: str(row[0].step.variant), "engine:formulation:preset"),
+    Column("advance [µs]", lambda row: 1e6 * row[0].step.advance, pattern="{:.2f}"),
+    Column("run [µs]", lambda row: 1e6 * row[0].step.run, pattern="{:.2f}"),
+    Column("bare [µs]", lambda row: 1e6 * row[0].step.bare, pattern="{:.2f}"),
+    Column("advance / bare", lambda row: row[0].step.ratio, pattern="{:.2f}"),
+    Column("run / bare", lambda row: row[0].step.run / row[0].step.bare, pattern="{:.2f}"),
+    Column("cell-step [ns]", lambda row: 1e9 * row[0].cell_step, pattern="{:.2f}"),
+    Column("step / reference", lambda row: row[0].step.advance / row[1].step.advance, pattern="{:.1f}"),
+    Column("points", lambda row: row[0].points),
+    Column("certified", lambda row: row[0].certified),
+    Column("periods", lambda row: row[0].periods, pattern="{:.0f}"),
+    Column("point [ms]", lambda row: 1e3 * row[0].point, pattern="{:.2f}"),
+    Column("point / reference", lambda row: row[0].point / row[1].point, pattern="{:.1f}"),
+    Column("two workers [ms]", lambda row: 1e3 * row[0].seconds[2] / row[0].points, pattern="{:.2f}"),
+    Column("speed-up", lambda row: row[0].speed_up, pattern="{:.2f}"),
 )
 """What is printed; times of steps are of one lane of seven cells, times of points those of the whole batch shared."""
-
-
-def cost_rows(costs: Sequence[Cost], reference: Cost, full: bool = False) -> Iterator[list[str]]:
-    """Give a row of text a cost, the variant first; with full precision for files that are read by programs."""
-    for one in costs:
-        numbers = [(read(one, reference), "" if full else form) for _, form, read in COLUMNS]
-        texts = ["–" if math.isnan(number) and not full else f"{number:{form}}" for number, form in numbers]
-        yield [str(one.step.variant), *texts]
-
-
-def cost_csv(costs: Sequence[Cost], reference: Cost) -> str:
-    """Give a table with full precision."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["variant", *(heading for heading, _, _ in COLUMNS)])
-    writer.writerows(cost_rows(costs, reference, full=True))
-    return text.getvalue()
-
-
-def cost_markdown(costs: Sequence[Cost], reference: Cost) -> str:
-    """Give a table for people."""
-    lines = [["engine:formulation:preset", *(heading for heading, _, _ in COLUMNS)], ["---"] * (len(COLUMNS) + 1)]
-    return "".join(f"| {' | '.join(line)} |\n" for line in [*lines, *cost_rows(costs, reference)])

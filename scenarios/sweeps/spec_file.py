@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
 
 from engines.interface.variant import Variant, variants_named, variants_of
 from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
@@ -63,6 +63,7 @@ amplitude = 0.01             # > 0: of the base U0 [m], of the force P0 [N]; fri
 # transmittance_db = 0.1     # > 0
 """
 
+
 class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
@@ -71,10 +72,6 @@ class _Range(_Table):
     first: float
     last: float
     points: Annotated[int, Field(ge=2)]
-
-    def values(self) -> list[float]:
-        """Give evenly spaced values."""
-        return np.linspace(self.first, self.last, self.points).tolist()
 
 
 class _Drive(_Table):
@@ -94,9 +91,7 @@ def _kind_of_axis(values: object) -> str:
 
 
 _Axis = Annotated[
-    Annotated[list[float], Tag("values")]
-    | Annotated[_Range, AfterValidator(_Range.values), Tag("range")]
-    | Annotated[AdaptiveAxis, Tag("adaptive")],
+    Annotated[list[float], Tag("values")] | Annotated[_Range, Tag("range")] | Annotated[AdaptiveAxis, Tag("adaptive")],
     Discriminator(_kind_of_axis),
 ]
 
@@ -155,10 +150,7 @@ class SweepFile(_Table):
     @cached_property
     def sweep(self) -> Sweep:
         """Every combination of the values; of an adaptive axis those with which every curve begins."""
-        axes = {
-            name: values.start() if isinstance(values, AdaptiveAxis) else tuple(values)
-            for name, values in self.grid.items()
-        }
+        axes = {name: tuple(_values(written)) for name, written in self.grid.items()}
         whole = {name: tuple(int(v) if v == int(v) else v for v in axes[name]) for name in _WHOLE if name in axes}
         return Sweep(
             variants=_variants(self.engines, self.presets),
@@ -202,6 +194,15 @@ def read_sweep(file: Path) -> SweepFile:
         raise ParameterError(f"{file} is no TOML: {problem}") from None
     except ValidationError as problem:
         raise ParameterError(f"{file}: {first_error(problem, 'what `python -m scenarios example` shows')}") from None
+
+
+def _values(written: list[float] | _Range | AdaptiveAxis) -> Sequence[float]:
+    if isinstance(written, AdaptiveAxis):
+        return written.start()
+    if isinstance(written, _Range):
+        values: list[float] = np.linspace(written.first, written.last, written.points).tolist()
+        return values
+    return written
 
 
 def _variants(engines: Sequence[str], presets: Sequence[str] | None) -> tuple[Variant, ...]:

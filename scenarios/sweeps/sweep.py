@@ -1,6 +1,5 @@
 """Sweeps: every combination of values of any parameters, by every variant."""
 
-import csv
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -16,6 +15,7 @@ from reference_lcp.validation import ParameterError, checked_count, checked_scal
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.summary import SweepSummary
+from scenarios.tables import csv_text
 from scenarios.tasks.parameters import ChainRatios, Excitation
 from scenarios.tasks.result import ResultStatus
 from scenarios.tasks.task import SteadyStateTask
@@ -169,9 +169,5 @@ def write_dataset(found: xr.Dataset, file: Path) -> None:
     if file.suffix == ".nc":
         found.to_netcdf(file, engine="h5netcdf")
         return
-    places = itertools.product(*(found[name].values.tolist() for name in found.status.dims))
-    numbers = [found[name].values.ravel().tolist() for name in found.data_vars]
-    with file.open("w", newline="", encoding="utf-8") as opened:
-        writer = csv.writer(opened, lineterminator="\n")
-        writer.writerow([*found.status.dims, *found.data_vars])
-        writer.writerows([*place, *values] for place, values in zip(places, zip(*numbers, strict=True), strict=True))
+    table = found.to_dataframe(dim_order=list(found.status.dims)).reset_index()
+    file.write_text(csv_text(table), encoding="utf-8")

@@ -193,4 +193,3 @@ def repetition(multiple: int) -> str:
     if multiple == 0:
         return f", no period up to {LONGEST_MULTIPLE}"
     return f", period {multiple}" if multiple > 1 else ""
-

@@ -58,7 +58,8 @@ class Task:
 
     def as_data(self) -> dict[str, Any]:
         """Give the question as plain data, ready for JSON; what is usual and came later is left out."""
-        return _schema(type(self)).dump_python(self, mode="json")
+        kind: type[Any] = type(self)
+        return _schema(kind).dump_python(self, mode="json")
 
     def key(self) -> str:
         """Hash of the content: equal for equal questions to equal engines."""

@@ -14,14 +14,14 @@ from scenarios.__main__ import app
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.verdict_table import (
-    COLUMNS,
-    csv_table,
+    FINDING_COLUMNS,
     details,
-    json_text,
     markdown,
     matrix,
     rows_of,
     unexplained,
+    verdict_table,
+    verdicts_text,
 )
 from scenarios.cli import run as catalogue_command
 from scenarios.verdicts.finding import Finding, Metric
@@ -122,13 +122,14 @@ def test_wrong_input_is_refused_before_any_work(capsys, monkeypatch, arguments, 
 
 
 def test_rows_count_verdicts_and_name_the_worst() -> None:
-    right, lawful, missing = rows_of(*RESULTS.values())
+    right, lawful, _ = rows_of(*RESULTS.values())
+    ends = verdict_table(*RESULTS.values())[["worst", "what"]].to_numpy().tolist()
     assert [right.count(verdict) for verdict in Verdict] == [1, 0, 1, 0]
     assert right.outcome == "inconclusive 1/2"
-    assert right.cells()[-2:] == ["0.5", "pitch, soft: agree | by hand"]
+    assert ends[0] == ["0.5", "pitch, soft: agree | by hand"]
     assert lawful.outcome == "explained 2/2"
-    assert lawful.cells()[-2:] == ["9", "pitch, loud: disagree | by hand"]
-    assert missing.cells()[-2:] == ["–", "blocked | by hand"]
+    assert ends[1] == ["9", "pitch, loud: disagree | by hand"]
+    assert ends[2] == ["–", "blocked | by hand"]
     assert unexplained(*RESULTS.values()) == []
 
 
@@ -139,8 +140,9 @@ def test_details_have_one_line_a_metric_and_verdict() -> None:
 
 
 def test_matrix_has_variants_as_rows_and_scenarios_as_columns() -> None:
-    assert matrix(RESULTS) == [
-        ["engine:formulation:preset", "by-hand"],
+    table = matrix(RESULTS)
+    assert list(table.columns) == ["engine:formulation:preset", "by-hand"]
+    assert table.to_numpy().tolist() == [
         ["reference", "inconclusive 1/2"],
         ["mujoco:joint:default", "explained 2/2"],
         ["siconos", "blocked 1/1"],
@@ -157,10 +159,10 @@ def test_document_has_how_it_was_made_laws_parameters_and_reasons() -> None:
 
 
 def test_csv_and_json_hold_every_finding_in_full() -> None:
-    rows = list(csv.DictReader(csv_table(RESULTS).splitlines()))
-    assert tuple(rows[0]) == COLUMNS
+    rows = list(csv.DictReader(verdicts_text(RESULTS, "command", ".csv").splitlines()))
+    assert list(rows[0]) == [column.key for column in FINDING_COLUMNS]
     assert [float(row["difference"]) for row in rows if row["difference"]] == [0.5, -3.0, 9.0]
-    content = json.loads(json_text(RESULTS, "command"))
+    content = json.loads(verdicts_text(RESULTS, "command", ".json"))
     assert len(content["findings"]) == 5
     assert content["findings"][4]["allowed"] is None
     assert content["findings"][3]["explained"] is True

@@ -1,0 +1,97 @@
+"""Tables by pandas: in full for programs (CSV, JSON), rounded for people (Markdown, terminal)."""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import pandas as pd
+from pydantic_core import to_json
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+WIDEST = 1000
+"""More characters than the longest row of a printed table has."""
+
+Row = TypeVar("Row")
+
+
+@dataclass(frozen=True)
+class Column(Generic[Row]):
+    """One column of a table.
+
+    Parameters
+    ----------
+    key
+        Its name for programs.
+    value
+        What stands in it, of a row.
+    heading
+        Its name for people; the key unless one is given.
+    pattern
+        How people read its numbers, by `str.format`.
+    """
+
+    key: str
+    value: Callable[[Row], Any]
+    heading: str = ""
+    pattern: str = "{}"
+
+    def text(self, row: Row) -> str:
+        """Give the value as people read it; a dash where there is none."""
+        value = self.value(row)
+        missing = value is None or (isinstance(value, float) and math.isnan(value))
+        return "–" if missing else self.pattern.format(value)
+
+
+def full_table(columns: Sequence[Column[Row]], rows: Iterable[Row]) -> pd.DataFrame:
+    """Give a table for programs: named by keys, with every value as it is."""
+    values = [[column.value(row) for column in columns] for row in rows]
+    return pd.DataFrame(values, columns=[column.key for column in columns], dtype=object)
+
+
+def text_table(columns: Sequence[Column[Row]], rows: Iterable[Row]) -> pd.DataFrame:
+    """Give a table for people: named by headings, with every value as text."""
+    texts = [[column.text(row) for column in columns] for row in rows]
+    return pd.DataFrame(texts, columns=[column.heading or column.key for column in columns], dtype=object)
+
+
+def csv_text(table: pd.DataFrame, missing: str = "nan") -> str:
+    """Give a table as CSV, with the word for what there is not."""
+    return table.to_csv(index=False, na_rep=missing, lineterminator="\n")
+
+
+def records(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """Give the rows of a table by the names of its columns, for `json_text`."""
+    return [dict(zip(table.columns, values, strict=True)) for values in table.itertuples(index=False, name=None)]
+
+
+def json_text(content: object, indent: int | None = None) -> str:
+    """Give anything as JSON: what is no number becomes null, and what JSON does not have its text."""
+    return to_json(content, indent=indent, inf_nan_mode="null", fallback=repr).decode() + "\n"
+
+
+def markdown_lines(table: pd.DataFrame) -> list[str]:
+    """Give the lines of a table of texts for a document."""
+    rows = [list(table.columns), *table.itertuples(index=False, name=None)]
+    lines = ["| " + " | ".join(text.replace("|", "\\|") for text in row) + " |" for row in rows]
+    return [lines[0], "|" + "---|" * len(table.columns), *lines[1:]]
+
+
+def printed_table(table: pd.DataFrame, title: str | None = None) -> Table:
+    """Give a table of texts for a terminal; columns of names (with a colon in the heading) are not wrapped."""
+    printed = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), title=title, title_justify="left")
+    for heading in table.columns:
+        printed.add_column(escape(heading), no_wrap=":" in heading)
+    for texts in table.itertuples(index=False, name=None):
+        printed.add_row(*map(escape, texts))
+    return printed
+
+
+def print_table(table: pd.DataFrame) -> None:
+    """Print a table as wide as its rows are: numbers are never cut off."""
+    printed = printed_table(table)
+    width = Console(width=WIDEST).measure(printed).maximum
+    Console(width=max(Console().width, width)).print(printed)
