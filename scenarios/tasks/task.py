@@ -58,8 +58,13 @@ class Task:
 
     def as_data(self) -> dict[str, Any]:
         """Give the question as plain data, ready for JSON; what is usual and came later is left out."""
-        kind: type[Any] = type(self)
-        return _schema(kind).dump_python(self, mode="json")
+        return self._schema().dump_python(self, mode="json")
+
+    @classmethod
+    @cache
+    def _schema(cls) -> TypeAdapter[Any]:
+        """Give how tasks of this kind are written."""
+        return TypeAdapter(cls)
 
     def key(self) -> str:
         """Hash of the content: equal for equal questions to equal engines."""
@@ -140,9 +145,3 @@ def _identity(variant: Variant) -> dict[str, Any]:
         "options": {name: repr(option.value) for name, option in sorted(preset.options.items())},
     }
     return identity if preset.stick_margin == STICK_MARGIN else identity | {"stick_margin": preset.stick_margin}
-
-
-@cache
-def _schema(kind: type[Task]) -> TypeAdapter[Any]:
-    """Give how tasks of a kind are written."""
-    return TypeAdapter(kind)

@@ -90,7 +90,7 @@ def test_content_of_a_question_for_a_steady_state_is_what_stores_have() -> None:
     for name in ("outer_mass_ratio", "chain_stiffness_ratio", "friction_profile"):
         del plain["ratios"][name]
     assert content["task"] == plain, "what older answers did not know is left out where it is usual"
-    assert content["format"] == 2
+    assert content["format"] == 3
 
 
 def test_motions_and_steady_states_are_answered_side_by_side_and_kept(tmp_path) -> None:
