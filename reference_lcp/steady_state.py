@@ -44,6 +44,8 @@ class SteadyState:
         Part of the period that each contact sticks, shape (n,).
     transitions
         Changes between stick and slip over the period.
+    travels
+        Distance [m] that a contact slips in the phase that each transition begins; ``None`` unless by the exact solver.
     error_bar
         Discretisation error of the scheme; ``None`` if it has not been asked for, or there is none.
     exact_db
@@ -54,6 +56,7 @@ class SteadyState:
     transmittance_db: float
     stuck_fraction: FloatArray
     transitions: list[Transition]
+    travels: FloatArray | None = None
     error_bar: ErrorBar | None = None
     exact_db: float | None = None
 
@@ -66,7 +69,8 @@ class SteadyState:
     @classmethod
     def of_exact(cls, orbit: PeriodicOrbit, period: ExactPeriod) -> "SteadyState":
         """Read the observables of an orbit from its segments, free of sampling error."""
-        return cls(orbit, decibel(period.transmittance), period.stuck_fraction, period.transitions)
+        travels = np.array(period.travels)
+        return cls(orbit, decibel(period.transmittance), period.stuck_fraction, period.transitions, travels)
 
     def as_dict(self) -> dict[str, Any]:
         """Give the numbers, ready for JSON; those of the error bar if there is one."""

@@ -17,10 +17,10 @@ from reports.cli.compare import compare
 from reports.data.collect import QUICK, Scope, collect, expected_questions
 from reports.data.report import Report
 from reports.export.files import FIGURES, FILES, PAGE, files_of, write_all
-from scenarios.cli.options import Limit, Workers
+from scenarios.cli.options import Limit, Scheduler, Workers
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import StoredResults
-from scenarios.execution.local_processes import TIME_LIMIT, Executor
+from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.progress import Bars, CountingEvaluator
 from scenarios.execution.store import ResultStore
 from scenarios.studies.figure3 import (
@@ -72,13 +72,7 @@ def report(
     ] = True,
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            help="Address of a dask scheduler whose workers answer points, instead of this machine's; the few motions "
-            "that are drawn as rasters and loops are computed here."
-        ),
-    ] = None,
+    scheduler: Scheduler = None,
 ) -> None:
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
@@ -101,9 +95,7 @@ def report(
     command = _command(chosen, quick, sweep)
     with ResultStore(store) as kept:
         try:
-            found = _collected(
-                asked, kept, store, executor, command, ask, QUICK if quick else Scope(), workers, time_limit
-            )
+            found = _collected(asked, kept, executor, command, ask, QUICK if quick else Scope())
         except KeyboardInterrupt:
             print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None
@@ -159,27 +151,15 @@ def _tolerance(read: SweepFile) -> GivenTolerance | None:
     return GivenTolerance(transmittance_db=read.tolerance_db, baseline=baseline)
 
 
-def _collected(
-    asked: Figure3,
-    kept: ResultStore,
-    file: Path,
-    executor: Executor,
-    command: str,
-    ask: bool,
-    scope: Scope,
-    workers: int | None,
-    time_limit: float,
-) -> Report:
-    """Gather everything: with bars on the way, or from the store alone."""
+def _collected(asked: Figure3, kept: ResultStore, executor: Executor, command: str, ask: bool, scope: Scope) -> Report:
+    """Collect everything: with bars on the way, or from the store alone."""
     if not ask:
-        return collect(asked, kept, file, StoredResults(kept), command, scope=scope)
+        return collect(asked, kept, StoredResults(kept), command, scope=scope)
     with (
         Bars(asked.all_variants) as bars,
         CountingEvaluator(kept, executor, expected_questions(asked, scope), bars) as evaluator,
     ):
-        return collect(
-            asked, kept, file, evaluator, command, scope=scope, workers=workers, time_limit=time_limit
-        )  # fmt: skip
+        return collect(asked, kept, evaluator, command, scope=scope)
 
 
 def _command(chosen: list[str] | None, quick: bool, sweep: Path | None) -> str:

@@ -2,8 +2,6 @@
 
 import shlex
 import sys
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Annotated
 
@@ -31,18 +29,17 @@ from scenarios.cli.run import add_scenarios
 from scenarios.cli.sweep import answer_sweep, dataset_of, print_summary, print_verdicts
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import unavailable_reason
-from scenarios.execution.local_processes import TIME_LIMIT, Executor
+from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.progress import Bars, CountingEvaluator
 from scenarios.execution.store import ResultStore
-from scenarios.studies.accuracy import PLACES, Accuracy, OperatingPoint, accuracies, accuracy_questions, exact_answer
+from scenarios.studies.accuracy import Accuracy, accuracies, accuracy_tasks, exact_tasks
 from scenarios.studies.accuracy_table import COLUMNS, Row, csv_table, markdown, remark
 from scenarios.studies.cost import COLUMNS as COST_COLUMNS
 from scenarios.studies.cost import SECONDS, cost
 from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
 from scenarios.sweeps.sweep import write_dataset
 from scenarios.tables import csv_text, full_table, markdown_lines, print_table, text_table
-from scenarios.tasks.result import Result
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.steady_case import EXACT, REFERENCE
 
 EXPERIMENTS = {
     "accuracy": "How wrong is the friction of each engine, formulation and preset? Against the exact motion.",
@@ -131,7 +128,7 @@ def accuracy(
     """
     variants = chosen_variants(chosen)
     check_out(out, (".md", ".csv"))
-    found = _accuracies(variants, store, executor_for(workers, time_limit, scheduler), workers)
+    found = _accuracies(variants, store, executor_for(workers, time_limit, scheduler))
     rows: list[Row] = [(one, step_cost(one.variant) if cost and one.certified else None) for one in found]
     _print_accuracy(rows)
     if out is not None:
@@ -182,25 +179,15 @@ def _print_catalogue() -> None:
     print("python -m scenarios run NAME runs one, python -m scenarios run all every scenario.")
 
 
-def _accuracies(variants: list[Variant], store: Path | None, executor: Executor, workers: int | None) -> list[Accuracy]:
-    """Ask everything, with bars on the way."""
-    expected = [question for variant in variants for question in accuracy_questions(variant)]
-    exact = _exact_answers(workers)
+def _accuracies(variants: list[Variant], store: Path | None, executor: Executor) -> list[Accuracy]:
+    """Run everything, with bars on the way."""
+    expected = [*exact_tasks().values(), *(task for variant in variants for task in accuracy_tasks(variant))]
     with (
         store_of_run(store) as kept,
-        Bars(variants) as bars,
+        Bars([EXACT, *variants]) as bars,
         CountingEvaluator(kept, executor, expected, bars) as evaluator,
     ):
-        return accuracies(variants, exact, evaluator)
-
-
-def _exact_answers(workers: int | None) -> dict[OperatingPoint, Result]:
-    """Find the exact motion at every place, on all workers."""
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        found = track(
-            pool.map(exact_answer, PLACES), "exact motion", len(PLACES), console=Console(stderr=True), transient=True
-        )
-        return dict(zip(PLACES, found, strict=True))
+        return accuracies(variants, evaluator)
 
 
 def _print_accuracy(rows: list[Row]) -> None:

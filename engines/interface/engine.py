@@ -9,6 +9,7 @@ import numpy as np
 
 from engines.interface.presets import Capabilities, Formulation, Preset
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
+from reference_lcp.steady_state import SteadyState
 from reference_lcp.validation import FloatArray, ParameterError, checked_choice
 
 
@@ -21,6 +22,15 @@ class NativeStepping(Protocol):
 
         They start from rest, or from a motion or under constant forces that keep contacts active.
         """
+        ...
+
+
+@runtime_checkable
+class SteadyStateSolver(Protocol):
+    """A simulation that finds its steady states by itself, and reads them better than from rows of its trajectory."""
+
+    def steady_states(self, steps_per_period: int) -> list[SteadyState]:
+        """Give the steady state of every lane, in order, with a trajectory of so many rows a period."""
         ...
 
 

@@ -89,6 +89,10 @@ class Preset:
         What it sets otherwise where it does.
     modulated_residual_slip_compliance
         The softness where it does.
+    batch_lanes
+        Lanes that one simulation takes at best, where that is another number than the engine's.
+    optional
+        It takes part where it is named, and not where all presets of an engine are meant.
     """
 
     description: str
@@ -101,6 +105,8 @@ class Preset:
     normal_force: NormalForce = NormalForce.CONSTANT
     modulated_options: Mapping[str, Option] = field(default_factory=dict)
     modulated_residual_slip_compliance: float = 0.0
+    batch_lanes: int | None = None
+    optional: bool = False
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value

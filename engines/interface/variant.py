@@ -50,6 +50,11 @@ class Variant:
         """Give the engine's capabilities."""
         return engine(self.engine).capabilities
 
+    @property
+    def batch_lanes(self) -> int:
+        """Give the number of lanes that one simulation takes at best."""
+        return self.preset.batch_lanes or self.capabilities.batch_lanes
+
     def build(self, lanes: Sequence[Lane]) -> Simulation:
         """Build every lane; see `Engine.build`."""
         return engine(self.engine).build(lanes, self.formulation, self.preset_name)
@@ -61,20 +66,31 @@ class Variant:
         return ", ".join([engine(self.engine).capabilities.title, *special])
 
 
-def variants_of(name: str) -> list[Variant]:
-    """Give every variant of an engine, in the order in which its capabilities list them.
+def variants_of(name: str, *, optional: bool = False) -> list[Variant]:
+    """Give the variants of an engine, in the order in which its capabilities list them.
+
+    Parameters
+    ----------
+    name
+        Of the engine.
+    optional
+        Give those of `Preset.optional` too.
 
     Raises
     ------
     ParameterError
         If no engine of this name is registered.
     """
-    presets = engine(name).capabilities.presets
-    return [Variant(name, str(formulation), preset) for formulation, names in presets.items() for preset in names]
+    return [
+        Variant(name, str(formulation), preset_name)
+        for formulation, presets in engine(name).capabilities.presets.items()
+        for preset_name, preset in presets.items()
+        if optional or not preset.optional
+    ]
 
 
 def variants_named(text: str) -> list[Variant]:
-    """Give every variant of ``ENGINE``, or the one that ``ENGINE:FORMULATION[:PRESET]`` names.
+    """Give the variants of ``ENGINE`` but for optional ones, or the one that ``ENGINE:FORMULATION[:PRESET]`` names.
 
     Raises
     ------

@@ -1,8 +1,9 @@
-"""The reference as an engine: the Euler scheme of equation (5), compiled."""
+"""The reference as an engine: the Euler scheme of equation (5), compiled, and the exact motion."""
 
 import dataclasses
 import importlib.metadata
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +12,17 @@ from engines.interface.engine import Engine
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.exact.event_driven import EventDrivenSimulation
+from reference_lcp.steady_state import SteadyState, exact_steady_state
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
 from reference_lcp.validation import checked_count
+
+EXACT = "exact"
+"""Name of the preset without a time step."""
+
+SERIES_ROUND_OFF = 1e-12
+"""Split tolerance of the exact motion: a run that is split begins another power series there, with sums of some thirty
+terms in another order: thirty roundings a step, of a motion of a few displacement scales, over 100 steps."""
 
 CONVERGED_SUBSTEPS = 32
 """Euler steps to one step of the lane in the preset ``converged``.
@@ -39,13 +49,19 @@ class Reference(Engine):
                     normal_force=NormalForce.LIFTING,
                 ),
                 "converged": Preset(
-                    "The same scheme with a finer Euler step: the ruler for every engine.",
+                    "The same scheme with a finer Euler step: the baseline for every engine.",
                     {
                         "substeps": Option(
                             CONVERGED_SUBSTEPS, 1, "brings the scheme's own first-order error below 0.01 dB"
                         )
                     },
                     normal_force=NormalForce.LIFTING,
+                ),
+                EXACT: Preset(
+                    "The motion between events in closed form, without a time step; for harmonic drives or none.",
+                    split_tolerance=SERIES_ROUND_OFF,
+                    batch_lanes=1,
+                    optional=True,
                 ),
             }
         },
@@ -62,9 +78,23 @@ class Reference(Engine):
         return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        if preset is self.capabilities.presets[formulation][EXACT]:
+            return ExactSimulation(lanes)
         if "substeps" not in preset.options:
             return CompiledSimulation(lanes)
         return RefinedSimulation(lanes, preset["substeps"])
+
+
+class ExactSimulation(EventDrivenSimulation):
+    """The event-driven simulation, whose steady states are polished by Newton's method and read from their events."""
+
+    def steady_states(self, steps_per_period: int) -> list[SteadyState]:
+        """Give the steady state of every lane; see `SteadyStateSolver`."""
+        drives: list[Any] = [lane.drive for lane in self.lanes]  # periodic ones
+        return [
+            exact_steady_state(lane.chain, drive, steps_per_period=steps_per_period)
+            for lane, drive in zip(self.lanes, drives, strict=True)
+        ]
 
 
 class RefinedSimulation:

@@ -60,7 +60,7 @@ def step_cost(variant: Variant, samples: int = SAMPLES) -> StepCost:
     checked_count("samples", samples)
     chain = Chain.from_ratios(friction_ratio=0.3)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), STEPS)
-    lanes = variant.capabilities.batch_lanes
+    lanes = variant.batch_lanes
     simulation = variant.build([lane] * lanes)
     try:
         start = State.at_rest(lanes, chain.cells)

@@ -18,8 +18,11 @@ from reference_lcp.observables.stick_slip import MODE_OF_SIGN
 from reference_lcp.validation import FloatArray, ParameterError, checked_count
 from reports.figures.stick_slip import MODE_COLOURS
 from reports.formatting import ratio
-from scenarios.execution.local_processes import TIME_LIMIT
-from scenarios.execution.recorded import RecordedPeriod, period_of
+from scenarios.cli.options import store_of_run
+from scenarios.execution.evaluator import Evaluator
+from scenarios.execution.executor import TIME_LIMIT
+from scenarios.execution.local_processes import LocalExecutor
+from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.task import SteadyStateTask
 
 SPACING = 2.0
@@ -68,6 +71,12 @@ def animate(
         raise typer.Exit(1)
     write_animation(question, motion, frames, out)
     print(out)
+
+
+def period_of(task: SteadyStateTask, time_limit: float) -> RecordedPeriod:
+    """Compute the period that is drawn, in a worker process that may take so many seconds."""
+    with store_of_run(None) as store, Evaluator(store, LocalExecutor(1, time_limit)) as evaluator:
+        return RecordedPeriod.of_result(evaluator.evaluate([RecordedPeriodTask.of(task)])[0])
 
 
 def write_animation(question: SteadyStateTask, motion: RecordedPeriod, frames: int, file: Path) -> None:

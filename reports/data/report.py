@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from engines.interface.variant import Variant
-from scenarios.execution.recorded import RecordedPeriod
 from scenarios.studies.figure3 import Figure3Result
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
+from scenarios.tasks.recorded import RecordedPeriod
 from scenarios.tasks.result import ResultStatus
 
 OperatingPoint = tuple[float, float]

@@ -12,8 +12,8 @@ from reference_lcp.validation import FloatArray
 from reports.figures.figure import Picture, axis, layout, rounded
 from reports.figures.style import PAGE_WIDTH, look_of
 from reports.formatting import ratio
-from scenarios.execution.recorded import RecordedPeriod
 from scenarios.studies.figure3 import REFERENCE, Figure3
+from scenarios.tasks.recorded import RecordedPeriod
 
 CORNER = 0.003
 """Points of a loop nearer than this to the straight line between their neighbours are left out on the page.

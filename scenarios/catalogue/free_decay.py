@@ -9,18 +9,16 @@ import numpy as np
 from engines.interface.variant import Variant
 from reference_lcp.chain.harmonic import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.transient_base import unfinished, with_refined_steps
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.transient import kept_of
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result, Series
 from scenarios.tasks.transient import TransientTask
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.refinement import REFINEMENTS, error_of_finest
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from scenarios.verdicts.verdict import Tolerance, compare
 
 STEPS_PER_PERIOD = 100
@@ -95,11 +93,9 @@ class Decay:
             recorded="decay",
         )
 
-    def exact(self) -> Series:
-        """Give the event-driven motion, at the rows of every variant; heat is added up in finer rows."""
-        motion = self.motion(REFERENCE).refined(EXACT_REFINEMENT)
-        run = EventDrivenSimulation([motion.lane()]).run(motion.initial_state(), 0, motion.steps)[0]
-        return kept_of(motion, run)
+    def exact_motion(self) -> TransientTask:
+        """Ask for the exact motion, at the rows of every variant; heat is added up in finer rows."""
+        return self.motion(EXACT).refined(EXACT_REFINEMENT)
 
 
 OSCILLATOR = Decay(
@@ -144,7 +140,7 @@ class FreeDecay(Scenario):
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Put the question to every variant; see `Scenario.run`. The loss a cycle is the oscillator's only."""
         evaluator.evaluate(self.questions(variants))
-        exact = {decay: decay.exact() for decay in DECAYS}
+        exact = dict(zip(DECAYS, evaluator.evaluate([decay.exact_motion() for decay in DECAYS]), strict=True))
         scheme = {decay: evaluator.evaluate(with_refined_steps(decay.motion(REFERENCE))) for decay in DECAYS}
         return [
             finding
@@ -155,19 +151,21 @@ class FreeDecay(Scenario):
 
     def questions(self, variants: Sequence[Variant]) -> list[TransientTask]:
         """Everything that `run` asks."""
-        asked = dict.fromkeys((REFERENCE, *variants))
-        return [motion for variant in asked for decay in DECAYS for motion in with_refined_steps(decay.motion(variant))]
+        every = dict.fromkeys((REFERENCE, *variants))
+        compared = [one for variant in every for decay in DECAYS for one in with_refined_steps(decay.motion(variant))]
+        return [*(decay.exact_motion() for decay in DECAYS), *compared]
 
 
 def _findings(
-    variant: Variant, decay: Decay, exact: Series, scheme: Sequence[Result], evaluator: Evaluator
+    variant: Variant, decay: Decay, exact_result: Result, scheme: Sequence[Result], evaluator: Evaluator
 ) -> list[Finding]:
     """Compare one decay with the exact one; `scheme` is the reference's, in the same steps."""
     answers = evaluator.evaluate(with_refined_steps(decay.motion(variant)))
     metrics = [metric for metric in FreeDecay.metrics if metric is not LOSS or decay is OSCILLATOR]
-    missing = unfinished([*answers, *scheme])
+    missing = unfinished([*answers, *scheme, exact_result])
     if missing is not None:
         return [Finding(variant, decay.title, metric, math.nan, math.nan, missing) for metric in metrics]
+    exact = exact_result.series
     own, floor = (_errors(decay, three, exact) for three in (answers, scheme))
     values, expected = _numbers(decay, answers[-1].series, exact), _expected(decay, exact)
     found = []

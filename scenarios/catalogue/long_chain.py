@@ -48,18 +48,13 @@ class LongChain(SteadyScenario):
         place = self.cases.index(case)
         return (case.ratios.cells / self.cases[max(place - 1, 0)].ratios.cells) ** RESIDUAL_GROWTH
 
-    def baseline(self) -> list[SteadyStateTask]:
-        """Give what the reference is asked: at equal step, and converged."""
-        return [*super().baseline(), *(question for case in self.cases for question in _refined(case))]
+    def expected_by(self, case: SteadyCase) -> list[SteadyStateTask]:
+        """Give the tasks of the converged reference, with three step sizes."""
+        return [case.question(CONVERGED, refinement) for refinement in (COARSE, FINE, FINEST)]
 
     def expected(self, case: SteadyCase, answers: Mapping[SteadyStateTask, Result]) -> Expected:
         """Give the converged reference and its error bar."""
-        return expected_of([answers[question] for question in _refined(case)])
-
-
-def _refined(case: SteadyCase) -> list[SteadyStateTask]:
-    """Ask the converged reference with three step sizes."""
-    return [case.question(CONVERGED, refinement) for refinement in (COARSE, FINE, FINEST)]
+        return expected_of([answers[question] for question in self.expected_by(case)])
 
 
 def expected_of(refined: Sequence[Result]) -> Expected:

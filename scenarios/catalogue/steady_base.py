@@ -11,6 +11,7 @@ from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.steady_case import (
+    EXACT,
     REFERENCE,
     Evidence,
     Expected,
@@ -61,7 +62,7 @@ class SteadyScenario(Scenario):
 
         `answers` holds those to `baseline`.
         """
-        return exact_expected(case)
+        return exact_expected(answers[case.question(EXACT)])
 
     def stages(self) -> list[tuple[SteadyCase, ...]]:
         """Give the cases in the order in which they are asked; who is too slow in a round is not asked the next."""
@@ -72,8 +73,13 @@ class SteadyScenario(Scenario):
         return 1.0
 
     def baseline(self) -> list[SteadyStateTask]:
-        """Give what the reference is asked for the sake of the others."""
-        return [question for case in self.cases for question in questions_of(REFERENCE, case)]
+        """Give the tasks of the reference to which others are compared: its scheme, and the motion that is expected."""
+        scheme = [question for case in self.cases for question in questions_of(REFERENCE, case)]
+        return [*scheme, *(question for case in self.cases for question in self.expected_by(case))]
+
+    def expected_by(self, case: SteadyCase) -> list[SteadyStateTask]:
+        """Give the tasks from which `expected` is read: the exact motion, unless overridden."""
+        return [case.question(EXACT)]
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Put every case to every variant; see `Scenario.run`."""

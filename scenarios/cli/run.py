@@ -37,7 +37,7 @@ from scenarios.cli.options import (
 )
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import StoredResults
-from scenarios.execution.local_processes import TIME_LIMIT, Executor
+from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.progress import Bars, CountingEvaluator
 from scenarios.tables import printed_table
 from scenarios.verdicts.finding import Finding
@@ -139,7 +139,7 @@ def _asked(
 
 
 def _perform(asked: _Run, store: Path | None, out: Path | None, executor: Executor | None) -> None:
-    """Run what was asked, by the crew or from the store alone, and print and write the verdicts."""
+    """Run what was asked, by an executor or from the store alone, and print and write the verdicts."""
     results = _known_results(asked, store) if executor is None else _results(asked, store, executor)
     print_results(results)
     if out is not None:

@@ -5,7 +5,7 @@ import xarray as xr
 
 from engines.interface.variant import Variant
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import Executor
+from scenarios.execution.executor import Executor
 from scenarios.execution.progress import Bars, CountingEvaluator
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.adaptive import AdaptiveSweep, run_adaptive_sweep

@@ -1,19 +1,21 @@
 """Workers of a dask cluster that runs already, on this machine or on many."""
 
-import tempfile
-from concurrent.futures import Future
-from pathlib import Path
+from collections.abc import Collection
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Any
 
 from reference_lcp.validation import ParameterError
-from scenarios.execution.local_processes import TIME_LIMIT, Batch, Executor, LocalExecutor, WorkerDied, answer_within
+from scenarios.execution.batch import Batch
+from scenarios.execution.executor import TIME_LIMIT, WorkerDied, WorkerExecutor
+from scenarios.execution.local_processes import LocalExecutor
+from scenarios.execution.worker import run_on_cluster
 from scenarios.tasks.result import Result
 
 CONNECT_SECONDS = 15
 """How long a scheduler may take to answer."""
 
 
-def executor_for(workers: int | None, time_limit: float, scheduler: str | None) -> Executor:
+def executor_for(workers: int | None, time_limit: float, scheduler: str | None) -> "LocalExecutor | DaskExecutor":
     """Give the workers of a scheduler where one is named, processes on this machine otherwise.
 
     Raises
@@ -28,10 +30,10 @@ def executor_for(workers: int | None, time_limit: float, scheduler: str | None) 
     return DaskExecutor(scheduler, time_limit)
 
 
-class DaskExecutor(Executor):
+class DaskExecutor(WorkerExecutor["Future[list[Result]]"]):
     """The workers of a dask scheduler: as many batches on the way as there are workers.
 
-    A task whose worker dies is given to another one as often as the scheduler allows
+    A batch whose worker dies is given to another one as often as the scheduler allows
     (``distributed.scheduler.allowed-failures``), and is blocked then. Workers need this suite and the engines.
 
     Parameters
@@ -53,44 +55,32 @@ class DaskExecutor(Executor):
         if workers == 0:
             self._client.close()
             raise ParameterError(f"scheduler = {address!r} has no workers; allowed: at least one")
-        worker = DaskWorker(self._client)
-        super().__init__(lambda _place: worker, workers, time_limit)
+        super().__init__(workers, time_limit)
+        self._futures = self._client.get_executor(pure=False, retries=0)
 
     def close(self) -> None:
-        """Leave the cluster; it goes on without us."""
-        super().close()
+        """Take back what is not begun, and leave the cluster; it goes on without us."""
+        self._futures.shutdown(wait=False)
         self._client.close()
 
-
-class DaskWorker:
-    """Whichever worker the scheduler chooses."""
-
-    def __init__(self, client: Any):
-        self._executor = client.get_executor(pure=False, retries=0)
-
-    def submit(self, batch: Batch, limit: float) -> Future[list[Result]]:
-        """Give the batch to the scheduler."""
-        future: Future[list[Result]] = self._executor.submit(answer_on_cluster, batch, limit)
+    def _start(self, batch: Batch) -> Future[list[Result]]:
+        future: Future[list[Result]] = self._futures.submit(run_on_cluster, batch, self._limit)
         return future
 
-    def result(self, future: Future[list[Result]], limit: float) -> list[Result]:
-        """Give the answers, or say that workers died of this batch."""
+    def _finished(self, running: Collection[Future[list[Result]]]) -> Collection[Future[list[Result]]]:
+        return wait(running, return_when=FIRST_COMPLETED).done
+
+    def _results(self, run: Future[list[Result]]) -> list[Result]:
         from distributed import KilledWorker
 
         try:
-            return future.result()
+            return run.result()
         except KilledWorker:
-            raise WorkerDied(f"workers of the cluster died: a crash, or the time limit of {limit:g} s") from None
+            problem = f"workers of the cluster died: a crash, or the time limit of {self._limit:g} s"
+            raise WorkerDied(problem) from None
 
-    def close(self) -> None:
-        """Take back what is not begun."""
-        self._executor.shutdown(wait=False)
-
-
-def answer_on_cluster(batch: Batch, limit: float) -> list[Result]:
-    """Answer a batch in a worker of the cluster."""
-    with tempfile.TemporaryDirectory() as folder:
-        return answer_within(batch, limit, Path(folder) / "note")
+    def _abandon(self, run: Future[list[Result]]) -> None:
+        run.cancel()
 
 
 def _connected(address: str) -> Any:

@@ -1,5 +1,7 @@
-"""Failures are results: an engine that cannot answer gives blocked answers with the reason."""
+"""Failures are results: an engine that fails gives blocked results with the reason."""
 
+import multiprocessing
+import os
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
@@ -10,15 +12,18 @@ from scenarios.tasks.result import Result
 Item = TypeVar("Item")
 
 
-def answered_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]], list[Result]]) -> list[Result]:
-    """Answer items at once; if that fails, one by one; who fails alone is blocked.
+def results_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]], list[Result]]) -> list[Result]:
+    """Run items at once; if that fails, one by one; one that fails alone is blocked.
+
+    Whatever an engine raises is its result, an end of the program (`SystemExit`) too. An interrupt is the user's in
+    the process that the user has started, and the engine's in a worker, which none from outside reaches.
 
     Parameters
     ----------
     items
-        What is asked.
+        What is run.
     attempt
-        Answers them all, or raises.
+        Runs them all, or raises.
 
     Returns
     -------
@@ -28,9 +33,28 @@ def answered_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]],
     try:
         return attempt(items)
     except EngineNotInstalled as problem:
-        return [Result.blocked(str(problem))] * len(items)
-    except Exception as problem:
+        return [Result.blocked(text_of(problem))] * len(items)
+    except BaseException as problem:
+        if isinstance(problem, KeyboardInterrupt) and not in_worker():
+            raise
         if len(items) > 1:
-            return [answered_together([item], attempt)[0] for item in items]
+            return [results_together([item], attempt)[0] for item in items]
         kind = "cannot be represented" if isinstance(problem, ParameterError) else type(problem).__name__
-        return [Result.blocked(f"{kind}: {problem}")]
+        return [Result.blocked(f"{kind}: {text_of(problem)}")]
+
+
+def text_of(problem: BaseException) -> str:
+    """Give the message of an exception, also of one that fails when it is asked for it."""
+    try:
+        return str(problem)
+    except BaseException as failure:  # an engine's own class
+        return f"its message cannot be read ({type(failure).__name__})"
+
+
+WORKER_MARK = "MULTIBODY_XVAL_WORKER"
+"""Variable of the environment that is set in the worker processes of `LocalExecutor`."""
+
+
+def in_worker() -> bool:
+    """Say whether this is a worker process: of `LocalExecutor`, or of a dask cluster, whose nanny is its parent."""
+    return WORKER_MARK in os.environ or multiprocessing.parent_process() is not None

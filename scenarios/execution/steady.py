@@ -1,96 +1,87 @@
-"""How questions are answered, by kind; of steady states: build the chain, find the periodic orbit, read it."""
+"""How steady states are computed: build the chains, find their periodic orbits, read them."""
 
 import math
 import time
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
+from engines.interface.engine import SteadyStateSolver
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
-from reference_lcp.steady.orbits import OrbitStatus, PeriodicOrbit, periodic_orbits
+from reference_lcp.steady.orbits import OrbitStatus, periodic_orbits
 from reference_lcp.steady_state import SteadyState
-from scenarios.execution.failures import answered_together
-from scenarios.execution.transient import answer_motions
+from scenarios.execution.failures import results_together
+from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
-from scenarios.tasks.task import SteadyStateTask, Task
-from scenarios.tasks.transient import TransientTask
+from scenarios.tasks.task import SteadyStateTask
 
 
-def answer_batch(batch: Sequence[Task]) -> list[Result]:
-    """Answer questions of one kind, to one variant, about chains of one length, in order.
-
-    An engine that is not installed, or that fails on the batch, gives blocked answers with the
-    reason; failures are results.
-    """
-    answered: list[Result] = _ANSWERING[type(batch[0])](batch)
-    return answered
-
-
-def answer_steady_states(questions: Sequence[SteadyStateTask]) -> list[Result]:
-    """Answer questions for steady states; as `answer_batch`."""
+def run_steady_states(tasks: Sequence[SteadyStateTask]) -> list[Result]:
+    """Find the steady states of tasks of one kind, for one variant, about chains of one length, in order."""
     by_steps: dict[int, list[int]] = defaultdict(list)
     lanes = []
-    for index, question in enumerate(questions):
-        lane, steps = question.lane()
+    for index, task in enumerate(tasks):
+        lane, steps = task.lane()
         by_steps[steps].append(index)
         lanes.append(lane)
-    answers: dict[int, Result] = {}
+    results: dict[int, Result] = {}
     for steps, indices in by_steps.items():
-        attempt = partial(_answer_lanes, questions[indices[0]].variant, steps=steps)
-        found = answered_together([lanes[index] for index in indices], attempt)
-        answers.update(zip(indices, found, strict=True))
-    return [answers[index] for index in range(len(questions))]
+        recorded = isinstance(tasks[0], RecordedPeriodTask)
+        attempt = partial(_results_of_lanes, tasks[0].variant, steps=steps, recorded=recorded)
+        results.update(zip(indices, results_together([lanes[index] for index in indices], attempt), strict=True))
+    return [results[index] for index in range(len(tasks))]
 
 
-def _answer_lanes(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Result]:
-    """Answer lanes that share their number of steps a period, at once."""
+def _results_of_lanes(variant: Variant, lanes: Sequence[Lane], steps: int, recorded: bool) -> list[Result]:
+    """Find the steady states of lanes that share their number of steps a period, at once."""
     begin = time.perf_counter()
-    orbits = _orbits(variant, lanes, steps)
+    states = _steady_states(variant, lanes, steps)
     seconds = (time.perf_counter() - begin) / len(lanes)
-    return [_answer(orbit, variant.preset.stick_margin, seconds) for orbit in orbits]
+    return [_result(state, variant.preset.stick_margin, seconds, recorded) for state in states]
 
 
-def _orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[PeriodicOrbit]:
-    """Find the steady states of lanes, in the engine."""
+def _steady_states(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[SteadyState]:
+    """Find the steady states of lanes, by the simulation itself where it can."""
     simulation = variant.build(lanes)
     try:
-        return periodic_orbits(simulation, steps, tolerance=variant.capabilities.residual)
+        if isinstance(simulation, SteadyStateSolver):
+            return simulation.steady_states(steps)
+        orbits = periodic_orbits(simulation, steps, tolerance=variant.capabilities.residual)
     finally:
         simulation.close()
+    return [SteadyState.of(orbit, variant.preset.stick_margin) for orbit in orbits]
 
 
-def _answer(orbit: PeriodicOrbit, stick_margin: float, seconds: float) -> Result:
-    """Read an orbit; one that has diverged has no numbers."""
+def _result(state: SteadyState, stick_margin: float, seconds: float, recorded: bool) -> Result:
+    """Give the numbers of a steady state; one whose search has diverged has none."""
+    orbit = state.orbit
     if not math.isfinite(orbit.residual):
         return Result.blocked(f"the engine's numbers are not finite, in period {orbit.periods} of the search")
     if orbit.status is OrbitStatus.DIVERGED:
         return Result(status=ResultStatus(orbit.status), periods=orbit.periods, seconds=seconds)
-    found = SteadyState.of(orbit, stick_margin)
     drive: Any = orbit.lane.drive
     length = drive.displacement_scale(orbit.lane.chain)
     speed = drive.angular_frequency * length
     modulated = orbit.lane.preload is not None
+    series = {} if state.travels is None else {"travels": tuple((state.travels / length).tolist())}
+    if recorded:
+        series |= RecordedPeriod.of(orbit, stick_margin).to_series()
     return Result(
         status=ResultStatus(orbit.status),
-        transmittance_db=found.transmittance_db,
+        transmittance_db=state.transmittance_db,
         residual=orbit.residual,
         periods=orbit.periods,
         multiple=orbit.multiple,
         steps_per_period=orbit.trajectory.steps,
         period=orbit.lane.time_step * orbit.trajectory.steps,
-        stuck_fraction=tuple(found.stuck_fraction.tolist()),
-        transitions=tuple((change.cell, change.time, str(change.kind)) for change in found.transitions),
+        stuck_fraction=tuple(state.stuck_fraction.tolist()),
+        transitions=tuple((change.cell, change.time, str(change.kind)) for change in state.transitions),
         creep=tuple((creep_velocity(orbit, stick_margin) / speed).tolist()),
         open_fraction=tuple(open_fraction(orbit).tolist()) if modulated else (),
         largest_gap=tuple((largest_gap(orbit) / length).tolist()) if modulated else (),
         seconds=seconds,
+        series=series,
     )
-
-
-_ANSWERING: dict[type[Task], Callable[[Any], list[Result]]] = {
-    SteadyStateTask: answer_steady_states,
-    TransientTask: answer_motions,
-}

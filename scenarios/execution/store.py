@@ -1,4 +1,4 @@
-"""Answers kept in one SQLite file: what has been computed once is never computed again."""
+"""Results kept in one SQLite file: what has been computed once is never computed again."""
 
 import itertools
 import sqlite3
@@ -15,7 +15,7 @@ APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""
 
 LOOKUP = 500
-"""Questions that are looked up at once."""
+"""Tasks that are looked up at once."""
 
 SCHEMA_VERSION = 1
 """Layout of the tables."""
@@ -25,7 +25,7 @@ _Parsed = TypeVar("_Parsed", Result, ResultSummary)
 
 
 class ResultStore(Closing):
-    """Answers by the hash of their questions; every answer is on disk when `keep` returns.
+    """Results by the hash of their tasks; every result is on disk when `keep` returns.
 
     Parameters
     ----------
@@ -66,45 +66,42 @@ class ResultStore(Closing):
                     "CREATE TABLE answers (key TEXT PRIMARY KEY, content TEXT NOT NULL, answer TEXT NOT NULL)"
                 )
 
-    def find(self, question: Task) -> Result | None:
-        """Give the answer to an equal question, or ``None``."""
-        row = self._connection.execute("SELECT answer FROM answers WHERE key = ?", (question.key(),)).fetchone()
-        return None if row is None else self._read(Result.from_json, row[0])
+    def find(self, task: Task) -> Result | None:
+        """Give the result of an equal task, or ``None``."""
+        return next(self.results([task]))
 
-    def answers(self, questions: Iterable[Task]) -> Iterator[Result | None]:
-        """Give the answer to each question, in order, or ``None``."""
-        for _, text in self._texts(questions, "answer"):
+    def results(self, tasks: Iterable[Task]) -> Iterator[Result | None]:
+        """Give the result of each task, in order, or ``None``."""
+        for text in self._texts(tasks, "answer"):
             yield None if text is None else self._read(Result.from_json, text)
 
-    def outcomes(self, questions: Iterable[Task]) -> Iterator[tuple[Task, ResultSummary | None]]:
-        """Give each question, in order, with how it ended, or ``None``; numbers are left unread."""
-        for question, text in self._texts(questions, "json_extract(answer, '$.status', '$.periods', '$.multiple')"):
-            yield question, None if text is None else self._read(ResultSummary.from_json, text)
+    def summaries(self, tasks: Iterable[Task]) -> Iterator[ResultSummary | None]:
+        """Give how each task ended, in order, or ``None``; numbers are left unread."""
+        for text in self._texts(tasks, "json_extract(answer, '$.status', '$.periods', '$.multiple')"):
+            yield None if text is None else self._read(ResultSummary.from_json, text)
 
     def _read(self, parse: Callable[[str], _Parsed], text: str) -> _Parsed:
-        """Read one answer; an error names the store."""
+        """Read one result; an error names the store."""
         try:
             return parse(text)
         except ParameterError as problem:
             raise ParameterError(f"store {self._file}: {problem}") from None
 
-    def _texts(self, questions: Iterable[Task], column: str) -> Iterator[tuple[Task, str | None]]:
-        """Look up an expression of SQL for each question, many at a time."""
-        asked = iter(questions)
-        while chunk := list(itertools.islice(asked, LOOKUP)):
-            keys = [question.key() for question in chunk]
+    def _texts(self, tasks: Iterable[Task], column: str) -> Iterator[str | None]:
+        """Look up an expression of SQL for each task, many at a time."""
+        remaining = iter(tasks)
+        while chunk := list(itertools.islice(remaining, LOOKUP)):
+            keys = [task.key() for task in chunk]
             marks = ",".join("?" * len(keys))
-            found = dict(self._connection.execute(f"SELECT key, {column} FROM answers WHERE key IN ({marks})", keys))
-            yield from ((question, found.get(key)) for question, key in zip(chunk, keys, strict=True))
+            rows = dict(self._connection.execute(f"SELECT key, {column} FROM answers WHERE key IN ({marks})", keys))
+            yield from (rows.get(key) for key in keys)
 
-    def keep(self, answered: Iterable[tuple[Task, Result]]) -> None:
-        """Write answers in one transaction; blocked ones are not kept, so that they are tried again."""
+    def keep(self, results: Iterable[tuple[Task, Result]]) -> None:
+        """Write results in one transaction; blocked ones are not kept, so that they are tried again."""
         texts = [
-            (question.text(), answer.to_json())
-            for question, answer in answered
-            if answer.status is not ResultStatus.BLOCKED
+            (task.text(), result.to_json()) for task, result in results if result.status is not ResultStatus.BLOCKED
         ]
-        rows = [(key_of(text), text, answer) for text, answer in texts]
+        rows = [(key_of(task), task, result) for task, result in texts]
         with self._connection:
             self._connection.executemany("INSERT OR REPLACE INTO answers VALUES (?, ?, ?)", rows)
 

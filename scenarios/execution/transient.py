@@ -1,4 +1,4 @@
-"""How a motion is answered: advance the chain in the engine, stretch by stretch, and keep what was asked for."""
+"""How a motion is computed: advance the chain in the engine, stretch by stretch, and record what the task names."""
 
 import time
 from collections import defaultdict
@@ -11,7 +11,7 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray
-from scenarios.execution.failures import answered_together
+from scenarios.execution.failures import results_together
 from scenarios.tasks.result import Result, ResultStatus, Series
 from scenarios.tasks.transient import TransientTask
 
@@ -29,28 +29,28 @@ class MotionNotFinite(RuntimeError):
     """An engine's numbers are not finite; the message says when."""
 
 
-def answer_motions(motions: Sequence[TransientTask]) -> list[Result]:
-    """Answer motions of one variant and of chains of one length, in order; those with as many steps together."""
+def run_transients(tasks: Sequence[TransientTask]) -> list[Result]:
+    """Simulate motions of one variant and of chains of one length, in order; those with as many steps together."""
     by_steps: dict[tuple[int, int], list[int]] = defaultdict(list)
-    for index, motion in enumerate(motions):
-        by_steps[motion.steps, motion.every].append(index)
-    answers: dict[int, Result] = {}
+    for index, task in enumerate(tasks):
+        by_steps[task.steps, task.every].append(index)
+    results: dict[int, Result] = {}
     for indices in by_steps.values():
-        found = answered_together([motions[index] for index in indices], _answers)
-        answers.update(zip(indices, found, strict=True))
-    return [answers[index] for index in range(len(motions))]
+        together = results_together([tasks[index] for index in indices], _results)
+        results.update(zip(indices, together, strict=True))
+    return [results[index] for index in range(len(tasks))]
 
 
-def _answers(motions: Sequence[TransientTask]) -> list[Result]:
-    """Run motions as one batch."""
+def _results(tasks: Sequence[TransientTask]) -> list[Result]:
+    """Simulate motions as one batch."""
     begin = time.perf_counter()
-    lanes = [motion.lane() for motion in motions]
-    records = [_Record(lane, motion) for lane, motion in zip(lanes, motions, strict=True)]
-    steps, every = motions[0].steps, motions[0].every
+    lanes = [task.lane() for task in tasks]
+    records = [_Record(lane, task) for lane, task in zip(lanes, tasks, strict=True)]
+    steps, every = tasks[0].steps, tasks[0].every
     stretch = every * max(1, STRETCH // every)
-    simulation = motions[0].variant.build(lanes)
+    simulation = tasks[0].variant.build(lanes)
     try:
-        state = State.stack([motion.initial_state() for motion in motions])
+        state = State.stack([task.initial_state() for task in tasks])
         for start in range(0, steps, stretch):
             runs = simulation.run(state, start, min(stretch, steps - start))
             for record, run in zip(records, runs, strict=True):
@@ -58,15 +58,8 @@ def _answers(motions: Sequence[TransientTask]) -> list[Result]:
             state = State.stack([run.end for run in runs])
     finally:
         simulation.close()
-    seconds = (time.perf_counter() - begin) / len(motions)
+    seconds = (time.perf_counter() - begin) / len(tasks)
     return [Result(status=ResultStatus.FINISHED, series=record.series(), seconds=seconds) for record in records]
-
-
-def kept_of(motion: TransientTask, run: Trajectory) -> Series:
-    """Give what an answer keeps of a motion whose trajectory is there already."""
-    record = _Record(motion.lane(), motion)
-    record.append(run)
-    return record.series()
 
 
 @dataclass(frozen=True)
@@ -78,7 +71,7 @@ class _Heat:
 
 
 class _Record:
-    """Kept rows of one motion, and what is added up over all of its steps."""
+    """Recorded rows of one motion, and what is added up over all of its steps."""
 
     def __init__(self, lane: Lane, motion: TransientTask):
         self._lane, self._motion = lane, motion
@@ -101,7 +94,7 @@ class _Record:
         self._last_positions, self._last_velocities = run.positions[-1:].copy(), run.velocities[-1:].copy()
 
     def series(self) -> Series:
-        """Give what was asked for, displacements over the displacement scale and energies over the initial one.
+        """Give what the task names, displacements over the displacement scale and energies over the initial one.
 
         ``response``: the last outer mass at each kept row. ``decay``: see `_decay`.
         """

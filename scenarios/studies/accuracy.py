@@ -8,12 +8,12 @@ import numpy as np
 
 from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
+from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.observables.transition_matching import match_transitions
-from reference_lcp.steady_state import exact_steady_state
 from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.parameters import Excitation
 from scenarios.tasks.result import Result, ResultStatus
-from scenarios.tasks.task import USUAL_EXCITATION, SteadyStateTask
+from scenarios.tasks.task import SteadyStateTask
+from scenarios.verdicts.steady_case import EXACT
 from scenarios.verdicts.verdict import difference_db
 
 MAP_FRICTION_RATIOS = (0.1, 0.3, 0.6, 1.0)
@@ -28,13 +28,13 @@ MAP: tuple[OperatingPoint, ...] = tuple(
 )
 
 PLACES: tuple[OperatingPoint, ...] = tuple(dict.fromkeys((*STICK_SLIP_POINTS, *MAP)))
-"""Every place at which engines are asked."""
+"""Every place at which engines are compared with the exact motion."""
 
 MAP_STEPS = 800
 """Steps a period of the map."""
 
 ORDER_STEPS = (400, 800, 1600)
-"""Steps a period at which the six points are asked, and through which the order in the time step is fitted."""
+"""Steps a period of the six points, through which the order in the time step is fitted."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Accuracy:
     Parameters
     ----------
     variant
-        Who was asked.
+        Which one.
     points_db
         Largest transmittance error over the six stick–slip points [dB], by steps a period.
     map_db, worst_place
@@ -60,7 +60,7 @@ class Accuracy:
     order
         In the time step: −slope of the root mean square error at the six points; NaN unless all are certified.
     points, certified
-        How many points were asked, and had a certified steady state.
+        How many points there are, and how many have a certified steady state.
     blocked
         Reason of the first blocked point; empty if there is none.
     """
@@ -82,106 +82,88 @@ class Accuracy:
     blocked: str
 
 
-def accuracy_questions(variant: Variant) -> list[SteadyStateTask]:
-    """Give everything that is asked of a variant: the six points at three steps, and the map."""
-    asked = [
-        SteadyStateTask(variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=steps)
-        for steps in ORDER_STEPS
-        for friction, eta in STICK_SLIP_POINTS
-    ]
-    asked += [
-        SteadyStateTask(variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=MAP_STEPS)
-        for friction, eta in MAP
-    ]
-    return list(dict.fromkeys(asked))
+def accuracy_tasks(variant: Variant) -> list[SteadyStateTask]:
+    """Give the tasks of a variant: the six points at three steps, and the map."""
+    points = [(place, steps) for steps in ORDER_STEPS for place in STICK_SLIP_POINTS]
+    points += [(place, MAP_STEPS) for place in MAP]
+    return [_task(variant, place, steps) for place, steps in dict.fromkeys(points)]
 
 
-def accuracies(
-    variants: Sequence[Variant], exact: Mapping[OperatingPoint, Result], evaluator: Evaluator
-) -> list[Accuracy]:
-    """Ask every variant, and compare each with the exact motion.
+def exact_tasks() -> dict[OperatingPoint, SteadyStateTask]:
+    """Give the tasks of the exact motion at every place."""
+    return {place: _task(EXACT, place, MINIMUM_STEPS_PER_PERIOD) for place in PLACES}
+
+
+def _task(variant: Variant, place: OperatingPoint, steps: int) -> SteadyStateTask:
+    friction, eta = place
+    return SteadyStateTask(variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=steps)
+
+
+def accuracies(variants: Sequence[Variant], evaluator: Evaluator) -> list[Accuracy]:
+    """Compare every variant with the exact motion.
 
     Parameters
     ----------
     variants
-        Whom to ask.
-    exact
-        The exact motion at `PLACES`, by `exact_answer`.
+        Which ones.
     evaluator
-        Who answers; all questions go to it at once.
+        Gives the results; all tasks go to it at once, those of the exact motion too.
 
     Returns
     -------
     list of Accuracy
         One a variant, in order.
     """
-    questions = {variant: accuracy_questions(variant) for variant in variants}
-    every = [question for asked in questions.values() for question in asked]
-    answers = dict(zip(every, evaluator.evaluate(every), strict=True))
-    return [
-        accuracy(variant, {question: answers[question] for question in questions[variant]}, exact)
-        for variant in variants
-    ]
+    tasks = {variant: accuracy_tasks(variant) for variant in variants}
+    every = [*exact_tasks().values(), *(task for own in tasks.values() for task in own)]
+    results = dict(zip(every, evaluator.evaluate(every), strict=True))
+    exact = {place: results[task] for place, task in exact_tasks().items()}
+    return [accuracy(variant, {task: results[task] for task in own}, exact) for variant, own in tasks.items()]
 
 
 def accuracy(
-    variant: Variant, answers: Mapping[SteadyStateTask, Result], exact: Mapping[OperatingPoint, Result]
+    variant: Variant, results: Mapping[SteadyStateTask, Result], exact: Mapping[OperatingPoint, Result]
 ) -> Accuracy:
-    """Compare one variant's answers to `accuracy_questions` with the exact motion."""
-    certified = {question: answer for question, answer in answers.items() if answer.converged}
-    places = {place: a for q, a in certified.items() if (place := _place(q)) in MAP and q.steps_per_period == MAP_STEPS}
-    errors = {place: transmittance_error_db(answer, exact[place]) for place, answer in places.items()}
+    """Compare one variant's results of `accuracy_tasks` with the exact motion, where that is certified."""
+    certified = {task: one for task, one in results.items() if one.converged and exact[place_of(task)].converged}
+    places = {
+        place: a for q, a in certified.items() if (place := place_of(q)) in MAP and q.steps_per_period == MAP_STEPS
+    }
+    errors = {place: transmittance_error_db(result, exact[place]) for place, result in places.items()}
     matches = [
-        match_transitions(answer.transitions, exact[place].transitions, answer.period)
-        for place, answer in places.items()
+        match_transitions(result.transitions, exact[place].transitions, result.period)
+        for place, result in places.items()
     ]
     times = [abs(error) for match in matches for error in match.time_errors]
-    blocked = [answer.reason for answer in answers.values() if answer.status is ResultStatus.BLOCKED]
+    blocked = [result.reason for result in results.values() if result.status is ResultStatus.BLOCKED]
     return Accuracy(
         variant=variant,
         points_db={steps: _largest(_point_errors(certified, exact, steps)) for steps in ORDER_STEPS},
         map_db=_largest(errors.values()),
         worst_place=max(errors, key=lambda place: errors[place], default=None),
-        stuck_fraction=_largest(_stuck_error(answer, exact[place]) for place, answer in places.items()),
+        stuck_fraction=_largest(_stuck_error(result, exact[place]) for place, result in places.items()),
         median_transition=float(np.median(times)) if times else math.nan,
         largest_transition=_largest(times),
         transitions=sum(len(exact[place].transitions) for place in places),
         missed=sum(len(match.missed) for match in matches),
         spurious=sum(len(match.spurious) for match in matches),
-        creep=_largest(max(answer.creep) for answer in certified.values()),
+        creep=_largest(max(result.creep) for result in certified.values()),
         order=_order(certified, exact),
-        points=len(answers),
+        points=len(results),
         certified=len(certified),
         blocked=blocked[0] if blocked else "",
     )
 
 
-def exact_answer(place: OperatingPoint, excitation: Excitation = USUAL_EXCITATION) -> Result:
-    """Answer by the event-driven solver, which has no error of a time step; takes about a second."""
-    friction, eta = place
-    asked = SteadyStateTask(
-        variant=Variant("reference"), friction_ratio=friction, frequency_ratio=eta, excitation=excitation
-    )
-    chain, drive = asked.setting()
-    found = exact_steady_state(chain, drive)
-    return Result(
-        status=ResultStatus(found.orbit.status),
-        transmittance_db=found.transmittance_db,
-        residual=found.orbit.residual,
-        period=drive.period,
-        stuck_fraction=tuple(found.stuck_fraction.tolist()),
-        transitions=tuple((change.cell, change.time, str(change.kind)) for change in found.transitions),
-    )
-
-
-def transmittance_error_db(answer: Result, exact: Result) -> float:
+def transmittance_error_db(result: Result, exact: Result) -> float:
     """|Difference| of transmittance [dB]; below `FLOOR_DB`, what the difference of amplitudes makes at the floor."""
-    return abs(difference_db(answer.transmittance_db, exact.transmittance_db, exact.transmittance_db))
+    return abs(difference_db(result.transmittance_db, exact.transmittance_db, exact.transmittance_db))
 
 
-def _place(question: SteadyStateTask) -> OperatingPoint:
-    assert isinstance(question.friction_ratio, float)
-    return question.friction_ratio, question.frequency_ratio
+def place_of(task: SteadyStateTask) -> OperatingPoint:
+    """Give the friction and the frequency ratio of a task about a chain of equal friction."""
+    assert isinstance(task.friction_ratio, float)
+    return task.friction_ratio, task.frequency_ratio
 
 
 def _point_errors(
@@ -189,9 +171,9 @@ def _point_errors(
 ) -> list[float]:
     """Transmittance errors at those of the six points that are certified at so many steps [dB]."""
     return [
-        transmittance_error_db(answer, exact[_place(question)])
-        for question, answer in certified.items()
-        if question.steps_per_period == steps and _place(question) in STICK_SLIP_POINTS
+        transmittance_error_db(result, exact[place_of(task)])
+        for task, result in certified.items()
+        if task.steps_per_period == steps and place_of(task) in STICK_SLIP_POINTS
     ]
 
 
@@ -206,8 +188,8 @@ def _order(certified: Mapping[SteadyStateTask, Result], exact: Mapping[Operating
     return float(-np.polyfit(np.log(ORDER_STEPS), np.log(size), 1)[0])
 
 
-def _stuck_error(answer: Result, exact: Result) -> float:
-    return float(np.max(np.abs(np.subtract(answer.stuck_fraction, exact.stuck_fraction))))
+def _stuck_error(result: Result, exact: Result) -> float:
+    return float(np.max(np.abs(np.subtract(result.stuck_fraction, exact.stuck_fraction))))
 
 
 def _largest(values: Iterable[float]) -> float:

@@ -10,7 +10,8 @@ import numpy as np
 from engines.interface.variant import Variant
 from engines.shared.step_cost import StepCost, step_cost
 from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
-from scenarios.execution.local_processes import Batch, LocalExecutor
+from scenarios.execution.batch import Batch
+from scenarios.execution.local_processes import LocalExecutor
 from scenarios.tables import Column
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
@@ -81,15 +82,15 @@ def cost(variant: Variant, seconds: float = SECONDS) -> Cost:
     batches = _batches(variant, step.advance * MINIMUM_STEPS_PER_PERIOD * TYPICAL_PERIODS, seconds)
     taken: dict[int, float] = {}
     for workers in (1, 2):
-        taken[workers], answers = _timed(batches, workers)
-    certified = [answer for answer in answers if answer.converged]
-    periods = float(np.median([answer.periods for answer in certified])) if certified else math.nan
-    return Cost(step, len(answers), len(certified), periods, taken)
+        taken[workers], results = _timed(batches, workers)
+    certified = [result for result in results if result.converged]
+    periods = float(np.median([result.periods for result in certified])) if certified else math.nan
+    return Cost(step, len(results), len(certified), periods, taken)
 
 
 def _batches(variant: Variant, point: float, seconds: float) -> list[Batch]:
     """Choose the points: batches smaller than the engine's best where a point alone takes long."""
-    lanes = min(variant.capabilities.batch_lanes, max(1, int(seconds / LEAST_BATCHES / point)))
+    lanes = min(variant.batch_lanes, max(1, int(seconds / LEAST_BATCHES / point)))
     count = 2 * round(seconds / point / lanes / 2)
     count = min(max(count, LEAST_BATCHES), MOST_BATCHES)
     # a golden-section sequence spreads any number of points evenly, and hard ones over the batches
@@ -106,13 +107,13 @@ def _batches(variant: Variant, point: float, seconds: float) -> list[Batch]:
 
 
 def _timed(batches: Sequence[Batch], workers: int) -> tuple[float, list[Result]]:
-    """Answer batches by so many workers; gives the seconds, and the answers."""
+    """Run batches in so many workers; gives the seconds, and the results."""
     with LocalExecutor(workers) as executor:
-        for _ in executor.answers([batches[0][:1]] * workers):  # starts the processes, and imports the engine in each
+        for _ in executor.run([batches[0][:1]] * workers):  # starts the processes, and imports the engine in each
             pass
         begin = time.perf_counter()
-        answers = [answer for _, found in executor.answers(batches) for answer in found]
-        return time.perf_counter() - begin, answers
+        every = [result for _, results in executor.run(batches) for result in results]
+        return time.perf_counter() - begin, every
 
 
 Row = tuple[Cost, Cost]

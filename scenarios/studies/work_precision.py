@@ -2,21 +2,17 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from itertools import repeat
-from multiprocessing import get_context
 from statistics import median
-from typing import Any
 
 from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.store import ResultStore
-from scenarios.studies.accuracy import ORDER_STEPS, OperatingPoint, exact_answer, transmittance_error_db
+from scenarios.studies.accuracy import ORDER_STEPS, OperatingPoint, place_of, transmittance_error_db
 from scenarios.tasks.parameters import Excitation
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import USUAL_EXCITATION, SteadyStateTask
+from scenarios.verdicts.steady_case import EXACT
 
 
 @dataclass(frozen=True)
@@ -26,7 +22,7 @@ class StepPoint:
     Parameters
     ----------
     variant, steps_per_period
-        Who was asked, and how finely.
+        Which one, and how finely.
     error_db
         Largest error of transmittance against the exact motion [dB], over the certified points; NaN without any.
     step_seconds
@@ -37,9 +33,9 @@ class StepPoint:
     certified
         Points whose steady state was found.
     answered
-        Points that were answered at all, with a steady state or without.
+        Points that have a result at all, with a steady state or without.
     reason
-        Why the first point that is blocked has no answer; empty if there is none.
+        Why the first point that is blocked has no result; empty if there is none.
     """
 
     variant: Variant
@@ -52,17 +48,8 @@ class StepPoint:
     reason: str
 
 
-@dataclass(frozen=True, kw_only=True)
-class ExactTask(SteadyStateTask):
-    """A question to the event-driven solver, which has no time step."""
-
-    def content(self) -> dict[str, Any]:
-        """Everything that the answer depends on."""
-        return {**super().content(), "solver": "event-driven"}
-
-
-def step_questions(variant: Variant, excitation: Excitation = USUAL_EXCITATION) -> list[SteadyStateTask]:
-    """Give what is asked of a variant: the six points at every number of steps."""
+def step_tasks(variant: Variant, excitation: Excitation = USUAL_EXCITATION) -> list[SteadyStateTask]:
+    """Give the tasks of a variant: the six points at every number of steps."""
     return [
         SteadyStateTask(
             variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=steps,
@@ -73,36 +60,38 @@ def step_questions(variant: Variant, excitation: Excitation = USUAL_EXCITATION) 
     ]  # fmt: skip
 
 
+def exact_step_tasks(excitation: Excitation = USUAL_EXCITATION) -> list[SteadyStateTask]:
+    """Give the tasks of the exact motion at the six points; it has no steps."""
+    return step_tasks(EXACT, excitation)[: len(STICK_SLIP_POINTS)]
+
+
 def step_study(
-    variants: Sequence[Variant],
-    exact: Mapping[OperatingPoint, Result],
-    evaluator: Evaluator,
-    excitation: Excitation = USUAL_EXCITATION,
+    variants: Sequence[Variant], evaluator: Evaluator, excitation: Excitation = USUAL_EXCITATION
 ) -> tuple[StepPoint, ...]:
-    """Ask every variant the six points at every number of steps, and compare with the exact motion.
+    """Compare every variant at the six points, at every number of steps, with the exact motion.
 
     Parameters
     ----------
     variants
-        Whom to ask.
-    exact
-        The exact motion at the six points, by `exact_answers`; a place that is not there has no error.
+        Which ones.
     evaluator
-        Who answers.
+        Gives the results, those of the exact motion too; a place where that is not there has no error.
     excitation
         What drives the chain, here and in the exact motion.
 
     Returns
     -------
     tuple of StepPoint
-        By variant, then by number of steps; what has no answer at all is there with ``answered`` zero.
+        By variant, then by number of steps; what has no result at all is there with ``answered`` zero.
     """
-    questions = {variant: step_questions(variant, excitation) for variant in variants}
-    every = [question for own in questions.values() for question in own]
-    answers = dict(zip(every, evaluator.evaluate(every), strict=True))
+    exact_tasks = exact_step_tasks(excitation)
+    tasks = {variant: step_tasks(variant, excitation) for variant in variants}
+    every = [*exact_tasks, *(task for own in tasks.values() for task in own)]
+    results = dict(zip(every, evaluator.evaluate(every), strict=True))
+    exact = {place_of(task): results[task] for task in exact_tasks if results[task].converged}
     return tuple(
-        _step_point(variant, steps, [(q, answers[q]) for q in own if q.steps_per_period == steps], exact)
-        for variant, own in questions.items()
+        _step_point(variant, steps, [(task, results[task]) for task in own if task.steps_per_period == steps], exact)
+        for variant, own in tasks.items()
         for steps in ORDER_STEPS
     )
 
@@ -110,57 +99,23 @@ def step_study(
 def _step_point(
     variant: Variant,
     steps: int,
-    answered: Sequence[tuple[SteadyStateTask, Result]],
+    results: Sequence[tuple[SteadyStateTask, Result]],
     exact: Mapping[OperatingPoint, Result],
 ) -> StepPoint:
     """Sum up one number of steps."""
-    certified = [(place_of(question), answer) for question, answer in answered if answer.converged]
-    errors = [transmittance_error_db(answer, exact[place]) for place, answer in certified if place in exact]
-    timed = [answer for _, answer in certified if not math.isnan(answer.seconds)]
+    certified = [(place_of(task), result) for task, result in results if result.converged]
+    errors = [transmittance_error_db(result, exact[place]) for place, result in certified if place in exact]
+    timed = [result for _, result in certified if not math.isnan(result.seconds)]
     return StepPoint(
         variant=variant,
         steps_per_period=steps,
         error_db=max(errors, default=math.nan),
-        step_seconds=_median(answer.seconds / (answer.periods * answer.steps_per_period) for answer in timed),
-        seconds=_median(answer.seconds for answer in timed),
+        step_seconds=_median(result.seconds / (result.periods * result.steps_per_period) for result in timed),
+        seconds=_median(result.seconds for result in timed),
         certified=len(certified),
-        answered=sum(answer.status not in (ResultStatus.MISSING, ResultStatus.BLOCKED) for _, answer in answered),
-        reason=next((answer.reason for _, answer in answered if answer.status is ResultStatus.BLOCKED), ""),
+        answered=sum(result.status not in (ResultStatus.MISSING, ResultStatus.BLOCKED) for _, result in results),
+        reason=next((result.reason for _, result in results if result.status is ResultStatus.BLOCKED), ""),
     )
-
-
-def place_of(question: SteadyStateTask) -> OperatingPoint:
-    """Give the friction and the frequency ratio of a question about a chain of equal friction."""
-    assert isinstance(question.friction_ratio, float)
-    return question.friction_ratio, question.frequency_ratio
-
-
-def exact_answers(
-    places: Sequence[OperatingPoint],
-    store: ResultStore,
-    *,
-    excitation: Excitation = USUAL_EXCITATION,
-    ask: bool = True,
-    workers: int | None = None,
-) -> dict[OperatingPoint, Result]:
-    """Give the exact motion at every place: from the store, or computed there and kept; takes a second each.
-
-    Without `ask`, what the store does not know is left out.
-    """
-    questions = {
-        (friction, eta): ExactTask(
-            variant=Variant("reference"), friction_ratio=friction, frequency_ratio=eta, excitation=excitation
-        )
-        for friction, eta in places
-    }
-    found = {place: store.find(question) for place, question in questions.items()}
-    unknown = [place for place, answer in found.items() if answer is None]
-    if ask and unknown:
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            for place, answer in zip(unknown, pool.map(exact_answer, unknown, repeat(excitation)), strict=True):
-                store.keep([(questions[place], answer)])
-                found[place] = answer
-    return {place: answer for place, answer in found.items() if answer is not None}
 
 
 def _median(values: Iterable[float]) -> float:

@@ -44,7 +44,7 @@ class AdaptiveSweep:
 
     def grid_of(self, store: ResultStore) -> Sweep:
         """Give the sweep over all frequencies that any curve has come to, as far as the store knows its answers."""
-        curves = refined(self, lambda asked: list(store.answers(asked)))
+        curves = refined(self, lambda asked: list(store.results(asked)))
         return self._with_frequencies(tuple(sorted({eta for curve in curves.values() for eta in curve.asked})))
 
     def _with_frequencies(self, values: tuple[float, ...]) -> Sweep:

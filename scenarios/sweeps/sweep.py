@@ -130,7 +130,7 @@ def dataset(sweep: Sweep, store: ResultStore) -> xr.Dataset:
     sizes = (len(sweep.variants), *(len(values) for values in sweep.axes.values()))
     columns = {name: np.full(sweep.points, np.nan) for name in _COLUMNS}
     status = np.full(sweep.points, STATUSES.index(ResultStatus.MISSING), dtype=np.int8)
-    for index, answer in enumerate(store.answers(sweep.questions())):
+    for index, answer in enumerate(store.results(sweep.questions())):
         if answer is None:
             continue
         status[index] = STATUSES.index(answer.status)

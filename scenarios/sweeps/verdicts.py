@@ -61,7 +61,7 @@ def verdicts(sweep: Sweep, store: ResultStore, tolerance_db: float) -> dict[Vari
     for variant, counted in found.items():
         own = list(replace(sweep, variants=(variant,)).questions())
         others = replace(sweep, variants=(baseline,)).questions()
-        for question, answer, right in zip(own, store.answers(own), store.answers(others), strict=True):
+        for question, answer, right in zip(own, store.results(own), store.results(others), strict=True):
             if answer is not None and right is not None:
                 counted.add(question, compare_transmittance(answer, right, tolerance_db))
     return found

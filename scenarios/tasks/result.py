@@ -14,7 +14,7 @@ from reference_lcp.validation import ParameterError
 from scenarios.tasks.validation_message import first_error
 
 Series = Mapping[str, tuple[float, ...]]
-"""Numbers by name: what is kept of a motion."""
+"""Numbers by name."""
 
 
 class ResultStatus(StrEnum):
@@ -91,7 +91,8 @@ class Result:
     seconds
         Wall-clock time that the point took, an even share of its batch.
     series
-        What is kept of a motion; empty for a steady state.
+        Further numbers by name: what a `TransientTask` or a `RecordedPeriodTask` records; ``travels`` of an exact
+        steady state, the distance over the displacement scale that a contact slips after each transition.
 
     Raises
     ------
@@ -166,9 +167,9 @@ class ResultSummary(NamedTuple):
     reason: str = ""
 
     @classmethod
-    def of(cls, answer: Result) -> Self:
-        """Take it from an answer."""
-        return cls(answer.status, answer.periods, answer.multiple, answer.reason)
+    def of(cls, result: "Result | ResultSummary") -> Self:
+        """Take it from a result."""
+        return cls(result.status, result.periods, result.multiple, result.reason)
 
     @staticmethod
     def from_json(text: str) -> "ResultSummary":

@@ -137,11 +137,11 @@ USUAL_EXCITATION = Excitation()
 
 @cache
 def _identity(variant: Variant) -> dict[str, Any]:
-    """Version and options that a variant's answers depend on."""
-    asked = engine(variant.engine)
-    preset = asked.preset(variant.formulation, variant.preset_name)
+    """Version and options that a variant's results depend on; no version where the engine is not installed."""
+    own = engine(variant.engine)
+    preset = own.preset(variant.formulation, variant.preset_name)
     identity: dict[str, Any] = {
-        "version": asked.version(),
+        "version": None if own.unavailable_reason() else own.version(),
         "options": {name: repr(option.value) for name, option in sorted(preset.options.items())},
     }
     return identity if preset.stick_margin == STICK_MARGIN else identity | {"stick_margin": preset.stick_margin}

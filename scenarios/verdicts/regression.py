@@ -149,8 +149,6 @@ def _rows(file: Path) -> Iterator[tuple[str, Kept]]:
     with closing(sqlite3.connect(file)) as connection:
         for content, answer in connection.execute("SELECT content, answer FROM answers ORDER BY rowid"):
             asked = json.loads(content)
-            if "solver" in asked:  # the exact motion depends on no engine
-                continue
             kept = Kept(asked["task"], asked["version"], asked["options"], Result.from_json(answer))
             yield json.dumps(asked["task"], sort_keys=True), kept
 

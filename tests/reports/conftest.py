@@ -8,12 +8,12 @@ import pytest
 from engines.interface.variant import Variant
 from reports.data.report import Report
 from reports.export.files import files_of
-from scenarios.execution.recorded import RecordedPeriod
 from scenarios.studies.attenuation_band import Edge
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
 from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.recorded import RecordedPeriod
 from scenarios.tasks.result import Result
 from scenarios.verdicts.pointwise import PointResults, compare_point, refinements
 from scenarios.verdicts.steady_case import amplification

@@ -6,7 +6,7 @@ import itertools
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution.steady import answer_batch
+from scenarios.execution.batch import run_batch
 from scenarios.tasks.task import SteadyStateTask
 
 WRONG = Variant("mujoco")
@@ -24,7 +24,7 @@ class InProcess:
         missing = [question for question in dict.fromkeys(questions) if question not in self.known]
         for _, group in itertools.groupby(missing, key=lambda q: (q.variant, q.ratios.cells)):
             asked = list(group)
-            self.known.update(zip(asked, answer_batch([self.really(question) for question in asked]), strict=True))
+            self.known.update(zip(asked, run_batch([self.really(question) for question in asked]), strict=True))
         return [self.known[question] for question in questions]
 
     def really(self, question: SteadyStateTask) -> SteadyStateTask:

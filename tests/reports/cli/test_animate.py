@@ -14,8 +14,8 @@ from reports.__main__ import app
 from reports.cli import animate as module
 from reports.cli.animate import ChainDrawing, write_animation
 from reports.figures.stick_slip import MODE_COLOURS
-from scenarios.execution.recorded import RecordedPeriod
 from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.recorded import RecordedPeriod
 from scenarios.tasks.task import SteadyStateTask
 from tests.reports.conftest import motion
 

@@ -31,10 +31,10 @@ class Inventor(StoredResults):
     """Makes answers up, and keeps them: curves that fall through the band, with an error of each variant's own."""
 
     def evaluate(self, questions: Sequence[SteadyStateTask]) -> list[Result]:
-        new = {question: invented(question) for question in self.unanswered(questions)}
+        new = {question: invented(question) for question in self.new_tasks(questions)}
         self._store.keep(new.items())
-        self._answered |= new
-        return [self._answered[question] for question in questions]
+        self._results |= new
+        return [self._results[question] for question in questions]
 
 
 def invented(question: SteadyStateTask) -> Result:

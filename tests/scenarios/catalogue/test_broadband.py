@@ -25,13 +25,14 @@ from scenarios.catalogue.transient_base import (
     STEPS_PER_PERIOD,
 )
 from scenarios.execution.evaluator import Evaluator
+from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
-from scenarios.execution.transient import answer_motions
+from scenarios.execution.transient import run_transients
 from scenarios.studies.attenuation_band import BandDefinition, Edge, edge_brackets
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.verdicts.refinement import error_of_finest
 from scenarios.verdicts.verdict import Verdict
-from tests.scenarios.motion_crew import Here, evaluator, rub_harder
+from tests.scenarios.in_process import evaluator, rub_harder
 
 REFERENCE = Variant("reference")
 BELOW, WITHIN, ABOVE = (BAND_METRICS[name] for name in ("0.65–0.82", "0.9–1.35", "1.5–2"))
@@ -49,7 +50,7 @@ class ShortPulse(RickerPulseScenario):
 def numbers(scenario, friction_ratio):
     """What the scenario reads from the reference."""
     case = dataclasses.replace(scenario.case(friction_ratio), steps_per_period=100)
-    response = answer_motions([case.motion(REFERENCE)])[0].series["response"]
+    response = run_transients([case.motion(REFERENCE)])[0].series["response"]
     return scenario.numbers(case, np.array(response))
 
 
@@ -88,14 +89,14 @@ def test_response_is_in_proportion_to_the_base_where_friction_is_too(tmp_path) -
     case = RickerPulseScenario().case(0.05)
     asked = dataclasses.replace(case, periods=30).motion(REFERENCE)
     double = dataclasses.replace(asked, base=dataclasses.replace(asked.base, amplitude=0.02), friction_ratio=0.1)
-    one, other = (np.array(answer_motions([question])[0].series["response"]) for question in (asked, double))
+    one, other = (np.array(run_transients([question])[0].series["response"]) for question in (asked, double))
     assert other == pytest.approx(one, abs=1e-12)
 
 
 def test_transients_have_died_out_at_their_end() -> None:
     for name in ("ricker-pulse", "swept-sine", "record"):
         case = CATALOGUE[name].case(0.0)
-        response = np.abs(answer_motions([case.motion(REFERENCE)])[0].series["response"])
+        response = np.abs(run_transients([case.motion(REFERENCE)])[0].series["response"])
         assert np.max(response[-ROWS_PER_PERIOD * 10 :]) < 0.02 * np.max(response), name
         assert np.max(np.abs(case.base_rows()[-ROWS_PER_PERIOD * 90 :])) < 1e-9, name
 
@@ -119,16 +120,16 @@ def test_friction_that_is_too_large_by_a_twentieth_shows_in_the_series(tmp_path,
     assert verdicts[PEAK] is Verdict.DISAGREE
 
 
-class OffBy(Here):
-    """A crew in which MuJoCo is the reference with an error that depends on the number of steps."""
+class OffBy(InProcessExecutor):
+    """An executor in which MuJoCo is the reference with an error that depends on the number of steps."""
 
     def __init__(self, error):
         self.error = error
 
-    def answers(self, batches):
+    def run(self, batches):
         for batch in batches:
             asked = [dataclasses.replace(motion, variant=REFERENCE) for motion in batch]
-            yield batch, [self.moved(*one) for one in zip(batch, answer_motions(asked), strict=True)]
+            yield batch, [self.moved(*one) for one in zip(batch, run_transients(asked), strict=True)]
 
     def moved(self, motion, answer):
         if motion.variant == REFERENCE:

@@ -5,9 +5,14 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.catalogue.free_decay import DECAYS, OSCILLATOR, FreeDecay, loss_a_cycle
+from scenarios.execution.batch import run_batch
 from scenarios.execution.store import ResultStore
 from scenarios.verdicts.verdict import Verdict
-from tests.scenarios.motion_crew import evaluator, rub_harder
+from tests.scenarios.in_process import evaluator, rub_harder
+
+
+def exact_series(decay):
+    return run_batch([decay.exact_motion()])[0].series
 
 
 def findings(tmp_path, *names):
@@ -17,7 +22,7 @@ def findings(tmp_path, *names):
 
 def test_oscillator_of_the_scenario_decays_by_the_closed_form() -> None:
     """Let go at 1, with F / k = 0.06: turns at 0.88, 0.76, … 0.04, where it stays, after eight half cycles."""
-    exact = OSCILLATOR.exact()
+    exact = exact_series(OSCILLATOR)
     assert exact["offsets"][0] == pytest.approx(0.04, abs=1e-4)
     assert exact["rest"][0] / OSCILLATOR.period == pytest.approx(4, abs=0.03)
     assert loss_a_cycle(np.array(exact["swing"])) == pytest.approx(4 * 0.06, rel=1e-4)
@@ -27,7 +32,7 @@ def test_oscillator_of_the_scenario_decays_by_the_closed_form() -> None:
 
 @pytest.mark.parametrize("decay", DECAYS, ids=lambda decay: decay.title)
 def test_contacts_come_to_rest_inside_their_dead_bands_before_the_end(decay) -> None:
-    exact = decay.exact()
+    exact = exact_series(decay)
     assert 0 < exact["rest"][0] < 0.9 * decay.periods * decay.period
     assert np.max(np.abs(exact["offsets"])) <= decay.half_width
     assert np.max(np.abs(exact["offsets"])) > 0.01 * decay.half_width

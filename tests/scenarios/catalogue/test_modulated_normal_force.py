@@ -8,9 +8,9 @@ import pytest
 from engines.interface.variant import Variant
 from reference_lcp.validation import ParameterError
 from scenarios.catalogue.modulated_normal_force import AIR, CASES, GAP, TRANSMITTANCE, ModulatedNormalForce
+from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.local_processes import Executor
-from scenarios.execution.steady import answer_batch
 from scenarios.execution.store import ResultStore
 from scenarios.tasks.parameters import Modulation
 from scenarios.tasks.result import Result
@@ -36,7 +36,7 @@ class Answering:
         ]
         missing = [question for question in dict.fromkeys(asked) if question not in KNOWN]
         if missing:
-            KNOWN.update(zip(missing, answer_batch(missing), strict=True))
+            KNOWN.update(zip(missing, run_batch(missing), strict=True))
         return [KNOWN[question] for question in asked]
 
 
@@ -123,11 +123,11 @@ def test_answer_keeps_time_in_the_air_and_largest_gap() -> None:
     question = SteadyStateTask(
         variant=REFERENCE, friction_ratio=0.3, frequency_ratio=0.5, modulation=Modulation(modulation=1.5, multiple=2)
     )
-    (answer,) = answer_batch([question])
+    (answer,) = run_batch([question])
     assert Result.from_json(answer.to_json()) == answer
     assert min(answer.open_fraction) > 0.5
     assert min(answer.largest_gap) > 0
-    (plain,) = answer_batch([dataclasses.replace(question, modulation=None)])
+    (plain,) = run_batch([dataclasses.replace(question, modulation=None)])
     assert (plain.open_fraction, plain.largest_gap) == ((), ())
 
 

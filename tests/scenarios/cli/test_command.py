@@ -7,8 +7,8 @@ import pytest
 
 from reference_lcp.console import run_command
 from scenarios.__main__ import app
-from scenarios.execution import local_processes as isolation
-from tests.scenarios.here import Here
+from scenarios.execution.executor import InProcessExecutor
+from scenarios.studies import cost as module
 
 
 def test_experiments_are_listed_with_their_questions(capsys) -> None:
@@ -21,7 +21,7 @@ def test_experiments_are_listed_with_their_questions(capsys) -> None:
 def test_cost_is_that_of_steps_and_of_steady_states_beside_the_reference(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(isolation, "ProcessPoolExecutor", Here)
+    monkeypatch.setattr(module, "LocalExecutor", lambda _workers: InProcessExecutor())
     out = tmp_path / "cost.csv"
     assert run_command(app, ["run", "cost", "--engine", "mujoco:joint", "--seconds", "0.1", "--out", str(out)]) == 0
     row = {

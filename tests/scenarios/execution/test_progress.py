@@ -1,19 +1,15 @@
-"""Progress: each question counted once, totals that grow with what is asked."""
+"""Progress: each task counted once, totals that grow with what is asked."""
 
-from collections.abc import Sequence
-from concurrent.futures import Future
 from pathlib import Path
 
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution import local_processes as isolation
-from scenarios.execution.local_processes import LocalExecutor
-from scenarios.execution.progress import Bars, CountingEvaluator, Pace
+from scenarios.execution.executor import InProcessExecutor
+from scenarios.execution.progress import Bars, CountingEvaluator
 from scenarios.execution.store import ResultStore
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3
 from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
 
 
 class CountedBars(Bars):
@@ -32,33 +28,20 @@ class CountedBars(Bars):
     recall = advance
 
 
-def answer_everything(batch: Sequence[SteadyStateTask]) -> list[Result]:
-    return [Result(status="converged", transmittance_db=question.frequency_ratio) for question in batch]
+class Invented(InProcessExecutor):
+    """Results without a computation."""
+
+    def run(self, batches):
+        for batch in batches:
+            yield batch, [Result(status="converged", transmittance_db=task.frequency_ratio) for task in batch]
 
 
-class HereAndNow:
-    """A pool of processes that answers in this one."""
-
-    def __init__(self, *_arguments: object, **_options: object) -> None: ...
-
-    def submit(self, *arguments: object) -> Future[list[Result]]:
-        batch = next(one for one in arguments if isinstance(one, list))
-        done: Future[list[Result]] = Future()
-        done.set_result(answer_everything(batch))
-        return done
-
-    def shutdown(self, **_options: object) -> None: ...
-
-
-def test_the_grid_is_expected_from_the_start_and_a_question_counts_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(isolation, "ProcessPoolExecutor", HereAndNow)
+def test_the_grid_is_expected_from_the_start_and_a_task_counts_once(tmp_path: Path) -> None:
     asked = Figure3(variants=(), friction_ratios=(0.0, 0.3), frequency_ratios=(0.5, 0.7))
     bars = CountedBars()
     with (
         ResultStore(tmp_path / "s.sqlite") as store,
-        CountingEvaluator(store, LocalExecutor(1), asked.grid, bars) as evaluator,
+        CountingEvaluator(store, Invented(), asked.grid, bars) as evaluator,
     ):
         assert bars.total == {CONVERGED: 4, REFERENCE: 12}
         on_grid = asked.question(REFERENCE, 0.3, 0.5)
@@ -70,36 +53,38 @@ def test_the_grid_is_expected_from_the_start_and_a_question_counts_once(
     assert bars.done == {REFERENCE: 2}
 
 
+class Clock:
+    """Time as a test sets it."""
+
+    now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
 def test_remaining_time_is_that_of_the_points_computed_in_this_run() -> None:
-    """Ten points in five seconds; the thousand that the store knew do not count, nor does the time since."""
-    pace = Pace(begin=100.0)
-    assert pace.remaining(40) is None
-    pace.add(4, now=102.0)
-    pace.add(6, now=105.0)
-    assert pace.remaining(40) == pytest.approx(20.0)
+    """Ten points in five seconds; the thousand that the store knew do not count, nor does the time before the first."""
+    clock, variant = Clock(), Variant("reference")
+    bars = Bars([variant], clock)
+    bars.expect(variant, 1054)
+    bars.recall(variant, 1000)
+    (bar,) = bars.progress.tasks
+    assert (bar.completed, bar.total, bar.fields["known"]) == (0, 54, 1000)
+    assert bar.time_remaining is None
+    for now, count in ((160.0, 4), (162.0, 4), (165.0, 6)):
+        clock.now = now
+        bars.advance(variant, count)
+    assert bar.completed == 14
+    assert bar.time_remaining == pytest.approx(40 * 5 / 10)
 
 
-def test_bar_begins_its_pace_when_the_variant_before_has_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = iter([0.0, 10.0, 11.0, 21.0])
-    monkeypatch.setattr("scenarios.execution.progress.time.monotonic", lambda: next(clock))
-    first, second = Variant("reference"), Variant("mujoco")
-    monkeypatch.setattr("scenarios.execution.progress.Progress", _Silent)
-    bars = Bars([first, second])
-    bars.advance(first, 5)
-    bars.recall(second, 100)
-    bars.advance(second, 2)
-    assert bars._paces[first].remaining(1) == pytest.approx(2.0)
-    assert bars._paces[second].remaining(1) == pytest.approx(5.0)
-
-
-class _Silent:
-    """Bars that are not drawn."""
-
-    def __init__(self, *_columns: object, **_options: object) -> None: ...
-
-    def add_task(self, _title: str, total: int) -> int:
-        return total
-
-    def advance(self, _task: int, _count: int) -> None: ...
-
-    def update(self, _task: int, **_fields: object) -> None: ...
+def test_each_variant_has_a_bar_and_a_pace_of_its_own() -> None:
+    clock, first, second = Clock(), Variant("reference"), Variant("mujoco")
+    bars = Bars([first], clock)
+    for variant in (first, second):
+        bars.expect(variant, 10)
+    for now, variant in ((101.0, first), (102.0, first), (103.0, second), (108.0, second)):
+        clock.now = now
+        bars.advance(variant, 1)
+    assert [bar.description for bar in bars.progress.tasks] == [first.title, second.title]
+    assert [bar.time_remaining for bar in bars.progress.tasks] == [8, 8 * 5]

@@ -12,8 +12,11 @@ from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Pr
 from engines.interface.variant import Variant
 from reference_lcp import ParameterError
 from reference_lcp.steady.orbits import OrbitStatus
-from scenarios import answering, evaluation, isolation
+from scenarios.execution import evaluator as evaluation
+from scenarios.execution import local_processes
+from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
+from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.store import ResultStore
 from scenarios.tasks.parameters import ChainRatios
@@ -105,9 +108,9 @@ def test_foreign_and_damaged_files_are_refused_and_left_alone(tmp_path) -> None:
 
 def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
     asked = [question(eta=eta) for eta in (0.5, 0.9, 0.5)]
-    with Evaluator(store, LocalExecutor(1)) as evaluator:
+    with Evaluator(store, InProcessExecutor()) as evaluator:
         first = evaluator.evaluate(asked)
-    monkeypatch.setattr(isolation, "ProcessPoolExecutor", None)
+    monkeypatch.setattr(local_processes, "LocalWorker", None)
     counted = []
     with Evaluator(store, LocalExecutor(1)) as evaluator:
         evaluator.recalled = lambda _variant, count: counted.append(count)
@@ -153,8 +156,8 @@ def test_a_store_with_an_unknown_status_says_which_file_and_which_status(tmp_pat
     with ResultStore(file) as store:
         for read in (
             lambda: store.find(question()),
-            lambda: list(store.answers([question()])),
-            lambda: list(store.outcomes([question()])),
+            lambda: list(store.results([question()])),
+            lambda: list(store.summaries([question()])),
         ):
             with pytest.raises(ParameterError, match=r"results\.sqlite: status of an answer = 'solved'; allowed: "):
                 read()
@@ -208,6 +211,6 @@ def test_engine_that_fails_gives_blocked_answers_with_the_reason(monkeypatch, fa
     failing = _Failing()
     failing.failure, failing.missing = failure, missing
     monkeypatch.setattr(variant, "engine", lambda _name: failing)
-    answers = answering.answer_batch([question(), question(eta=0.5)])
+    answers = run_batch([question(), question(eta=0.5)])
     assert [answer.status for answer in answers] == ["blocked", "blocked"]
     assert answers[0].reason == reason

@@ -19,11 +19,11 @@ from reference_lcp import (
     transient_transmissibility,
 )
 from scenarios.execution import transient as motion_answering
+from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import LocalExecutor
-from scenarios.execution.steady import answer_batch
 from scenarios.execution.store import ResultStore
-from scenarios.execution.transient import answer_motions, energy
+from scenarios.execution.transient import energy, run_transients
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
@@ -45,7 +45,7 @@ def test_response_is_the_motion_that_the_reference_simulates() -> None:
     """Rows are those of `simulate`, over the amplitude of the pulse."""
     asked = motion()
     run = simulate(asked.chain, PULSE, time_step=1e-3, steps=1200)
-    answer = answer_batch([asked])[0]
+    answer = run_batch([asked])[0]
     assert answer.status == "finished"
     assert answer.series["response"] == pytest.approx(run.outer_positions[3::4, -1] / 0.01, abs=1e-14)
     assert asked.row_times() == pytest.approx(run.time[3::4])
@@ -53,9 +53,9 @@ def test_response_is_the_motion_that_the_reference_simulates() -> None:
 
 def test_motion_is_the_same_in_stretches_of_any_length(monkeypatch) -> None:
     asked = motion(base=StillBase(0.01), shape="stretched", recorded="decay")
-    whole = answer_motions([asked])[0]
+    whole = run_transients([asked])[0]
     monkeypatch.setattr(motion_answering, "STRETCH", 100)
-    parts = answer_motions([asked])[0]
+    parts = run_transients([asked])[0]
     for name, numbers in whole.series.items():
         assert parts.series[name] == pytest.approx(numbers, rel=1e-12, abs=1e-15), name
 
@@ -99,8 +99,8 @@ def test_motions_and_steady_states_are_answered_side_by_side_and_kept(tmp_path) 
     with ResultStore(tmp_path / "store.sqlite") as store, Evaluator(store, LocalExecutor(1)) as evaluator:
         first = evaluator.evaluate(asked)
         assert [answer.status for answer in first] == ["finished", "converged", "finished"]
-        assert [answer.to_json() for answer in store.answers(asked)] == [answer.to_json() for answer in first]
-        assert [outcome and outcome.status for _, outcome in store.outcomes(asked)] == [
+        assert [result.to_json() for result in store.results(asked)] == [answer.to_json() for answer in first]
+        assert [summary and summary.status for summary in store.summaries(asked)] == [
             "finished",
             "converged",
             "finished",
@@ -130,7 +130,7 @@ def test_motion_whose_numbers_are_not_finite_is_blocked_with_its_time(monkeypatc
         return simulation
 
     monkeypatch.setattr(Variant, "build", breaking)
-    answer = answer_motions([motion()])[0]
+    answer = run_transients([motion()])[0]
     assert (answer.status, answer.series) == ("blocked", {})
     assert answer.reason == "MotionNotFinite: the engine's numbers are not finite at 0.501 s"
 
@@ -172,7 +172,7 @@ def test_initial_energy_goes_to_springs_dashpots_and_contacts_and_nowhere_else()
         asked = motion(
             base=StillBase(0.01), shape="stretched", recorded="decay", time_step=5e-4, steps=4000, friction_ratio=0.05
         )
-        left, dashpots, contacts, growth = answer_motions([asked.refined(factor)])[0].series["energy"]
+        left, dashpots, contacts, growth = run_transients([asked.refined(factor)])[0].series["energy"]
         assert contacts > 0.01
         assert dashpots > 0.1
         assert growth < 2e-3
@@ -193,7 +193,7 @@ def test_engine_moves_under_a_pulse_as_linear_theory_says() -> None:
     asked = motion(variant=Variant("mujoco"), ratios=ratios, friction_ratio=0.0, steps=20_000, time_step=5e-4, every=20)
     spectra = []
     for one in (asked, asked.refined(2)):
-        response = np.array(answer_motions([one])[0].series["response"])
+        response = np.array(run_transients([one])[0].series["response"])
         spectra.append(transient_transmissibility(PULSE.displacement(one.row_times()) / 0.01, response, 0.01))
     for line in range(15, 100, 5):
         exact = frictionless_transmittance(asked.chain, HarmonicBase(0.01, spectra[0].angular_frequency[line]))

@@ -8,7 +8,7 @@ import math
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.studies.accuracy import PLACES, Accuracy, accuracy, accuracy_questions, transmittance_error_db
+from scenarios.studies.accuracy import PLACES, Accuracy, accuracy, accuracy_tasks, transmittance_error_db
 from scenarios.studies.accuracy_table import COLUMNS, csv_table, markdown, remark
 from scenarios.tasks.result import Result
 
@@ -22,7 +22,7 @@ EXACT = Result(
 def found(**changes) -> Accuracy:
     """The exact motion but for `changes`, at every question."""
     wrong = dataclasses.replace(EXACT, **changes)
-    return accuracy(VARIANT, dict.fromkeys(accuracy_questions(VARIANT), wrong), dict.fromkeys(PLACES, EXACT))
+    return accuracy(VARIANT, dict.fromkeys(accuracy_tasks(VARIANT), wrong), dict.fromkeys(PLACES, EXACT))
 
 
 def test_exact_motion_has_no_error() -> None:
@@ -62,13 +62,13 @@ def test_stuck_fraction_and_creep_take_the_worst_contact() -> None:
 def test_order_is_that_of_the_error_in_the_time_step(order) -> None:
     answers = {
         q: dataclasses.replace(EXACT, transmittance_db=-3 + 50 / q.steps_per_period**order)
-        for q in accuracy_questions(VARIANT)
+        for q in accuracy_tasks(VARIANT)
     }
     assert accuracy(VARIANT, answers, dict.fromkeys(PLACES, EXACT)).order == pytest.approx(order, abs=1e-9)
 
 
 def test_points_without_a_steady_state_are_counted_and_give_no_numbers() -> None:
-    answers = {q: Result.blocked("crashed") if q.frequency_ratio == 0.9 else EXACT for q in accuracy_questions(VARIANT)}
+    answers = {q: Result.blocked("crashed") if q.frequency_ratio == 0.9 else EXACT for q in accuracy_tasks(VARIANT)}
     row = accuracy(VARIANT, answers, dict.fromkeys(PLACES, EXACT))
     assert row.certified < row.points
     assert math.isnan(row.order)

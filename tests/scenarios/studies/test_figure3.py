@@ -8,9 +8,9 @@ from engines import engine
 from engines.interface.registry import default_engine_names
 from engines.interface.variant import Variant
 from reference_lcp import HarmonicBase, ParameterError, frictionless_transmittance
+from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import LocalExecutor
-from scenarios.execution.steady import answer_batch
 from scenarios.execution.store import ResultStore
 from scenarios.studies.attenuation_band import Edge
 from scenarios.studies.figure3 import (
@@ -188,7 +188,7 @@ def test_eighty_periods_find_the_steady_state_of_all_but_one_point_in_a_hundred(
     """On the grid of the report, with every resonance of the free and of the stuck chain."""
     asked = Figure3(variants=())
     points = [(friction, eta) for friction in asked.friction_ratios for eta in asked.frequency_ratios]
-    answers = answer_batch([asked.question(Variant(name), *point) for point in points])
+    answers = run_batch([asked.question(Variant(name), *point) for point in points])
     assert len(answers) > 370
     assert all(answer.converged for answer in answers)
     assert np.percentile([answer.periods for answer in answers], 99) <= 80

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.steady import answer_batch
 from scenarios.studies.figure3 import Figure3
 from scenarios.studies.friction_map import friction_map
 from scenarios.tasks.result import Result
@@ -14,12 +14,12 @@ class Here(Evaluator):
     """Answers in this process, without a store."""
 
     def __init__(self) -> None:
-        self._answered = {}
+        self._results = {}
 
     def evaluate(self, questions: list[SteadyStateTask]) -> list[Result]:
-        new = self.unanswered(questions)
-        self._answered.update(zip(new, answer_batch(new), strict=True))
-        return [self._answered[question] for question in questions]
+        new = self.new_tasks(questions)
+        self._results.update(zip(new, run_batch(new), strict=True))
+        return [self._results[question] for question in questions]
 
     def close(self) -> None:
         return

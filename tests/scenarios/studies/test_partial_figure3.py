@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from engines.interface.variant import Variant
+from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import StoredResults
-from scenarios.execution.steady import answer_batch
 from scenarios.execution.store import ResultStore
 from scenarios.studies.attenuation_band import Edge
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3, Figure3Result, run
@@ -23,7 +23,7 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Figure3Result:
     with ResultStore(tmp_path_factory.mktemp("store") / "results.sqlite") as store:
         for variant, etas in ((CONVERGED, GRID), (REFERENCE, GRID), (STOPPED, GRID[:4])):
             questions = [ASKED.question(variant, 0.3, eta) for eta in etas]
-            store.keep(zip(questions, answer_batch(questions), strict=True))
+            store.keep(zip(questions, run_batch(questions), strict=True))
         return run(ASKED, StoredResults(store))
 
 

@@ -6,16 +6,24 @@ from pathlib import Path
 import pytest
 
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
-from scenarios.execution.evaluator import StoredResults
+from reference_lcp import exact_steady_state
+from reference_lcp.exact.steady import EXACT_RESIDUAL
+from scenarios.execution.batch import run_batch
+from scenarios.execution.evaluator import Evaluator, StoredResults
+from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
-from scenarios.studies.accuracy import ORDER_STEPS, exact_answer
-from scenarios.studies.work_precision import exact_answers, step_questions, step_study
+from scenarios.studies.accuracy import ORDER_STEPS
+from scenarios.studies.work_precision import exact_step_tasks, step_study, step_tasks
 from scenarios.tasks.parameters import Excitation
 from scenarios.tasks.result import Result
 
 REFERENCE = Variant("reference")
-EXACT = {place: Result(status="converged", transmittance_db=-5.0) for place in STICK_SLIP_POINTS}
+EXACT = Result(status="converged", transmittance_db=-5.0)
+
+
+def with_exact(store: ResultStore) -> ResultStore:
+    store.keep((task, EXACT) for task in exact_step_tasks())
+    return store
 
 
 @pytest.fixture
@@ -30,8 +38,8 @@ def answer(steps: int, **more: object) -> Result:
 
 
 def test_error_and_cost_are_read_from_the_answers(store: ResultStore) -> None:
-    store.keep((question, answer(question.steps_per_period)) for question in step_questions(REFERENCE))
-    points = step_study([REFERENCE], EXACT, StoredResults(store))
+    store.keep((question, answer(question.steps_per_period)) for question in step_tasks(REFERENCE))
+    points = step_study([REFERENCE], StoredResults(with_exact(store)))
     assert [point.steps_per_period for point in points] == list(ORDER_STEPS)
     for point in points:
         assert point.error_db == pytest.approx(4 / point.steps_per_period)
@@ -41,34 +49,38 @@ def test_error_and_cost_are_read_from_the_answers(store: ResultStore) -> None:
 
 
 def test_points_without_a_steady_state_and_missing_ones_are_counted(store: ResultStore) -> None:
-    questions = [question for question in step_questions(REFERENCE) if question.steps_per_period == 400]
+    questions = [question for question in step_tasks(REFERENCE) if question.steps_per_period == 400]
     statuses = ["converged", "period limit", "diverged"]
     store.keep((q, answer(400, status=status)) for q, status in zip(questions, statuses, strict=False))
-    coarse, *finer = step_study([REFERENCE], EXACT, StoredResults(store))
+    coarse, *finer = step_study([REFERENCE], StoredResults(with_exact(store)))
     assert (coarse.certified, coarse.answered) == (1, 3)
     assert [point.answered for point in finer] == [0, 0]
     assert all(math.isnan(point.error_db) for point in finer)
 
 
-def test_the_exact_motion_is_computed_once_and_kept(store: ResultStore, monkeypatch: pytest.MonkeyPatch) -> None:
-    place = (0.3, 0.9)
-    assert exact_answers([place], store, ask=False) == {}
-    first = exact_answers([place], store, workers=1)[place]
-    assert first.transmittance_db == pytest.approx(exact_answer(place).transmittance_db, abs=1e-12)
-    assert exact_answers([place], store, ask=False)[place].transitions == first.transitions
-    store_of_engines = [q for q in step_questions(REFERENCE) if store.find(q) is not None]
-    assert store_of_engines == []  # it is no answer of the reference
+def test_the_exact_motion_is_a_preset_of_the_reference_whose_results_are_kept(store: ResultStore) -> None:
+    """Solved by Newton's method and read from its events, as `exact_steady_state` does."""
+    task = exact_step_tasks()[0]
+    assert str(task.variant) == "reference:joint:exact"
+    (result,) = Evaluator(store, InProcessExecutor()).evaluate([task])
+    expected = exact_steady_state(*task.setting())
+    assert result.transmittance_db == expected.transmittance_db
+    assert result.residual == expected.orbit.residual < EXACT_RESIDUAL
+    assert [time for _, time, _ in result.transitions] == [change.time for change in expected.transitions]
+    assert len(result.series["travels"]) == len(result.transitions)
+    assert store.find(task) == result
+    assert [one for one in step_tasks(REFERENCE) if store.find(one) is not None] == []
 
 
-def test_another_drive_asks_other_questions_and_has_an_exact_motion_of_its_own(store: ResultStore) -> None:
+def test_another_drive_has_other_tasks_and_an_exact_motion_of_its_own(store: ResultStore) -> None:
     force = Excitation(kind="force", amplitude=10.0)
-    questions = step_questions(REFERENCE, force)
-    assert {question.excitation for question in questions} == {force}
-    store.keep((question, answer(question.steps_per_period)) for question in questions)
-    assert {point.answered for point in step_study([REFERENCE], EXACT, StoredResults(store))} == {0}
-    assert {point.answered for point in step_study([REFERENCE], EXACT, StoredResults(store), force)} == {6}
-    place = (0.3, 0.9)
-    pushed = exact_answers([place], store, excitation=force, workers=1)[place]
-    assert pushed.transmittance_db == pytest.approx(exact_answer(place, force).transmittance_db, abs=1e-12)
-    assert pushed.transitions != exact_answer(place).transitions
-    assert exact_answers([place], store, ask=False) == {}
+    tasks = [*step_tasks(REFERENCE, force), *exact_step_tasks(force)]
+    assert {task.excitation for task in tasks} == {force}
+    store.keep((task, answer(task.steps_per_period)) for task in tasks)
+    assert {point.answered for point in step_study([REFERENCE], StoredResults(store))} == {0}
+    assert {point.answered for point in step_study([REFERENCE], StoredResults(store), force)} == {6}
+    moved, pushed = run_batch([exact_step_tasks()[0], exact_step_tasks(force)[0]])
+    assert pushed.transmittance_db == pytest.approx(
+        exact_steady_state(*exact_step_tasks(force)[0].setting()).transmittance_db, abs=1e-12
+    )
+    assert pushed.transitions != moved.transitions

@@ -138,7 +138,7 @@ cells = 2
 
 def workers_of(client: int) -> list[int]:
     children = Path(f"/proc/{client}/task/{client}/children").read_text().split()
-    return [int(one) for one in children if "spawn_main" in Path(f"/proc/{one}/cmdline").read_text()]
+    return [int(one) for one in children if "scenarios.execution.worker" in Path(f"/proc/{one}/cmdline").read_text()]
 
 
 START_LIMIT = 180.0

@@ -13,9 +13,9 @@ from reference_lcp import ParameterError, decibel, frictionless_transmittance
 from reference_lcp.console import run_command
 from scenarios.__main__ import app
 from scenarios.cli.sweep import answer_sweep, dataset_of
-from scenarios.execution import local_processes as isolation
+from scenarios.execution import dask_cluster
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalExecutor
+from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
 from scenarios.studies.adaptive_grid import level
 from scenarios.sweeps.adaptive import AdaptiveSweep, refined
@@ -26,7 +26,6 @@ from scenarios.sweeps.verdicts import verdicts
 from scenarios.tasks.parameters import ChainRatios, Excitation
 from scenarios.tasks.result import Result, ResultSummary
 from scenarios.tasks.task import SteadyStateTask
-from tests.scenarios.here import Here
 
 CONTENT = """\
 engines = ["reference:joint", "mujoco:joint"]
@@ -45,7 +44,7 @@ transmittance_db = 0.01
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(isolation, "ProcessPoolExecutor", Here)
+    monkeypatch.setattr(dask_cluster, "LocalExecutor", lambda *_: InProcessExecutor())
     return written(tmp_path, CONTENT)
 
 
@@ -89,10 +88,10 @@ def test_each_curve_has_points_of_its_own_and_interruption_changes_none(file: Pa
     asked = read_sweep(written(file.parent, CONTENT.replace(', "mujoco:joint"', "")))
     with ResultStore(file.with_suffix(".sqlite")) as store:
         assert dataset_of(asked, store).sizes["frequency_ratio"] > 0
-        with Evaluator(store, LocalExecutor(1)) as evaluator:
+        with Evaluator(store, InProcessExecutor()) as evaluator:
             evaluator.evaluate(list(adaptive(asked).start()))
-        summary = answer_sweep(asked, store, LocalExecutor(1))
-        curves = refined(adaptive(asked), lambda questions: list(store.answers(questions)))
+        summary = answer_sweep(asked, store, InProcessExecutor())
+        curves = refined(adaptive(asked), lambda questions: list(store.results(questions)))
         found = dataset_of(asked, store)
     free, rubbing = (curve.asked for curve in curves.values())
     assert free != rubbing
@@ -199,7 +198,7 @@ def test_outcomes_of_kept_answers_are_those_of_the_answers_with_and_without_a_mu
         store._connection.execute(
             "UPDATE answers SET answer = json_remove(answer, '$.multiple') WHERE key = ?", (asked[1].key(),)
         )
-        assert [outcome for _, outcome in store.outcomes(asked)] == [
+        assert list(store.summaries(asked)) == [
             ResultSummary("period limit", 401, 3),
             ResultSummary("converged", 28),
             None,

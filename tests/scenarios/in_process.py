@@ -1,26 +1,15 @@
-"""Evaluators that answer in this process, and engines that are wrong."""
+"""Evaluators that compute in this process, and engines that are wrong."""
 
 import dataclasses
 
 from engines.interface.variant import Variant
 from reference_lcp import CompiledSimulation
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.steady import answer_batch
-
-
-class Here:
-    """A crew without processes."""
-
-    def answers(self, batches):
-        for batch in batches:
-            yield batch, answer_batch(batch)
-
-    def close(self) -> None:
-        return
+from scenarios.execution.executor import InProcessExecutor
 
 
 def evaluator(store) -> Evaluator:
-    return Evaluator(store, Here())
+    return Evaluator(store, InProcessExecutor())
 
 
 def rub_harder(monkeypatch, factor: float) -> None:

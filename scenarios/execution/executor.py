@@ -1,0 +1,160 @@
+"""Executors: what runs batches of tasks, and gives their results as they come."""
+
+from abc import abstractmethod
+from collections import deque
+from collections.abc import Collection, Iterable, Iterator
+from typing import Generic, Protocol, TypeVar
+
+from reference_lcp.validation import checked_count, checked_scalar
+from scenarios.execution.batch import Batch, run_batch
+from scenarios.execution.closing import Closing
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import Task
+
+TIME_LIMIT = 300.0
+"""Seconds that a batch of tasks may take: a hundred times what the slowest engine needs for the usual one."""
+
+MOST_FAILURES = 3
+"""Points at which an engine may end its process; after as many, its other points are not run any more."""
+
+KILLED = "the worker process was killed"
+
+
+class Executor(Protocol):
+    """Runs batches of tasks."""
+
+    def run(self, batches: Iterable[Batch]) -> Iterator[tuple[Batch, list[Result]]]:
+        """Run batches, and give the results of each, in the order of its tasks, as soon as they are there.
+
+        Batches are taken one by one, when there is somewhere to run them. A batch may come back in parts.
+        """
+        ...
+
+    def close(self) -> None:
+        """Free what is held; what has not begun is left undone."""
+        ...
+
+
+class InProcessExecutor(Closing):
+    """Runs batches in this process, one after the other; an engine that crashes or hangs takes it along."""
+
+    def run(self, batches: Iterable[Batch]) -> Iterator[tuple[Batch, list[Result]]]:
+        """Run batches; see `Executor.run`."""
+        for batch in batches:
+            yield batch, run_batch(batch)
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
+class WorkerDied(RuntimeError):
+    """A worker has ended with its batch undone; the message says why."""
+
+
+Run = TypeVar("Run")
+"""A batch that is running, as an executor knows it."""
+
+
+class WorkerExecutor(Closing, Generic[Run]):
+    """Batches in workers, as many at a time as there are slots: a worker that dies takes no other's batch along.
+
+    Parameters
+    ----------
+    slots
+        Batches that run at a time, >= 1.
+    time_limit
+        Seconds that a batch may take, > 0.
+
+    Raises
+    ------
+    ParameterError
+        If a number is outside its range.
+    """
+
+    def __init__(self, slots: int, time_limit: float):
+        self._slots = checked_count("workers", slots)
+        self._limit = checked_scalar("time_limit", time_limit, "> 0")
+
+    def run(self, batches: Iterable[Batch]) -> Iterator[tuple[Batch, list[Result]]]:
+        """Run batches; see `Executor.run`. One whose worker dies is run again task by task."""
+        queue = BatchQueue(batches)
+        running: dict[Run, Batch] = {}
+        try:
+            yield from self._fill(queue, running)
+            while running:
+                for run in self._finished(running):
+                    batch = running.pop(run)
+                    try:
+                        results = self._results(run)
+                    except WorkerDied as death:
+                        results = queue.died(batch, str(death))
+                    # the worker has its next batch before the results of this one are written
+                    yield from self._fill(queue, running)
+                    if results:
+                        yield batch, results
+        finally:
+            for run in running:
+                self._abandon(run)
+
+    def _fill(self, queue: "BatchQueue", running: dict[Run, Batch]) -> Iterator[tuple[Batch, list[Result]]]:
+        """Start batches in all free slots; gives back those that are not run any more, blocked."""
+        while len(running) < self._slots and (batch := queue.next()) is not None:
+            reason = queue.skip_reason(batch)
+            if reason is None:
+                running[self._start(batch)] = batch
+            else:
+                yield batch, [Result.blocked(reason)] * len(batch)
+
+    @abstractmethod
+    def _start(self, batch: Batch) -> Run:
+        """Give a batch to a worker."""
+
+    @abstractmethod
+    def _finished(self, running: Collection[Run]) -> Collection[Run]:
+        """Wait until at least one has ended, somehow; gives those that have."""
+
+    @abstractmethod
+    def _results(self, run: Run) -> list[Result]:
+        """Give the results of what has ended, or raise `WorkerDied`."""
+
+    @abstractmethod
+    def _abandon(self, run: Run) -> None:
+        """Stop what nobody waits for any more."""
+
+
+class BatchQueue:
+    """Batches that wait to be run, and what becomes of those whose worker died.
+
+    Parameters
+    ----------
+    batches
+        In the order in which they are run; taken one by one.
+    """
+
+    def __init__(self, batches: Iterable[Batch]):
+        self._batches = iter(batches)
+        self._again: deque[Batch] = deque()
+        self._second_chance: set[Task] = set()
+        self._failures: dict[str, list[str]] = {}
+
+    def next(self) -> Batch | None:
+        """Take the next batch, those that are run again first; ``None`` without any."""
+        return self._again.popleft() if self._again else next(self._batches, None)
+
+    def skip_reason(self, batch: Batch) -> str | None:
+        """Say why a batch is not run: its variant has failed at `MOST_FAILURES` points; ``None`` if it is."""
+        seen = self._failures.get(str(batch[0].variant), [])
+        return None if len(seen) < MOST_FAILURES else f"not run: {len(seen)} points before, {seen[-1]}"
+
+    def died(self, batch: Batch, reason: str) -> list[Result]:
+        """Queue the tasks of a batch one by one; one that was alone is blocked: gives its result.
+
+        A task whose process was killed, from outside or for want of memory, has a second chance.
+        """
+        alone = len(batch) == 1
+        if alone and (reason != KILLED or batch[0] in self._second_chance):
+            self._failures.setdefault(str(batch[0].variant), []).append(reason)
+            return [Result.blocked(reason)]
+        self._again.extendleft([task] for task in reversed(batch))
+        self._second_chance.update(batch if alone else ())
+        return []

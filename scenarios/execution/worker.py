@@ -1,0 +1,102 @@
+"""A worker process: runs the batches that come through its connection, and gives their results."""
+
+import faulthandler
+import os
+import pickle
+import re
+import signal
+import sys
+import threading
+import time
+from multiprocessing.connection import Connection
+from pathlib import Path
+from queue import SimpleQueue
+from typing import IO
+
+from scenarios.execution.batch import Batch, run_batch
+from scenarios.execution.failures import WORKER_MARK
+from scenarios.tasks.result import Result
+
+END_SECONDS = 1.0
+"""What a worker has for its own end once its client has gone; its whole process group is killed after it."""
+
+BEGUN = "begun"
+"""What a worker says when it begins with a batch: from then on the time limit counts."""
+
+
+def serve(descriptor: int, crash_log: str) -> None:
+    """Run batches until the connection is closed.
+
+    Parameters
+    ----------
+    descriptor
+        Of the connection, through which pickled pairs of a batch and its time limit [s] come. `BEGUN` goes back for
+        each, then the results, or the reason why the batch could not be read.
+    crash_log
+        File into which the process writes where it was when it crashed or passed the time limit.
+    """
+    os.environ[WORKER_MARK] = "1"
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    connection, own = Connection(descriptor), os.getpid()
+    inbox: SimpleQueue[bytes | None] = SimpleQueue()
+    threading.Thread(target=_receive, args=(connection, inbox), daemon=True).start()
+    with Path(crash_log).open("w") as file:
+        faulthandler.enable(file, all_threads=False)
+        while (message := inbox.get()) is not None:
+            connection.send(BEGUN)
+            reply = _reply(message, file)
+            if os.getpid() != own:  # an engine has forked, and this is the copy
+                os._exit(0)
+            connection.send(reply)
+
+
+def _reply(message: bytes, crash_log: IO[str]) -> list[Result] | str:
+    try:
+        batch, limit = pickle.loads(message)
+    except Exception as problem:  # such as a drive whose class this process cannot import
+        return f"the task cannot be read in a worker process: {type(problem).__name__}: {problem}"
+    return run_within(batch, limit, crash_log)
+
+
+def run_within(batch: Batch, limit: float, crash_log: IO[str]) -> list[Result]:
+    """Run a batch, or end the process after `limit` seconds and write down where it was.
+
+    The limit holds inside compiled code too, whether or not it lets other threads of Python run.
+    """
+    faulthandler.dump_traceback_later(limit, exit=True, file=crash_log)
+    try:
+        return run_batch(batch)
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+
+
+def run_on_cluster(batch: Batch, limit: float) -> list[Result]:
+    """Run a batch in a worker of a cluster; where it was at the limit is written into the worker's own log."""
+    return run_within(batch, limit, sys.__stderr__)  # type: ignore[arg-type]
+
+
+def _receive(connection: Connection, inbox: "SimpleQueue[bytes | None]") -> None:
+    """Take batches until the client closes the connection or is gone, however it ended; then end this process."""
+    try:
+        while True:
+            inbox.put(connection.recv_bytes())
+    except (EOFError, OSError):
+        inbox.put(None)
+    time.sleep(END_SECONDS)
+    os.killpg(os.getpgid(0), signal.SIGKILL)
+
+
+def reason_of_death(crash_log: str, limit: float) -> str | None:
+    """Read from its crash log why a worker has ended; ``None`` if it has left nothing."""
+    # of several threads, the one that began first, and does the work, comes last
+    place = re.search(r'File "([^"]+)", line (\d+) in (\S+)', crash_log.rsplit("Thread 0x", 1)[-1])
+    where = f", in {place[3]} ({Path(place[1]).name}:{place[2]})" if place else ""
+    if crash_log.startswith("Timeout"):
+        return f"{limit_reached(limit)}{where}"
+    fault = re.search(r"Fatal Python error: (.+)", crash_log)
+    return f"the worker process crashed: {fault[1]}{where}" if fault else None
+
+
+def limit_reached(limit: float) -> str:
+    """Say that a batch took too long."""
+    return f"stopped at the time limit of {limit:g} s"

@@ -1,0 +1,103 @@
+"""One period of a steady state in full: what other results leave out, at the few places where it is drawn."""
+
+from dataclasses import dataclass, field
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference_lcp.observables.stick_slip import contact_modes
+from reference_lcp.steady.orbits import PeriodicOrbit
+from reference_lcp.validation import FloatArray
+from scenarios.tasks.result import Result, ResultStatus, Series
+from scenarios.tasks.task import SteadyStateTask
+
+_EMPTY = np.empty((0, 0))
+
+_ARRAYS = ("outer", "inner", "friction", "modes")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordedPeriodTask(SteadyStateTask):
+    """A steady state whose last period is recorded; its result is that of the `SteadyStateTask`, and the period.
+
+    The parameters are those of `SteadyStateTask`.
+    """
+
+    @classmethod
+    def of(cls, task: SteadyStateTask) -> Self:
+        """Record the period of a task."""
+        return cls(**vars(task))
+
+    def as_data(self) -> dict[str, Any]:
+        """Give the task as plain data, told from that without a record."""
+        return super().as_data() | {"recorded": "period"}
+
+
+@dataclass(frozen=True)
+class RecordedPeriod:
+    """One period, non-dimensional, or the reason why there is none.
+
+    Row k belongs to the time (k + 1) / steps of the period.
+
+    Parameters
+    ----------
+    reason
+        Why there is no steady state to be drawn; empty if there is one.
+    outer, inner
+        Displacements over the displacement scale U0, shape (steps, n).
+    friction
+        λ_T over the bound μ λ_N of each contact, over k_c U0 where that is zero; shape (steps, n).
+    modes
+        −1 backward slip, 0 stick, +1 forward slip; shape (steps, n).
+    """
+
+    reason: str = ""
+    outer: FloatArray = field(default_factory=_EMPTY.copy)
+    inner: FloatArray = field(default_factory=_EMPTY.copy)
+    friction: FloatArray = field(default_factory=_EMPTY.copy)
+    modes: NDArray[np.int8] = field(default_factory=lambda: _EMPTY.astype(np.int8))
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a steady state."""
+        return not self.reason
+
+    @property
+    def relative(self) -> FloatArray:
+        """Displacement of the inner mass relative to the outer one, over U0; shape (steps, n)."""
+        return self.inner - self.outer
+
+    @property
+    def phase(self) -> FloatArray:
+        """Time over the period, shape (steps,)."""
+        steps = self.outer.shape[0]
+        return np.arange(1, steps + 1) / steps
+
+    @classmethod
+    def of(cls, orbit: PeriodicOrbit, stick_margin: float) -> Self:
+        """Read an orbit; for `stick_margin` see `contact_modes`."""
+        chain, trajectory = orbit.lane.chain, orbit.trajectory
+        scale = orbit.lane.drive.displacement_scale(chain)
+        bound = np.where(chain.friction_bound > 0, chain.friction_bound, chain.chain_stiffness * scale)
+        return cls(
+            outer=trajectory.outer_positions / scale,
+            inner=trajectory.inner_positions / scale,
+            friction=trajectory.friction / bound,
+            modes=contact_modes(orbit, stick_margin),
+        )
+
+    @classmethod
+    def of_result(cls, result: Result) -> Self:
+        """Read the result of a `RecordedPeriodTask`."""
+        if result.status in (ResultStatus.BLOCKED, ResultStatus.MISSING):
+            return cls(result.reason)
+        if not result.converged:
+            return cls(f"{result.status} after {result.periods} periods, residual {result.residual:.1e}")
+        shape = result.steps_per_period, -1
+        outer, inner, friction, modes = (np.reshape(result.series[name], shape) for name in _ARRAYS)
+        return cls("", outer, inner, friction, modes.astype(np.int8))
+
+    def to_series(self) -> Series:
+        """Give the arrays as numbers by name, row after row."""
+        return {name: tuple(getattr(self, name).ravel().tolist()) for name in _ARRAYS}
