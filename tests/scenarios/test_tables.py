@@ -1,0 +1,69 @@
+"""Tables: in full for programs, rounded for people, and nothing of a text is taken for markup."""
+
+import csv
+import io
+import json
+import math
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from scenarios.tables import (
+    WIDEST,
+    Column,
+    csv_text,
+    full_table,
+    json_text,
+    markdown_lines,
+    printed_table,
+    records,
+    text_table,
+)
+
+COLUMNS = (
+    Column("name", lambda row: row[0]),
+    Column("error_db", lambda row: row[1], "error [dB]", "{:.2f}"),
+    Column("points", lambda row: row[2], "of"),
+)
+ROWS = [("a|b [bold]", 1 / 3, 7), ("c, d", math.nan, None), ("e", np.float64(0.1), 2**60)]
+
+
+def test_csv_has_keys_every_digit_and_a_word_for_what_is_missing() -> None:
+    read = list(csv.reader(io.StringIO(csv_text(full_table(COLUMNS, ROWS)))))
+    assert read == [
+        ["name", "error_db", "points"],
+        ["a|b [bold]", repr(1 / 3), "7"],
+        ["c, d", "nan", "nan"],
+        ["e", "0.1", str(2**60)],
+    ]
+    assert csv_text(full_table(COLUMNS, ROWS[1:2]), missing="").splitlines()[1] == '"c, d",,'
+
+
+def test_json_has_every_digit_and_null_for_what_is_missing() -> None:
+    read = json.loads(json_text(records(full_table(COLUMNS, ROWS))))
+    assert [list(row.values()) for row in read] == [["a|b [bold]", 1 / 3, 7], ["c, d", None, None], ["e", 0.1, 2**60]]
+    assert json.loads(json_text({"limit": math.inf, "rows": slice(1)})) == {
+        "limit": None,
+        "rows": "slice(None, 1, None)",
+    }
+
+
+def test_markdown_has_headings_rounded_numbers_and_no_column_too_many() -> None:
+    assert markdown_lines(text_table(COLUMNS, ROWS)) == [
+        "| name | error [dB] | of |",
+        "|---|---|---|",
+        "| a\\|b [bold] | 0.33 | 7 |",
+        "| c, d | – | – |",
+        f"| e | 0.10 | {2**60} |",
+    ]
+
+
+@pytest.mark.parametrize("rows", [ROWS, []])
+def test_terminal_shows_texts_as_they_are(rows) -> None:
+    console = Console(width=WIDEST, file=io.StringIO())
+    console.print(printed_table(text_table(COLUMNS, rows)))
+    printed = console.file.getvalue()
+    for heading in ("name", "error [dB]", "of"):
+        assert heading in printed
+    assert ("a|b [bold]" in printed) == bool(rows)
