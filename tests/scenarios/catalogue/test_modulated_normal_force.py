@@ -10,7 +10,7 @@ from reference_lcp.validation import ParameterError
 from scenarios.catalogue.modulated_normal_force import AIR, CASES, GAP, TRANSMITTANCE, ModulatedNormalForce
 from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
-from scenarios.execution.local_processes import Executor
+from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
 from scenarios.tasks.parameters import Modulation
 from scenarios.tasks.result import Result
@@ -40,9 +40,12 @@ class Answering:
         return [KNOWN[question] for question in asked]
 
 
-def nobody(_place):
-    """Stand for a worker that must not be needed."""
-    raise AssertionError("a question was asked whose answer is known")
+class NothingRuns(InProcessExecutor):
+    """An executor that must not be needed."""
+
+    def run(self, batches):
+        assert not list(batches), "a task is run whose result is known"
+        return iter(())
 
 
 def with_modulation(question, factor):
@@ -94,9 +97,7 @@ def test_refusal_is_known_before_the_engine_is_asked(tmp_path, workers) -> None:
         for variant, modulation in [(Variant("pybullet"), 1.5), (Variant("exudyn-regularised"), 0.5)]
     ]
     with ResultStore(tmp_path / "store.sqlite") as store:
-        answers = (StoredResults(store) if workers is None else Evaluator(store, Executor(nobody, workers))).evaluate(
-            asked
-        )
+        answers = (StoredResults(store) if workers is None else Evaluator(store, NothingRuns())).evaluate(asked)
     assert [answer.status for answer in answers] == ["blocked", "blocked"]
     for answer, what in zip(answers, ("modulation = 1.5: pybullet", "modulation = 0.5: exudyn"), strict=True):
         assert answer.reason.startswith(("not installed", f"cannot be represented: {what}"))
