@@ -73,7 +73,7 @@ class LocalExecutor(WorkerExecutor["LocalWorker"]):
         worker = self._worker_for(batch[0].variant.engine)
         try:
             worker.run(batch, self._limit)
-        except BrokenPipeError:  # it has died while it was idle
+        except OSError:  # it has died while it was idle
             self._end(worker)
             worker = self._worker_for(worker.engine)
             worker.run(batch, self._limit)

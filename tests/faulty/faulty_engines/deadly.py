@@ -1,8 +1,14 @@
-"""Engines that take their process along."""
+"""Engines that take their process along, or would take that of the client."""
 
 import ctypes
+import faulthandler
 import os
 import signal
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
 
 from faulty_engines import Faulty, Lane
 
@@ -49,3 +55,102 @@ class IsKilled(Faulty):
             if at_the_deadly_point(self.lane):
                 os.kill(os.getpid(), signal.SIGKILL)
             return super().run(state, start, steps)
+
+
+class Stops(Faulty):
+    """Is stopped from outside, and never goes on."""
+
+    name = "faulty-stopped"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            if at_the_deadly_point(self.lane):
+                os.kill(os.getpid(), signal.SIGSTOP)
+            return super().run(state, start, steps)
+
+
+class Disarms(Faulty):
+    """Cancels the alarm of its process, and hangs."""
+
+    name = "faulty-disarms"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            if at_the_deadly_point(self.lane):
+                faulthandler.cancel_dump_traceback_later()
+                ctypes.PyDLL(None).sleep(10_000)
+            return super().run(state, start, steps)
+
+
+class Forks(Faulty):
+    """Leaves a child behind that sleeps, and goes on in a copy of itself too."""
+
+    name = "faulty-forks"
+
+    class lane_model(Lane):  # noqa: N801
+        forked = False
+
+        def run(self, state, start, steps):
+            if at_the_deadly_point(self.lane) and not self.forked:
+                self.forked = True
+                sleeper = os.fork()
+                if sleeper == 0:
+                    time.sleep(10_000)
+                if "FAULTY_CHILD" in os.environ:
+                    Path(os.environ["FAULTY_CHILD"]).write_text(str(sleeper))
+                os.fork()
+            return super().run(state, start, steps)
+
+
+class Exits(Faulty):
+    """Ends the program, as if all were well."""
+
+    name = "faulty-exits"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            if at_the_deadly_point(self.lane):
+                sys.exit(0)
+            return super().run(state, start, steps)
+
+
+class Interrupts(Faulty):
+    """Raises what Ctrl-C raises."""
+
+    name = "faulty-interrupts"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            if at_the_deadly_point(self.lane):
+                raise KeyboardInterrupt
+            return super().run(state, start, steps)
+
+
+class UnspeakableError(Exception):
+    """Fails when it is asked what it says."""
+
+    def __str__(self) -> str:
+        raise RuntimeError("no words")
+
+
+class IsUnspeakable(Faulty):
+    """Raises what nobody can print."""
+
+    name = "faulty-unspeakable"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            if at_the_deadly_point(self.lane):
+                raise UnspeakableError
+            return super().run(state, start, steps)
+
+
+class ChangesNumPy(Faulty):
+    """Replaces a function of NumPy for whoever shares its process."""
+
+    name = "faulty-changes"
+
+    def _build(self, lanes, formulation, preset):
+        sine = np.sin
+        np.sin = lambda values: 0.5 * sine(values)
+        return super()._build(lanes, formulation, preset)

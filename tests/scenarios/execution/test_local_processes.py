@@ -28,7 +28,7 @@ if __name__ == "__main__":
     asked = [question(name, eta) for name in names for eta in json.loads(sys.argv[3])]
     with ResultStore(file) as store, Evaluator(store, LocalExecutor(2, 4.0)) as evaluator:
         found = evaluator.evaluate(asked)
-    rows = [(q.variant.engine, q.frequency_ratio, a.status, a.reason) for q, a in zip(asked, found)]
+    rows = [(q.variant.engine, q.frequency_ratio, a.status, a.reason, a.transmittance_db) for q, a in zip(asked, found)]
     print(json.dumps(rows))
 """
 
@@ -43,7 +43,7 @@ def ask(install, tmp_path):
         printed = install("faulty").run(
             str(script), ",".join(names), str(tmp_path / "store.sqlite"), json.dumps(list(ratios))
         )
-        return {(engine, eta): (status, reason) for engine, eta, status, reason in json.loads(printed)}
+        return {(engine, eta): (status, reason) for engine, eta, status, reason, _ in json.loads(printed)}
 
     return asked
 
@@ -56,6 +56,49 @@ def test_segmentation_fault_a_hang_and_a_killed_process_block_their_own_points_o
     assert rows["faulty-crash", 0.5][1].startswith("the worker process crashed: Segmentation fault, in ")
     assert rows["faulty-hang", 0.5][1].startswith("stopped at the time limit of 4 s, in run (deadly.py:")
     assert rows["faulty-killed", 0.5][1] == "the worker process was killed"
+
+
+def test_whatever_an_engine_raises_is_the_result_of_its_point_alone(ask) -> None:
+    """An end of the program, an interrupt, an exception without words: in a worker all of them are the engine's."""
+    rows = ask("faulty-exits", "faulty-interrupts", "faulty-unspeakable", "reference")
+    for (engine, eta), (status, _) in rows.items():
+        deadly = eta == 0.5 and engine.startswith("faulty")
+        assert status == ("blocked" if deadly else "converged"), (engine, eta)
+    assert rows["faulty-exits", 0.5][1] == "SystemExit: 0"
+    assert rows["faulty-interrupts", 0.5][1] == "KeyboardInterrupt:"
+    assert rows["faulty-unspeakable", 0.5][1] == "UnspeakableError: its message cannot be read (RuntimeError)"
+
+
+def test_the_time_limit_holds_for_a_process_that_cannot_keep_it_itself(ask) -> None:
+    """One is stopped, one has disarmed its alarm: both are ended from outside, with their process groups."""
+    begin = time.monotonic()
+    rows = ask("faulty-stopped", "faulty-disarms", "reference")
+    for name in ("faulty-stopped", "faulty-disarms"):
+        assert rows[name, 0.5] == ("blocked", "stopped at the time limit of 4 s")
+        assert rows[name, 0.4][0] == rows[name, 0.9][0] == "converged"
+    assert time.monotonic() - begin < 60
+
+
+def test_an_engine_that_forks_is_answered_once_and_leaves_no_process(install, tmp_path) -> None:
+    script, child, site = tmp_path / "ask.py", tmp_path / "child", install("faulty")
+    script.write_text(SCRIPT)
+    arguments = [sys.executable, str(script), "faulty-forks", str(tmp_path / "store.sqlite"), "[0.4, 0.5]"]
+    environment = {**site.environment, "FAULTY_CHILD": str(child)}
+    done = subprocess.run(arguments, env=environment, capture_output=True, text=True, check=True, timeout=60)
+    assert [row[2] for row in json.loads(done.stdout)] == ["converged", "converged"]
+    assert not running(int(child.read_text()))
+
+
+def test_what_an_engine_does_to_its_process_is_felt_by_no_other(install, tmp_path) -> None:
+    """One worker for both engines in turn: a process for each engine."""
+    script, site = tmp_path / "ask.py", install("faulty")
+    script.write_text(SCRIPT.replace("LocalExecutor(2", "LocalExecutor(1"))
+    alone, after = (
+        {row[0]: row[2:] for row in json.loads(site.run(str(script), names, str(tmp_path / names), "[0.9]"))}
+        for names in ("reference", "faulty-changes,reference")
+    )
+    assert after["reference"] == alone["reference"]
+    assert after["faulty-changes"][2] != pytest.approx(alone["reference"][2], abs=0.1)
 
 
 def test_numbers_that_are_not_finite_are_blocked(ask) -> None:
@@ -74,19 +117,28 @@ def test_engine_that_dies_at_point_after_point_is_not_asked_forever(ask) -> None
     assert all(rows["reference", eta][0] == "converged" for eta in near)
 
 
+def running(process: int) -> bool:
+    """Whether a process is there, other than as an entry that nobody has read."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
 def children_of(process: int) -> set[int]:
     return {int(one) for one in Path(f"/proc/{process}/task/{process}/children").read_text().split()}
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs Linux's list of processes")
-def test_workers_end_when_their_client_is_killed(install, tmp_path) -> None:
-    """kill −9 leaves no time to say goodbye; nobody may go on computing for nobody."""
+@pytest.mark.parametrize("signalled", [signal.SIGKILL, signal.SIGINT], ids=["killed", "interrupted"])
+def test_workers_end_with_their_client(install, tmp_path, signalled) -> None:
+    """kill −9 leaves no time to say goodbye, Ctrl-C must not wait for a batch; nothing may compute for nobody."""
     script = tmp_path / "ask.py"
-    script.write_text(SCRIPT.replace("time_limit=4.0", "time_limit=600.0").replace("(2, 4.0)", "(2, 600.0)"))
+    script.write_text(SCRIPT.replace("(2, 4.0)", "(2, 600.0)"))
     site = install("faulty")
     command = [sys.executable, str(script), "faulty-sound", str(tmp_path / "store.sqlite")]
     ratios = json.dumps([0.4 + 1e-3 * k for k in range(400)])
-    client = subprocess.Popen([*command, ratios], env=site.environment)
+    client = subprocess.Popen([*command, ratios], env=site.environment, stderr=subprocess.DEVNULL)
     workers: set[int] = set()
     give_up = time.monotonic() + 60
     while len(workers) < 2 and time.monotonic() < give_up:
@@ -94,8 +146,8 @@ def test_workers_end_when_their_client_is_killed(install, tmp_path) -> None:
         workers = children_of(client.pid)
     assert len(workers) == 2
     time.sleep(3)
-    os.kill(client.pid, signal.SIGKILL)
-    client.wait()
+    os.kill(client.pid, signalled)
+    client.wait(10)
     give_up = time.monotonic() + 10
     while any(Path(f"/proc/{one}").exists() for one in workers) and time.monotonic() < give_up:
         time.sleep(0.1)

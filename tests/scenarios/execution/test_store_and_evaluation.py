@@ -138,6 +138,28 @@ def test_stored_answers_complete_with_what_is_kept_and_say_what_is_missing(store
     assert counted == [(asked.variant, 1) for asked in (kept, unknown, absent)]
 
 
+def test_complete_takes_tasks_and_gives_their_ends_a_part_at_a_time(store, monkeypatch) -> None:
+    """Ten thousand tasks or ten: as many as `AT_ONCE` are in memory, and no result."""
+    monkeypatch.setattr(evaluation, "AT_ONCE", 3)
+    monkeypatch.setattr(evaluation, "batches_of", lambda tasks: ([task] for task in tasks))
+    taken, tasks = [], [question(eta=0.5 + 0.1 * k) for k in range(7)]
+    store.keep([(tasks[4], Result(status=ResultStatus.PERIOD_LIMIT, periods=400))])
+
+    class Invented(InProcessExecutor):
+        def run(self, batches):
+            return ((batch, [Result(status="converged", periods=9)]) for batch in batches)
+
+    evaluator = Evaluator(store, Invented())
+    ends = evaluator.complete(taken.append(task) or task for task in tasks)
+    assert next(ends) == (tasks[0], ResultSummary(ResultStatus.CONVERGED, 9))
+    assert taken == tasks[:3]
+    assert {task.frequency_ratio: end.periods for task, end in ends} == {
+        task.frequency_ratio: 400 if task == tasks[4] else 9 for task in tasks[1:]
+    }
+    assert evaluator.new_tasks(tasks) == tasks
+    assert [result.periods for result in store.results(tasks)] == [9, 9, 9, 9, 400, 9, 9]
+
+
 def test_a_status_that_there_is_not_is_refused() -> None:
     with pytest.raises(ParameterError, match="status of an answer = 'not asked'; allowed: converged, period limit, "):
         Result(status="not asked")
