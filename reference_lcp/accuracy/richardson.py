@@ -1,14 +1,15 @@
 """How far a number is from its limit for ever finer steps: the one estimate of the suite.
 
-A number that is computed with n steps a period is v(n) = v* + c / n + d / n² + …, for a scheme of first order. Three
+A number that is computed with n steps a period is v(n) = v* + c / n + d / n² + …, for a scheme of first order. Several
 looks at its error |v(n) − v*| are taken, and the largest counts, times `SAFETY`:
 
 - of every two neighbouring numbers of steps a < b, the first-order part alone: |v(a) − v(b)| / (1/a − 1/b) / n;
-- of every three neighbours that n is one of, both parts: |v(n) − p(0)|, p being the parabola through the three in 1/n.
+- of every three neighbours that n is one of, both parts: |v(n) − p(0)|, p being the parabola through the three in 1/n;
+- of the finest of three or more, the sum of what the last two pairs say: nothing finer stands beside it, and where
+  contacts stick and slip between the steps, c depends on where.
 
-One difference may vanish by chance where the error does not: the numbers lie on either side of the limit, or contacts
-stick and slip between the steps, and c depends on where. For 1, 1/2 and 1/4 of a step, the error of the first is
-2 |v1 − v2| or 4 |v2 − v4|, and that of the last |v1 − v2| / 2, |v2 − v4| or |5 (v4 − v2) − (v2 − v1)| / 3.
+One difference may vanish by chance where the error does not. For 1, 1/2 and 1/4 of a step, the error of the first is
+2 |v1 − v2| or 4 |v2 − v4|, and that of the last |v1 − v2| / 2 + |v2 − v4| or |5 (v4 − v2) − (v2 − v1)| / 3.
 """
 
 import math
@@ -82,7 +83,10 @@ def richardson(
         raise ParameterError(f"at = {at}; allowed: one of {list(steps)}")
     place = counts.size - 1 if at is None else list(steps).index(at)
     sizes = 1 / counts
-    errors = [*_first_order(sizes, array, place), *_second_order(sizes, array, place)]
+    pairs = _first_order(sizes, array, place)
+    if place == counts.size - 1:
+        pairs.append(sum(pairs[-2:], np.zeros(array.shape[1:])))
+    errors = [*pairs, *_second_order(sizes, array, place)]
     finest = (array[-1] - array[-2]) * sizes[-1] / (sizes[-2] - sizes[-1])
     return Estimate(
         value=array[place],

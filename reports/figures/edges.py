@@ -98,7 +98,8 @@ def _printed(result: Figure3Result, rows: list[Row]) -> Figure:
     print_scale(axes, "x", LINEAR, TICKS, _limit(result, rows))
     axes.tick_params(axis="x", labelrotation=30)
     axes.set_xlabel(r"difference of $\eta_r$ [-]")
-    figure.legend(loc="outside upper center", ncols=2, columnspacing=1.0)
+    if rows:
+        figure.legend(loc="outside upper center", ncols=2, columnspacing=1.0)
     return figure
 
 

@@ -134,4 +134,4 @@ def _scaled(metric: Metric, value: Number) -> Number:
     """Give a number, or every one of an array, on the scale of the metric."""
     if metric.floor_db == -math.inf:
         return value
-    return np.vectorize(metric.scaled, otypes=[float])(value)
+    return np.vectorize(metric.scaled, otypes=[float])(value) if isinstance(value, np.ndarray) else metric.scaled(value)

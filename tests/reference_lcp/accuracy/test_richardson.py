@@ -20,8 +20,10 @@ def values(first, second, steps):
 def test_first_order_error_is_found_whatever_the_steps(steps) -> None:
     for at, value in zip(steps, values(0.1, 0.0, steps), strict=True):
         found = richardson(steps, values(0.1, 0.0, steps), at)
+        # nothing stands beside the finest of three, and two pairs add up
+        looks = 2 if at == steps[-1] and len(steps) > 2 else 1
         assert found.value == value
-        assert found.error == pytest.approx(SAFETY * abs(value - LIMIT))
+        assert found.error == pytest.approx(looks * SAFETY * abs(value - LIMIT))
         assert found.extrapolated == pytest.approx(LIMIT)
 
 
@@ -39,10 +41,10 @@ def test_one_difference_that_vanishes_by_chance_is_not_believed() -> None:
 
 
 def test_error_of_the_finest_of_three_steps() -> None:
-    """Errors 4e, 2e, e: e times the safety; of an array, every entry has its own."""
-    assert richardson((1, 2, 4), [1.4, 1.2, 1.1]).error == pytest.approx(SAFETY * 0.1)
+    """Errors 4e, 2e, e: the estimate is 2 e times the safety; of an array, every entry has its own."""
+    assert richardson((1, 2, 4), [1.4, 1.2, 1.1]).error == pytest.approx(SAFETY * 0.2)
     series = [np.array([0.0, 4.0]), np.array([0.0, 2.0]), np.array([0.0, 1.0])]
-    assert richardson((1, 2, 4), series).error == pytest.approx([0.0, SAFETY])
+    assert richardson((1, 2, 4), series).error == pytest.approx([0.0, 2 * SAFETY])
 
 
 def test_order_is_read_from_steps_that_grow_by_one_factor() -> None:

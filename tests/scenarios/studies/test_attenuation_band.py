@@ -58,7 +58,7 @@ def test_edges_are_refined_to_the_resolution_in_all_curves_at_once() -> None:
     assert [crossing.frequency_ratio for crossing in found] == pytest.approx(shifts, abs=EDGE_RESOLUTION)
     assert [crossing.slope for crossing in found[:2]] == pytest.approx([-30.2] * 2, rel=1e-3)
     assert all(0 < crossing.width <= EDGE_RESOLUTION for crossing in found[:2])
-    # the middle of two thirds of the last bracket is the crossing itself
+    # the search has met the third one exactly
     assert found[2].width == 0
 
 

@@ -38,7 +38,7 @@ def point(level, own, **changes) -> PointResults:
 def test_an_edge_may_be_off_by_the_error_of_the_curve_over_its_slope(share, verdict) -> None:
     around = [point(3.0, 0.1), point(-3.0, 0.05)]
     allowed = point_tolerance(around[0], CONVERGED).allowed / abs(SLOPE) + 2 * WIDTH
-    assert allowed == pytest.approx(1.25 * (0.1 + 0.01 / 32) / 100 + 2 * WIDTH, rel=1e-3)
+    assert allowed == pytest.approx(1.25 * (0.1 + 2 * 0.01 / 32) / 100 + 2 * WIDTH, rel=1e-3)
     found = compare_edge(Crossing(PLACE + share * allowed, SLOPE, WIDTH), TRUE, around)
     assert found.verdict is verdict
     assert found.tolerance == pytest.approx(allowed, rel=1e-3)
