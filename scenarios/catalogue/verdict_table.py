@@ -85,7 +85,9 @@ def _count(verdict: Verdict) -> Column[VariantRow]:
 COLUMNS: tuple[Column[VariantRow], ...] = (
     Column("variant", lambda row: str(row.variant), "engine:formulation:preset"),
     *(_count(verdict) for verdict in Verdict),
-    Column("worst", lambda row: None if row.worst is None else f"{row.worst.comparison.excess:.2g}".replace("inf", "∞")),
+    Column(
+        "worst", lambda row: None if row.worst is None else f"{row.worst.comparison.excess:.2g}".replace("inf", "∞")
+    ),
     Column("what", lambda row: row.reason),
 )
 """What is printed of a variant."""

@@ -104,7 +104,7 @@ class Expected:
 
 def exact_expected(result: Result) -> Expected:
     """Expect the exact motion: the result of `EXACT`, which takes a second for seven cells, minutes from thirty on."""
-    gap = missing_steady_state("exact motion", result)
+    gap = missing("exact motion", [result])
     if gap is not None:
         return Expected(transmittance_db=math.nan, missing=gap)
     return Expected(
