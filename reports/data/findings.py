@@ -13,8 +13,9 @@ from reports.formatting import ratio
 from scenarios.studies.attenuation_band import Edge
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
 from scenarios.tasks.result import ResultStatus
+from scenarios.verdicts.finding import FLOOR_DB
 from scenarios.verdicts.pointwise import GivenTolerance, baseline
-from scenarios.verdicts.verdict import FLOOR_DB, Verdict
+from scenarios.verdicts.verdict import Verdict
 
 OperatingPoint = tuple[float, float]
 """Friction ratio and frequency ratio."""

@@ -12,7 +12,7 @@ from reference_lcp.steady.orbits import DEFAULT_RESIDUAL
 from reports.data.findings import band_definition, blocked_reason, compared_with, drive_description, findings
 from scenarios.studies.attenuation_band import EDGE_RESOLUTION
 from scenarios.studies.figure3 import CONVERGED, Figure3Result
-from scenarios.verdicts.verdict import EDGE_TOLERANCE, FLOOR_DB
+from scenarios.verdicts.finding import FLOOR_DB
 
 PACKAGES = ("multibody-xval", "numpy", "scipy", "numba")
 """What every number depends on, beside the engines."""
@@ -57,7 +57,6 @@ def provenance(result: Figure3Result, command: str) -> dict[str, Any]:
         "tolerances": {
             "residual": DEFAULT_RESIDUAL,
             "floor_db": FLOOR_DB,
-            "edge": EDGE_TOLERANCE,
             "given": None
             if asked.tolerance is None
             else {"transmittance_db": asked.tolerance.transmittance_db, "ruler": str(asked.tolerance.baseline)},

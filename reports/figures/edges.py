@@ -9,18 +9,17 @@ from matplotlib.figure import Figure
 
 from engines.interface.variant import Variant
 from reports.data.findings import blocked_reason
-from reports.figures.figure import Picture, layout, significant
+from reports.figures.figure import Picture, layout, rounded, significant
 from reports.figures.scales import plot_scale, print_scale, stretched
 from reports.figures.style import COLUMN, compared_variants, look_of
 from reports.formatting import ratio
 from scenarios.studies.attenuation_band import EDGE_RESOLUTION, Edge
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3Result
-from scenarios.verdicts.verdict import EDGE_TOLERANCE
 
-LINEAR = EDGE_RESOLUTION / 10
+LINEAR = EDGE_RESOLUTION
 """Differences of η_r below are drawn to scale, larger ones by their logarithm."""
 
-TICKS = (EDGE_RESOLUTION, EDGE_TOLERANCE, 0.05, 0.5)
+TICKS = (0.001, 0.01, 0.1)
 
 Row = tuple[float, Edge]
 
@@ -28,21 +27,20 @@ _TITLE = "difference of η<sub>r</sub> [-]"
 
 
 def edge_forest(result: Figure3Result) -> Picture:
-    """Draw the differences of all band edges from the converged reference's, with the tolerance."""
+    """Draw the differences of all band edges from the converged reference's, with what is allowed of each."""
     rows = _rows(result)
     return Picture(
         "band-edges",
-        "Differences of the band edges from the converged reference's; grey: tolerance; "
-        "black bars: step error of the reference",
+        "Differences of the band edges from the converged reference's; bars: what is allowed of each, "
+        "black around zero: of the reference",
         lambda: _printed(result, rows),
         {"data": _traces(result, rows), "layout": _layout(result, rows)},
     )
 
 
 def reference_error(result: Figure3Result, row: Row) -> float:
-    """Error bar of the reference's edge in η_r: its distance from the converged one, at least what is resolved."""
-    difference = result.edge(REFERENCE, *row).comparison.difference
-    return math.nan if math.isnan(difference) else max(abs(difference), EDGE_RESOLUTION / 2)
+    """Error bar of the reference's edge in η_r: what is allowed of it; NaN where it was not compared."""
+    return result.edge(REFERENCE, *row).comparison.tolerance
 
 
 def _rows(result: Figure3Result) -> list[Row]:
@@ -56,6 +54,10 @@ def _values(result: Figure3Result, variant: Variant, rows: list[Row]) -> list[fl
     return [result.edge(variant, *row).comparison.difference for row in rows]
 
 
+def _allowed(result: Figure3Result, variant: Variant, rows: list[Row]) -> list[float]:
+    return [result.edge(variant, *row).comparison.tolerance for row in rows]
+
+
 def _offsets(result: Figure3Result) -> dict[Variant, float]:
     """Give every variant its place a little above or below the middle of a row; the reference has the middle."""
     variants = compared_variants(result.asked)
@@ -64,8 +66,12 @@ def _offsets(result: Figure3Result) -> dict[Variant, float]:
 
 
 def _limit(result: Figure3Result, rows: list[Row]) -> float:
-    every = [abs(value) for variant in result.asked.all_variants for value in _values(result, variant, rows)]
-    return max(1.6 * EDGE_TOLERANCE, 1.6 * max((value for value in every if not math.isnan(value)), default=0.0))
+    every = [
+        abs(value) + allowed
+        for variant in result.asked.all_variants
+        for value, allowed in zip(_values(result, variant, rows), _allowed(result, variant, rows), strict=True)
+    ]
+    return 1.6 * max((value for value in every if not math.isnan(value)), default=TICKS[0])
 
 
 def _label(row: Row) -> str:
@@ -77,7 +83,6 @@ def _printed(result: Figure3Result, rows: list[Row]) -> Figure:
     height = 1.2 + 0.13 * math.ceil(len(variants) / 2) + max(0.28, 0.035 * len(variants)) * max(len(rows), 1)
     figure = Figure(figsize=(COLUMN, height), layout="constrained")
     axes = figure.subplots()
-    axes.axvspan(-EDGE_TOLERANCE, EDGE_TOLERANCE, color="0.92", label=f"tolerance ±{EDGE_TOLERANCE:g}", zorder=0)
     axes.axvline(0, color="0.4", linewidth=0.6)
     errors = [reference_error(result, row) for row in rows]
     if rows:
@@ -93,14 +98,17 @@ def _printed(result: Figure3Result, rows: list[Row]) -> Figure:
     print_scale(axes, "x", LINEAR, TICKS, _limit(result, rows))
     axes.tick_params(axis="x", labelrotation=30)
     axes.set_xlabel(r"difference of $\eta_r$ [-]")
-    figure.legend(loc="outside upper center", ncols=2, columnspacing=1.0)
+    if rows:
+        figure.legend(loc="outside upper center", ncols=2, columnspacing=1.0)
     return figure
 
 
 def _print_variant(axes: Axes, result: Figure3Result, variant: Variant, rows: list[Row], offset: float) -> None:
     if blocked_reason(result, variant) is None:
         look = look_of(result.asked, variant).printed()
-        axes.plot(_values(result, variant, rows), np.arange(len(rows)) + offset, label=variant.title, **look)
+        places, values = np.arange(len(rows)) + offset, _values(result, variant, rows)
+        axes.errorbar(values, places, xerr=_allowed(result, variant, rows), fmt="none", ecolor="0.6", elinewidth=0.6)
+        axes.plot(values, places, label=variant.title, **look)
 
 
 def _traces(result: Figure3Result, rows: list[Row]) -> list[dict[str, Any]]:
@@ -125,18 +133,25 @@ def _traces(result: Figure3Result, rows: list[Row]) -> list[dict[str, Any]]:
                 "type": "scatter", "mode": "markers", "name": variant.title, "x": stretched(values, LINEAR),
                 "y": [round(k + offset, 3) for k in range(len(rows))], "customdata": significant(values), "text": texts,
                 "marker": look_of(result.asked, variant).plotly_marker,
+                "error_x": _bars(values, _allowed(result, variant, rows)),
                 "hovertemplate": "%{text}<br>difference %{customdata}",
             }
         )  # fmt: skip
     return traces
 
 
-def _layout(result: Figure3Result, rows: list[Row]) -> dict[str, Any]:
-    end = float(np.arcsinh(EDGE_TOLERANCE / LINEAR))
-    band = {
-        "type": "rect", "xref": "x", "x0": -end, "x1": end, "yref": "paper", "y0": 0, "y1": 1,
-        "fillcolor": "#ebedf0", "line": {"width": 0}, "layer": "below",
+def _bars(values: list[float], allowed: list[float]) -> dict[str, Any]:
+    """Give the bars of plotly from a difference to what is allowed on either side of it, on the stretched scale."""
+    middle, high, low = (
+        np.arcsinh(np.array(ends) / LINEAR) for ends in (values, np.add(values, allowed), np.subtract(values, allowed))
+    )
+    return {
+        "type": "data", "symmetric": False, "array": rounded(high - middle, 5), "arrayminus": rounded(middle - low, 5),
+        "thickness": 0.8, "width": 0,
     }  # fmt: skip
+
+
+def _layout(result: Figure3Result, rows: list[Row]) -> dict[str, Any]:
     zero = {"type": "line", "xref": "x", "x0": 0, "x1": 0, "yref": "paper", "y0": 0, "y1": 1,
             "line": {"color": "#777", "width": 1}, "layer": "below"}  # fmt: skip
     names = {"tickmode": "array", "tickvals": list(range(len(rows))), "ticktext": [_label(row) for row in rows]}
@@ -146,5 +161,5 @@ def _layout(result: Figure3Result, rows: list[Row]) -> dict[str, Any]:
         xaxis=plot_scale(_TITLE, LINEAR, TICKS, _limit(result, rows)),
         yaxis={"range": [max(len(rows), 1) - 0.5, -0.5], "automargin": True, "showgrid": False, "zeroline": False}
         | names,
-        shapes=[band, zero],
+        shapes=[zero],
     )

@@ -4,12 +4,13 @@ import dataclasses
 import math
 from collections.abc import Mapping
 
-from scenarios.catalogue.steady_base import SAME_STEP, TRANSMITTANCE, SteadyScenario
+from scenarios.catalogue.steady_base import SAME_STEP, SteadyScenario
 from scenarios.studies.attenuation_band import BandDefinition
 from scenarios.tasks.result import Result
-from scenarios.verdicts.finding import Finding, Metric
+from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Metric
+from scenarios.verdicts.judge import Steps, judge
 from scenarios.verdicts.steady_case import Evidence, Expected, SteadyCase
-from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, compare, scheme_bar, step_estimate
+from scenarios.verdicts.verdict import Comparison, Verdict
 
 EDGE = Metric(
     "lower edge",
@@ -69,18 +70,21 @@ def edge_finding(label: str, below: Evidence, above: Evidence) -> Finding:
         crossing(below.case, above.case, getattr(below, name), getattr(above, name))
         for name in ("expected", "coarse", "fine")
     )
-    scheme = [crossing(below.case, above.case, *pair) for pair in zip(below.scheme, above.scheme, strict=True)]
     if math.isnan(fine):
         reason = f"no edge within {FARTHEST:g} of {expected:.3f} in η_r"
         return Finding(below.variant, label, EDGE, math.nan, expected, Comparison(Verdict.DISAGREE, reason))
-    shifted = crossing(below.case, above.case, *(_shifted(one) for one in (below, above)))
-    tolerance = Tolerance(
-        reference=0.0,
-        engine=step_estimate(coarse, fine),
+    scheme = {
+        low.steps_per_period: crossing(below.case, above.case, low, high)
+        for low, high in zip(below.scheme, above.scheme, strict=True)
+    }
+    shifted = crossing(below.case, above.case, *(_shifted(side) for side in (below, above)))
+    comparison = judge(
+        EDGE,
+        Steps({below.coarse.steps_per_period: coarse, below.fine.steps_per_period: fine}),
+        expected,
+        scheme=Steps(scheme, below.scheme[1].steps_per_period),
         resolution=abs(shifted - expected),
-        scheme=scheme_bar(*scheme),
     )
-    comparison = compare(fine, expected, tolerance, EDGE.unit)
     return Finding(below.variant, label, EDGE, fine, expected, comparison)
 
 

@@ -1,25 +1,26 @@
 """Free decay: a chain that is let go, and the friction that brings its contacts to rest."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from engines.interface.variant import Variant
+from reference_lcp.accuracy.error_bar import REFINEMENTS
 from reference_lcp.chain.harmonic import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.transient_base import unfinished, with_refined_steps
+from scenarios.catalogue.transient_base import with_refined_steps
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result, Series
 from scenarios.tasks.transient import TransientTask
 from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.refinement import REFINEMENTS, error_of_finest
+from scenarios.verdicts.judge import Number, Steps, judge, missing
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from scenarios.verdicts.verdict import Tolerance, compare
+from scenarios.verdicts.verdict import Comparison
 
 STEPS_PER_PERIOD = 100
 """Coarsest steps to a period 2π / ω_r; the finest of the three step sizes takes four times as many."""
@@ -141,12 +142,11 @@ class FreeDecay(Scenario):
         """Put the question to every variant; see `Scenario.run`. The loss a cycle is the oscillator's only."""
         evaluator.evaluate(self.questions(variants))
         exact = dict(zip(DECAYS, evaluator.evaluate([decay.exact_motion() for decay in DECAYS]), strict=True))
-        scheme = {decay: evaluator.evaluate(with_refined_steps(decay.motion(REFERENCE))) for decay in DECAYS}
         return [
             finding
             for variant in variants
             for decay in DECAYS
-            for finding in _findings(variant, decay, exact[decay], scheme[decay], evaluator)
+            for finding in _findings(variant, decay, exact[decay], evaluator)
         ]
 
     def questions(self, variants: Sequence[Variant]) -> list[TransientTask]:
@@ -156,46 +156,55 @@ class FreeDecay(Scenario):
         return [*(decay.exact_motion() for decay in DECAYS), *compared]
 
 
-def _findings(
-    variant: Variant, decay: Decay, exact_result: Result, scheme: Sequence[Result], evaluator: Evaluator
-) -> list[Finding]:
-    """Compare one decay with the exact one; `scheme` is the reference's, in the same steps."""
-    answers = evaluator.evaluate(with_refined_steps(decay.motion(variant)))
+def _findings(variant: Variant, decay: Decay, exact: Result, evaluator: Evaluator) -> list[Finding]:
+    """Compare one decay with the exact one, and its error with that of the reference in the same steps."""
     metrics = [metric for metric in FreeDecay.metrics if metric is not LOSS or decay is OSCILLATOR]
-    missing = unfinished([*answers, *scheme, exact_result])
-    if missing is not None:
-        return [Finding(variant, decay.title, metric, math.nan, math.nan, missing) for metric in metrics]
-    exact = exact_result.series
-    own, floor = (_errors(decay, three, exact) for three in (answers, scheme))
-    values, expected = _numbers(decay, answers[-1].series, exact), _expected(decay, exact)
-    found = []
+    own, scheme = (_read(decay, simulated, evaluator) for simulated in (variant, REFERENCE))
+    gap = missing("exact motion", [exact])
+    if isinstance(own, Comparison) or isinstance(scheme, Comparison) or gap is not None:
+        gap = next(reading for reading in (own, scheme, gap) if isinstance(reading, Comparison))
+        return [Finding(variant, decay.title, metric, math.nan, math.nan, gap) for metric in metrics]
+    expected, shared = _expected(decay, exact.series), max(_shared_error(own), _shared_error(scheme))
+    findings = []
     for metric in metrics:
-        tolerance = Tolerance(0.0, own[metric], _resolution(metric), floor[metric])
-        compared = compare(values[metric], expected[metric], tolerance, metric.unit)
-        found.append(Finding(variant, decay.title, metric, values[metric], expected[metric], compared))
-    return found
+        comparison = judge(
+            metric,
+            own[metric],
+            expected[metric],
+            scheme=scheme[metric],
+            resolution=_resolution(metric),
+            own=shared if metric in SHARES else 0.0,
+        )
+        value = comparison.difference if metric is OFFSETS else float(own[metric].judged)
+        right = 0.0 if metric is OFFSETS else float(expected[metric])
+        findings.append(Finding(variant, decay.title, metric, value, right, comparison))
+    return findings
 
 
-def _errors(decay: Decay, answers: Sequence[Result], exact: Series) -> dict[Metric, float]:
-    """Errors that three step sizes show.
+def _read(decay: Decay, variant: Variant, evaluator: Evaluator) -> dict[Metric, Steps] | Comparison:
+    """Read what is compared of a motion with three step sizes, or say why there is nothing to read."""
+    tasks = with_refined_steps(decay.motion(variant))
+    results = evaluator.evaluate(tasks)
+    gap = missing("", results)
+    if gap is not None:
+        return gap
+    numbers = {task.steps: _numbers(decay, result.series) for task, result in zip(tasks, results, strict=True)}
+    return {metric: Steps({steps: values[metric] for steps, values in numbers.items()}) for metric in FreeDecay.metrics}
 
-    Heat, what is left and what is missing are shares of one energy, and an error of one is an error of another:
-    the largest counts for all three, for one alone may vanish by chance. Of offsets those of all cells count.
-    """
-    values = [_numbers(decay, answer.series, exact) for answer in answers]
-    errors = {metric: error_of_finest([value[metric] for value in values]) for metric in values[0]}
-    errors[OFFSETS] = error_of_finest([np.array(answer.series["offsets"]) / decay.half_width for answer in answers])
-    return {**errors, **dict.fromkeys(SHARES, max(errors[metric] for metric in SHARES))}
+
+def _shared_error(read: Mapping[Metric, Steps]) -> float:
+    """Error of heat, what is left and what is missing, shares of one energy: that of one alone may vanish by chance."""
+    return max(read[metric].error(metric) for metric in SHARES)
 
 
-def _numbers(decay: Decay, series: Series, exact: Series) -> dict[Metric, float]:
-    """Read what is compared."""
+def _numbers(decay: Decay, series: Series) -> dict[Metric, Number]:
+    """Read what is compared; of offsets those of all cells."""
     left, dashpots, contacts, growth = series["energy"]
-    offsets, wanted = np.array(series["offsets"]), np.array(exact["offsets"])
+    offsets = np.array(series["offsets"]) / decay.half_width
     return {
         REST_TIME: series["rest"][0] / decay.period,
-        OFFSETS: float(np.max(np.abs(offsets - wanted))) / decay.half_width,
-        DEAD_BAND: max(0.0, float(np.max(np.abs(offsets))) / decay.half_width - 1),
+        OFFSETS: offsets,
+        DEAD_BAND: max(0.0, float(np.max(np.abs(offsets))) - 1),
         HEAT: contacts,
         LEFT: left,
         BALANCE: 1 - left - dashpots - contacts,
@@ -204,12 +213,11 @@ def _numbers(decay: Decay, series: Series, exact: Series) -> dict[Metric, float]
     }
 
 
-def _expected(decay: Decay, exact: Series) -> dict[Metric, float]:
+def _expected(decay: Decay, exact: Series) -> dict[Metric, Number]:
     """Give the exact numbers, and the laws."""
-    numbers = _numbers(decay, exact, exact)
     # contacts' heat is what energy and dashpots leave: dashpots are smooth, friction jumps between the rows
     heat = 1 - exact["energy"][0] - exact["energy"][1]
-    return {**numbers, HEAT: heat, BALANCE: 0.0, GROWTH: 0.0, DEAD_BAND: 0.0, OFFSETS: 0.0, LOSS: 1.0}
+    return {**_numbers(decay, exact), HEAT: heat, BALANCE: 0.0, GROWTH: 0.0, DEAD_BAND: 0.0, LOSS: 1.0}
 
 
 def _resolution(metric: Metric) -> float:

@@ -7,9 +7,10 @@ from scenarios.catalogue.steady_base import SteadyScenario
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
+from scenarios.verdicts.finding import TRANSMITTANCE
+from scenarios.verdicts.judge import Steps
 from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import COARSE, FINE, FINEST, Expected, SteadyCase
-from scenarios.verdicts.verdict import scheme_bar, step_estimate
 
 LENGTHS = (7, 15, 30, 50)
 
@@ -59,7 +60,6 @@ class LongChain(SteadyScenario):
 
 def expected_of(refined: Sequence[Result]) -> Expected:
     """Give the converged reference's transmittance and its error bar, from three step sizes."""
-    coarse, fine, finest = (answer.transmittance_db if answer.converged else math.nan for answer in refined)
-    # half of what three steps say of the middle one; no less than what the last two say of the finest
-    bar = max(scheme_bar(coarse, fine, finest) / 2, step_estimate(fine, finest))
-    return Expected(transmittance_db=finest, bar_db=bar)
+    values = {result.steps_per_period: result.transmittance_db if result.converged else math.nan for result in refined}
+    steps = Steps(values)
+    return Expected(transmittance_db=refined[-1].transmittance_db, bar_db=steps.error(TRANSMITTANCE))

@@ -7,33 +7,34 @@ For a > 1 they open: the inner mass flies, lands without rebound, and its impact
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import ClassVar
 
 from engines.interface.variant import Variant
 from reference_lcp.chain.preload import Flight
-from reference_lcp.observables.transition_matching import match_transitions
+from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
 from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.parameters import Modulation
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.verdict import SAFETY, Comparison, Tolerance, Verdict, compare, missing_steady_state, scheme_bar
+from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Metric
+from scenarios.verdicts.judge import Steps, decide, judge, missing
+from scenarios.verdicts.steady_case import amplitude_in_db
+from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
 STEPS = (400, 800, 1600)
 """Steps a period of three answers to every case; compared are those with 800.
 
 An impact falls anywhere in a step, so that the difference of two steps may vanish where the error does not: it takes
-a third one, as in `reference_lcp.accuracy.error_bar`.
+a third one, see `reference_lcp.accuracy.richardson`.
 """
 
 FRICTION_RATIO = 0.3
 """Of the mean normal force: where contacts of figure 3 stick and slip most."""
 
-TRANSMITTANCE = Metric("transmittance", "dB", "20 log10 of the last outer mass's amplitude over the base's")
 STUCK = Metric("stuck fraction", "", "part of the period that a contact sticks, of the cell that is furthest off")
 UNMATCHED = Metric("unmatched transitions", "", "transitions between stick and slip that only one of the two has")
 TIMES = Metric("transition time error", "", "largest distance of matching transitions over the period")
@@ -121,113 +122,118 @@ class ModulatedNormalForce(Scenario):
 
 
 def _findings(variant: Variant, case: ModulatedCase, own: list[Result], expected: list[Result]) -> list[Finding]:
-    """Compare the answers of one variant to one case with the reference's."""
-    found = []
-    missing = _missing(own, expected)
-    for metric, read in _readings(variant, case).items():
-        if missing is not None:
-            found.append(Finding(variant, str(case), metric, math.nan, math.nan, missing))
-            continue
-        reading = read(own, expected)
-        comparison = _explained(compare(reading.value, reading.expected, reading.tolerance, metric.unit), variant)
-        found.append(Finding(variant, str(case), metric, reading.value, reading.expected, comparison))
-    return found
+    """Compare the results of one variant in one case with the reference's."""
+    metrics = [TRANSMITTANCE, STUCK, UNMATCHED, TIMES, *([] if case.modulation <= 1 else [AIR, GAP])]
+    gap = _missing("engine", own) or _missing("reference", expected)
+    if gap is not None:
+        return [Finding(variant, str(case), metric, math.nan, math.nan, gap) for metric in metrics]
+    readings = [_transmittance(own, expected), _stuck_fraction(own, expected), _unmatched(own, expected),
+                _transition_times(own, expected), *_flights(case.flight(variant), case.multiple, own)]  # fmt: skip
+    return [
+        Finding(variant, str(case), metric, value, right, _explained(comparison, variant))
+        for metric, (value, right, comparison) in zip(metrics, readings, strict=True)
+    ]
 
 
-def _readings(variant: Variant, case: ModulatedCase) -> dict[Metric, Callable[[list[Result], list[Result]], "Reading"]]:
-    """Say how each metric of a case is read from the answers of a variant and of the reference."""
-    readings: dict[Metric, Callable[[list[Result], list[Result]], Reading]] = {
-        TRANSMITTANCE: _transmittance,
-        STUCK: _stuck_fraction,
-        UNMATCHED: _unmatched,
-        TIMES: _transition_times,
-    }
-    flight = case.flight(variant)
-    if flight is not None:
-        air, highest, fall = flight
-        # Lift-off and landing are each met to a step, in every cycle of the preload.
-        met = 2 * case.multiple / STEPS[1]
-        readings[AIR] = lambda engine, _: _flown([answer.open_fraction for answer in engine], air, met)
-        readings[GAP] = lambda engine, _: _flown([answer.largest_gap for answer in engine], highest, fall)
-    return readings
-
-
-@dataclass(frozen=True)
-class Reading:
-    """A number, what it should be, and how far they may be apart."""
-
-    value: float
-    expected: float
-    tolerance: Tolerance
+Reading = tuple[float, float, Comparison]
+"""A number, what it should be, and whether it is."""
 
 
 def _explained(comparison: Comparison, variant: Variant) -> Comparison:
-    """Add the law by which a variant departs from Coulomb's to a disagreement."""
+    """Add the known deviation from Coulomb's law to a disagreement."""
     known_deviation = variant.preset.known_deviation
     if comparison.verdict is not Verdict.DISAGREE or not known_deviation:
         return comparison
     return replace(comparison, reason=f"{comparison.reason}; {known_deviation}")
 
 
-def _missing(own: list[Result], expected: list[Result]) -> Comparison | None:
+def _missing(whose: str, results: Sequence[Result]) -> Comparison | None:
     """Say what is missing for a comparison, if anything is."""
-    for whose, answers in (("engine", own), ("reference", expected)):
-        for steps, answer in zip(STEPS, answers, strict=True):
-            gap = missing_steady_state(f"{whose} at {steps} steps a period", answer)
-            if gap is not None:
-                return gap
-    return None
+    gaps = (missing(f"{whose} at {steps} steps a period", [one]) for steps, one in zip(STEPS, results, strict=True))
+    return next((gap for gap in gaps if gap is not None), None)
+
+
+def _steps(values: Iterable[float]) -> Steps:
+    """Give numbers of the three steps; the middle one's is judged."""
+    return Steps(dict(zip(STEPS, values, strict=True)), STEPS[1])
+
+
+def _beside(metric: Metric, own: Iterable[float], expected: Iterable[float], resolution: float) -> Reading:
+    """Judge a number beside the reference's at the same step, whose error bar is its own."""
+    steps, right = _steps(own), _steps(expected)
+    value, wanted = float(steps.judged), float(right.judged)
+    return value, wanted, judge(metric, steps, wanted, bar=right.error(metric), resolution=resolution)
 
 
 def _transmittance(own: list[Result], expected: list[Result]) -> Reading:
-    values, baselines = [one.transmittance_db for one in own], [one.transmittance_db for one in expected]
     # Either amplitude is known to the residual of its steady state.
-    residual = (own[1].residual + expected[1].residual) / 10 ** (expected[1].transmittance_db / 20)
-    return Reading(values[1], baselines[1], _tolerance(values, baselines, 20 * math.log10(1 + residual)))
+    resolution = amplitude_in_db(own[1].residual + expected[1].residual, expected[1].transmittance_db)
+    values, wanted = ([result.transmittance_db for result in results] for results in (own, expected))
+    return _beside(TRANSMITTANCE, values, wanted, resolution)
 
 
 def _stuck_fraction(own: list[Result], expected: list[Result]) -> Reading:
     readings = []
     for cell in range(len(own[1].stuck_fraction)):
-        values, baselines = ([one.stuck_fraction[cell] for one in answers] for answers in (own, expected))
+        values, wanted = ([result.stuck_fraction[cell] for result in results] for results in (own, expected))
         # A stick begins and ends to a step.
         changes = sum(number == cell + 1 for number, _, _ in expected[1].transitions)
-        readings.append(Reading(values[1], baselines[1], _tolerance(values, baselines, (changes + 1) / STEPS[1])))
+        readings.append(_beside(STUCK, values, wanted, (changes + 1) / STEPS[1]))
     return _worst(readings)
 
 
 def _unmatched(own: list[Result], expected: list[Result]) -> Reading:
     """Those that only one has; the reference misses some of its own at another step, and so may an engine."""
-    reference, engine = (max(_apart(*pair)[0] for pair in pairwise(answers)) for answers in (expected, own))
-    return Reading(_apart(own[1], expected[1])[0], 0.0, Tolerance(reference, engine))
+    reference, engine = (max(_apart(*pair) for pair in pairwise(results)) for results in (expected, own))
+    count = _apart(own[1], expected[1])
+    return count, 0.0, decide(UNMATCHED, count, 0.0, Tolerance(reference=reference, engine=engine))
+
+
+def _apart(one: Result, other: Result) -> int:
+    """Count the transitions that only one has."""
+    match = match_transitions(one.transitions, other.transitions, other.period)
+    return len(match.missed) + len(match.spurious)
 
 
 def _transition_times(own: list[Result], expected: list[Result]) -> Reading:
-    # What the steps of 400 and 800 differ by is the error of the latter; what those of 800 and 1600 do, half of it.
-    reference, engine = (
-        SAFETY * max(_apart(*answers[:2])[1], 2 * _apart(*answers[1:])[1]) for answers in (expected, own)
-    )
-    return Reading(_apart(own[1], expected[1])[1], 0.0, Tolerance(reference, engine, 1 / STEPS[1]))
+    """Judge the largest distance of matching transitions; its error is the largest of theirs."""
+    baseline = expected[1].transitions
+    times, scheme = ([_time_errors(result, baseline) for result in results] for results in (own, expected))
+    size = max(map(abs, times[1].values()), default=0.0)
+    engine, reference = (_largest_error(errors) for errors in (times, scheme))
+    tolerance = Tolerance(reference=reference, engine=engine, resolution=1 / STEPS[1])
+    return size, 0.0, decide(TIMES, size, 0.0, tolerance)
 
 
-def _apart(one: Result, other: Result) -> tuple[int, float]:
-    """Count the transitions that only one has, and give the largest distance of those that both have."""
-    match = match_transitions(one.transitions, other.transitions, other.period)
-    largest = max((abs(error) for error in match.time_errors), default=0.0)
-    return len(match.missed) + len(match.spurious), largest
+def _time_errors(result: Result, baseline: Sequence[TimedTransition]) -> dict[TimedTransition, float]:
+    """Distance over the period of every transition that a result has, by the baseline's."""
+    match = match_transitions(result.transitions, baseline, result.period)
+    return {pair[1]: error for pair, error in zip(match.pairs, match.time_errors, strict=True)}
 
 
-def _flown(values: list[tuple[float, ...]], exact: float, resolution: float) -> Reading:
-    """Compare with the exact flight, which is that of every cell."""
-    cells = zip(*values, strict=True)
-    return _worst([Reading(one[1], exact, Tolerance(0.0, scheme_bar(*one), resolution)) for one in cells])
+def _largest_error(errors: Sequence[Mapping[TimedTransition, float]]) -> float:
+    """Largest error of the step over the transitions that all three steps have."""
+    common = [transition for transition in errors[1] if all(transition in one for one in errors)]
+    return max((_steps(one[each] for one in errors).error(TIMES) for each in common), default=0.0)
 
 
-def _tolerance(own: Sequence[float], expected: Sequence[float], resolution: float) -> Tolerance:
-    """Derive it from three steps of either."""
-    return Tolerance(scheme_bar(*expected), scheme_bar(*own), resolution)
+def _flights(flight: tuple[float, float, float] | None, multiple: int, own: Sequence[Result]) -> list[Reading]:
+    """Compare time in the air and largest gap with the exact flight, which is that of every cell."""
+    if flight is None:
+        return []
+    air, highest, fall = flight
+    # Lift-off and landing are each met to a step, in every cycle of the preload.
+    parts = [(AIR, [result.open_fraction for result in own], air, 2 * multiple / STEPS[1]),
+             (GAP, [result.largest_gap for result in own], highest, fall)]  # fmt: skip
+    return [
+        _worst([
+            (values[1], exact, judge(metric, _steps(values), exact, resolution=resolution))
+            for values in zip(*cells, strict=True)
+        ])
+        for metric, cells, exact, resolution in parts
+    ]  # fmt: skip
 
 
-def _worst(readings: list[Reading]) -> Reading:
-    """Give the one that is furthest off for its tolerance."""
-    return max(readings, key=lambda one: abs(one.value - one.expected) / one.tolerance.allowed)
+def _worst(readings: Sequence[Reading]) -> Reading:
+    """Give the one that is furthest off for what is allowed."""
+    return max(readings, key=lambda reading: reading[2].excess)

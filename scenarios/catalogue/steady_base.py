@@ -9,7 +9,8 @@ from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.finding import Finding, Metric
+from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE, Finding, Metric
+from scenarios.verdicts.judge import decide, judge
 from scenarios.verdicts.steady_case import (
     EXACT,
     REFERENCE,
@@ -21,17 +22,15 @@ from scenarios.verdicts.steady_case import (
     questions_of,
 )
 from scenarios.verdicts.stick_slip_comparison import STICK_SLIP_METRICS, stick_slip_findings
-from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, compare
-
-TRANSMITTANCE = Metric("transmittance", "dB", "20 log10 of the last outer mass's fundamental amplitude over the base's")
+from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
 SAME_STEP = Metric(
     "same step",
     "dB",
     "transmittance of presets that share the Euler scheme, against the reference with the same step: they solve the "
     "same equations, so that nothing is allowed but what neither can resolve",
+    FLOOR_DB,
 )
-
 
 LONGEST_SECONDS = 150.0
 """Seconds that a case may take an engine, both steps together; where an earlier case says that it takes longer, it is
@@ -146,12 +145,18 @@ def skip_reason(
 
 def transmittance_finding(found: Evidence) -> Finding:
     """Compare the transmittance with what is expected."""
-    value, expected = found.fine.transmittance_db, found.expected.transmittance_db
-    missing = found.missing
-    if missing is not None:
-        return Finding(found.variant, found.case.label, TRANSMITTANCE, math.nan, expected, missing)
-    comparison = compare(value, expected, found.transmittance_tolerance, TRANSMITTANCE.unit)
-    return Finding(found.variant, found.case.label, TRANSMITTANCE, value, expected, comparison)
+    expected = found.expected.transmittance_db
+    if found.missing is not None:
+        return Finding(found.variant, found.case.label, TRANSMITTANCE, math.nan, expected, found.missing)
+    comparison = judge(
+        TRANSMITTANCE,
+        found.steps(lambda result: result.transmittance_db),
+        expected,
+        bar=found.expected.bar_db,
+        scheme=found.scheme_steps(lambda result: result.transmittance_db),
+        resolution=found.resolution_db(expected),
+    )
+    return Finding(found.variant, found.case.label, TRANSMITTANCE, found.fine.transmittance_db, expected, comparison)
 
 
 def same_step_findings(found: Evidence) -> list[Finding]:
@@ -159,7 +164,7 @@ def same_step_findings(found: Evidence) -> list[Finding]:
     if found.variant.engine == REFERENCE.engine or not found.variant.preset.shares_scheme:
         return []
     value, expected = found.fine.transmittance_db, found.scheme[1].transmittance_db
-    missing = found.missing
-    if missing is None:
-        missing = compare(value, expected, Tolerance(0.0, 0.0, found.resolution_db(expected)), SAME_STEP.unit)
-    return [Finding(found.variant, found.case.label, SAME_STEP, value, expected, missing)]
+    comparison = found.missing
+    if comparison is None:
+        comparison = decide(SAME_STEP, value, expected, Tolerance(resolution=found.resolution_db(expected)))
+    return [Finding(found.variant, found.case.label, SAME_STEP, value, expected, comparison)]

@@ -7,13 +7,14 @@ errors of the steps before do not grow, and time series are compared as they are
 import dataclasses
 import math
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from engines.interface.variant import Variant
+from reference_lcp.accuracy.error_bar import REFINEMENTS
 from reference_lcp.chain.harmonic import MovingBase
 from reference_lcp.observables.transmissibility import Transmissibility
 from reference_lcp.observables.transmittance import decibel
@@ -21,12 +22,11 @@ from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.parameters import ChainRatios
-from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.transient import TransientTask
 from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.refinement import REFINEMENTS, error_of_finest
+from scenarios.verdicts.judge import Steps, judge, missing
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, compare
+from scenarios.verdicts.verdict import Comparison, Verdict
 
 RATIOS = ChainRatios(damping_ratio=0.05, inner_damping_ratio=0.02)
 """The canonical chain with dashpots that let a transient die out: to 1 % of its peak in 300 periods 2π / ω_r."""
@@ -44,7 +44,7 @@ REFERENCE_REFINEMENT = 16
 """The reference takes so many times as many steps as the engines, and has a sixteenth of its error there."""
 
 STEP_REFINEMENT = 2
-"""Who disagrees, and not by far for a law of its own, is asked again with so many times as many steps.
+"""A variant that disagrees, and not by far for a known deviation, is simulated again with so many times as many steps.
 
 Where events fall between the steps is chance, and so is part of an error: three steps may show less of it than there
 is. Finer ones then show a smaller error; an engine that is wrong is as wrong with them, and is allowed less.
@@ -121,23 +121,8 @@ class TransientCase:
         return f"μλ_N/(k_c U0) = {self.friction_ratio:g}"
 
 
-@dataclass(frozen=True)
-class Reading:
-    """What is read of a motion with three step sizes.
-
-    Parameters
-    ----------
-    response
-        The last outer mass with the finest step, at each row, over the base's scale.
-    numbers
-        What is compared, with the finest step.
-    errors
-        Their errors as the three steps show them, and that of the response itself under `DIFFERENCE`.
-    """
-
-    response: FloatArray
-    numbers: dict[Metric, float]
-    errors: dict[Metric, float]
+Reading = Mapping[Metric, Steps]
+"""What is compared, by step size; the response itself, at each row over the base's scale, is under `DIFFERENCE`."""
 
 
 class Broadband(Scenario):
@@ -149,8 +134,8 @@ class Broadband(Scenario):
     )
     expects = (
         f"the reference with {REFERENCE_REFINEMENT} times as many steps; allowed: its error from three step sizes, and "
-        "the engine's own from three, or the reference's at the same ones if that is larger; who disagrees, and not by "
-        "far for a law of its own, is asked again with twice as many steps"
+        "the engine's own from three, or the reference's at the same ones if that is larger; a variant that disagrees, "
+        "and not by far for a known deviation, is simulated again with twice as many steps"
     )
     metrics = (*BAND_METRICS.values(), RMS, PEAK, DIFFERENCE)
     friction_ratios: ClassVar[tuple[float, ...]]
@@ -179,31 +164,27 @@ class Broadband(Scenario):
         """Put the question to every variant; see `Scenario.run`."""
         evaluator.evaluate(self.questions(variants))
         cases = [self.case(ratio) for ratio in self.friction_ratios]
-        exact = {
-            case: self._read(case, evaluator.evaluate(with_refined_steps(self.baseline_task(case)))) for case in cases
-        }
-        scheme = {
-            case: self._read(case, evaluator.evaluate(with_refined_steps(case.motion(REFERENCE)))) for case in cases
-        }
-        found = []
+        exact = {case: self._read(case, self.baseline_task(case), evaluator) for case in cases}
+        scheme = {case: self._read(case, case.motion(REFERENCE), evaluator) for case in cases}
+        findings = []
         for variant in variants:
             for case in cases:
-                own = self._read(case, evaluator.evaluate(with_refined_steps(case.motion(variant))))
-                judged = self._findings(variant, case, own, (exact[case], scheme[case]))
+                own = self._read(case, case.motion(variant), evaluator)
+                judged = self._findings(variant, case, own, exact[case], scheme[case])
                 if needs_step_refinement(judged):
                     judged = self._with_refined_steps(variant, case, exact[case], evaluator) or judged
-                found += judged
-        return found
+                findings += judged
+        return findings
 
     def _with_refined_steps(
         self, variant: Variant, case: TransientCase, exact: Reading | Comparison, evaluator: Evaluator
     ) -> list[Finding]:
-        """Compare with finer steps; nothing where there is no answer with them."""
-        finer = (case.motion(one).refined(STEP_REFINEMENT) for one in (variant, REFERENCE))
-        own, scheme = (self._read(case, evaluator.evaluate(with_refined_steps(motion))) for motion in finer)
+        """Compare with finer steps; nothing where there is no result with them."""
+        finer = (case.motion(simulated).refined(STEP_REFINEMENT) for simulated in (variant, REFERENCE))
+        own, scheme = (self._read(case, motion, evaluator) for motion in finer)
         if isinstance(own, Comparison):
             return []
-        return [_annotated(one) for one in self._findings(variant, case, own, (exact, scheme))]
+        return [_annotated(finding) for finding in self._findings(variant, case, own, exact, scheme)]
 
     def questions(self, variants: Sequence[Variant]) -> list[TransientTask]:
         """Everything that `run` asks."""
@@ -228,66 +209,53 @@ class Broadband(Scenario):
         rms = float(np.sqrt(np.mean(response**2) / np.mean(base**2)))
         return {**bands, RMS: rms, PEAK: float(np.max(np.abs(response)))}
 
-    def _read(self, case: TransientCase, answers: Sequence[Result]) -> Reading | Comparison:
-        """Read three answers, or say why there is nothing to read."""
-        missing = unfinished(answers)
-        if missing is not None:
-            return missing
-        rows = [np.array(answer.series["response"]) for answer in answers]
-        numbers = [self.numbers(case, one) for one in rows]
-        errors = {metric: error_of_finest([one[metric] for one in numbers]) for metric in numbers[-1]}
-        return Reading(rows[-1], numbers[-1], {**errors, DIFFERENCE: error_of_finest(rows)})
+    def _read(self, case: TransientCase, coarsest: TransientTask, evaluator: Evaluator) -> Reading | Comparison:
+        """Read a motion with three step sizes, or say why there is nothing to read."""
+        tasks = with_refined_steps(coarsest)
+        results = evaluator.evaluate(tasks)
+        gap = missing("reference" if coarsest.variant.engine == REFERENCE.engine else "", results)
+        if gap is not None:
+            return gap
+        rows = {task.steps: np.array(result.series["response"]) for task, result in zip(tasks, results, strict=True)}
+        numbers = {steps: self.numbers(case, response) for steps, response in rows.items()}
+        read = {metric: Steps({steps: values[metric] for steps, values in numbers.items()}) for metric in self.metrics
+                if metric is not DIFFERENCE}  # fmt: skip
+        return {**read, DIFFERENCE: Steps(rows)}
 
     def _findings(
         self,
         variant: Variant,
         case: TransientCase,
         own: Reading | Comparison,
-        reference: tuple[Reading | Comparison, Reading | Comparison],
+        exact: Reading | Comparison,
+        scheme: Reading | Comparison,
     ) -> list[Finding]:
         """Compare a variant's reading with the reference's, in finer steps and in the same ones."""
-        exact, scheme = reference
-        if isinstance(own, Comparison):
-            return [Finding(variant, case.title, metric, math.nan, math.nan, own) for metric in self.metrics]
-        if isinstance(exact, Comparison) or isinstance(scheme, Comparison):
-            reason = exact.reason if isinstance(exact, Comparison) else "not at the same step"
-            blocked = Comparison(Verdict.INCONCLUSIVE, f"reference: {reason}")
-            return [Finding(variant, case.title, metric, math.nan, math.nan, blocked) for metric in self.metrics]
-        values = {**own.numbers, DIFFERENCE: float(np.max(np.abs(own.response - exact.response)))}
-        expected = {**exact.numbers, DIFFERENCE: 0.0}
-        found = []
+        if isinstance(own, Comparison) or isinstance(exact, Comparison) or isinstance(scheme, Comparison):
+            gap = next(reading for reading in (own, exact, scheme) if isinstance(reading, Comparison))
+            return [Finding(variant, case.title, metric, math.nan, math.nan, gap) for metric in self.metrics]
+        findings = []
         for metric in self.metrics:
-            tolerance = Tolerance(exact.errors[metric], own.errors[metric], scheme=scheme.errors[metric])
-            compared = compare(values[metric], expected[metric], tolerance, metric.unit)
-            found.append(Finding(variant, case.title, metric, values[metric], expected[metric], compared))
-        return found
+            expected = exact[metric]
+            comparison = judge(metric, own[metric], expected.judged, bar=expected.error(metric), scheme=scheme[metric])
+            numbers = (own[metric].judged, expected.judged)
+            value, right = (comparison.difference, 0.0) if metric is DIFFERENCE else (float(one) for one in numbers)
+            findings.append(Finding(variant, case.title, metric, value, right, comparison))
+        return findings
 
 
 def _annotated(finding: Finding) -> Finding:
-    """Say in the reason that it is of a second look."""
+    """Say in the reason that it is of refined steps."""
     reason = f"{finding.comparison.reason}; with {STEP_REFINEMENT} times the usual steps"
     return dataclasses.replace(finding, comparison=dataclasses.replace(finding.comparison, reason=reason))
 
 
 def needs_step_refinement(findings: Sequence[Finding]) -> bool:
-    """Say whether there is a disagreement that may be chance: without a law of the engine, or not by far."""
-    wrong = [one for one in findings if one.comparison.verdict is Verdict.DISAGREE]
-    return any(
-        not one.variant.preset.known_deviation or abs(one.comparison.difference) <= BY_FAR * one.comparison.tolerance
-        for one in wrong
-    )
+    """Say whether there is a disagreement that may be chance: without a known deviation, or not by far."""
+    wrong = [finding for finding in findings if finding.comparison.verdict is Verdict.DISAGREE]
+    return any(not each.variant.preset.known_deviation or each.comparison.excess <= BY_FAR for each in wrong)
 
 
 def with_refined_steps(coarsest: TransientTask) -> list[TransientTask]:
-    """Ask for a motion with three step sizes, its own first."""
+    """Give the tasks of a motion with three step sizes, its own first."""
     return [coarsest.refined(factor) for factor in REFINEMENTS]
-
-
-def unfinished(answers: Sequence[Result]) -> Comparison | None:
-    """Say why motions cannot be compared; ``None`` if they can."""
-    for answer in answers:
-        if answer.status is ResultStatus.MISSING:
-            return Comparison(Verdict.INCONCLUSIVE, answer.reason)
-        if answer.status is not ResultStatus.FINISHED:
-            return Comparison(Verdict.BLOCKED, answer.reason)
-    return None

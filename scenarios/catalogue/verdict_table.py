@@ -39,16 +39,6 @@ def unexplained(findings: Sequence[Finding]) -> list[Finding]:
     return [one for one in findings if one.comparison.verdict is Verdict.DISAGREE and not explained(one)]
 
 
-def excess(finding: Finding) -> float:
-    """Difference over what is allowed; infinite where nothing is, NaN where there is no number."""
-    difference, allowed = abs(finding.comparison.difference), finding.comparison.tolerance
-    if math.isnan(difference) or math.isnan(allowed):
-        return math.nan
-    if allowed == 0:
-        return 0.0 if difference == 0 else math.inf
-    return difference / allowed
-
-
 @dataclass(frozen=True)
 class VariantRow:
     """The verdicts of one variant in one scenario, counted."""
@@ -63,8 +53,8 @@ class VariantRow:
     @property
     def worst(self) -> Finding | None:
         """The finding whose difference is largest beside what is allowed; ``None`` where none has a number."""
-        known = [one for one in self.findings if not math.isnan(excess(one))]
-        return max(known, key=excess, default=None)
+        known = [one for one in self.findings if not math.isnan(one.comparison.excess)]
+        return max(known, key=lambda finding: finding.comparison.excess, default=None)
 
     @property
     def reason(self) -> str:
@@ -95,7 +85,9 @@ def _count(verdict: Verdict) -> Column[VariantRow]:
 COLUMNS: tuple[Column[VariantRow], ...] = (
     Column("variant", lambda row: str(row.variant), "engine:formulation:preset"),
     *(_count(verdict) for verdict in Verdict),
-    Column("worst", lambda row: None if row.worst is None else f"{excess(row.worst):.2g}".replace("inf", "∞")),
+    Column(
+        "worst", lambda row: None if row.worst is None else f"{row.worst.comparison.excess:.2g}".replace("inf", "∞")
+    ),
     Column("what", lambda row: row.reason),
 )
 """What is printed of a variant."""
@@ -133,7 +125,7 @@ def details(findings: Sequence[Finding]) -> Iterator[tuple[Variant, list[str]]]:
 
 def _detail(group: Sequence[Finding]) -> str:
     """One line for findings of one metric and verdict: the worst of them, and how many there are."""
-    worst = max(group, key=lambda one: -1.0 if math.isnan(excess(one)) else excess(one))
+    worst = max(group, key=lambda one: -1.0 if math.isnan(one.comparison.excess) else one.comparison.excess)
     more = f" (and {len(group) - 1} more)" if len(group) > 1 else ""
     return f"{worst.comparison.verdict}, {worst.metric.name}, {worst.case}: {worst.comparison.reason}{more}"
 

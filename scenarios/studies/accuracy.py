@@ -13,8 +13,9 @@ from reference_lcp.observables.transition_matching import match_transitions
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import SteadyStateTask
+from scenarios.verdicts.finding import TRANSMITTANCE
+from scenarios.verdicts.judge import metric_difference
 from scenarios.verdicts.steady_case import EXACT
-from scenarios.verdicts.verdict import difference_db
 
 MAP_FRICTION_RATIOS = (0.1, 0.3, 0.6, 1.0)
 MAP_FREQUENCY_RATIOS = tuple(round(0.3 + 0.1 * k, 1) for k in range(14))
@@ -156,8 +157,8 @@ def accuracy(
 
 
 def transmittance_error_db(result: Result, exact: Result) -> float:
-    """|Difference| of transmittance [dB]; below `FLOOR_DB`, what the difference of amplitudes makes at the floor."""
-    return abs(difference_db(result.transmittance_db, exact.transmittance_db, exact.transmittance_db))
+    """|Difference| of transmittance [dB], on the scale of `TRANSMITTANCE`."""
+    return abs(metric_difference(TRANSMITTANCE, result.transmittance_db, exact.transmittance_db))
 
 
 def place_of(task: SteadyStateTask) -> OperatingPoint:

@@ -18,7 +18,7 @@ from scipy.interpolate import PchipInterpolator
 
 from reference_lcp.validation import FloatArray, ParameterError, checked_count, checked_scalar
 from scenarios.tasks.parameters import Positive
-from scenarios.verdicts.verdict import FLOOR_DB
+from scenarios.verdicts.finding import FLOOR_DB
 
 START_POINTS = 17
 """Even points with which a curve begins."""

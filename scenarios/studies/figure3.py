@@ -7,7 +7,7 @@ found in its own curve, and the edges are refined by its own simulations.
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -31,9 +31,10 @@ from scenarios.studies.attenuation_band import (
 from scenarios.tasks.parameters import ChainRatios, Excitation
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import SteadyStateTask
+from scenarios.verdicts.band_edge import compare_edge
 from scenarios.verdicts.pointwise import CONVERGED, GivenTolerance, PointResults, compare_point, refinements
-from scenarios.verdicts.steady_case import REFERENCE, amplification
-from scenarios.verdicts.verdict import Comparison, Verdict, compare_edge
+from scenarios.verdicts.steady_case import REFERENCE, amplification, amplitude_in_db
+from scenarios.verdicts.verdict import Comparison, Verdict
 
 __all__ = [
     "CONVERGED",
@@ -267,7 +268,7 @@ def run(asked: Figure3, evaluator: Evaluator) -> Figure3Result:
     for (place, _), answer in zip(refined, found[len(places) :], strict=True):
         others[place].append(answer)
     points = tuple(Point(*place, answer, _compare(asked, place, answers, others)) for place, answer in answers.items())
-    edges = tuple(_edges(asked, grids, answers, evaluator))
+    edges = tuple(_edges(asked, grids, answers, others, evaluator))
     return Figure3Result(asked, points, edges, _dense_reference(asked, evaluator))
 
 
@@ -301,9 +302,19 @@ def _compare(
     answers: Mapping[_OperatingPoint, Result],
     others: Mapping[_OperatingPoint, list[Result]],
 ) -> Comparison:
-    """Compare a point with its ruler."""
+    """Compare a point with its baseline."""
+    return compare_point(_point_results(asked, place, answers, others))
+
+
+def _point_results(
+    asked: Figure3,
+    place: _OperatingPoint,
+    answers: Mapping[_OperatingPoint, Result],
+    others: Mapping[_OperatingPoint, list[Result]],
+) -> PointResults:
+    """Collect what is known at a point of the grid."""
     variant, friction, eta = place
-    known = PointResults(
+    return PointResults(
         variant=variant,
         answer=answers[place],
         others=tuple(others.get(place, ())),
@@ -313,13 +324,13 @@ def _compare(
         refined=tuple(others.get((REFERENCE, friction, eta), ())),
         given=asked.tolerance,
     )
-    return compare_point(known)
 
 
 def _edges(
     asked: Figure3,
     grids: Mapping[float, tuple[float, ...]],
     answers: dict[_OperatingPoint, Result],
+    others: Mapping[_OperatingPoint, list[Result]],
     evaluator: Evaluator,
 ) -> Iterator[BandEdge]:
     """Refine all edges of all curves together, and compare them with the converged reference's."""
@@ -336,20 +347,34 @@ def _edges(
         if any(answers[variant, friction, eta].status is ResultStatus.MISSING for eta in grids[friction])
     }
 
+    open_db: dict[int, float] = defaultdict(float)
+
     def transmittance_db(index: NDArray[np.intp], eta: FloatArray) -> FloatArray:
         asks = [asked.question(owners[k][0], owners[k][1], float(ratio)) for k, ratio in zip(index, eta, strict=True)]
         found = evaluator.evaluate(asks)
         unanswered.update(
             owners[k][:2] for k, one in zip(index, found, strict=True) if one.status is ResultStatus.MISSING
         )
+        for k, ratio, one in zip(index, eta, found, strict=True):
+            if not one.converged and one.residual <= EDGE_RESIDUAL:
+                amplitude = one.residual * amplification(asked.ratios, float(ratio))
+                open_db[k] = max(open_db[k], amplitude_in_db(amplitude, asked.band.threshold_db))
         return np.array([_decided(answer) for answer in found])
 
     crossings = refined_crossings(list(brackets.values()), transmittance_db, asked.band)
-    refined = {owner: float(crossing) for owner, crossing in zip(owners, crossings, strict=True)}
+    refined = {
+        owner: replace(crossing, residual_db=open_db[k])
+        for k, (owner, crossing) in enumerate(zip(owners, crossings, strict=True))
+    }
     for variant, friction in curves:
         for edge in Edge:
-            found = refined.get((variant, friction, edge))
-            comparison = compare_edge(found, refined.get((CONVERGED, friction, edge)))
+            crossing = refined.get((variant, friction, edge))
+            around = [
+                _point_results(asked, (variant, friction, eta), answers, others)
+                for eta in brackets.get((CONVERGED, friction, edge), ())
+            ]
+            comparison = compare_edge(crossing, refined.get((CONVERGED, friction, edge)), around)
+            found = None if crossing is None else crossing.frequency_ratio
             lacking = [one for one in (variant, CONVERGED) if (one, friction) in unanswered]
             curve_answers = [answers[variant, friction, eta] for eta in grids[friction]]
             if all(answer.status is ResultStatus.BLOCKED for answer in curve_answers):

@@ -7,8 +7,11 @@ from dataclasses import dataclass, field, replace
 from engines.interface.variant import Variant
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.sweep import Sweep
+from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.verdict import Comparison, Verdict, compare_transmittance
+from scenarios.verdicts.finding import TRANSMITTANCE
+from scenarios.verdicts.judge import decide, missing
+from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
 BASELINES = (Variant("reference", preset_name="converged"), Variant("reference"))
 """Whom engines are compared with: the first of these that takes part."""
@@ -52,7 +55,7 @@ def verdicts(sweep: Sweep, store: ResultStore, tolerance_db: float) -> dict[Vari
     store
         Where the answers are.
     tolerance_db
-        Largest difference that counts as agreement [dB], see `compare_transmittance`.
+        Largest difference that counts as agreement [dB], on the scale of `TRANSMITTANCE`.
     """
     baseline = baseline_of(sweep)
     if baseline is None:
@@ -63,5 +66,14 @@ def verdicts(sweep: Sweep, store: ResultStore, tolerance_db: float) -> dict[Vari
         others = replace(sweep, variants=(baseline,)).questions()
         for question, answer, right in zip(own, store.results(own), store.results(others), strict=True):
             if answer is not None and right is not None:
-                counted.add(question, compare_transmittance(answer, right, tolerance_db))
+                counted.add(question, _compare(answer, right, tolerance_db))
     return found
+
+
+def _compare(result: Result, expected: Result, tolerance_db: float) -> Comparison:
+    """Compare two steady states at one point, by a tolerance that is given."""
+    gap = missing("engine", [result]) or missing("reference", [expected])
+    if gap is not None:
+        return gap
+    numbers = result.transmittance_db, expected.transmittance_db
+    return decide(TRANSMITTANCE, *numbers, Tolerance(given=tolerance_db))

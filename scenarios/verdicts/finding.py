@@ -1,9 +1,17 @@
-"""One number of one variant, and whether it is what it should be."""
+"""What is compared, and one number of one variant with its verdict."""
 
+import math
 from dataclasses import dataclass
 
 from engines.interface.variant import Variant
 from scenarios.verdicts.verdict import Comparison
+
+FLOOR_DB = -60.0
+"""Below this transmittance differences are those of amplitudes, as large in dB as they are at the floor.
+
+A thousandth of the base's motion is where creep of regularised friction and bristle oscillations,
+both proportional to the friction bound and not to the response, become as large as the response.
+"""
 
 
 @dataclass(frozen=True)
@@ -18,11 +26,29 @@ class Metric:
         Of its values; empty for a pure number.
     meaning
         What it is, in a sentence.
+    floor_db
+        Of a metric in dB: below it, differences are those of amplitudes.
     """
 
     name: str
     unit: str
     meaning: str
+    floor_db: float = -math.inf
+
+    def scaled(self, value: float) -> float:
+        """Give a value on the scale on which differences are taken.
+
+        That is the value itself, but below the floor f [dB], where it is f + 20 / ln 10 (A / A_f − 1) of the amplitude
+        A = 10^(value / 20): linear in the amplitude, with the slope that dB have at the floor.
+        """
+        if not value < self.floor_db:
+            return value
+        return self.floor_db + 20 / math.log(10) * (10 ** ((value - self.floor_db) / 20) - 1)
+
+
+TRANSMITTANCE = Metric(
+    "transmittance", "dB", "20 log10 of the last outer mass's fundamental amplitude over the base's", FLOOR_DB
+)
 
 
 @dataclass(frozen=True)

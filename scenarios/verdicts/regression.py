@@ -15,7 +15,8 @@ from reference_lcp.observables.transition_matching import match_transitions
 from reference_lcp.validation import ParameterError, checked_scalar
 from scenarios.execution.store import ResultStore
 from scenarios.tasks.result import Result
-from scenarios.verdicts.verdict import allowed_difference_db
+from scenarios.verdicts.finding import TRANSMITTANCE
+from scenarios.verdicts.judge import metric_difference
 
 
 @dataclass(frozen=True)
@@ -25,8 +26,8 @@ class Thresholds:
     Parameters
     ----------
     transmittance_db
-        Largest difference of transmittance [dB] > 0, above the floor of `allowed_difference_db`; two engines that
-        solve the same equations differ by less than the default.
+        Largest difference of transmittance [dB] > 0, on the scale of `TRANSMITTANCE`; two engines that solve the same
+        equations differ by less than the default.
     stuck_fraction
         Largest difference of a contact's stuck fraction, in (0, 1]; by default two steps of 400.
     transition
@@ -176,15 +177,14 @@ def change(first: Kept, second: Kept, thresholds: Thresholds) -> Change:
     if not (one.converged and other.converged):
         beyond = () if one.status == other.status else (f"{one.status} before, {other.status} now",)
         return Change(first, second, beyond=beyond)
-    difference = other.transmittance_db - one.transmittance_db
+    difference = metric_difference(TRANSMITTANCE, other.transmittance_db, one.transmittance_db)
     pairs = zip(other.stuck_fraction, one.stuck_fraction, strict=True)
     stuck = max((abs(new - old) for new, old in pairs), default=0.0)
     match = match_transitions(other.transitions, one.transitions, one.period)
     late = max((abs(error) for error in match.time_errors), default=0.0)
     unmatched = len(match.missed) + len(match.spurious)
     passed = {
-        f"transmittance {difference:+.4g} dB": abs(difference)
-        > allowed_difference_db(one.transmittance_db, thresholds.transmittance_db),
+        f"transmittance {difference:+.4g} dB": abs(difference) > thresholds.transmittance_db,
         f"stuck fraction {stuck:.3g}": stuck > thresholds.stuck_fraction,
         f"a transition {100 * late:.2g} % of the period away": late > thresholds.transition,
         f"{unmatched} transitions without a partner": unmatched > 0,

@@ -31,6 +31,7 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -39,8 +40,9 @@ from reference_lcp.observables.stick_slip import UNREPEATED_SLIP, Mode
 from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
 from scenarios.tasks.result import Result
 from scenarios.verdicts.finding import Finding, Metric
+from scenarios.verdicts.judge import Steps, decide, judge
 from scenarios.verdicts.steady_case import Evidence, Expected
-from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict, compare, scheme_bar, step_estimate
+from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
 _STICK = str(Mode.STICK)
 
@@ -154,10 +156,17 @@ def time_errors(found: Evidence) -> list[TimeError]:
     for one, error in fine.items():
         if not all(one in answer for answer in scheme):
             continue
-        own = step_estimate(coarse[one], error) if one in coarse else 0.0
-        bar = scheme_bar(*(answer[one] for answer in scheme))
-        step = 1 / found.fine.steps_per_period
-        tolerance = Tolerance(reference=0.0, engine=100 * own, resolution=100 * step, scheme=100 * bar)
+        own = {found.fine.steps_per_period: 100 * error}
+        if one in coarse:
+            own[found.coarse.steps_per_period] = 100 * coarse[one]
+        steps = {
+            result.steps_per_period: 100 * answer[one] for result, answer in zip(found.scheme, scheme, strict=True)
+        }
+        tolerance = Tolerance(
+            engine=Steps(own).error(LARGEST_TIME),
+            scheme=Steps(steps, found.scheme[1].steps_per_period).error(LARGEST_TIME),
+            resolution=100 / found.fine.steps_per_period,
+        )
         errors.append(TimeError(one, 100 * abs(error), tolerance))
     return errors
 
@@ -172,49 +181,44 @@ def _times(found: Evidence) -> tuple[Finding, Finding]:
             Finding(variant, label, metric, math.nan, 0.0, nothing) for metric in (MEDIAN_TIME, LARGEST_TIME)
         )
         return median, largest
-    middle = Tolerance(
-        *(float(np.median([getattr(one.tolerance, part) for one in errors])) for part in _PARTS),
-    )
+    parts = [dataclasses.asdict(one.tolerance) for one in errors]
+    middle = Tolerance(**{part: float(np.median([one[part] for one in parts])) for part in parts[0]})
     size = float(np.median([one.size for one in errors]))
     worst = max(errors, key=lambda one: one.ratio)
     return (
-        Finding(variant, label, MEDIAN_TIME, size, 0.0, compare(size, 0.0, middle, MEDIAN_TIME.unit)),
-        Finding(
-            variant, label, LARGEST_TIME, worst.size, 0.0, compare(worst.size, 0.0, worst.tolerance, LARGEST_TIME.unit)
-        ),
+        Finding(variant, label, MEDIAN_TIME, size, 0.0, decide(MEDIAN_TIME, size, 0.0, middle)),
+        Finding(variant, label, LARGEST_TIME, worst.size, 0.0, decide(LARGEST_TIME, worst.size, 0.0, worst.tolerance)),
     )
-
-
-_PARTS = ("reference", "engine", "resolution", "scheme")
 
 
 def _stuck(found: Evidence) -> Finding:
     """Judge the stuck fraction of the contact that is worst beside what is allowed for it."""
     judged = []
     for cell, expected in enumerate(found.expected.stuck_fraction):
-        coarse, fine = found.coarse.stuck_fraction[cell], found.fine.stuck_fraction[cell]
-        sticks = sum(1 for one in found.expected.transitions if (one[0], one[2]) == (cell + 1, _STICK))
-        tolerance = Tolerance(
-            reference=0.0,
-            engine=step_estimate(coarse, fine),
-            resolution=max(sticks, 1) / found.fine.steps_per_period,
-            scheme=scheme_bar(*(answer.stuck_fraction[cell] for answer in found.scheme)),
+        sticks = sum(1 for change in found.expected.transitions if (change[0], change[2]) == (cell + 1, _STICK))
+        read = partial(_stuck_fraction, cell)
+        resolution = max(sticks, 1) / found.fine.steps_per_period
+        comparison = judge(
+            STUCK_FRACTION, found.steps(read), expected, scheme=found.scheme_steps(read), resolution=resolution
         )
-        judged.append((fine, expected, compare(fine, expected, tolerance)))
-    fine, expected, comparison = max(judged, key=lambda one: abs(one[2].difference) / one[2].tolerance)
+        judged.append((found.fine.stuck_fraction[cell], expected, comparison))
+    fine, expected, comparison = max(judged, key=lambda one: one[2].excess)
     return Finding(found.variant, found.case.label, STUCK_FRACTION, fine, expected, comparison)
+
+
+def _stuck_fraction(cell: int, result: Result) -> float:
+    return result.stuck_fraction[cell]
 
 
 def _creep(found: Evidence) -> Finding:
     """Judge the creep of the contact that creeps most; there is none in Coulomb's law."""
-    fine, coarse = max(found.fine.creep), max(found.coarse.creep)
     residual, steps = found.variant.capabilities.residual, found.fine.steps_per_period
-    tolerance = Tolerance(
-        reference=0.0,
-        engine=step_estimate(coarse, fine),
+    comparison = judge(
+        CREEP_VELOCITY,
+        found.steps(lambda result: max(result.creep)),
+        0.0,
         # a slip of so many residuals, all of it in one step of 2π / (ω steps)
         resolution=UNREPEATED_SLIP * residual * steps / (2 * math.pi)
         + CREEP * found.variant.preset.residual_slip_compliance,
     )
-    comparison = compare(fine, 0.0, tolerance, CREEP_VELOCITY.unit)
-    return Finding(found.variant, found.case.label, CREEP_VELOCITY, fine, 0.0, comparison)
+    return Finding(found.variant, found.case.label, CREEP_VELOCITY, max(found.fine.creep), 0.0, comparison)

@@ -15,9 +15,10 @@ from scenarios.studies.work_precision import StepPoint
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.recorded import RecordedPeriod
 from scenarios.tasks.result import Result
+from scenarios.verdicts.band_edge import Crossing, compare_edge
 from scenarios.verdicts.pointwise import PointResults, compare_point, refinements
 from scenarios.verdicts.steady_case import amplification
-from scenarios.verdicts.verdict import Comparison, compare_edge
+from scenarios.verdicts.verdict import Comparison
 
 RUNS = Variant("mujoco")
 MISSING = Variant("pybullet")
@@ -58,14 +59,24 @@ def answer(variant: Variant, friction_ratio: float, frequency_ratio: float, refi
 def edge_of(variant: Variant, friction_ratio: float, edge: Edge) -> BandEdge:
     shift = {CONVERGED: 0.0, REFERENCE: 0.0001, RUNS: 0.01}.get(variant, 0.0)
     place = EDGES.get((friction_ratio, edge))
-    found = None if place is None or variant == MISSING else place + shift
-    return BandEdge(variant, friction_ratio, edge, found, compare_edge(found, place))
+    if place is None or variant == MISSING:
+        converged = None if place is None else Crossing(place)
+        return BandEdge(variant, friction_ratio, edge, None, compare_edge(None, converged))
+    sides = max(eta for eta in GRID if eta < place), min(eta for eta in GRID if eta > place)
+    around = [known(variant, friction_ratio, eta) for eta in sides]
+    crossings = (Crossing(one, slope=-100.0, width=1e-4) for one in (place + shift, place))
+    return BandEdge(variant, friction_ratio, edge, place + shift, compare_edge(*crossings, around))
 
 
 def compared(variant: Variant, friction_ratio: float, frequency_ratio: float) -> Comparison:
     """Judge as Figure 3 does."""
+    return compare_point(known(variant, friction_ratio, frequency_ratio))
+
+
+def known(variant: Variant, friction_ratio: float, frequency_ratio: float) -> PointResults:
+    """Give what Figure 3 knows of a point."""
     place = friction_ratio, frequency_ratio
-    known = PointResults(
+    return PointResults(
         variant=variant,
         answer=answer(variant, *place),
         others=tuple(answer(variant, *place, times) for times in refinements(variant)),
@@ -74,7 +85,6 @@ def compared(variant: Variant, friction_ratio: float, frequency_ratio: float) ->
         amplified=amplification(ChainRatios(), frequency_ratio),
         refined=tuple(answer(REFERENCE, *place, times) for times in refinements(REFERENCE)),
     )
-    return compare_point(known)
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,6 @@ from reports.figures.figure import Picture
 from reports.page.section import Section
 from scenarios.studies.attenuation_band import EDGE_RESOLUTION, Edge
 from scenarios.studies.figure3 import CONVERGED
-from scenarios.verdicts.verdict import EDGE_TOLERANCE
 
 
 class BandEdges(Section):
@@ -38,7 +37,6 @@ class BandEdges(Section):
                 for edge in Edge
             ],
             "band": band_definition(self.result),
-            "tolerance": EDGE_TOLERANCE,
             "resolution": EDGE_RESOLUTION,
         }
 
@@ -49,6 +47,7 @@ class BandEdges(Section):
             "frequency_ratio": found.frequency_ratio,
             "absent": absent_edge(self.result, found),
             "difference": comparison.difference,
+            "allowed": comparison.tolerance,
             "verdict": str(comparison.verdict),
             "is_ruler": variant == CONVERGED,
         }

@@ -7,7 +7,8 @@ from engines.interface.variant import Variant
 from reports.data.findings import band_definition, blocked_reason, compared_with, drive_description, findings
 from reports.page.section import Section
 from scenarios.studies.figure3 import CONVERGED
-from scenarios.verdicts.verdict import EDGE_TOLERANCE, FLOOR_DB, Verdict
+from scenarios.verdicts.finding import FLOOR_DB
+from scenarios.verdicts.verdict import Verdict
 
 
 class Summary(Section):
@@ -29,7 +30,6 @@ class Summary(Section):
             "sentences": self._sentences(compared),
             "band": band_definition(self.result),
             "floor": FLOOR_DB,
-            "edge_tolerance": EDGE_TOLERANCE,
             "friction_ratios": asked.friction_ratios,
             "first": asked.frequency_ratios[0],
             "last": asked.frequency_ratios[-1],

@@ -7,7 +7,7 @@ from reports.data.findings import band_definition
 from reports.figures.figure import Picture
 from reports.figures.transmittance import LINEAR_DB, LOWEST_DB, overview, panel
 from reports.page.section import Section
-from scenarios.verdicts.verdict import FLOOR_DB
+from scenarios.verdicts.finding import FLOOR_DB
 
 
 class Transmittance(Section):

@@ -13,7 +13,7 @@ from reference_lcp import (
     steps_per_period_for,
 )
 from reference_lcp.accuracy.convergence import convergence
-from reference_lcp.accuracy.error_bar import SAFETY
+from reference_lcp.accuracy.richardson import SAFETY
 
 COVERED = 0.95
 """Part of random chains whose true error the bar must cover."""

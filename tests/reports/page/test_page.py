@@ -18,7 +18,8 @@ from scenarios.studies.attenuation_band import Edge
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
-from scenarios.verdicts.verdict import compare_edge, compare_transmittance
+from scenarios.verdicts.band_edge import compare_edge
+from scenarios.verdicts.judge import missing
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
 
@@ -171,7 +172,10 @@ def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
     answers = {variant: Result.blocked("why") if variant == MISSING else lost for variant in asked.all_variants}
     result = Figure3Result(
         asked,
-        tuple(Point(v, *place, answer, compare_transmittance(answer, lost, 0.25)) for v, answer in answers.items()),
+        tuple(
+            Point(v, *place, answer, missing("engine", [answer]) or missing("reference", [lost]))
+            for v, answer in answers.items()
+        ),
         tuple(BandEdge(v, 0.3, edge, None, compare_edge(None, None)) for v in answers for edge in Edge),
         {0.3: (np.array([0.6]), np.array([math.nan]))},
     )

@@ -30,7 +30,6 @@ from scenarios.execution.store import ResultStore
 from scenarios.execution.transient import run_transients
 from scenarios.studies.attenuation_band import BandDefinition, Edge, edge_brackets
 from scenarios.tasks.parameters import ChainRatios
-from scenarios.verdicts.refinement import error_of_finest
 from scenarios.verdicts.verdict import Verdict
 from tests.scenarios.in_process import evaluator, rub_harder
 
@@ -177,14 +176,6 @@ def test_everything_that_is_asked_is_known_beforehand(tmp_path) -> None:
         asked.progress = lambda _variant, count: told.append(count)
         scenario.run([REFERENCE], asked)
     assert sum(told) == len(set(scenario.questions([REFERENCE]))) == 6
-
-
-def test_error_of_a_first_order_scheme_is_covered_by_three_step_sizes() -> None:
-    """Errors 4e, 2e, e: the estimate is 2 e times the safety; of an array the largest entry counts."""
-    assert error_of_finest([1.4, 1.2, 1.1]) == pytest.approx(1.25 * 0.2)
-    assert error_of_finest([np.array([0.0, 4.0]), np.array([0.0, 2.0]), np.array([0.0, 1.0])]) == pytest.approx(2.5)
-    with pytest.raises(ParameterError, match="2 step sizes; allowed: 3"):
-        error_of_finest([1.0, 2.0])
 
 
 def test_example_record_is_its_formula_and_small(tmp_path) -> None:

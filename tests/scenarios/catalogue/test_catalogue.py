@@ -13,9 +13,10 @@ from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.den_hartog import POINTS, expected_motion
 from scenarios.catalogue.figure3 import EDGE, LOWER_EDGES
 from scenarios.catalogue.linear_limits import LOCKING_FRICTION
-from scenarios.catalogue.steady_base import LONGEST_SECONDS, SAME_STEP, TRANSMITTANCE, SteadyScenario
+from scenarios.catalogue.steady_base import LONGEST_SECONDS, SAME_STEP, SteadyScenario
 from scenarios.catalogue.unequal_cells import SEED
 from scenarios.tasks.result import Result
+from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.verdict import Verdict
 from tests.reference_lcp.cases import STANDING
 

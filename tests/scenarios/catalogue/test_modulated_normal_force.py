@@ -7,7 +7,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp.validation import ParameterError
-from scenarios.catalogue.modulated_normal_force import AIR, CASES, GAP, TRANSMITTANCE, ModulatedNormalForce
+from scenarios.catalogue.modulated_normal_force import AIR, CASES, GAP, ModulatedNormalForce
 from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
@@ -15,6 +15,7 @@ from scenarios.execution.store import ResultStore
 from scenarios.tasks.parameters import Modulation
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
+from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.verdict import Verdict
 
 REFERENCE, OTHER = Variant("reference"), Variant("mujoco", "contact")

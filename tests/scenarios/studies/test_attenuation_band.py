@@ -55,14 +55,18 @@ def test_edges_are_refined_to_the_resolution_in_all_curves_at_once() -> None:
         return np.tanh(30 * (shifts[index] - eta)) + 0.2 * (shifts[index] - eta)
 
     found = refined_crossings([(0.0, 0.3), (0.2, 0.9), (0.25, 0.45)], curves, BAND)
-    assert found == pytest.approx(shifts, abs=EDGE_RESOLUTION)
+    assert [crossing.frequency_ratio for crossing in found] == pytest.approx(shifts, abs=EDGE_RESOLUTION)
+    assert [crossing.slope for crossing in found[:2]] == pytest.approx([-30.2] * 2, rel=1e-3)
+    assert all(0 < crossing.width <= EDGE_RESOLUTION for crossing in found[:2])
+    # the search has met the third one exactly
+    assert found[2].width == 0
 
 
 def test_refinement_that_meets_a_point_without_an_answer_gives_nan() -> None:
     def curve(index, eta):
         return np.where(np.abs(eta - 0.5) < 0.4, np.nan, 1 - 2 * eta)
 
-    assert np.isnan(refined_crossings([(0.0, 1.0)], curve, BAND)).all()
+    assert [np.isnan(crossing.frequency_ratio) for crossing in refined_crossings([(0.0, 1.0)], curve, BAND)] == [True]
 
 
 def test_crossing_hidden_between_points_close_below_the_threshold_is_looked_for() -> None:

@@ -2,20 +2,22 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from scenarios.tasks.result import Result
-from scenarios.verdicts.verdict import (
-    EDGE_TOLERANCE,
-    Tolerance,
-    Verdict,
-    allowed_difference_db,
-    compare,
-    compare_edge,
-    compare_transmittance,
-    scheme_bar,
-    step_estimate,
-)
+from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE, Metric
+from scenarios.verdicts.judge import Steps, decide, judge, metric_difference, missing
+from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
+
+NUMBER = Metric("number", "dB", "made up")
+
+
+def compared(result: Result, expected: Result, tolerance_db: float) -> Comparison:
+    """Compare two steady states by a tolerance that is given."""
+    gap = missing("engine", [result]) or missing("reference", [expected])
+    given = Tolerance(given=tolerance_db)
+    return gap or decide(TRANSMITTANCE, result.transmittance_db, expected.transmittance_db, given)
 
 
 def answer(db, status="converged", **more) -> Result:
@@ -27,23 +29,26 @@ def answer(db, status="converged", **more) -> Result:
     [(-10.0, Verdict.AGREE), (-9.981, Verdict.AGREE), (-9.979, Verdict.DISAGREE), (-10.03, Verdict.DISAGREE)],
 )
 def test_difference_within_the_tolerance_agrees(db, verdict) -> None:
-    comparison = compare_transmittance(answer(db), answer(-10.0), 0.02)
+    comparison = compared(answer(db), answer(-10.0), 0.02)
     assert comparison.verdict is verdict
     assert comparison.difference == pytest.approx(db + 10)
 
 
 def test_tolerance_below_the_floor_is_the_amplitude_that_it_is_at_the_floor() -> None:
-    assert allowed_difference_db(-59.0, 0.25) == pytest.approx(0.25)
-    assert allowed_difference_db(-60.0, 0.25) == pytest.approx(0.25)
+    """A change of 0.25 dB at the floor, and the same change of amplitude far below it; above it, dB are dB."""
     at_floor = 1e-3 * (10 ** (0.25 / 20) - 1)
-    deep = 10 ** (-100 / 20)
-    assert allowed_difference_db(-100.0, 0.25) == pytest.approx(20 * math.log10(1 + at_floor / deep))
+    for level in (-60.0, -100.0):
+        more = 20 * math.log10(10 ** (level / 20) + at_floor)
+        assert metric_difference(TRANSMITTANCE, more, level) == pytest.approx(0.25, rel=0.02)
+    assert metric_difference(TRANSMITTANCE, -58.75, -59.0) == pytest.approx(0.25)
+    assert TRANSMITTANCE.scaled(FLOOR_DB - 1e-9) == pytest.approx(FLOOR_DB - 1e-9, abs=1e-12)
+    assert TRANSMITTANCE.scaled(-math.inf) == pytest.approx(FLOOR_DB - 20 / math.log(10))
 
 
 def test_no_steady_state_is_inconclusive_and_says_whose() -> None:
     stuck = answer(-10.0, status="period limit")
     for one, other, whose in ((stuck, answer(-10.0), "engine"), (answer(-10.0), stuck, "reference")):
-        comparison = compare_transmittance(one, other, 0.02)
+        comparison = compared(one, other, 0.02)
         assert comparison.verdict is Verdict.INCONCLUSIVE
         assert comparison.reason.startswith(f"{whose}: period limit after 30 periods")
 
@@ -53,28 +58,13 @@ def test_no_steady_state_is_inconclusive_and_says_whose() -> None:
 )
 def test_motion_without_a_steady_state_is_named_by_its_own_period(multiple: int, ending: str) -> None:
     late = answer(-10.0, status="period limit", multiple=multiple)
-    assert compare_transmittance(late, answer(-10.0), 0.02).reason.endswith(ending)
+    assert compared(late, answer(-10.0), 0.02).reason.endswith(ending)
 
 
 def test_missing_engine_is_blocked_with_its_reason() -> None:
-    comparison = compare_transmittance(Result.blocked("not installed:\n no wheel"), answer(-10.0), 0.02)
+    comparison = compared(Result.blocked("not installed:\n no wheel"), answer(-10.0), 0.02)
     assert comparison.verdict is Verdict.BLOCKED
     assert comparison.reason == "not installed: no wheel"
-
-
-@pytest.mark.parametrize(
-    ("edge", "converged", "verdict"),
-    [
-        (0.8, 0.8 + 0.9 * EDGE_TOLERANCE, Verdict.AGREE),
-        (0.8, 0.8 + 1.1 * EDGE_TOLERANCE, Verdict.DISAGREE),
-        (None, None, Verdict.AGREE),
-        (None, 0.8, Verdict.DISAGREE),
-        (0.8, None, Verdict.DISAGREE),
-        (math.nan, 0.8, Verdict.INCONCLUSIVE),
-    ],
-)
-def test_edges_are_compared_with_the_converged_reference(edge, converged, verdict) -> None:
-    assert compare_edge(edge, converged).verdict is verdict
 
 
 def values(first, second, steps=(1.0, 0.5, 0.25)):
@@ -82,23 +72,35 @@ def values(first, second, steps=(1.0, 0.5, 0.25)):
     return [-3.0 + first * step + second * step**2 for step in steps]
 
 
-@pytest.mark.parametrize(("first", "second"), [(0.1, 0.0), (0.0, 0.1), (0.1, -0.1), (0.1, -0.2), (-0.1, 0.3)])
-def test_bar_of_three_steps_covers_the_error_of_the_middle_one(first, second) -> None:
-    """For (0.1, −0.2) the two middle values are both off by nothing or by little."""
-    _, middle, _ = found = values(first, second)
-    assert scheme_bar(*found) >= abs(middle + 3.0)
-
-
 def test_estimate_from_two_steps_covers_a_first_order_error() -> None:
     coarse, fine, _ = values(0.1, 0.0)
-    assert abs(fine + 3.0) < step_estimate(coarse, fine) < 1.3 * abs(fine + 3.0)
+    assert abs(fine + 3.0) < Steps({400: coarse, 800: fine}).error(NUMBER) < 1.3 * abs(fine + 3.0)
+
+
+def test_a_number_with_one_step_has_no_error_of_its_own() -> None:
+    assert Steps({400: -3.0}).error(NUMBER) == 0.0
+    assert judge(NUMBER, Steps({400: -3.0}), -3.0).verdict is Verdict.AGREE
+    assert judge(NUMBER, Steps({400: -3.0}), -2.9).verdict is Verdict.DISAGREE
+
+
+def test_why_there_is_no_number_is_the_verdict() -> None:
+    gap = Comparison(Verdict.BLOCKED, "no wheel")
+    assert judge(NUMBER, gap, 1.0) is gap
+
+
+def test_of_arrays_the_largest_difference_is_judged_by_the_largest_error() -> None:
+    own = Steps({1: np.array([0.0, 0.4]), 2: np.array([0.0, 0.2])})
+    found = judge(NUMBER, own, np.array([0.24, 0.0]))
+    assert (found.difference, found.tolerance) == pytest.approx((0.24, 1.25 * 0.2))
+    assert found.verdict is Verdict.AGREE
+    assert judge(NUMBER, own, np.array([0.26, 0.0])).verdict is Verdict.DISAGREE
 
 
 def test_verdict_names_the_largest_part_of_what_is_allowed() -> None:
     tolerance = Tolerance(reference=0.1, engine=0.2, resolution=0.05, scheme=0.15)
     assert tolerance.allowed == pytest.approx(0.35)
-    assert compare(1.34, 1.0, tolerance, "dB").verdict is Verdict.AGREE
-    found = compare(0.64, 1.0, tolerance, "dB")
+    assert decide(NUMBER, 1.34, 1.0, tolerance).verdict is Verdict.AGREE
+    found = decide(NUMBER, 0.64, 1.0, tolerance)
     assert found.verdict is Verdict.DISAGREE
     assert found.reason == "difference -0.36 dB, allowed 0.35, mostly the engine's own step (0.2)"
     lucky = Tolerance(reference=0.1, engine=0.0, resolution=0.05, scheme=0.15)
@@ -106,5 +108,5 @@ def test_verdict_names_the_largest_part_of_what_is_allowed() -> None:
 
 
 def test_nothing_to_compare_is_inconclusive() -> None:
-    assert compare(math.nan, 1.0, Tolerance(0.1, 0.1)).verdict is Verdict.INCONCLUSIVE
-    assert compare(1.0, 1.0, Tolerance(math.nan, 0.1)).verdict is Verdict.INCONCLUSIVE
+    assert decide(NUMBER, math.nan, 1.0, Tolerance(reference=0.1, engine=0.1)).verdict is Verdict.INCONCLUSIVE
+    assert decide(NUMBER, 1.0, 1.0, Tolerance(reference=math.nan, engine=0.1)).verdict is Verdict.INCONCLUSIVE

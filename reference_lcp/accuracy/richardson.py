@@ -1,0 +1,120 @@
+"""How far a number is from its limit for ever finer steps: the one estimate of the suite.
+
+A number that is computed with n steps a period is v(n) = v* + c / n + d / n² + …, for a scheme of first order. Several
+looks at its error |v(n) − v*| are taken, and the largest counts, times `SAFETY`:
+
+- of every two neighbouring numbers of steps a < b, the first-order part alone: |v(a) − v(b)| / (1/a − 1/b) / n;
+- of every three neighbours that n is one of, both parts: |v(n) − p(0)|, p being the parabola through the three in 1/n;
+- of the finest of three or more, the sum of what the last two pairs say: nothing finer stands beside it, and where
+  contacts stick and slip between the steps, c depends on where.
+
+One difference may vanish by chance where the error does not. For 1, 1/2 and 1/4 of a step, the error of the first is
+2 |v1 − v2| or 4 |v2 − v4|, and that of the last |v1 − v2| / 2 + |v2 − v4| or |5 (v4 − v2) − (v2 − v1)| / 3.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from reference_lcp.validation import FloatArray, ParameterError
+
+SAFETY = 1.25
+"""Factor on the error that the differences of steps show.
+
+Of 200 random chains (cells 1…10, ratios over a decade each) the plain estimate covers the true error of the coarsest
+of three step sizes in 93 %, with this factor in 99 %, and is 1.4 times the true error in the median.
+"""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number at one number of steps, and how far it is from the limit for ever finer ones.
+
+    Parameters
+    ----------
+    value
+        The number, shape () or that of each of the values.
+    error
+        Estimated largest |value − limit|, >= 0, of the same shape.
+    order
+        Order that the last three values show, by their largest differences; NaN unless the steps of the three grow by
+        one factor and the differences are not zero. Far from one, the steps are too coarse for the motion, or a
+        grazing contact changes its mode between them.
+    extrapolated
+        Limit of the first-order part, from the two finest steps; shape of the value.
+    """
+
+    value: FloatArray
+    error: FloatArray
+    order: float
+    extrapolated: FloatArray
+
+
+def richardson(
+    steps: Sequence[int], values: Sequence[float] | Sequence[FloatArray] | FloatArray, at: int | None = None
+) -> Estimate:
+    """Estimate the error of a number from its values with several step sizes, of a scheme of first order.
+
+    Parameters
+    ----------
+    steps
+        Numbers of steps a period, ascending; at least two.
+    values
+        What came of each, numbers or arrays of one shape. NaN is passed on: a value that is not known leaves the error
+        unknown.
+    at
+        Number of steps whose value is judged, one of `steps`; without it, the finest.
+
+    Raises
+    ------
+    ParameterError
+        If there are fewer than two numbers of steps, if they do not ascend, or if `at` is none of them.
+    """
+    array = np.asarray(values, dtype=np.float64)
+    counts = np.asarray(steps, dtype=np.float64)
+    if counts.size < 2 or np.any(np.diff(counts) <= 0) or counts[0] <= 0 or counts.size != array.shape[0]:
+        raise ParameterError(
+            f"steps = {list(steps)} with {array.shape[0]} values; allowed: two at least, ascending, a value for each"
+        )
+    if at is not None and at not in steps:
+        raise ParameterError(f"at = {at}; allowed: one of {list(steps)}")
+    place = counts.size - 1 if at is None else list(steps).index(at)
+    sizes = 1 / counts
+    pairs = _first_order(sizes, array, place)
+    if place == counts.size - 1:
+        pairs.append(sum(pairs[-2:], np.zeros(array.shape[1:])))
+    errors = [*pairs, *_second_order(sizes, array, place)]
+    finest = (array[-1] - array[-2]) * sizes[-1] / (sizes[-2] - sizes[-1])
+    return Estimate(
+        value=array[place],
+        error=SAFETY * np.max(errors, axis=0),
+        order=_order(counts, array),
+        extrapolated=array[-1] + finest,
+    )
+
+
+def _first_order(sizes: FloatArray, values: FloatArray, place: int) -> list[FloatArray]:
+    """Error at a place by the first-order part, from every two neighbours."""
+    return [np.abs(np.diff(values[k : k + 2], axis=0)[0]) / (a - b) * sizes[place]
+            for k, (a, b) in enumerate(pairwise(sizes))]  # fmt: skip
+
+
+def _second_order(sizes: FloatArray, values: FloatArray, place: int) -> list[FloatArray]:
+    """Error at a place by both parts, from every three neighbours that it is one of."""
+    errors = []
+    for first in range(max(place - 2, 0), min(place, sizes.size - 3) + 1):
+        three = sizes[first : first + 3]
+        weights = [math.prod(b / (b - a) for b in three if b != a) for a in three]
+        errors.append(np.abs(values[place] - np.tensordot(weights, values[first : first + 3], axes=1)))
+    return errors
+
+
+def _order(counts: FloatArray, values: FloatArray) -> float:
+    """Order that the last three values show."""
+    if counts.size < 3 or not math.isclose(counts[-2] ** 2, counts[-1] * counts[-3]):
+        return math.nan
+    coarse, fine = (float(np.max(np.abs(part))) for part in np.diff(values[-3:], axis=0))
+    return math.log(coarse / fine) / math.log(counts[-1] / counts[-2]) if coarse > 0 and fine > 0 else math.nan

@@ -1,0 +1,77 @@
+"""Edges of the attenuation band, beside those of the converged reference.
+
+An edge is where a curve crosses a threshold: a change δ of the transmittance [dB] moves it by δ / slope. What is
+allowed at the two points of the grid around the edge, over the slope of the converged curve there, is therefore what
+is allowed of the edge, and the widths to which both edges are bracketed besides.
+"""
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from scenarios.verdicts.finding import Metric
+from scenarios.verdicts.judge import decide
+from scenarios.verdicts.pointwise import CONVERGED, PointResults, point_tolerance, unless_own_error_is_unknown
+from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
+
+EDGE = Metric("band edge", "in η_r", "where the transmittance crosses the threshold of the attenuation band")
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Where a curve crosses the threshold, as a refinement by simulations has found it.
+
+    Parameters
+    ----------
+    frequency_ratio
+        η_r; NaN where the refinement met a point without a steady state.
+    slope
+        Of the transmittance between the ends of the bracket [dB]; per unit of η_r.
+    width
+        Of the bracket in η_r.
+    residual_db
+        What motions that decided a side without being certified leave open of their transmittance [dB].
+    """
+
+    frequency_ratio: float
+    slope: float = math.nan
+    width: float = 0.0
+    residual_db: float = 0.0
+
+
+def compare_edge(edge: Crossing | None, converged: Crossing | None, around: Sequence[PointResults] = ()) -> Comparison:
+    """Compare a band edge with the converged reference's.
+
+    Parameters
+    ----------
+    edge, converged
+        Of the variant and of the converged reference; ``None`` is an edge outside the grid.
+    around
+        What is known at the points of the grid on either side of the converged edge.
+    """
+    if edge is None and converged is None:
+        return Comparison(Verdict.AGREE, "no such edge on the grid, for the reference neither")
+    if edge is None or converged is None:
+        which = "reference" if edge is None else "engine"
+        return Comparison(Verdict.DISAGREE, f"only the {which} has this edge on the grid")
+    if math.isnan(edge.frequency_ratio) or math.isnan(converged.frequency_ratio):
+        return Comparison(Verdict.INCONCLUSIVE, "the refinement met a point without a steady state")
+    known = [point for point in around if point.answer.converged and point.converged.converged]
+    tolerance = _edge_tolerance(edge, converged, known)
+    comparison = decide(EDGE, edge.frequency_ratio, converged.frequency_ratio, tolerance)
+    if comparison.verdict is Verdict.DISAGREE and not known:
+        reason = f"{comparison.reason}; no steady state beside it tells its own error"
+        return dataclasses.replace(comparison, verdict=Verdict.INCONCLUSIVE, reason=reason)
+    for point in known:
+        comparison = unless_own_error_is_unknown(point, comparison)
+    return comparison
+
+
+def _edge_tolerance(edge: Crossing, converged: Crossing, known: Sequence[PointResults]) -> Tolerance:
+    """Derive how far an edge may be from the converged one in η_r: of every part, the larger of both sides counts."""
+    sides = [dataclasses.asdict(point_tolerance(point, CONVERGED)) for point in known]
+    largest = {part: max((side[part] for side in sides), default=0.0) for part in dataclasses.asdict(Tolerance())}
+    largest["resolution"] += edge.residual_db + converged.residual_db
+    found = Tolerance(**largest).over(converged.slope)
+    return dataclasses.replace(found, resolution=found.resolution + edge.width + converged.width)

@@ -1,0 +1,137 @@
+"""The one judge: a number with several step sizes, beside what is expected of it.
+
+    |difference| <= error of what is expected + larger of (own error, error of the scheme at this step) + resolution
+
+All errors of steps are those of `reference_lcp.accuracy.richardson`.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference_lcp.accuracy.richardson import richardson
+from reference_lcp.validation import FloatArray
+from scenarios.tasks.result import Result, ResultStatus, repetition
+from scenarios.verdicts.finding import Metric
+from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
+
+Number = float | FloatArray
+"""What is judged: a number, or an array whose largest difference counts."""
+
+
+@dataclass(frozen=True)
+class Steps:
+    """What one simulation gives with several step sizes.
+
+    Parameters
+    ----------
+    values
+        Numbers, or arrays of one shape, by steps a period.
+    at
+        Number of steps whose value is judged; without it, the largest.
+    """
+
+    values: Mapping[int, Number]
+    at: int | None = None
+
+    @property
+    def judged(self) -> Number:
+        """The value that is judged."""
+        return self.values[max(self.values) if self.at is None else self.at]
+
+    def error(self, metric: Metric) -> float:
+        """Estimate the error of the judged value on the scale of the metric; zero where there is one step only."""
+        if len(self.values) == 1:
+            return 0.0
+        steps = sorted(self.values)
+        scaled = np.array([_scaled(metric, self.values[count]) for count in steps])
+        return float(np.max(richardson(steps, scaled, self.at).error))
+
+
+def judge(
+    metric: Metric,
+    values: Steps | Comparison,
+    expected: Number,
+    *,
+    bar: float = 0.0,
+    scheme: Steps | None = None,
+    resolution: float = 0.0,
+    own: float = 0.0,
+) -> Comparison:
+    """Compare what a variant gives with what is expected.
+
+    Parameters
+    ----------
+    metric
+        What is compared.
+    values
+        Of the variant, by steps; or why there are none, which is the verdict then.
+    expected
+        What is expected, a number or an array of the values' shape.
+    bar
+        Error bar of it, >= 0.
+    scheme
+        The reference's values at the steps of the variant; without it, the variant has its own error alone.
+    resolution
+        What neither can resolve, >= 0.
+    own
+        Least error that the variant's own value has, where something else than its steps tells.
+    """
+    if isinstance(values, Comparison):
+        return values
+    tolerance = Tolerance(
+        reference=bar,
+        engine=max(values.error(metric), own),
+        scheme=0.0 if scheme is None else scheme.error(metric),
+        resolution=resolution,
+    )
+    return decide(metric, values.judged, expected, tolerance)
+
+
+def decide(metric: Metric, value: Number, expected: Number, tolerance: Tolerance) -> Comparison:
+    """Say whether a value is as near to what is expected as is allowed; NaN on either side is inconclusive."""
+    difference = metric_difference(metric, value, expected)
+    if math.isnan(difference) or math.isnan(tolerance.allowed):
+        return Comparison(Verdict.INCONCLUSIVE, "there is no number to compare", difference)
+    verdict = Verdict.AGREE if abs(difference) <= tolerance.allowed else Verdict.DISAGREE
+    space = f" {metric.unit}" if metric.unit else ""
+    reason = f"difference {difference:+.2g}{space}, allowed {tolerance}"
+    return Comparison(verdict, reason, difference, tolerance.allowed)
+
+
+def metric_difference(metric: Metric, value: Number, expected: Number) -> float:
+    """Difference on the scale of the metric; of arrays, the largest in size."""
+    difference = np.subtract(_scaled(metric, value), _scaled(metric, expected))
+    return float(difference) if difference.ndim == 0 else float(np.max(np.abs(difference)))
+
+
+def missing(whose: str, results: Iterable[Result]) -> Comparison | None:
+    """Say why there is nothing to compare; ``None`` where every steady state is certified, every motion finished.
+
+    Parameters
+    ----------
+    whose
+        Begins the reason of what is inconclusive; empty for nothing.
+    results
+        What is needed for a comparison; the first that is not there counts.
+    """
+    for result in results:
+        if result.status in (ResultStatus.CONVERGED, ResultStatus.FINISHED):
+            continue
+        if result.status is ResultStatus.BLOCKED:
+            return Comparison(Verdict.BLOCKED, result.reason)
+        reason = result.reason
+        if result.status is not ResultStatus.MISSING:
+            reason = f"{result.status} after {result.periods} periods, residual {result.residual:.1e}"
+            reason += repetition(result.multiple)
+        return Comparison(Verdict.INCONCLUSIVE, f"{whose}: {reason}" if whose else reason)
+    return None
+
+
+def _scaled(metric: Metric, value: Number) -> Number:
+    """Give a number, or every one of an array, on the scale of the metric."""
+    if metric.floor_db == -math.inf:
+        return value
+    return np.vectorize(metric.scaled, otypes=[float])(value) if isinstance(value, np.ndarray) else metric.scaled(value)
