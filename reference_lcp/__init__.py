@@ -19,9 +19,7 @@ from reference_lcp.exact.exact_orbit import ExactPeriod
 from reference_lcp.lcp.frictional_system import FrictionalSystem, SystemTrajectory, simulate_system
 from reference_lcp.lcp.inclined_chain import InclinedChain
 from reference_lcp.lcp.lemke import LemkeResult, LemkeStatus, lemke, natural_residual
-from reference_lcp.lcp.lemke_compiled import lemke_compiled
 from reference_lcp.lcp.time_step import (
-    LCP_SOLVERS,
     ContactImpulses,
     FrictionalStep,
     StepFailed,
@@ -55,7 +53,6 @@ from reference_lcp.stepping.euler_lemke import LemkeSimulation, chain_step
 from reference_lcp.validation import ParameterError
 
 __all__ = [
-    "LCP_SOLVERS",
     "SOLVERS",
     "Chain",
     "CompiledSimulation",
@@ -110,7 +107,6 @@ __all__ = [
     "fundamental",
     "largest_gap",
     "lemke",
-    "lemke_compiled",
     "measured_error_bar",
     "natural_residual",
     "open_fraction",

@@ -6,12 +6,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference_lcp.lcp.time_step import LCP_SOLVERS, ContactImpulses, FrictionalStep, StepFailed, advanced, solve_step
+from reference_lcp.lcp.time_step import ContactImpulses, FrictionalStep, StepFailed, advanced, solve_step
 from reference_lcp.validation import (
     FloatArray,
     ParameterError,
     checked_array,
-    checked_choice,
     checked_count,
     checked_scalar,
 )
@@ -73,7 +72,6 @@ def simulate_system(
     time_step: float,
     steps: int,
     start: int = 0,
-    solver: str = "lemke",
 ) -> SystemTrajectory:
     """Advance `system` by equations (5) and (7), Lemke's method in every step.
 
@@ -89,8 +87,6 @@ def simulate_system(
         Number of steps, >= 1.
     start
         Index of the first step, >= 0: the motion starts at time ``start * time_step``.
-    solver
-        One of `LCP_SOLVERS`. Both start from the basis of the step before.
 
     Raises
     ------
@@ -100,7 +96,6 @@ def simulate_system(
         If an argument is outside its range or does not fit the system.
     """
     dt = checked_scalar("time_step", time_step, "> 0")
-    checked_choice("solver", solver, LCP_SOLVERS)
     u, q = _checked_state("position", position, system), _checked_state("velocity", velocity, system)
     first = checked_count("start", start, 0)
     ends = np.arange(first + 1, first + checked_count("steps", steps) + 1, dtype=np.float64)
@@ -108,17 +103,17 @@ def simulate_system(
     basis = None
     for row in range(record.time.size):
         step = system.step(dt * (first + row), u, q, dt)
-        impulses = _solved_step(step, solver, basis, first + row)
+        impulses = _solved_step(step, basis, first + row)
         u, q = advanced(step, impulses, u)
         basis = impulses.basic
         _write(record, row, u, q, impulses, dt)
     return record
 
 
-def _solved_step(step: FrictionalStep, solver: str, basis: NDArray[np.bool_] | None, index: int) -> ContactImpulses:
+def _solved_step(step: FrictionalStep, basis: NDArray[np.bool_] | None, index: int) -> ContactImpulses:
     """Solve one step, and say which one it was where that fails."""
     try:
-        return solve_step(step, solver=solver, warm_start=basis)
+        return solve_step(step, warm_start=basis)
     except StepFailed as failure:
         raise StepFailed(f"step {index} at t = {index * step.time_step:.6g} s: {failure}") from failure
 

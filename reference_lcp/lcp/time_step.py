@@ -10,7 +10,6 @@ follows the derivation:
   G_T h Δt, and W_Tᵀ q Δt without the tilde.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,13 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_lcp.lcp.lemke import LemkeResult, lemke
-from reference_lcp.lcp.lemke_compiled import lemke_compiled
-from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_choice, checked_scalar
+from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_scalar
 
-_LCP_SOLVERS: dict[str, Callable[..., LemkeResult]] = {"lemke": lemke, "compiled": lemke_compiled}
+PATHS = 8
+"""Paths of Lemke's method that a step tries: where the first ends without a solution, another may have one.
 
-LCP_SOLVERS = tuple(_LCP_SOLVERS)
-"""Names of the implementations of Lemke's method: NumPy to read, numba to run; both follow the same path."""
+Equation (7) is of no class for which one path is enough: where friction lets a pressed contact approach all the more,
+a path may end on a ray beside a solution.
+"""
 
 
 class StepFailed(RuntimeError):
@@ -223,30 +223,23 @@ def assemble_given_normal_force(step: FrictionalStep, normal: FloatArray) -> tup
     return matrix, np.concatenate([step.c_t + step.g_tn @ normal - step.g_tt @ bound, 2 * bound])
 
 
-def solve_step(
-    step: FrictionalStep, *, solver: str = "lemke", warm_start: NDArray[np.bool_] | None = None
-) -> ContactImpulses:
+def solve_step(step: FrictionalStep, *, warm_start: NDArray[np.bool_] | None = None) -> ContactImpulses:
     """Solve equation (7) by Lemke's method.
 
     Parameters
     ----------
     step
         The data of the step.
-    solver
-        One of `LCP_SOLVERS`.
     warm_start
         `ContactImpulses.basic` of the step before: contacts that keep their modes need no pivot then.
 
     Raises
     ------
     StepFailed
-        If Lemke's method does not end with a solution.
-    ParameterError
-        If `solver` is unknown.
+        If none of the paths of Lemke's method ends with a solution.
     """
-    method = _LCP_SOLVERS[checked_choice("solver", solver, LCP_SOLVERS)]
     dt, c = step.time_step, step.contacts
-    result = _solved(method(*assemble(step), warm_start=warm_start))
+    result = _solved(lemke(*assemble(step), warm_start=warm_start, paths=PATHS))
     normal = result.z[:c] / dt
     tangential = result.z[c : 2 * c] / dt - step.friction_coefficient * normal
     slip = (result.w[c : 2 * c] - result.z[2 * c :]) / dt
@@ -254,15 +247,14 @@ def solve_step(
 
 
 def solve_step_given_normal_force(
-    step: FrictionalStep, normal: FloatArray, *, solver: str = "lemke", warm_start: NDArray[np.bool_] | None = None
+    step: FrictionalStep, normal: FloatArray, *, warm_start: NDArray[np.bool_] | None = None
 ) -> ContactImpulses:
     """Solve the friction part of equation (7) for a given Λ_N [N s], shape (c,), by Lemke's method.
 
-    `solver`, `warm_start` and what is raised are as in `solve_step`.
+    `warm_start` and what is raised are as in `solve_step`.
     """
-    method = _LCP_SOLVERS[checked_choice("solver", solver, LCP_SOLVERS)]
     c = step.contacts
-    result = _solved(method(*assemble_given_normal_force(step, normal), warm_start=warm_start))
+    result = _solved(lemke(*assemble_given_normal_force(step, normal), warm_start=warm_start, paths=PATHS))
     tangential = result.z[:c] - step.friction_coefficient * normal
     return ContactImpulses(normal, tangential, None, result.w[:c] - result.z[c:], result.basic)
 

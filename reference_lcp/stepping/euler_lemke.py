@@ -12,7 +12,7 @@ from reference_lcp.validation import FloatArray
 
 
 class LemkeSimulation(SequentialSimulation):
-    """The Euler scheme with Lemke's method in every step; a `Simulation`, readable and slow."""
+    """The Euler scheme with Lemke's method in every step; a `Simulation`, slower than the closed form."""
 
     def __init__(self, lanes: list[Lane] | tuple[Lane, ...]):
         common_cells(lanes)

@@ -45,8 +45,7 @@ def equation_7(lane, steps):
         modulation_frequency=lane.preload.angular_frequency, modulation_phase=lane.preload.phase,
     )  # fmt: skip
     return simulate_system(
-        preloaded, position=np.zeros(21), velocity=np.zeros(21), time_step=lane.time_step, steps=steps,
-        solver="compiled",
+        preloaded, position=np.zeros(21), velocity=np.zeros(21), time_step=lane.time_step, steps=steps
     )  # fmt: skip
 
 

@@ -63,14 +63,13 @@ def push_of(mu, factor, *, width=1.0, push_height=1.2, mass=2.0):
     return factor * mass * GRAVITY * min(mu, width / (2 * push_height))
 
 
-@pytest.mark.parametrize("solver", ["lemke", "compiled"])
 @pytest.mark.parametrize(("ratio", "slides"), [(0.7, True), (0.97, True), (1.03, False), (1.5, False)])
-def test_pushed_box_slides_where_mu_is_below_half_its_width_over_the_height_of_the_push(ratio, slides, solver) -> None:
+def test_pushed_box_slides_where_mu_is_below_half_its_width_over_the_height_of_the_push(ratio, slides) -> None:
     """Two contacts coupled through M: beyond μ = b/(2 h) the box tips about its front foot instead."""
     mu = ratio * 1.0 / (2 * 1.2)
     motion = simulate_system(
         pushed_box(mu=mu, push=push_of(mu, 1.01)), position=np.zeros(3), velocity=np.zeros(3),
-        time_step=1e-3, steps=300, solver=solver,
+        time_step=1e-3, steps=300,
     )  # fmt: skip
     if slides:
         assert np.max(np.abs(motion.normal_gap)) < ROUND_OFF
@@ -172,7 +171,7 @@ def test_block_lifts_off_and_lands_when_the_closed_form_says() -> None:
         dt = 2 * math.pi / omega / steps
         motion = simulate_system(
             block_on_a_table(amplitude, omega), position=[0.0], velocity=[amplitude * omega],
-            time_step=dt, steps=int(0.95 * steps), solver="compiled",
+            time_step=dt, steps=int(0.95 * steps),
         )  # fmt: skip
         flying = motion.normal_force[:, 0] == 0
         assert abs(motion.time[np.argmax(flying)] - off) <= 2 * dt
@@ -220,7 +219,7 @@ def test_block_on_a_fast_oscillating_belt_moves_in_the_known_triangle_wave() -> 
     dt = 2 * math.pi / omega / 1000
     motion = simulate_system(
         block_on_a_belt(mu, lambda t: belt * math.cos(omega * t), lambda t: -belt * omega * math.sin(omega * t)),
-        position=[0, 0], velocity=[0, 0], time_step=dt, steps=12_000, solver="compiled",
+        position=[0, 0], velocity=[0, 0], time_step=dt, steps=12_000,
     )  # fmt: skip
     last = motion.velocities[-1000:, 0]
     assert (last.max() - last.min()) / 2 == pytest.approx(mu * GRAVITY * math.pi / (2 * omega), rel=5e-3)
@@ -250,7 +249,7 @@ def test_bead_pushed_by_a_rotating_arm_slides_out_as_the_closed_form_says(mu) ->
     for steps in (250, 500, 1000, 2000, 4000):
         motion = simulate_system(
             System(2, 1, step), position=[radius, 0.0], velocity=[0.0, omega * radius],
-            time_step=end / steps, steps=steps, solver="compiled",
+            time_step=end / steps, steps=steps,
         )  # fmt: skip
         errors.append(abs(np.linalg.norm(motion.positions[-1]) / exact - 1))
     assert fitted_order(errors) == pytest.approx(2.0, abs=0.1)
@@ -282,7 +281,7 @@ def test_bead_in_a_rough_ring_slows_as_one_over_time() -> None:
     for steps in (250, 500, 1000, 2000, 4000):
         motion = simulate_system(
             bead_inside_a_rough_ring(mu, radius), position=[radius, 0.0], velocity=[0.0, speed],
-            time_step=end / steps, steps=steps, solver="compiled",
+            time_step=end / steps, steps=steps,
         )  # fmt: skip
         exact = speed / (1 + mu * speed * motion.time / radius)
         errors.append(np.max(np.abs(motion.relative_velocity[:, 0] - exact)) / speed)
@@ -296,7 +295,7 @@ def test_turning_ring_catches_the_bead_at_the_speed_of_its_rim() -> None:
     caught = radius / mu * (1 / rim - 1 / speed)
     motion = simulate_system(
         bead_inside_a_rough_ring(mu, radius, rim), position=[radius, 0.0], velocity=[0.0, speed],
-        time_step=1e-3, steps=1500, solver="compiled",
+        time_step=1e-3, steps=1500,
     )  # fmt: skip
     stuck = np.abs(motion.relative_velocity[:, 0]) < ROUND_OFF
     assert motion.time[np.argmax(stuck)] == pytest.approx(caught, abs=5e-3)
@@ -333,8 +332,7 @@ def test_two_runs_equal_one() -> None:
     assert second.time == pytest.approx(whole.time[150:])
 
 
-@pytest.mark.parametrize("solver", ["lemke", "compiled"])
-def test_failed_step_is_named_with_its_time(solver) -> None:
+def test_failed_step_is_named_with_its_time() -> None:
     """Two walls close in on a body of one freedom and meet at t = 0.0105 s."""
 
     def step(time, position, velocity, dt):
@@ -345,7 +343,7 @@ def test_failed_step_is_named_with_its_time(solver) -> None:
         )  # fmt: skip
 
     with pytest.raises(StepFailed, match=r"step 10 at t = 0\.01 s: .*ray termination"):
-        simulate_system(System(1, 2, step), position=[0], velocity=[0], time_step=1e-3, steps=50, solver=solver)
+        simulate_system(System(1, 2, step), position=[0], velocity=[0], time_step=1e-3, steps=50)
 
 
 @pytest.mark.parametrize(
@@ -354,7 +352,6 @@ def test_failed_step_is_named_with_its_time(solver) -> None:
         ({"time_step": 0.0}, "time_step = 0"),
         ({"steps": 0}, "steps = 0"),
         ({"start": -1}, "start = -1"),
-        ({"solver": "magic"}, "solver = 'magic' is unknown; allowed: lemke, compiled"),
         ({"position": [0.0, 0.0]}, r"position has shape \(2,\); allowed: \(1,\)"),
         ({"velocity": [np.nan]}, "velocity = nan"),
     ],

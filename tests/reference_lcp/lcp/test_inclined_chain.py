@@ -32,14 +32,13 @@ def flat_chain(cells=7, friction_ratio=0.3, frequency_ratio=0.9):
     return chain, HarmonicBase.from_ratio(chain, frequency_ratio, AMPLITUDE)
 
 
-@pytest.mark.parametrize("solver", ["lemke", "compiled"])
-def test_flat_contacts_under_constant_preload_move_as_the_chain_with_given_normal_force(solver) -> None:
+def test_flat_contacts_under_constant_preload_move_as_the_chain_with_given_normal_force() -> None:
     chain, drive = flat_chain()
     lane, steps = Lane.periodic(chain, drive, 400), 3 * 400
     fast = CompiledSimulation([lane]).run(State.at_rest(1, 7), 0, steps)[0]
     full = simulate_system(
         InclinedChain(chain=chain, drive=drive),
-        position=np.zeros(21), velocity=np.zeros(21), time_step=lane.time_step, steps=steps, solver=solver,
+        position=np.zeros(21), velocity=np.zeros(21), time_step=lane.time_step, steps=steps,
     )  # fmt: skip
     velocity_scale = AMPLITUDE * drive.angular_frequency
     assert np.max(np.abs(full.positions[:, :14] - fast.positions)) <= ROUND_OFF * AMPLITUDE
@@ -185,10 +184,10 @@ def positions_of(pieces, time):
     return np.array(rows)
 
 
-def run_inclined(cell, steps_per_period, solver="compiled"):
+def run_inclined(cell, steps_per_period):
     return simulate_system(
         cell, position=np.zeros(3), velocity=np.zeros(3), time_step=cell.drive.period / steps_per_period,
-        steps=PERIODS * steps_per_period, solver=solver,
+        steps=PERIODS * steps_per_period,
     )  # fmt: skip
 
 
@@ -219,20 +218,13 @@ def test_cell_that_lifts_off_lands_sticks_and_slips_agrees_with_its_events_at_fi
     assert np.max(excess) <= 1e-9 * cell.chain.friction_bound[0]
 
 
-def test_both_implementations_of_lemke_give_the_same_lifting_motion() -> None:
-    cell, _ = inclined_cell(0.4, 0.3, 0.8, 2.0, 2)
-    slow, fast = (run_inclined(cell, 400, solver) for solver in ("lemke", "compiled"))
-    assert np.max(np.abs(slow.positions - fast.positions)) <= ROUND_OFF * AMPLITUDE
-    assert np.allclose(slow.normal_force, fast.normal_force, rtol=0, atol=1e-9 * cell.chain.normal_force[0])
-
-
 def test_seven_inclined_cells_share_their_loads_and_keep_every_contact_law() -> None:
     chain, drive = flat_chain(friction_ratio=0.6, frequency_ratio=0.8)
     row = InclinedChain(
         chain=chain, drive=drive, inclination=0.3, modulation=1.5, modulation_frequency=2 * drive.angular_frequency
     )
     motion = simulate_system(
-        row, position=np.zeros(21), velocity=np.zeros(21), time_step=drive.period / 800, steps=1600, solver="compiled"
+        row, position=np.zeros(21), velocity=np.zeros(21), time_step=drive.period / 800, steps=1600
     )
     normal, bound = motion.normal_force, 0.5 * motion.normal_force
     scale = chain.normal_force[0]

@@ -1,0 +1,386 @@
+"""Lemke's path from basis to basis, and the check of its answer.
+
+Written once: numba compiles it, and with ``NUMBA_DISABLE_JIT=1`` Python runs the same lines.
+
+The path follows the bases B of w − M z − d z0 = q. Every column that a decision needs is solved anew with
+the inverse of B, refined until it solves a system that differs from the given one by round-off, and comes
+with a bound of the error that this leaves: what lies within it is zero, and ratios whose bounds overlap are
+tied. So whether an entry may serve as a pivot, and which rows are tied, follows from the basis at hand.
+"""
+
+from typing import Any
+
+import numba
+import numpy as np
+
+from reference_lcp.lcp.scaling import power_of_two_scaling
+
+BACKWARD_ERROR = 2.0**-48
+"""Relative change of each entry of a system that its computed solution may stand for: 16 units of round-off.
+
+Refinement gets below it in problems of a hundred rows. What a solution x of B x = a is in error by follows from
+it: |B⁻¹| (‖a‖∞ + |B| |x|) times this (Skeel 1979).
+"""
+
+REFINEMENTS = 3
+"""Most refinements of a solution; one is enough unless the inverse has drifted, and is then computed anew."""
+
+CLOSE = 2.0**-20
+"""Ratios farther apart than this, relative to their size or to one, are no tie; of closer ones the errors decide.
+
+A bound of errors that wide would come with a basis of condition 1e9.
+"""
+
+LARGEST_GROWTH = 1e12
+"""Largest scaled z over q of an answer that counts as solved: beyond, q is lost in the round-off of M z."""
+
+RESIDUAL_TOLERANCE = 1e-10
+"""Largest natural residual ‖min(z, w)‖∞ of an answer that counts as solved, in scaled variables."""
+
+ROUND_OFF = 1e-13
+"""Error that each scaled variable may carry, relative to the largest one: round-off in a basis of condition 1,000.
+
+An open contact has Λ_TR = 2 μ Λ_N = 0, of which the solution of its basis leaves round-off; a row made of such
+terms alone is compared with what they may carry, not with itself.
+"""
+
+GOLDEN_RATIO = (5**0.5 - 1) / 2
+"""Its multiples modulo one are spread evenly, no two alike: covering vectors are made of them."""
+
+SOLVED, RAY, LIMIT, BREAKDOWN, REPEATED = range(5)
+"""Status codes, in the order of `LemkeStatus`."""
+
+
+@numba.njit(cache=True, error_model="numpy")
+def solve_lcp(M: Any, q: Any, covering: Any, limit: int, warm_start: Any, paths: int) -> Any:
+    """Solve one problem; for compiled callers.
+
+    Gives z, w, pivots, status code, residual, and which z are basic. `M` is C-contiguous float64, shape
+    (n, n); `q` float64, shape (n,); `covering` and `warm_start`, of truth values, have shape (n,) or are empty.
+    """
+    n = q.size
+    if np.all(q >= 0):
+        return np.zeros(n), q.copy(), 0, SOLVED, 0.0, np.zeros(n, dtype=np.bool_)
+    rows, columns = power_of_two_scaling(M)
+    if warm_start.size > 0:
+        z, w, residual = _solution(M, q, warm_start, rows, columns)
+        if residual <= RESIDUAL_TOLERANCE:
+            return z, w, 0, SOLVED, residual, warm_start.copy()
+    pivots, first = 0, (SOLVED, np.nan, np.zeros(n, dtype=np.bool_))
+    for path in range(paths):
+        cover = rows * covering if path == 0 and covering.size > 0 else _covering(n, path)
+        variables, right = _extended_problem(M, q, rows, columns, cover)
+        basic, code, made = _follow_path(variables, right, limit)
+        pivots, residual = pivots + made, np.nan
+        if code == SOLVED:
+            z, w, residual = _solution(M, q, basic, rows, columns)
+            if residual <= RESIDUAL_TOLERANCE:
+                return z, w, pivots, SOLVED, residual, basic
+            code = BREAKDOWN
+        if path == 0:
+            first = (code, residual, basic)
+    nothing = np.full(n, np.nan)
+    return nothing, nothing, pivots, first[0], first[1], first[2]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _covering(n: int, path: int) -> Any:
+    """Covering vector of a path: ones, then vectors between one and two."""
+    cover = np.ones(n)
+    if path > 0:
+        for i in range(n):
+            cover[i] += ((path - 1) * n + i + 1) * GOLDEN_RATIO % 1.0
+    return cover
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _extended_problem(M: Any, q: Any, rows: Any, columns: Any, cover: Any) -> Any:
+    """The scaled system w − M z − d z0 = q: row v of the array is the column of variable v, of w, z, z0 in turn."""
+    n = q.size
+    variables, right = np.zeros((2 * n + 1, n)), rows * q
+    for i in range(n):
+        variables[i, i] = 1.0
+        variables[2 * n, i] = -cover[i]
+        for j in range(n):
+            variables[n + j, i] = -rows[i] * M[i, j] * columns[j]
+    return variables, right / np.max(np.abs(right))
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _follow_path(variables: Any, q: Any, limit: int) -> Any:
+    """Pivot until z0 leaves; gives which z are basic, the status code and the number of pivots.
+
+    Row k of `columns` is the column of B of the variable `basis[k]`; row j of `inverse` is column j of B⁻¹, and its
+    last row B⁻¹ q. A basis that comes back is found by comparing each with that at the last power of two of pivots
+    (Brent 1980).
+    """
+    n, z0 = q.size, 2 * q.size
+    basis, columns, inverse = np.arange(n), variables[:n].copy(), np.empty((n + 1, n))
+    for k in range(n + 1):
+        _write(inverse, k, variables[k] if k < n else q)
+    inside = np.arange(z0 + 1) < n
+    remembered, differences = inside.copy(), 0
+    entering, row, x, code, pivots = z0, _first_row(q, variables[z0]), variables[z0].copy(), SOLVED, 0
+    while True:
+        leaving = basis[row]
+        basis[row] = entering
+        _write(columns, row, variables[entering])
+        _exchange(inverse, x, row)
+        differences += _swap(inside, remembered, leaving) + _swap(inside, remembered, entering)
+        pivots += 1
+        if leaving == z0:
+            break
+        if differences == 0 or pivots >= limit:
+            code = REPEATED if differences == 0 else LIMIT
+            break
+        if pivots & (pivots - 1) == 0:
+            remembered, differences = inside.copy(), 0
+        entering = leaving + n if leaving < n else leaving - n
+        row, x = _leaving_row(columns, inverse, basis, q, variables[entering])
+        if row < 0:
+            code = RAY
+            break
+    return inside[n:z0].copy(), code, pivots
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _swap(inside: Any, remembered: Any, variable: int) -> int:
+    """Let a variable enter or leave; gives by how much the basis differs more from the one remembered."""
+    inside[variable] = not inside[variable]
+    return 1 if inside[variable] != remembered[variable] else -1
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _write(rows: Any, row: int, values: Any) -> None:
+    """Write one row."""
+    for i in range(values.size):
+        rows[row, i] = values[i]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _first_row(q: Any, column: Any) -> int:
+    """Row of the lexicographically smallest (q_i, e_i) / d_i: there z0 enters, and all rows become >= 0."""
+    first = 0
+    for i in range(1, q.size):
+        if q[i] / -column[i] <= q[first] / -column[first]:
+            first = i
+    return first
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _leaving_row(columns: Any, inverse: Any, basis: Any, q: Any, entering: Any) -> Any:
+    """Lexicographic ratio test: the row that bounds the entering variable, −1 on a ray, and B⁻¹ of its column."""
+    n = q.size
+    x, error, drifted = _solved(columns, inverse, entering)
+    if drifted and _invert(columns, inverse, q):
+        x, error, drifted = _solved(columns, inverse, entering)
+    row, close = _smallest_ratio(inverse[n], x, error)
+    if close < 2:
+        return row, x
+    rows, right = x > error, q.copy()
+    for column in range(n + 1):
+        value, uncertain, drifted = _solved(columns, inverse, right)
+        row, close = _keep_smallest(rows, value, uncertain, x, error)
+        for i in range(n):
+            if column == 0 and rows[i] and basis[i] == 2 * n:
+                return i, x
+        if close == 1:
+            break
+        for i in range(n):
+            right[i] = 1.0 if i == column else 0.0
+    return row, x
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _smallest_ratio(value: Any, x: Any, error: Any) -> Any:
+    """Row of the smallest ratio value / x where x is above its error, −1 without one, and how many are close to it."""
+    row, close = -1, 0
+    for i in range(x.size):
+        if x[i] > error[i] and (row < 0 or value[i] / x[i] < value[row] / x[row]):
+            row = i
+    if row >= 0:
+        smallest = value[row] / x[row]
+        for i in range(x.size):
+            if x[i] > error[i] and value[i] / x[i] <= smallest + CLOSE * (1.0 + abs(smallest)):
+                close += 1
+    return row, close
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _keep_smallest(rows: Any, value: Any, uncertain: Any, x: Any, error: Any) -> Any:
+    """Keep the rows whose ratio value / x may be the smallest, errors considered; gives the first, and how many."""
+    n, bound = x.size, np.inf
+    margin = np.empty(n)
+    for i in range(n):
+        if rows[i]:
+            margin[i] = (uncertain[i] + abs(value[i] / x[i]) * error[i]) / x[i]
+            bound = min(bound, value[i] / x[i] + margin[i])
+    first, count = -1, 0
+    for i in range(n):
+        rows[i] = rows[i] and value[i] / x[i] - margin[i] <= bound
+        if rows[i]:
+            first = i if first < 0 else first
+            count += 1
+    return first, count
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _solved(columns: Any, inverse: Any, right: Any) -> Any:
+    """Solve B x = right; gives x, a bound of its error, and whether refinement has failed: B⁻¹ has drifted."""
+    n = right.size
+    x, rest, size, error = np.zeros(n), np.empty(n), np.empty(n), np.zeros(n)
+    _add(x, inverse, right)
+    drifted = True
+    for _ in range(REFINEMENTS):
+        drifted = not _residual_is_round_off(columns, right, x, rest, size)
+        if not drifted:
+            break
+        _add(x, inverse, rest)
+    for k in range(n):
+        for i in range(n):
+            error[i] += BACKWARD_ERROR * size[k] * abs(inverse[k, i])
+    return x, error, drifted
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _add(x: Any, inverse: Any, right: Any) -> None:
+    """Add B⁻¹ right to x."""
+    for k in range(right.size):
+        if right[k] != 0:
+            for i in range(right.size):
+                x[i] += right[k] * inverse[k, i]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _residual_is_round_off(columns: Any, right: Any, x: Any, rest: Any, size: Any) -> bool:
+    """Write right − B x and the size of its terms; whether the one is within `BACKWARD_ERROR` of the other.
+
+    Each entry of the right-hand side counts as much as the largest: it may be what larger ones have left.
+    """
+    n, largest = right.size, 0.0
+    for i in range(n):
+        largest = max(largest, abs(right[i]))
+    for i in range(n):
+        rest[i], size[i] = right[i], largest
+    for k in range(n):
+        if x[k] != 0:
+            for i in range(n):
+                term = x[k] * columns[k, i]
+                rest[i] -= term
+                size[i] += abs(term)
+    within = True
+    for i in range(n):
+        within = within and abs(rest[i]) <= BACKWARD_ERROR * size[i]
+    return within
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _exchange(inverse: Any, x: Any, row: int) -> None:
+    """Let B⁻¹ and B⁻¹ q follow where a variable with B⁻¹ a = x takes the place of the one in `row`."""
+    for k in range(inverse.shape[0]):
+        if inverse[k, row] != 0:
+            pivot = inverse[k, row] / x[row]
+            for i in range(x.size):
+                inverse[k, i] -= pivot * x[i]
+            inverse[k, row] = pivot
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _invert(columns: Any, inverse: Any, q: Any) -> bool:
+    """Compute B⁻¹ and B⁻¹ q anew by elimination; false, and nothing done, if B is singular."""
+    n = q.size
+    matrix, right = np.empty((n, n)), np.zeros((n, n + 1))
+    for i in range(n):
+        right[i, i], right[i, n] = 1.0, q[i]
+        for k in range(n):
+            matrix[i, k] = columns[k, i]
+    if not _eliminate(matrix, right):
+        return False
+    for k in range(n + 1):
+        for i in range(n):
+            inverse[k, i] = right[i, k]
+    return True
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _solution(M: Any, q: Any, basic: Any, rows: Any, columns: Any) -> Any:
+    """Solve a basis with the unscaled data; gives z, w and the scaled residual."""
+    n = q.size
+    inside = np.flatnonzero(basic)
+    z, w = np.zeros(n), q.copy()
+    block, right = np.empty((inside.size, inside.size)), np.empty((inside.size, 1))
+    for a, i in enumerate(inside):
+        right[a, 0] = -q[i] * rows[i]
+        for b, j in enumerate(inside):
+            block[a, b] = M[i, j] * rows[i] * columns[j]
+    if not _eliminate(block, right):
+        return z, w, np.nan
+    for a, i in enumerate(inside):
+        z[i] = right[a, 0] * columns[i]
+    residual = _residual(M, q, z, w, rows, columns)
+    for i in range(n):
+        w[i] = 0.0 if basic[i] else max(w[i], 0.0)
+        z[i] = max(z[i], 0.0)
+    return z, w, residual
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _residual(M: Any, q: Any, z: Any, w: Any, rows: Any, columns: Any) -> float:
+    """Write M z + q into w; gives its natural residual, each row over the size of its terms.
+
+    So no row can hide behind a larger one. `RESIDUAL_TOLERANCE` of what each term counts for at least is its
+    round-off. Infinite where q is lost in M z.
+    """
+    size, largest = np.max(np.abs(rows * q)), np.max(np.abs(z / columns))
+    if largest > LARGEST_GROWTH * size:
+        return np.inf
+    residual = 0.0
+    for i in range(q.size):
+        terms = abs(q[i])
+        for j in range(q.size):
+            w[i] += M[i, j] * z[j]
+            terms += abs(M[i, j]) * max(abs(z[j]), columns[j] * largest * (ROUND_OFF / RESIDUAL_TOLERANCE))
+        scaled_w = w[i] / terms if terms > 0 else 0.0
+        residual = max(residual, abs(min(z[i] / columns[i] / size, scaled_w)))
+    return residual
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _eliminate(A: Any, b: Any) -> bool:
+    """Solve A x = b, b of shape (n, m), by elimination with row pivoting, x into b; false if A is singular."""
+    n = A.shape[0]
+    for k in range(n):
+        largest = k
+        for i in range(k + 1, n):
+            if abs(A[i, k]) > abs(A[largest, k]):
+                largest = i
+        if A[largest, k] == 0:
+            return False
+        if largest != k:
+            _swap_rows(A, k, largest)
+            _swap_rows(b, k, largest)
+        for i in range(k + 1, n):
+            factor = A[i, k] / A[k, k]
+            if factor != 0:
+                _subtract(A, i, factor, k)
+                _subtract(b, i, factor, k)
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, n):
+            _subtract(b, k, A[k, j], j)
+        for j in range(b.shape[1]):
+            b[k, j] /= A[k, k]
+    return True
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _swap_rows(A: Any, one: int, other: int) -> None:
+    """Exchange two rows."""
+    for j in range(A.shape[1]):
+        A[one, j], A[other, j] = A[other, j], A[one, j]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _subtract(A: Any, row: int, factor: float, other: int) -> None:
+    """Subtract a multiple of another row."""
+    for j in range(A.shape[1]):
+        A[row, j] -= factor * A[other, j]
