@@ -122,8 +122,9 @@ def missing(whose: str, results: Iterable[Result]) -> Comparison | None:
             continue
         if result.status is ResultStatus.BLOCKED:
             return Comparison(Verdict.BLOCKED, result.reason)
-        reason = result.reason
-        if result.status is not ResultStatus.MISSING:
+        if result.status is ResultStatus.MISSING:
+            whose, reason = whose.partition(" at ")[0], result.reason
+        else:
             reason = f"{result.status} after {result.periods} periods, residual {result.residual:.1e}"
             reason += repetition(result.multiple)
         return Comparison(Verdict.INCONCLUSIVE, f"{whose}: {reason}" if whose else reason)
