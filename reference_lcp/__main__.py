@@ -19,8 +19,8 @@ from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, LARGEST_PHAS
 from reference_lcp.console import checked_output_file, run_command
 from reference_lcp.exact.steady import EXACT_RESIDUAL
 from reference_lcp.observables.stick_slip import Transition
+from reference_lcp.one_call import SOLVERS, SteadyState, steady_state
 from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
-from reference_lcp.steady_state import SOLVERS, SteadyState, steady_state
 
 app = typer.Typer(name="python -m reference_lcp", add_completion=False, pretty_exceptions_enable=False)
 

@@ -8,24 +8,22 @@ import pytest
 from reference_lcp import (
     Chain,
     CompiledSimulation,
-    EventDrivenSimulation,
-    Flight,
     HarmonicBase,
-    InclinedChain,
     Lane,
-    LemkeSimulation,
     ParameterError,
     Preload,
     State,
-    contact_modes,
-    largest_gap,
-    open_fraction,
     periodic_orbits,
     simulate_system,
     stuck_fraction,
     transitions,
 )
+from reference_lcp.chain.preload import Flight
+from reference_lcp.exact.event_driven import EventDrivenSimulation
+from reference_lcp.lcp.inclined_chain import InclinedChain
 from reference_lcp.observables.energy import mechanical_energy
+from reference_lcp.observables.stick_slip import contact_modes, largest_gap, open_fraction
+from reference_lcp.stepping.euler_lemke import LemkeSimulation
 
 AMPLITUDE = 0.01
 STEPS = 400

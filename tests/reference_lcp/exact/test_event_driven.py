@@ -6,31 +6,28 @@ import pytest
 from reference_lcp import (
     Chain,
     CompiledSimulation,
-    EventDrivenChain,
-    EventDrivenSimulation,
-    EventsAccumulate,
-    ExactPeriod,
     HarmonicBase,
     HarmonicForce,
     Lane,
     Mode,
-    OrbitStatus,
     ParameterError,
     State,
     StillBase,
-    chain_step,
     exact_steady_state,
-    frictionless_response,
     periodic_orbits,
     simulate,
     steady_state,
-    stuck_response,
     transmittance,
 )
+from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.exact import event_driven
+from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimulation, EventsAccumulate
+from reference_lcp.exact.exact_orbit import ExactPeriod
 from reference_lcp.exact.monodromy import monodromy_matrix
 from reference_lcp.lcp.time_step import solve_step_given_normal_force
 from reference_lcp.observables.energy import mechanical_energy
+from reference_lcp.steady.orbits import OrbitStatus
+from reference_lcp.stepping.euler_lemke import chain_step
 from tests.reference_lcp.cases import EXACT_DB, STANDING, random_chain
 
 ROUND_OFF = 1e-11

@@ -11,13 +11,13 @@ from reference_lcp import (
     HarmonicBase,
     HarmonicForce,
     Lane,
-    LemkeSimulation,
     ParameterError,
     State,
     StillBase,
     simulate,
 )
 from reference_lcp.observables.energy import mechanical_energy
+from reference_lcp.stepping.euler_lemke import LemkeSimulation
 from tests.reference_lcp.cases import random_chain
 
 ROUND_OFF = 1e-13

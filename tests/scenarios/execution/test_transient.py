@@ -16,9 +16,9 @@ from reference_lcp import (
     decibel,
     frictionless_transmittance,
     simulate,
-    transient_transmissibility,
 )
 from reference_lcp.observables.energy import mechanical_energy
+from reference_lcp.observables.transmissibility import transient_transmissibility
 from scenarios.execution import transient as motion_answering
 from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator
