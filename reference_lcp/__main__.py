@@ -12,14 +12,15 @@ from rich.table import Table
 from reference_lcp.accuracy.benchmark import bench, bench_cells
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS, Convergence, convergence, plot_convergence
 from reference_lcp.accuracy.plot import checked_picture_format, plot_period
+from reference_lcp.chain import canonical
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.console import checked_output_file, run_command
 from reference_lcp.exact.steady import EXACT_RESIDUAL
 from reference_lcp.observables.stick_slip import Transition
+from reference_lcp.one_call import SOLVERS, SteadyState, steady_state
 from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
-from reference_lcp.steady_state import SOLVERS, SteadyState, steady_state
 
 app = typer.Typer(name="python -m reference_lcp", add_completion=False, pretty_exceptions_enable=False)
 
@@ -29,12 +30,14 @@ def run(
     context: typer.Context,
     friction_ratio: Annotated[float, typer.Option(help="Friction bound over k_c U0.")] = 0.3,
     frequency_ratio: Annotated[float, typer.Option(help="Drive frequency over the resonator's, ω / ω_r.")] = 0.9,
-    mass_ratio: Annotated[float, typer.Option(help="Inner over outer mass.")] = 1.0,
-    stiffness_ratio: Annotated[float, typer.Option(help="Inner over chain stiffness.")] = 1.0,
-    damping_ratio: Annotated[float, typer.Option(help="c_c / (2 √(k_c m_o)) of the chain dashpots.")] = 0.01,
+    mass_ratio: Annotated[float, typer.Option(help="Inner over outer mass.")] = canonical.MASS_RATIO,
+    stiffness_ratio: Annotated[float, typer.Option(help="Inner over chain stiffness.")] = canonical.STIFFNESS_RATIO,
+    damping_ratio: Annotated[
+        float, typer.Option(help="c_c / (2 √(k_c m_o)) between the cells.")
+    ] = canonical.DAMPING_RATIO,
     inner_damping_ratio: Annotated[float, typer.Option(help="c_i / (2 √(k_i m_i)) inside the cells.")] = 0.0,
-    cells: Annotated[int, typer.Option(help="Number of cells.")] = 7,
-    base_amplitude: Annotated[float, typer.Option(help="U0 of the base, in metres.")] = 0.01,
+    cells: Annotated[int, typer.Option(help="Number of cells.")] = canonical.CELLS,
+    base_amplitude: Annotated[float, typer.Option(help="U0 of the base, in metres.")] = canonical.BASE_AMPLITUDE,
     steps_per_period: Annotated[
         int,
         typer.Option(

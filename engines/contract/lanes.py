@@ -6,15 +6,13 @@ import numpy as np
 
 from engines.interface.tolerances import STEPS
 from engines.interface.variant import Variant
+from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.harmonic import HarmonicBase, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.chain.transient import QUIET, RickerPulse
-
-AMPLITUDE = 0.01
-"""U0 of the base [m]."""
 
 
 def label(variant: Variant) -> str:
@@ -25,7 +23,7 @@ def label(variant: Variant) -> str:
 def lane_of(friction_ratio: float, frequency_ratio: float, steps: int = STEPS) -> Lane:
     """Give the canonical chain of figure 3 at a point of it."""
     chain = Chain.from_ratios(friction_ratio=friction_ratio)
-    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, AMPLITUDE), steps)
+    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, BASE_AMPLITUDE), steps)
 
 
 def modulated_lane(modulation: float, multiple: int = 1, steps: int = STEPS) -> Lane:
@@ -38,13 +36,13 @@ def pulse_lane_of(friction_ratio: float) -> Lane:
     """Give the canonical chain under one pulse of the base, with its peak at ω_r."""
     chain = Chain.from_ratios(friction_ratio=friction_ratio)
     omega = chain.resonator_frequency
-    return Lane(chain, RickerPulse(AMPLITUDE, omega, QUIET / omega), 2 * np.pi / omega / STEPS)
+    return Lane(chain, RickerPulse(BASE_AMPLITUDE, omega, QUIET / omega), 2 * np.pi / omega / STEPS)
 
 
 def random_state(lanes: int, seed: int = 0) -> State:
     """Give positions of U0 and velocities as fast as a forced motion has them."""
     rng = np.random.default_rng(seed)
-    return State(rng.normal(0, AMPLITUDE, (lanes, 14)), rng.normal(0, 20 * AMPLITUDE, (lanes, 14)))
+    return State(rng.normal(0, BASE_AMPLITUDE, (lanes, 14)), rng.normal(0, 20 * BASE_AMPLITUDE, (lanes, 14)))
 
 
 def drive_of(lane: Lane) -> PeriodicDrive:

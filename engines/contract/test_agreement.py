@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from engines.contract.lanes import AMPLITUDE, lane_of, pulse_lane_of, random_state
+from engines.contract.lanes import lane_of, pulse_lane_of, random_state
 from engines.interface.registry import engine
 from engines.interface.tolerances import (
     CONVERGED_TOLERANCE_DB,
@@ -16,6 +16,7 @@ from engines.interface.tolerances import (
 )
 from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
+from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -48,7 +49,7 @@ def test_who_shares_the_scheme_equals_the_reference_to_round_off_over_forty_peri
         sharing.capabilities.precision,
         CREEP * sharing.preset.residual_slip_compliance,
     )
-    motion = np.max(np.abs(found.positions - expected.positions)) / AMPLITUDE
+    motion = np.max(np.abs(found.positions - expected.positions)) / BASE_AMPLITUDE
     force = np.max(np.abs(found.friction - expected.friction)) / lane.chain.friction_bound[0]
     assert motion <= TRAJECTORY_TOLERANCE[precision] + residual_slip_compliance, "the motion leaves the scheme's"
     assert force <= FRICTION_TOLERANCE[precision] + residual_slip_compliance, "the friction leaves the scheme's"
@@ -60,7 +61,7 @@ def test_pulse_of_the_base_moves_the_chain_as_it_moves_the_reference(tuned: Vari
     shares = tuned.preset.shares_scheme
     baseline = Variant("reference", preset_name="tuned" if shares else "converged")
     found, expected = (one.build([lane]).run(State.at_rest(1, 7), 0, 4 * STEPS)[0] for one in (tuned, baseline))
-    difference = np.max(np.abs(found.positions - expected.positions)) / AMPLITUDE
+    difference = np.max(np.abs(found.positions - expected.positions)) / BASE_AMPLITUDE
     to_round_off = TRAJECTORY_TOLERANCE[tuned.capabilities.precision] + CREEP * tuned.preset.residual_slip_compliance
     assert difference <= (to_round_off if shares else PULSE_TOLERANCE), "this is another drive"
 
@@ -75,7 +76,7 @@ def test_cells_that_differ_are_each_built_as_given(sharing: Variant) -> None:
         damping_ratio=chain_dashpot, inner_damping_ratio=inner_dashpot,
         outer_mass_ratio=outer, chain_stiffness_ratio=springs,
     )  # fmt: skip
-    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, AMPLITUDE), STEPS)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, BASE_AMPLITUDE), STEPS)
     found, expected = (one.build([lane]).run(random_state(1), 0, STEPS)[0] for one in (sharing, Variant("reference")))
     motion = np.max(np.abs(found.positions - expected.positions)) / np.max(np.abs(expected.positions))
     tolerance = TRAJECTORY_TOLERANCE[sharing.capabilities.precision] + CREEP * sharing.preset.residual_slip_compliance
@@ -88,5 +89,5 @@ def test_default_stays_finite_and_near_the_reference_for_a_period(default: Varia
     found, expected = (
         one.build([lane]).run(State.at_rest(1, 7), 0, STEPS)[0] for one in (default, Variant("reference"))
     )
-    difference = np.max(np.abs(found.positions - expected.positions)) / AMPLITUDE
+    difference = np.max(np.abs(found.positions - expected.positions)) / BASE_AMPLITUDE
     assert difference < SAME_CHAIN, "this is another chain"

@@ -5,10 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from engines.contract.lanes import AMPLITUDE, drive_of, lane_of, random_state
+from engines.contract.lanes import drive_of, lane_of, random_state
 from engines.interface.presets import FrictionLaw
 from engines.interface.tolerances import BOUND_MARGIN, CREEP, ROUND_OFF, SLIDING, STEPS
 from engines.interface.variant import Variant
+from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -49,7 +50,7 @@ def test_friction_acts_on_the_inner_mass_against_its_slip(tested: Variant) -> No
     lane = lane_of(0.3, 0.6)
     run = tested.build([lane]).run(random_state(1), 0, STEPS)[0]
     power = run.friction * run.relative_velocity
-    sliding = np.abs(run.relative_velocity) > SLIDING * AMPLITUDE * drive_of(lane).angular_frequency
+    sliding = np.abs(run.relative_velocity) > SLIDING * BASE_AMPLITUDE * drive_of(lane).angular_frequency
     if tested.capabilities.friction_law is FrictionLaw.BRISTLE or tested.preset_name != "tuned":
         # a bristle that has been bent gives its energy back after a reversal, and a soft constraint acts late:
         # only their sum is a loss

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from engines.contract.lanes import AMPLITUDE, modulated_lane
+from engines.contract.lanes import modulated_lane
 from engines.interface.presets import NormalForce
 from engines.interface.registry import engine
 from engines.interface.tolerances import (
@@ -20,6 +20,7 @@ from engines.interface.tolerances import (
     TRAJECTORY_TOLERANCE,
 )
 from engines.interface.variant import Variant, variants_of
+from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.preload import Flight
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.observables.stick_slip import OPEN
@@ -48,7 +49,7 @@ def test_modulated_normal_force_is_followed(following: Variant) -> None:
         "another normal force"
     )
     if following.preset.shares_scheme:
-        motion = np.max(np.abs(run.positions - expected.positions)) / AMPLITUDE
+        motion = np.max(np.abs(run.positions - expected.positions)) / BASE_AMPLITUDE
         assert motion <= TRAJECTORY_TOLERANCE[precision] + residual_slip_compliance, "the motion leaves the scheme's"
     else:
         found = periodic_orbits(following.build([lane]), STEPS, tolerance=following.capabilities.residual)[0]
@@ -101,7 +102,7 @@ def test_run_that_is_split_in_a_flight_equals_the_whole_one(lifting: Variant) ->
     second = simulation.run(half, split, 2 * STEPS - split)[0]
     assert whole.normal_gap is not None
     assert np.all(whole.normal_gap[split - 1] > 0), "there is no flight to split"
-    allowed = lifting.preset.split_tolerance * AMPLITUDE
+    allowed = lifting.preset.split_tolerance * BASE_AMPLITUDE
     assert np.max(np.abs(whole.positions[split:] - second.positions)) <= allowed, "the second half starts elsewhere"
 
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from engines.contract.lanes import AMPLITUDE, lane_of, random_state
+from engines.contract.lanes import lane_of, random_state
 from engines.interface.variant import Variant
+from reference_lcp.chain.canonical import BASE_AMPLITUDE
 
 
 def test_split_run_equals_whole_run(tested: Variant) -> None:
@@ -13,7 +14,7 @@ def test_split_run_equals_whole_run(tested: Variant) -> None:
     whole = simulation.run(random_state(1), 0, 200)[0]
     first = simulation.run(random_state(1), 0, 100)[0]
     second = simulation.run(first.end, 100, 100)[0]
-    allowed = tested.preset.split_tolerance * AMPLITUDE
+    allowed = tested.preset.split_tolerance * BASE_AMPLITUDE
     assert np.max(np.abs(whole.positions[100:] - second.positions)) <= allowed, "the second half starts elsewhere"
     assert whole.time[100:] == pytest.approx(second.time)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from engines.interface.presets import Capabilities, Formulation, Preset
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
-from reference_lcp.steady_state import SteadyState
+from reference_lcp.one_call import SteadyState
 from reference_lcp.validation import FloatArray, ParameterError, checked_choice
 
 

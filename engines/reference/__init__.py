@@ -13,7 +13,7 @@ from engines.interface.presets import Capabilities, Formulation, FrictionLaw, No
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.exact.event_driven import EventDrivenSimulation
-from reference_lcp.steady_state import SteadyState, exact_steady_state
+from reference_lcp.one_call import SteadyState, exact_steady_state
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
 from reference_lcp.validation import checked_count
 

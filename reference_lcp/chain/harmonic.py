@@ -6,6 +6,7 @@ from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 
+from reference_lcp.chain import canonical
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import FloatArray, checked_scalar
 
@@ -83,7 +84,7 @@ class HarmonicBase(MovingBase):
         checked_scalar("angular_frequency", self.angular_frequency, "> 0")
 
     @classmethod
-    def from_ratio(cls, chain: Chain, frequency_ratio: float, amplitude: float = 0.01) -> Self:
+    def from_ratio(cls, chain: Chain, frequency_ratio: float, amplitude: float = canonical.BASE_AMPLITUDE) -> Self:
         """Drive `chain` at η_r = ω / ω_r, with ω_r of its first cell.
 
         Raises

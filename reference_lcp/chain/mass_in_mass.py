@@ -9,11 +9,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from reference_lcp.chain import canonical
 from reference_lcp.chain.natural_frequency import highest_square
 from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_count, checked_scalar
-
-CHAIN_STIFFNESS = 1000.0
-"""k_c [N/m] of chains that are made from ratios, unless one is given."""
 
 _REQUIREMENTS = {
     "outer_mass": "> 0",
@@ -56,7 +54,7 @@ class Chain:
         If a value is not finite, outside its range, or not a scalar or of shape ``(cells,)``.
     """
 
-    cells: int = 7
+    cells: int = canonical.CELLS
     outer_mass: FloatArray
     inner_mass: FloatArray
     chain_stiffness: FloatArray
@@ -80,18 +78,18 @@ class Chain:
     def from_ratios(
         cls,
         *,
-        cells: int = 7,
-        mass_ratio: ArrayLike = 1.0,
-        stiffness_ratio: ArrayLike = 1.0,
-        damping_ratio: ArrayLike = 0.01,
+        cells: int = canonical.CELLS,
+        mass_ratio: ArrayLike = canonical.MASS_RATIO,
+        stiffness_ratio: ArrayLike = canonical.STIFFNESS_RATIO,
+        damping_ratio: ArrayLike = canonical.DAMPING_RATIO,
         friction_ratio: ArrayLike = 0.0,
         inner_damping_ratio: ArrayLike = 0.0,
         outer_mass_ratio: ArrayLike = 1.0,
         chain_stiffness_ratio: ArrayLike = 1.0,
-        base_amplitude: float = 0.01,
-        outer_mass: float = 1.0,
-        chain_stiffness: float = CHAIN_STIFFNESS,
-        friction_coefficient: float = 0.5,
+        base_amplitude: float = canonical.BASE_AMPLITUDE,
+        outer_mass: float = canonical.OUTER_MASS,
+        chain_stiffness: float = canonical.CHAIN_STIFFNESS,
+        friction_coefficient: float = canonical.FRICTION_COEFFICIENT,
     ) -> Self:
         """Build a chain from non-dimensional ratios; the defaults are the canonical frictionless case.
 

@@ -27,6 +27,14 @@ LARGEST_PERIODIC_MODULATION = math.sqrt(1 + math.pi**2)
 """Up to this a, about 3.3, a flight ends before the actuator pulls again; beyond, flights need not repeat."""
 
 
+def preload_factor(
+    time: FloatArray | float, modulation: FloatArray | float, angular_frequency: float, phase: float
+) -> FloatArray:
+    """N(t) / N0 = 1 + a sin(Ω t + φ), of the shape that `time` [s] and a `modulation` a, one a cell, have together."""
+    factor: FloatArray = 1 + modulation * np.sin(angular_frequency * time + phase)
+    return factor
+
+
 @dataclass(frozen=True, kw_only=True)
 class Preload:
     """How the force that presses the masses of every cell together changes, as a factor on its mean.
@@ -74,7 +82,7 @@ class Preload:
 
     def factor(self, time: FloatArray) -> FloatArray:
         """N(t) / N0, negative where the actuator pulls; shape of `time` [s]."""
-        return 1 + self.modulation * np.sin(self.angular_frequency * time + self.phase)
+        return preload_factor(time, self.modulation, self.angular_frequency, self.phase)
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ import numpy as np
 
 from reference_lcp.chain.harmonic import Drive
 from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.preload import preload_factor
 from reference_lcp.lcp.time_step import FrictionalStep
 from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_scalar
 
@@ -88,8 +89,8 @@ class InclinedChain:
 
     def preload(self, time: float) -> FloatArray:
         """N(t) of each cell [N], shape (n,); negative where the actuator pulls."""
-        phase = self.modulation_frequency * time + self.modulation_phase
-        return self.chain.normal_force * (1 + self.modulation * math.sin(phase))
+        factor = preload_factor(time, self.modulation, self.modulation_frequency, self.modulation_phase)
+        return self.chain.normal_force * factor
 
     @cached_property
     def mass_matrix(self) -> FloatArray:

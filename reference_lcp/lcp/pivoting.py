@@ -318,9 +318,9 @@ def _solution(M: Any, q: Any, basic: Any, rows: Any, columns: Any) -> Any:
     for a, i in enumerate(inside):
         z[i] = right[a, 0] * columns[i]
     residual = _residual(M, q, z, w, rows, columns)
-    for i in range(n):
-        w[i] = 0.0 if basic[i] else max(w[i], 0.0)
-        z[i] = max(z[i], 0.0)
+    for k in range(n):
+        w[k] = 0.0 if basic[k] else max(w[k], 0.0)
+        z[k] = max(z[k], 0.0)
     return z, w, residual
 
 

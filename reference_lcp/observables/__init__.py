@@ -1,1 +1,1 @@
-"""What is read from a motion: transmittance, stick and slip, transitions."""
+"""What is read from a motion: transmittance, stick and slip, transitions, energy."""

@@ -4,13 +4,13 @@ import math
 from functools import cached_property
 from pathlib import Path
 
+from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.record import RecordedBase
 from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.example_record import FILE
 from scenarios.catalogue.transient_base import (
     BANDS,
-    BASE_AMPLITUDE,
     RATIOS,
     ROWS_PER_PERIOD,
     STEPS_PER_PERIOD,

@@ -31,9 +31,6 @@ from scenarios.verdicts.verdict import Comparison, Verdict
 RATIOS = ChainRatios(damping_ratio=0.05, inner_damping_ratio=0.02)
 """The canonical chain with dashpots that let a transient die out: to 1 % of its peak in 300 periods 2π / ω_r."""
 
-BASE_AMPLITUDE = 0.01
-"""U0 [m], which friction ratios refer to."""
-
 STEPS_PER_PERIOD = 50
 """Coarsest steps to a period 2π / ω_r; the finest of the three step sizes takes four times as many."""
 

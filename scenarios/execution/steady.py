@@ -11,8 +11,8 @@ from engines.interface.engine import SteadyStateSolver
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
+from reference_lcp.one_call import SteadyState
 from reference_lcp.steady.orbits import OrbitStatus, periodic_orbits
-from reference_lcp.steady_state import SteadyState
 from scenarios.execution.failures import results_together
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.result import Result, ResultStatus

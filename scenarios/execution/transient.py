@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.observables.energy import mechanical_energy
 from reference_lcp.validation import FloatArray
 from scenarios.execution.failures import results_together
 from scenarios.tasks.result import Result, ResultStatus, Series
@@ -79,7 +79,7 @@ class _Record:
         self._last_positions, self._last_velocities = initial.positions, initial.velocities
         self._rows: list[FloatArray] = []
         self._heat = _Heat()
-        self._initial_energy = float(energy(lane.chain, initial.positions, initial.velocities)[0])
+        self._initial_energy = float(mechanical_energy(lane.chain, initial.positions, initial.velocities)[0])
         self._least_energy, self._growth = self._initial_energy, 0.0
 
     def append(self, run: Trajectory) -> None:
@@ -117,7 +117,7 @@ class _Record:
         near = AT_REST * chain.friction_bound / chain.inner_stiffness / scale
         away = np.any(np.abs(slip - slip[-1]) > near, axis=1)
         last = int(np.flatnonzero(away)[-1]) + 1 if np.any(away) else 0
-        left = float(energy(chain, self._last_positions, self._last_velocities)[0])
+        left = float(mechanical_energy(chain, self._last_positions, self._last_velocities)[0])
         energies = np.array([left, self._heat.dashpots, self._heat.contacts, self._growth]) / self._initial_energy
         return {
             "rest": (float(self._motion.row_times()[min(last, slip.shape[0] - 1)]),),
@@ -135,15 +135,7 @@ class _Record:
         dashpots = dt * float(np.einsum("ti,ij,tj->", mean, chain.damping_matrix, mean))
         contacts = -dt * float(np.sum(run.friction * (mean @ chain.contact_directions)))
         self._heat = _Heat(self._heat.dashpots + dashpots, self._heat.contacts + contacts)
-        rows = energy(chain, positions[1:], velocities[1:])
+        rows = mechanical_energy(chain, positions[1:], velocities[1:])
         least = np.minimum.accumulate(np.concatenate([[self._least_energy], rows]))
         self._growth = max(self._growth, float(np.max(rows - least[:-1])))
         self._least_energy = float(least[-1])
-
-
-def energy(chain: Chain, positions: FloatArray, velocities: FloatArray) -> FloatArray:
-    """Kinetic energy and energy of the springs of every row [J], the base at zero; rows have the shape (times, 2n)."""
-    kinetic = np.einsum("ti,ij,tj->t", velocities, chain.mass_matrix, velocities)
-    elastic = np.einsum("ti,ij,tj->t", positions, chain.stiffness_matrix, positions)
-    total: FloatArray = (kinetic + elastic) / 2
-    return total

@@ -5,8 +5,9 @@ from typing import Annotated, Any
 
 from pydantic import ConfigDict, Discriminator, Field, Tag, TypeAdapter
 
+from reference_lcp.chain import canonical
 from reference_lcp.chain.harmonic import HarmonicBase, HarmonicForce, PeriodicDrive
-from reference_lcp.chain.mass_in_mass import CHAIN_STIFFNESS, Chain
+from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.validation import checked_array, checked_choice, checked_count, checked_scalar
 
@@ -31,9 +32,6 @@ Ratio = Annotated[
 
 _LeftOutOfEqualCells = Field(exclude_if=lambda value: value == 1.0)
 
-BASE_AMPLITUDE = 0.01
-"""U0 [m] of a base motion unless an amplitude is given; with friction given as a ratio it changes no answer."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Excitation:
@@ -53,7 +51,7 @@ class Excitation:
     """
 
     kind: str = "base"
-    amplitude: float = BASE_AMPLITUDE
+    amplitude: float = canonical.BASE_AMPLITUDE
 
     def __post_init__(self) -> None:
         checked_choice("drive.kind", self.kind, EXCITATIONS)
@@ -62,7 +60,7 @@ class Excitation:
     @property
     def displacement(self) -> float:
         """Length [m] that friction and displacements are referred to: U0, or P0 / k_c."""
-        return self.amplitude if self.kind == "base" else self.amplitude / CHAIN_STIFFNESS
+        return self.amplitude if self.kind == "base" else self.amplitude / canonical.CHAIN_STIFFNESS
 
     def drive(self, chain: Chain, frequency_ratio: float) -> PeriodicDrive:
         """Drive a chain at η_r = ω / ω_r."""
@@ -70,7 +68,7 @@ class Excitation:
         return base if self.kind == "base" else HarmonicForce(self.amplitude, base.angular_frequency)
 
 
-DEFAULT_AMPLITUDE = {"base": BASE_AMPLITUDE, "force": CHAIN_STIFFNESS * BASE_AMPLITUDE}
+DEFAULT_AMPLITUDE = {"base": canonical.BASE_AMPLITUDE, "force": canonical.CHAIN_STIFFNESS * canonical.BASE_AMPLITUDE}
 """U0 [m] or P0 [N] by kind: the same displacement scale for both."""
 
 EXCITATIONS = tuple(DEFAULT_AMPLITUDE)
@@ -90,16 +88,16 @@ class ChainRatios:
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 
-    cells: Annotated[int, Field(ge=1, strict=True)] = 7
-    mass_ratio: PositiveRatio = 1.0
-    stiffness_ratio: PositiveRatio = 1.0
-    damping_ratio: Ratio = 0.01
+    cells: Annotated[int, Field(ge=1, strict=True)] = canonical.CELLS
+    mass_ratio: PositiveRatio = canonical.MASS_RATIO
+    stiffness_ratio: PositiveRatio = canonical.STIFFNESS_RATIO
+    damping_ratio: Ratio = canonical.DAMPING_RATIO
     inner_damping_ratio: Ratio = 0.0
     outer_mass_ratio: Annotated[PositiveRatio, _LeftOutOfEqualCells] = 1.0
     chain_stiffness_ratio: Annotated[PositiveRatio, _LeftOutOfEqualCells] = 1.0
     friction_profile: Annotated[Ratio, _LeftOutOfEqualCells] = 1.0
 
-    def chain(self, friction_ratio: Ratio, base_amplitude: float = BASE_AMPLITUDE) -> Chain:
+    def chain(self, friction_ratio: Ratio, base_amplitude: float = canonical.BASE_AMPLITUDE) -> Chain:
         """Build the chain with this friction ratio μ λ_N / (k_c U0), U0 [m] being the amplitude of the base."""
         ratios = dict(vars(self))
         profile = checked_array("friction_profile", ratios.pop("friction_profile"), ">= 0")

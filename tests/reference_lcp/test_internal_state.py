@@ -10,13 +10,13 @@ from reference_lcp import (
     CompiledSimulation,
     HarmonicBase,
     Lane,
-    OrbitStatus,
     PeriodicOrbit,
     State,
     Trajectory,
     periodic_orbits,
 )
 from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.steady.orbits import OrbitStatus
 from reference_lcp.steady.state_scales import StateScales
 
 STEPS = 400

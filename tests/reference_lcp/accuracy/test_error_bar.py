@@ -3,17 +3,11 @@
 import numpy as np
 import pytest
 
-from reference_lcp import (
-    Chain,
-    HarmonicBase,
-    ParameterError,
-    exact_steady_state,
-    measured_error_bar,
-    steady_state,
-    steps_per_period_for,
-)
+from reference_lcp import Chain, HarmonicBase, ParameterError, exact_steady_state, steady_state
 from reference_lcp.accuracy.convergence import convergence
+from reference_lcp.accuracy.error_bar import measured_error_bar
 from reference_lcp.accuracy.richardson import SAFETY
+from reference_lcp.chain.simulation import steps_per_period_for
 
 COVERED = 0.95
 """Part of random chains whose true error the bar must cover."""

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from reference_lcp import Chain, HarmonicBase, HarmonicForce, frictionless_response, frictionless_transmittance
+from reference_lcp import Chain, HarmonicBase, HarmonicForce, frictionless_transmittance
 from reference_lcp import stuck_transmittance as stuck
-from reference_lcp.chain.linear_response import residual_amplification
+from reference_lcp.chain.linear_response import frictionless_response, residual_amplification
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.steady.orbits import periodic_orbits

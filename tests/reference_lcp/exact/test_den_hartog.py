@@ -5,19 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from reference_lcp import (
-    Chain,
-    EventDrivenChain,
-    HarmonicForce,
-    Lane,
-    Mode,
-    ParameterError,
-    State,
-    StillBase,
-    simulate,
-    steady_state,
-)
+from reference_lcp import Chain, HarmonicForce, Lane, Mode, ParameterError, State, StillBase, simulate, steady_state
 from reference_lcp.exact.den_hartog import SlidingMotion, largest_sliding_force_ratio
+from reference_lcp.exact.event_driven import EventDrivenChain
 from tests.reference_lcp.cases import STANDING
 
 

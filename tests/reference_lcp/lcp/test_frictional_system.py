@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from reference_lcp import FrictionalStep, ParameterError, StepFailed, simulate_system
+from reference_lcp import FrictionalStep, ParameterError, simulate_system
+from reference_lcp.lcp.time_step import StepFailed
 
 GRAVITY = 9.81
 ROUND_OFF = 1e-10

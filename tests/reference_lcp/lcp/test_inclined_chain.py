@@ -10,13 +10,13 @@ from reference_lcp import (
     Chain,
     CompiledSimulation,
     HarmonicBase,
-    InclinedChain,
     Lane,
     ParameterError,
     State,
     StillBase,
     simulate_system,
 )
+from reference_lcp.lcp.inclined_chain import InclinedChain
 
 AMPLITUDE = 0.01
 ROUND_OFF = 1e-12

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from reference_lcp import FrictionalStep, ParameterError, StepFailed, advanced, assemble, solve_step
-from reference_lcp.lcp.time_step import solve_step_given_normal_force
+from reference_lcp import FrictionalStep, ParameterError
+from reference_lcp.lcp.time_step import StepFailed, advanced, assemble, solve_step, solve_step_given_normal_force
 
 GRAVITY = 9.81
 DT = 1e-3

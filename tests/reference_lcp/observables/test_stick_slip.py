@@ -8,17 +8,16 @@ from reference_lcp import (
     HarmonicBase,
     Lane,
     Mode,
-    OrbitStatus,
     PeriodicOrbit,
     Trajectory,
-    contact_modes,
-    creep_velocity,
     dissipated_energy,
-    fundamental,
     steady_state,
     stuck_fraction,
     transitions,
 )
+from reference_lcp.observables.stick_slip import contact_modes, creep_velocity
+from reference_lcp.observables.transmittance import fundamental
+from reference_lcp.steady.orbits import OrbitStatus
 
 STEPS = 20
 

@@ -12,10 +12,9 @@ from reference_lcp import (
     decibel,
     frictionless_transmittance,
     simulate,
-    stationary_transmissibility,
     stuck_transmittance,
-    transient_transmissibility,
 )
+from reference_lcp.observables.transmissibility import stationary_transmissibility, transient_transmissibility
 
 PERIODS = 150
 ROWS = 20

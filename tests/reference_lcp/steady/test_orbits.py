@@ -9,21 +9,21 @@ from reference_lcp import (
     HarmonicBase,
     HarmonicForce,
     Lane,
-    OrbitStatus,
     ParameterError,
     State,
     StillBase,
     decibel,
     frictionless_transmittance,
     periodic_orbits,
-    rms_transmittance,
     simulate,
     steady_state,
-    steps_per_period_for,
-    stuck_response,
     stuck_transmittance,
     transmittance,
 )
+from reference_lcp.chain.linear_response import stuck_response
+from reference_lcp.chain.simulation import steps_per_period_for
+from reference_lcp.observables.transmittance import rms_transmittance
+from reference_lcp.steady.orbits import OrbitStatus
 from tests.reference_lcp.cases import EXACT_DB
 
 

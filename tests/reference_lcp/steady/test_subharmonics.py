@@ -6,7 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, OrbitStatus, State, periodic_orbits
+from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, State, periodic_orbits
+from reference_lcp.steady.orbits import OrbitStatus
 
 STEPS = 400
 

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from engines.interface.variant import Variant
-from reference_lcp import Chain, HarmonicForce, steady_state, stuck_response
-from reference_lcp.chain.mass_in_mass import CHAIN_STIFFNESS
+from reference_lcp import Chain, HarmonicForce, steady_state
+from reference_lcp.chain.canonical import CHAIN_STIFFNESS
+from reference_lcp.chain.linear_response import stuck_response
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.den_hartog import POINTS, expected_motion
 from scenarios.catalogue.figure3 import EDGE, LOWER_EDGES

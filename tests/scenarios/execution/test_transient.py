@@ -16,14 +16,15 @@ from reference_lcp import (
     decibel,
     frictionless_transmittance,
     simulate,
-    transient_transmissibility,
 )
+from reference_lcp.observables.energy import mechanical_energy
+from reference_lcp.observables.transmissibility import transient_transmissibility
 from scenarios.execution import transient as motion_answering
 from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.store import ResultStore
-from scenarios.execution.transient import energy, run_transients
+from scenarios.execution.transient import run_transients
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
@@ -183,7 +184,7 @@ def test_initial_energy_goes_to_springs_dashpots_and_contacts_and_nowhere_else()
 
 def test_energy_of_a_state_is_kinetic_and_elastic() -> None:
     chain = ChainRatios(cells=1).chain(0.0)
-    one = energy(chain, np.array([[0.01, 0.03]]), np.array([[2.0, 1.0]]))
+    one = mechanical_energy(chain, np.array([[0.01, 0.03]]), np.array([[2.0, 1.0]]))
     assert one == pytest.approx([0.5 * 4 + 0.5 * 1 + 500 * 0.01**2 + 500 * 0.02**2])
 
 
