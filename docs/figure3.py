@@ -13,7 +13,8 @@ import pandas as pd
 
 from engines import engine
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
-from reports.figures.style import COLUMN, PALETTE, PRINT_STYLE
+from reports.figures.matplotlib_backend import COLUMN, PRINT_STYLE
+from reports.figures.style import PALETTE
 from scenarios.studies.figure3 import resonances
 from scenarios.tasks.parameters import ChainRatios
 

@@ -55,7 +55,7 @@ def span(values: list[int]) -> str:
 
 def typeset(text: str) -> Markup:
     """Escape `text` and set the indices of its symbols low: η_r, ω_max, λ_T, U0, P0."""
-    lowered = re.sub(r"\b([A-Za-zΑ-ω])_(max|red|\w)\b", r"\1<sub>\2</sub>", str(escape(text)))
+    lowered = re.sub("\\b(μ?[A-Za-zΑ-ω]\u0303?)_(max|red|\\w)\\b", r"\1<sub>\2</sub>", str(escape(text)))
     return Markup(re.sub(r"\b([UP])0\b", r"\1<sub>0</sub>", lowered))
 
 

@@ -1,1 +1,1 @@
-"""The pictures of the report, one module a subject; each draws the same numbers for print and for the screen."""
+"""The figures of the report, one module a subject: each describes its figures once, and two backends draw them."""

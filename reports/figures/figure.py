@@ -1,28 +1,160 @@
-"""A picture of the report: one drawing for print and one for the screen, of the same numbers."""
+"""What a figure shows, as data: panels with axes and marks; `matplotlib_backend` and `plotly_backend` draw it.
 
-import base64
-import io
-import math
-import re
-from collections.abc import Callable, Iterable, Mapping
+Labels and hover texts write an index as ``η_r``. Hover texts name the numbers of a point as plotly does, with a format
+of d3: ``%{x}``, ``%{y:.3f}``, and ``%{text}`` for its note; they break lines where the text does.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Literal
 
-import matplotlib as mpl
-from matplotlib.figure import Figure
-from PIL import Image
+from numpy.typing import ArrayLike
 
-from reports.figures.style import PRINT_STYLE
-
-PIXELS = 150
-"""Dots an inch of pictures of pixels."""
-
-Draw = Callable[[], Figure]
+from reference_lcp.validation import FloatArray
+from reports.figures.style import Style
+from reports.formatting import ratio
 
 
 @dataclass(frozen=True)
-class Picture:
-    """One picture.
+class Axis:
+    """An axis of a panel.
+
+    Parameters
+    ----------
+    label
+        With its unit.
+    range
+        Both ends, the first at the left or at the bottom; as the marks need if ``None``.
+    scale
+        ``asinh`` is for differences with a sign: to scale up to `linear`, by their logarithm beyond.
+    ticks
+        Text by value; the backend's own choice if ``None``.
+    most_ticks
+        How many the backend may choose; 0: as many as it likes.
+    decimals
+        Digits after the point that the page holds; an axis with a logarithm has as many that count.
+    """
+
+    label: str = ""
+    range: tuple[float, float] | None = None
+    scale: Literal["linear", "log", "asinh"] = "linear"
+    linear: float = 1.0
+    ticks: Mapping[float, str] | None = None
+    most_ticks: int = 0
+    decimals: int = 4
+    grid: bool = True
+
+
+def difference_axis(label: str, linear: float, ticks: Sequence[float], limit: float, decimals: int = 5) -> Axis:
+    """Give an axis from ``-limit`` to `limit`, to scale up to `linear`, with `ticks` on both sides of zero."""
+    inside = [tick for tick in ticks if tick <= limit]
+    shown = [*(-tick for tick in reversed(inside)), 0.0, *inside]
+    return Axis(label, (-limit, limit), "asinh", linear, {tick: ratio(tick) for tick in shown}, decimals=decimals)
+
+
+@dataclass(frozen=True)
+class Series:
+    """Points, joined by a line or not; NaN is a gap.
+
+    Parameters
+    ----------
+    x, y
+        Values, shape (points,).
+    style
+        Colour, shape and line.
+    name
+        In the legend, once for all series of that name, which are shown and hidden together; none without.
+    draw
+        What is drawn of it.
+    hover, notes
+        What a pointer is told, as the module says, and the text of each point in it; nothing without.
+    x_error
+        Half the length of horizontal error bars, which stand instead of shapes in print.
+    fill
+        Colour between the line and zero.
+    """
+
+    x: ArrayLike
+    y: ArrayLike
+    style: Style
+    name: str = ""
+    draw: Literal["lines", "markers", "lines+markers"] = "lines"
+    hover: str = ""
+    notes: Sequence[str] = ()
+    x_error: ArrayLike | None = None
+    fill: str = ""
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Horizontal bars of one height and colour: where each starts, how long it is, where its middle is in y."""
+
+    start: Sequence[float]
+    length: Sequence[float]
+    middle: Sequence[float]
+    height: float
+    colour: str
+    name: str
+    notes: Sequence[str]
+
+
+@dataclass(frozen=True)
+class HeatMap:
+    """Values `z`, shape (y, x), in colours from `low` to `high`, and the label of their scale."""
+
+    x: FloatArray
+    y: FloatArray
+    z: FloatArray
+    low: float
+    high: float
+    label: str
+    hover: str
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A line across the panel where `axis` has the value `at`."""
+
+    axis: Literal["x", "y"]
+    at: float
+    style: Style
+
+
+@dataclass(frozen=True)
+class Band:
+    """A vertical stripe between two values of x, behind everything; the printed legend names it."""
+
+    low: float
+    high: float
+    colour: str
+    name: str
+
+
+Mark = Series | Bars | HeatMap | Rule | Band
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Marks between two axes; later ones are drawn above earlier ones.
+
+    Parameters
+    ----------
+    title
+        Above the panel in print, below it on the page.
+    names_at_right
+        Text by value of y, in print, where no pointer tells it.
+    """
+
+    x: Axis
+    y: Axis
+    marks: Sequence[Mark]
+    title: str = ""
+    names_at_right: Mapping[float, str] | None = None
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One figure.
 
     Parameters
     ----------
@@ -30,109 +162,38 @@ class Picture:
         Name of its files, without the ending, and its identifier in the page; unique in a report.
     caption
         What is seen, in a sentence.
-    draw
-        Draws it for print, in the style of `reports.figures.style.PRINT_STYLE`.
-    plot
-        The figure of plotly that stands on the page: ``data`` and ``layout``.
+    panels
+        Row by row. Panels below each other in one column share x, side by side share y.
+    height, pixels
+        In print [inch], and on the page without its legend.
+    columns, heights
+        Panels in a row, and heights of the rows over each other; equal if not given.
+    legend_columns, legend_title
+        Of the printed legend; 0: there is none, nor on the page.
+    x_label, y_label
+        What all panels share, in print.
     wide
         It takes two columns of a journal, and the whole width of the page.
     dense
-        It holds so much that the page has a picture of pixels of it, which is smaller than the drawing.
+        It holds so much that the page has a still picture of pixels of it, which is smaller than the drawing, and that
+        points are pixels in print too.
     """
 
     name: str
     caption: str
-    draw: Draw
-    plot: Mapping[str, Any]
+    panels: Sequence[Panel]
+    height: float
+    pixels: int
+    columns: int = 1
+    heights: Sequence[float] = ()
+    legend_columns: int = 2
+    legend_title: str = ""
+    x_label: str = ""
+    y_label: str = ""
     wide: bool = False
     dense: bool = False
 
-    def print_files(self) -> dict[str, bytes]:
-        """Draw once; give the picture as SVG and as PDF, by ending, and as PNG if it is dense."""
-        with mpl.rc_context(PRINT_STYLE):
-            figure = self.draw()
-            files = {}
-            if self.dense:
-                files["png"] = _few_colours(_saved(figure, "png", {"Software": None}))
-            else:
-                figure.draw_without_rendering()
-            figure.set_layout_engine("none")  # it is laid out; no file needs it again
-            files["svg"] = _saved(figure, "svg", dict.fromkeys(("Creator", "Date", "Format", "Type")))
-            files["pdf"] = _saved(figure, "pdf", dict.fromkeys(("Creator", "Producer", "CreationDate")))
-            return files
-
-
-def _saved(figure: Figure, ending: str, metadata: dict[str, Any]) -> bytes:
-    file = io.BytesIO()
-    figure.savefig(file, format=ending, metadata=metadata, dpi=PIXELS if ending == "png" else "figure")
-    return file.getvalue()
-
-
-def _few_colours(png: bytes) -> bytes:
-    """Give a picture with a palette of its own: a fraction of its bytes, and nobody sees it in lines and markers."""
-    file = io.BytesIO()
-    Image.open(io.BytesIO(png)).convert("RGB").quantize(64).save(file, "png", optimize=True)
-    return file.getvalue()
-
-
-def inline_png(png: bytes, picture: Picture) -> str:
-    """Give a picture of pixels as an element for a page."""
-    address = f"data:image/png;base64,{base64.b64encode(png).decode('ascii')}"
-    return f'<img alt="{_quoted(picture.caption)}" src="{address}">'
-
-
-def inline_svg(svg: bytes, name: str, caption: str) -> str:
-    """Give an SVG file as an element for a page: no prologue, no addresses, identifiers of its own, a description."""
-    text = svg.decode("utf-8")
-    text = text[text.index("<svg") :]
-    text = re.sub(r'\sxmlns(:\w+)?="[^"]*"', "", text)
-    for side in ("width", "height"):
-        text = re.sub(rf'(<svg[^>]*?)\s{side}="[^"]*"', r"\1", text, count=1)
-    # several figures stand in one document, and matplotlib gives each the same identifiers
-    text = re.sub(r'\bid="', f'id="{name}-', text)
-    text = re.sub(r'xlink:href="#', f'href="#{name}-', text)
-    text = re.sub(r'xlink:href="data:', 'href="data:', text)
-    return text.replace("url(#", f"url(#{name}-").replace("<svg", f'<svg role="img" aria-label="{_quoted(caption)}"', 1)
-
-
-def _quoted(text: str) -> str:
-    return re.sub(r'[<>"&]', "", text)
-
-
-def rounded(values: Iterable[float], digits: int = 4) -> list[float | None]:
-    """Give numbers as a page holds them: this many decimals, and nothing where there is no number."""
-    return [round(float(value), digits) if math.isfinite(value) else None for value in values]
-
-
-def significant(values: Iterable[float], digits: int = 4) -> list[float | None]:
-    """Give numbers with this many digits that count."""
-    return [float(f"{value:.{digits}g}") if math.isfinite(value) else None for value in values]
-
-
-def axis(title: str, **more: Any) -> dict[str, Any]:
-    """Give an axis of plotly with a title."""
-    return {
-        "title": {"text": title, "standoff": 8},
-        "gridcolor": "#e3e6ea",
-        "zeroline": False,
-        "linecolor": "#57606a",
-        "ticks": "outside",
-        "tickcolor": "#57606a",
-        "automargin": True,
-        **more,
-    }
-
-
-def layout(height: int, **more: Any) -> dict[str, Any]:
-    """Give the layout of a plot, `height` pixels high without its legend."""
-    return {
-        "height": height,
-        "margin": {"l": 60, "r": 16, "t": 10, "b": 48},
-        "font": {"family": "system-ui, Segoe UI, Liberation Sans, Arial, sans-serif", "size": 13, "color": "#1b1f24"},
-        "plot_bgcolor": "#fff",
-        "paper_bgcolor": "#fff",
-        "hovermode": "closest",
-        "hoverlabel": {"namelength": -1},
-        "legend": {"orientation": "h", "x": 0, "xanchor": "left", "y": 1, "yanchor": "top", "yref": "container"},
-        **more,
-    }
+    @property
+    def rows(self) -> int:
+        """Rows of panels."""
+        return -(-len(self.panels) // self.columns)

@@ -1,22 +1,21 @@
 """Hysteresis loops: friction force over relative displacement of every contact, in one period."""
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
-from reports.figures.figure import Picture, axis, layout, rounded
-from reports.figures.style import PAGE_WIDTH, look_of
+from reports.figures.figure import Axis, Figure, Panel, Series
+from reports.figures.style import style_of
 from reports.formatting import ratio
 from scenarios.studies.figure3 import REFERENCE, Figure3
 from scenarios.tasks.recorded import RecordedPeriod
 
 CORNER = 0.003
-"""Points of a loop nearer than this to the straight line between their neighbours are left out on the page.
+"""Points of a loop nearer than this to the straight line between their neighbours are left out.
 
 Over the width and height of the loop: a third of a pixel of a plot of a hundred pixels.
 """
@@ -24,94 +23,59 @@ Over the width and height of the loop: a third of a pixel of a plot of a hundred
 COLUMNS = 4
 
 
-def hysteresis(asked: Figure3, place: tuple[float, float], motions: Mapping[Variant, RecordedPeriod]) -> Picture:
+def hysteresis(asked: Figure3, place: tuple[float, float], motions: Mapping[Variant, RecordedPeriod]) -> Figure:
     """Draw the loops of all contacts at one point.
 
     Parameters
     ----------
     asked
-        Whose variants have their looks.
+        Whose variants have their styles.
     place
         Friction and frequency ratio.
     motions
         Known motions, the reference's first.
     """
-    return Picture(
+    cells = max(motion.outer.shape[1] for motion in motions.values())
+    rows = -(-cells // COLUMNS)
+    return Figure(
         f"hysteresis-{place[0]:g}-{place[1]:g}",
         f"Hysteresis loops at friction ratio {ratio(place[0])}, η_r = {ratio(place[1])}: "
         "friction over its bound, over relative displacement",
-        lambda: _printed(asked, motions),
-        {"data": _traces(asked, motions), "layout": _layout(motions)},
+        [_panel(asked, motions, cell) for cell in range(cells)],
+        height=0.6 + 1.55 * rows,
+        pixels=60 + 230 * rows,
+        columns=COLUMNS,
+        legend_columns=4,
+        x_label="relative displacement / U_0 [-]",
+        y_label="friction / bound [-]",
         wide=True,
     )
 
 
-def _cells(motions: Mapping[Variant, RecordedPeriod]) -> int:
-    return max(motion.outer.shape[1] for motion in motions.values())
+def _panel(asked: Figure3, motions: Mapping[Variant, RecordedPeriod], cell: int) -> Panel:
+    hover = f"cell {cell + 1}\n%{{x:.4f}} U_0\n%{{y:.3f}} of the bound"
+    loops = [
+        Series(
+            *_loop(motion, cell), replace(style_of(asked, variant), width=1.6 if variant == REFERENCE else 0.9),
+            variant.title, hover=hover,
+        )
+        for variant, motion in motions.items() if cell < motion.outer.shape[1]
+    ]  # fmt: skip
+    return Panel(
+        Axis(most_ticks=4, decimals=7), Axis(range=(-1.15, 1.15), most_ticks=5), loops, title=f"cell {cell + 1}"
+    )
 
 
 def _loop(motion: RecordedPeriod, cell: int) -> tuple[FloatArray, FloatArray]:
-    """Relative displacement from the middle of the loop, and friction; closed.
+    """Relative displacement from the middle of the loop, and friction; closed, and only the points that it needs.
 
     The middle is taken out: stuck offsets are not unique, and a loop may lie anywhere.
     """
     displacement, friction = motion.relative[:, cell], motion.friction[:, cell]
     displacement = displacement - (displacement.max() + displacement.min()) / 2
-    return np.append(displacement, displacement[0]), np.append(friction, friction[0])
-
-
-def _printed(asked: Figure3, motions: Mapping[Variant, RecordedPeriod]) -> Figure:
-    cells = _cells(motions)
-    rows = -(-cells // COLUMNS)
-    figure = Figure(figsize=(PAGE_WIDTH, 0.6 + 1.55 * rows), layout="constrained")
-    panels = figure.subplots(rows, COLUMNS, squeeze=False, sharey=True).ravel()
-    for axes in panels[cells:]:
-        axes.set_visible(False)
-    for cell, axes in enumerate(panels[:cells]):
-        for variant, motion in motions.items():
-            look = look_of(asked, variant)
-            width = 1.6 if variant == REFERENCE else 0.9
-            axes.plot(*_loop(motion, cell), color=look.colour, linestyle=look.line, linewidth=width,
-                      label=variant.title)  # fmt: skip
-        axes.set_title(f"cell {cell + 1}", pad=3)
-        axes.locator_params(axis="x", nbins=4)
-    figure.supxlabel("relative displacement / $U_0$ [-]", fontsize=8)
-    figure.supylabel("friction / bound [-]", fontsize=8)
-    handles, names = panels[0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside upper center", ncols=4)
-    return figure
-
-
-def _traces(asked: Figure3, motions: Mapping[Variant, RecordedPeriod]) -> list[dict[str, Any]]:
-    traces = []
-    for variant, motion in motions.items():
-        look = look_of(asked, variant)
-        for cell in range(motion.outer.shape[1]):
-            displacement, friction = _loop(motion, cell)
-            kept = corners(displacement, friction)
-            number = "" if cell == 0 else str(cell + 1)
-            traces.append(
-                {
-                    "type": "scatter", "mode": "lines", "name": variant.title, "legendgroup": str(variant),
-                    "showlegend": cell == 0, "xaxis": f"x{number}", "yaxis": f"y{number}",
-                    "x": rounded(displacement[kept], 5), "y": rounded(friction[kept], 4),
-                    "line": look.plotly_line,
-                    "hovertemplate": f"cell {cell + 1}<br>%{{x:.4f}} U<sub>0</sub><br>%{{y:.3f}} of the bound",
-                }
-            )  # fmt: skip
-    return traces
-
-
-def _layout(motions: Mapping[Variant, RecordedPeriod]) -> dict[str, Any]:
-    cells = _cells(motions)
-    rows = -(-cells // COLUMNS)
-    grid = {"rows": rows, "columns": COLUMNS, "pattern": "independent", "xgap": 0.28, "ygap": 0.42}
-    axes: dict[str, Any] = {}
-    for cell in range(cells):
-        number = "" if cell == 0 else str(cell + 1)
-        axes[f"xaxis{number}"] = axis(f"cell {cell + 1}", nticks=4)
-        axes[f"yaxis{number}"] = axis("", range=[-1.15, 1.15], nticks=5)
-    return layout(60 + 230 * rows, grid=grid, **axes)
+    displacement, friction = np.append(displacement, displacement[0]), np.append(friction, friction[0])
+    kept = corners(displacement, friction)
+    return displacement[kept], friction[kept]
 
 
 def corners(x: FloatArray, y: FloatArray, tolerance: float = CORNER) -> NDArray[np.intp]:

@@ -2,25 +2,21 @@
 
 import itertools
 from dataclasses import dataclass
-from typing import Any
-
-from matplotlib.collections import PolyCollection
-from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import Mode
-from reports.figures.figure import Picture, axis, layout
-from reports.figures.style import PAGE_WIDTH
+from reports.figures.figure import Axis, Bars, Figure, Panel
 from reports.formatting import ratio
 from scenarios.tasks.result import Result
 
 MODE_COLOURS = {Mode.STICK: "#2b2b2b", Mode.FORWARD: "#F0E442", Mode.BACKWARD: "#0072B2"}
 """Dark, light and middle: told apart in grey and by colour-blind readers."""
 
-
 CROWD = 16
 """Variants beyond which the page holds a raster as a picture of pixels."""
+
+NAMED = 8
+"""Variants beyond which the strips of the first cell only are named in print."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +58,7 @@ def phases(answer: Result) -> list[Phase]:
     return found
 
 
-def raster(place: tuple[float, float], answers: dict[Variant, Result]) -> Picture:
+def raster(place: tuple[float, float], answers: dict[Variant, Result]) -> Figure:
     """Draw one point: cells over time, and within each cell a strip for each variant, the first on top.
 
     Parameters
@@ -73,95 +69,47 @@ def raster(place: tuple[float, float], answers: dict[Variant, Result]) -> Pictur
         Certified answers, the reference's first.
     """
     rows = {variant: phases(answer) for variant, answer in answers.items()}
-    cells = max(len(answer.stuck_fraction) for answer in answers.values())
-    return Picture(
+    count, cells = len(rows), max(len(answer.stuck_fraction) for answer in answers.values())
+    named = range(1, cells + 1 if count <= NAMED else 2)
+    panel = Panel(
+        Axis("time / period [-]", (0.0, 1.0), decimals=5),
+        Axis(range=(cells + 0.5, 0.5), ticks={float(k): f"cell {k}" for k in range(1, cells + 1)}, grid=False),
+        [_bars(rows, mode) for mode in MODE_COLOURS],
+        names_at_right={_middle(count, strip, k): v.title for k in named for strip, v in enumerate(rows)},
+    )
+    return Figure(
         f"stick-slip-{place[0]:g}-{place[1]:g}",
         f"Stick and slip at friction ratio {ratio(place[0])}, η_r = {ratio(place[1])}; in each cell, from top to "
         f"bottom: {'; '.join(variant.title for variant in rows)}",
-        lambda: _printed(rows, cells),
-        {"data": _traces(rows), "layout": _layout(rows, cells)},
+        [panel],
+        height=0.9 + cells * max(0.34, 0.085 * count),
+        pixels=100 + round(cells * max(36, 9 * count)),
+        legend_columns=3,
         wide=True,
-        dense=len(rows) > CROWD,
+        dense=count > CROWD,
     )
 
 
-def _height(rows: dict[Variant, list[Phase]]) -> float:
-    """Height of a strip, where a cell takes 1."""
-    return 0.86 / len(rows)
+def _height(count: int) -> float:
+    """Height of a strip among so many, where a cell takes 1."""
+    return 0.86 / count
 
 
-def _middle(rows: dict[Variant, list[Phase]], strip: int, cell: int) -> float:
-    """Middle of the strip of a variant in a cell, on an axis on which cell k lies about k."""
-    return cell + _height(rows) * (strip - (len(rows) - 1) / 2)
+def _middle(count: int, strip: int, cell: int) -> float:
+    """Middle of a strip among so many in a cell, on an axis on which cell k lies about k."""
+    return cell + _height(count) * (strip - (count - 1) / 2)
 
 
-def _printed(rows: dict[Variant, list[Phase]], cells: int) -> Figure:
-    figure = Figure(figsize=(PAGE_WIDTH, 0.9 + cells * max(0.34, 0.085 * len(rows))), layout="constrained")
-    axes = figure.subplots()
-    for mode, colour in MODE_COLOURS.items():
-        bars = [
-            _corners(phase, _middle(rows, strip, phase.cell), 0.46 * _height(rows))
-            for strip, found in enumerate(rows.values())
-            for phase in found
-            if phase.mode is mode
-        ]
-        axes.add_collection(PolyCollection(bars, facecolors=colour, linewidths=0))
-    axes.set_yticks(range(1, cells + 1), [f"cell {cell}" for cell in range(1, cells + 1)])
-    axes.set_ylim(cells + 0.5, 0.5)
-    axes.set_xlim(0, 1)
-    axes.set_xlabel("time / period [-]")
-    axes.grid(axis="y", visible=False)
-    _name_strips(figure, rows, cells)
-    handles = [Patch(facecolor=colour, label=str(mode)) for mode, colour in MODE_COLOURS.items()]
-    figure.legend(handles=handles, loc="outside upper center", ncols=3)
-    return figure
-
-
-def _corners(phase: Phase, middle: float, half: float) -> list[tuple[float, float]]:
-    """Give the corners of the bar of a phase."""
-    left, right = phase.start, phase.start + phase.length
-    return [(left, middle - half), (left, middle + half), (right, middle + half), (right, middle - half)]
-
-
-def _name_strips(figure: Figure, rows: dict[Variant, list[Phase]], cells: int) -> None:
-    """Name the strips of every cell at the right where there is room for it, else those of the first cell only."""
-    (axes,) = figure.axes
-    right = axes.twinx()
-    right.set_ylim(axes.get_ylim())
-    named = range(1, cells + 1) if len(rows) <= 8 else range(1, 2)
-    labels = {_middle(rows, strip, cell): v.title for cell in named for strip, v in enumerate(rows)}
-    right.set_yticks(list(labels), list(labels.values()), fontsize=4.6)
-    right.tick_params(length=0, pad=2)
-    right.grid(visible=False)
-    right.spines[:].set_visible(False)
-
-
-def _traces(rows: dict[Variant, list[Phase]]) -> list[dict[str, Any]]:
-    """Give the phases of each mode as horizontal bars."""
-    traces = []
-    for mode, colour in MODE_COLOURS.items():
-        bars = [(strip, v, p) for strip, (v, found) in enumerate(rows.items()) for p in found if p.mode is mode]
-        traces.append(
-            {
-                "type": "bar", "orientation": "h", "name": str(mode),
-                "y": [round(_middle(rows, strip, phase.cell), 4) for strip, _, phase in bars],
-                "base": [round(phase.start, 5) for _, _, phase in bars],
-                "x": [round(phase.length, 5) for _, _, phase in bars],
-                "width": round(0.92 * _height(rows), 4),
-                "marker": {"color": colour, "line": {"width": 0}},
-                "text": [f"cell {p.cell}, {v.title}<br>{p.start:.4f} to {p.start + p.length:.4f}" for _, v, p in bars],
-                "textposition": "none",
-                "hovertemplate": "%{text}",
-            }
-        )  # fmt: skip
-    return traces
-
-
-def _layout(rows: dict[Variant, list[Phase]], cells: int) -> dict[str, Any]:
-    names = {"tickvals": list(range(1, cells + 1)), "ticktext": [f"cell {cell}" for cell in range(1, cells + 1)]}
-    return layout(
-        100 + round(cells * max(36, 9 * len(rows))),
-        barmode="overlay",
-        xaxis=axis("time / period [-]", range=[0, 1]),
-        yaxis={"range": [cells + 0.5, 0.5], "showgrid": False, "zeroline": False, "automargin": True, **names},
+def _bars(rows: dict[Variant, list[Phase]], mode: Mode) -> Bars:
+    """Give the phases of one mode as bars."""
+    count = len(rows)
+    found = [(strip, v, p) for strip, (v, phases) in enumerate(rows.items()) for p in phases if p.mode is mode]
+    return Bars(
+        start=[phase.start for _, _, phase in found],
+        length=[phase.length for _, _, phase in found],
+        middle=[_middle(count, strip, phase.cell) for strip, _, phase in found],
+        height=0.92 * _height(count),
+        colour=MODE_COLOURS[mode],
+        name=str(mode),
+        notes=[f"cell {p.cell}, {v.title}\n{p.start:.4f} to {p.start + p.length:.4f}" for _, v, p in found],
     )

@@ -1,25 +1,20 @@
 """Figure 3 of the paper, by the reference; then by every engine, with its differences from the converged reference."""
 
 import math
-from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from engines.interface.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
 from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
 from reports.data.findings import differences, reference_line
-from reports.figures.figure import Picture, axis, layout, rounded
-from reports.figures.scales import plot_scale, print_scale, stretched
-from reports.figures.style import COLUMN, compared_variants, curve_look, look_of
+from reports.figures.figure import Axis, Figure, Mark, Panel, Rule, Series, difference_axis
+from reports.figures.style import DASHED, DOTTED, RULE, Style, compared_variants, curve_style, style_of
 from reports.formatting import ratio
 from scenarios.studies.attenuation_band import Edge
 from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3Result, Point
 
-FREQUENCY_LABEL = r"frequency ratio $\eta_r = \omega/\omega_r$ [-]"
-FREQUENCY_TITLE = "frequency ratio η<sub>r</sub> [-]"
+FREQUENCY_LABEL = "frequency ratio η_r = ω/ω_r [-]"
 
 LOWEST_DB = -80.0
 """Lowest transmittance that is drawn: beyond, the motion is less than the ten-thousandth part of the base's."""
@@ -32,207 +27,113 @@ DIFFERENCE_TICKS = (SCHEME_TOLERANCE_DB, CONVERGED_TOLERANCE_DB, 2.0, 10.0, 50.0
 CROWD = 2000
 """Markers beyond which a printed panel holds them as a picture of pixels: its file stays small."""
 
+TOLERANCE = Style("#666666", dash=DASHED, width=0.6)
+EDGE = Style("#555555", dash=DOTTED, width=0.7)
+STEP_ERROR = Style("#595959", size=1.6, width=0.6)
 
-def overview(result: Figure3Result) -> Picture:
+
+def overview(result: Figure3Result) -> Figure:
     """Draw the reference's curves of all friction ratios: the paper's Figure 3."""
-    return Picture(
+    curves = [
+        Series(
+            *reference_line(result, friction), curve_style(place), ratio(friction),
+            hover=f"friction {ratio(friction)}\nη_r %{{x}}\n%{{y:.2f}} dB",
+        )
+        for place, friction in enumerate(result.asked.friction_ratios)
+    ]  # fmt: skip
+    return Figure(
         "figure3",
         f"The reference at all friction ratios ({result.asked.steps_per_period} steps a period or more)",
-        lambda: _printed_overview(result),
-        {"data": list(_overview_traces(result)), "layout": _overview_layout(result)},
+        [Panel(_frequency_axis(result, FREQUENCY_LABEL), _transmittance_axis(result), [_threshold(result), *curves])],
+        height=2.9,
+        pixels=440,
+        legend_columns=min(len(curves), 6),
+        legend_title="friction ratio μλ̃_N [-]",
     )
 
 
-def panel(result: Figure3Result, friction_ratio: float) -> Picture:
+def panel(result: Figure3Result, friction_ratio: float) -> Figure:
     """Draw one friction ratio: every variant over the reference, and below it their differences."""
-    return Picture(
+    variants = compared_variants(result.asked)
+    edges = _edges(result, friction_ratio)
+    reference = Series(
+        *reference_line(result, friction_ratio), Style("#000000"), REFERENCE.title, hover="η_r %{x}\n%{y:.3f} dB"
+    )
+    drawn = [variant for variant in variants if _points(result, variant, friction_ratio)]
+    upper = [_variant(result, variant, friction_ratio) for variant in drawn]
+    lower = [_difference(result, variant, friction_ratio) for variant in drawn]
+    tolerances = [Rule("y", sign * CONVERGED_TOLERANCE_DB, TOLERANCE) for sign in (-1, 1)]
+    error = _step_error(result, friction_ratio)
+    limit = _largest_difference(result)
+    return Figure(
         f"transmittance-{friction_ratio:g}",
         f"Friction ratio {ratio(friction_ratio)}",
-        lambda: _printed_panel(result, friction_ratio),
-        {"data": _panel_traces(result, friction_ratio), "layout": _panel_layout(result, friction_ratio)},
-        dense=_crowded(result, friction_ratio),
-    )
-
-
-def _printed_overview(result: Figure3Result) -> Figure:
-    figure = Figure(figsize=(COLUMN, 2.9), layout="constrained")
-    axes = figure.subplots()
-    axes.axhline(result.asked.band.threshold_db, color="0.4", linewidth=0.6)
-    for place, friction in enumerate(result.asked.friction_ratios):
-        colour, line, _ = curve_look(place)
-        axes.plot(*reference_line(result, friction), linestyle=line, color=colour, label=ratio(friction))
-    _transmittance_axis(axes, result)
-    axes.set_xlabel(FREQUENCY_LABEL)
-    figure.legend(
-        title=r"friction ratio $\mu\tilde{\lambda}_N$ [-]", loc="outside upper center",
-        ncols=min(len(result.asked.friction_ratios), 6), handlelength=2.2, columnspacing=1.0,
-    )  # fmt: skip
-    return figure
-
-
-def _overview_traces(result: Figure3Result) -> list[dict[str, Any]]:
-    traces = []
-    for place, friction in enumerate(result.asked.friction_ratios):
-        colour, _, dash = curve_look(place)
-        eta, curve = reference_line(result, friction)
-        traces.append(
-            {
-                "type": "scatter", "mode": "lines", "name": f"friction {ratio(friction)}",
-                "x": rounded(eta), "y": rounded(curve, 3),
-                "line": {"color": colour, "dash": dash, "width": 1.8},
-                "hovertemplate": "η<sub>r</sub> %{x}<br>%{y:.2f} dB",
-            }
-        )  # fmt: skip
-    return traces
-
-
-def _overview_layout(result: Figure3Result) -> dict[str, Any]:
-    low, high = _decibel_range(result)
-    return layout(
-        440,
-        xaxis=axis(FREQUENCY_TITLE, range=_frequency_range(result)),
-        yaxis=axis("transmittance [dB]", range=[low, high]),
-        shapes=[_level(result.asked.band.threshold_db, "y")],
-    )
-
-
-def _printed_panel(result: Figure3Result, friction_ratio: float) -> Figure:
-    variants = compared_variants(result.asked)
-    rows = math.ceil((len(variants) + 2) / 2)
-    figure = Figure(figsize=(COLUMN, 3.6 + 0.13 * rows), layout="constrained")
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-    crowded = _crowded(result, friction_ratio)
-    for edge in Edge:
-        found = result.edge(CONVERGED, friction_ratio, edge).frequency_ratio
-        for axes in (upper, lower) if found is not None else ():
-            axes.axvline(found, color="0.35", linewidth=0.7, linestyle=(0, (2, 2)))
-    upper.axhline(result.asked.band.threshold_db, color="0.4", linewidth=0.6)
-    upper.plot(*reference_line(result, friction_ratio), color="black", label=REFERENCE.title)
-    _print_step_error(lower, result, friction_ratio)
-    for variant in variants:
-        look = look_of(result.asked, variant).printed() | {"rasterized": crowded, "label": variant.title}
-        points = _drawn(result, variant, friction_ratio)
-        if points:
-            upper.plot([p.frequency_ratio for p in points], [p.answer.transmittance_db for p in points], **look)
-            lower.plot(*differences(result, variant, friction_ratio), **look)
-    _transmittance_axis(upper, result)
-    print_scale(lower, "y", LINEAR_DB, DIFFERENCE_TICKS, _largest_difference(result))
-    lower.set_ylabel("difference [dB]")
-    lower.set_xlabel(FREQUENCY_LABEL)
-    handles = [one for axes in (upper, lower) for one in axes.get_legend_handles_labels()[0]]
-    named = {str(handle.get_label()): handle for handle in handles}
-    figure.legend(named.values(), named.keys(), loc="outside upper center", ncols=2, columnspacing=1.0)
-    return figure
-
-
-def _print_step_error(axes: Axes, result: Figure3Result, friction_ratio: float) -> None:
-    """Shade what the scheme itself errs by at the common time step, and mark the tolerance."""
-    eta, error = differences(result, REFERENCE, friction_ratio)
-    axes.fill_between(eta, 0, error, color="0.8", linewidth=0)
-    axes.plot(eta, error, color="black", linewidth=0.6, marker=".", markersize=2, label="scheme's own step error")
-    axes.axhline(0, color="0.4", linewidth=0.6)
-    for sign in (-1, 1):
-        axes.axhline(sign * CONVERGED_TOLERANCE_DB, color="0.4", linewidth=0.6, linestyle=(0, (5, 4)))
-
-
-def _transmittance_axis(axes: Axes, result: Figure3Result) -> None:
-    axes.set_ylim(*_decibel_range(result))
-    axes.set_xlim(*_frequency_range(result))
-    axes.set_ylabel("transmittance [dB]")
-
-
-def _panel_traces(result: Figure3Result, friction_ratio: float) -> list[dict[str, Any]]:
-    eta, curve = reference_line(result, friction_ratio)
-    line = {
-        "type": "scatter", "mode": "lines", "name": REFERENCE.title, "x": rounded(eta), "y": rounded(curve, 3),
-        "line": {"color": "#000", "width": 1.6}, "hovertemplate": "η<sub>r</sub> %{x}<br>%{y:.3f} dB",
-    }  # fmt: skip
-    traces = [line, _difference_trace(result, REFERENCE, friction_ratio, "scheme's own step error")]
-    for variant in compared_variants(result.asked):
-        points = _drawn(result, variant, friction_ratio)
-        if points:
-            traces += [_points_trace(result, variant, points), _difference_trace(result, variant, friction_ratio)]
-    return traces
-
-
-def _points_trace(result: Figure3Result, variant: Variant, points: list[Point]) -> dict[str, Any]:
-    """Mark the steady states of one variant, with their verdicts."""
-    return {
-        "type": "scatter", "mode": "markers", "name": variant.title, "legendgroup": str(variant),
-        "x": rounded(p.frequency_ratio for p in points), "y": rounded(p.answer.transmittance_db for p in points),
-        "text": [str(point.comparison.verdict) for point in points],
-        "marker": look_of(result.asked, variant).plotly_marker,
-        "hovertemplate": "η<sub>r</sub> %{x}<br>%{y:.4f} dB, %{text}",
-    }  # fmt: skip
-
-
-def _difference_trace(
-    result: Figure3Result, variant: Variant, friction_ratio: float, name: str | None = None
-) -> dict[str, Any]:
-    """Mark the differences of one variant, in the lower panel; the reference's as a grey line."""
-    eta, difference = differences(result, variant, friction_ratio)
-    trace = {
-        "type": "scatter", "yaxis": "y2", "name": name or variant.title, "legendgroup": str(variant),
-        "x": rounded(eta), "y": stretched(difference, LINEAR_DB), "customdata": rounded(difference, 5),
-        "hovertemplate": "η<sub>r</sub> %{x}<br>difference %{customdata:+.5f} dB",
-    }  # fmt: skip
-    if variant == REFERENCE:
-        return trace | {"mode": "lines", "line": {"color": "#8c8c8c", "width": 4}}
-    return trace | {"mode": "markers", "showlegend": False, "marker": look_of(result.asked, variant).plotly_marker}
-
-
-def _panel_layout(result: Figure3Result, friction_ratio: float) -> dict[str, Any]:
-    edges = [result.edge(CONVERGED, friction_ratio, edge).frequency_ratio for edge in Edge]
-    tolerances = [
-        _level(sign * float(np.arcsinh(CONVERGED_TOLERANCE_DB / LINEAR_DB)), "y2", "dash") for sign in (-1, 1)
-    ]
-    low, high = _decibel_range(result)
-    difference = plot_scale("difference [dB]", LINEAR_DB, DIFFERENCE_TICKS, _largest_difference(result))
-    return layout(
-        540,
-        xaxis=axis(FREQUENCY_TITLE, range=_frequency_range(result), anchor="y2"),
-        yaxis=axis("transmittance [dB]", range=[low, high], domain=[0.43, 1]),
-        yaxis2={**difference, "domain": [0, 0.36]},
-        shapes=[
-            _level(result.asked.band.threshold_db, "y"),
-            *tolerances,
-            *(_edge_line(edge) for edge in edges if edge is not None and not math.isnan(edge)),
+        [
+            Panel(
+                _frequency_axis(result), _transmittance_axis(result),
+                [*edges, _threshold(result), reference, *upper],
+            ),
+            Panel(
+                _frequency_axis(result, FREQUENCY_LABEL),
+                difference_axis("difference [dB]", LINEAR_DB, DIFFERENCE_TICKS, limit),
+                [*edges, Rule("y", 0.0, RULE), *tolerances, error, *lower],
+            ),
         ],
-    )
+        height=3.6 + 0.13 * math.ceil((len(variants) + 2) / 2),
+        pixels=540,
+        heights=(3, 2),
+        dense=sum(len(result.curve(variant, friction_ratio)) for variant in variants) > CROWD,
+    )  # fmt: skip
 
 
-def _level(value: float, which: str, dash: str = "solid") -> dict[str, Any]:
-    """Draw a level across one panel."""
-    line = {"color": "#777", "width": 1, "dash": dash}
-    return {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "yref": which, "y0": value, "y1": value, "line": line,
-            "layer": "below"}  # fmt: skip
+def _threshold(result: Figure3Result) -> Mark:
+    return Rule("y", result.asked.band.threshold_db, RULE)
 
 
-def _edge_line(eta: float) -> dict[str, Any]:
-    """Draw an edge of the band through both panels."""
-    line = {"color": "#555", "width": 1, "dash": "dot"}
-    return {"type": "line", "xref": "x", "x0": eta, "x1": eta, "yref": "paper", "y0": 0, "y1": 1, "line": line,
-            "layer": "below"}  # fmt: skip
+def _edges(result: Figure3Result, friction_ratio: float) -> list[Mark]:
+    found = [result.edge(CONVERGED, friction_ratio, edge).frequency_ratio for edge in Edge]
+    return [Rule("x", eta, EDGE) for eta in found if eta is not None and not math.isnan(eta)]
 
 
-def _crowded(result: Figure3Result, friction_ratio: float) -> bool:
-    """Whether a panel has more markers than a file should hold one by one."""
-    return sum(len(result.curve(one, friction_ratio)) for one in compared_variants(result.asked)) > CROWD
+def _variant(result: Figure3Result, variant: Variant, friction_ratio: float) -> Series:
+    """Mark the steady states of one variant, with their verdicts."""
+    points = _points(result, variant, friction_ratio)
+    return Series(
+        [point.frequency_ratio for point in points], [point.answer.transmittance_db for point in points],
+        style_of(result.asked, variant), variant.title, "markers", "η_r %{x}\n%{y:.4f} dB, %{text}",
+        [str(point.comparison.verdict) for point in points],
+    )  # fmt: skip
 
 
-def _drawn(result: Figure3Result, variant: Variant, friction_ratio: float) -> list[Point]:
+def _difference(result: Figure3Result, variant: Variant, friction_ratio: float) -> Series:
+    """Mark the differences of one variant."""
+    return Series(
+        *differences(result, variant, friction_ratio), style_of(result.asked, variant), variant.title, "markers",
+        "η_r %{x}\ndifference %{y:+.5f} dB",
+    )  # fmt: skip
+
+
+def _step_error(result: Figure3Result, friction_ratio: float) -> Series:
+    """Shade what the scheme itself errs by at the common time step."""
+    return Series(
+        *differences(result, REFERENCE, friction_ratio), STEP_ERROR, "scheme's own step error",
+        hover="η_r %{x}\ndifference %{y:+.5f} dB", draw="lines+markers", fill="#cccccc",
+    )  # fmt: skip
+
+
+def _points(result: Figure3Result, variant: Variant, friction_ratio: float) -> list[Point]:
     return [point for point in result.curve(variant, friction_ratio) if point.answer.converged]
 
 
-def _frequency_range(result: Figure3Result) -> list[float]:
-    return [result.asked.frequency_ratios[0] - 0.03, result.asked.frequency_ratios[-1] + 0.03]
+def _frequency_axis(result: Figure3Result, label: str = "") -> Axis:
+    return Axis(label, (result.asked.frequency_ratios[0] - 0.03, result.asked.frequency_ratios[-1] + 0.03))
 
 
-def _decibel_range(result: Figure3Result) -> tuple[float, float]:
+def _transmittance_axis(result: Figure3Result) -> Axis:
     """Cut the axis off where nothing is to be seen, the same for all panels."""
     every = np.concatenate([reference_line(result, friction)[1] for friction in result.asked.friction_ratios])
     known = np.append(every[np.isfinite(every)], result.asked.band.threshold_db)
-    return max(LOWEST_DB, float(known.min()) - 5), float(known.max()) + 5
+    return Axis("transmittance [dB]", (max(LOWEST_DB, float(known.min()) - 5), float(known.max()) + 5))
 
 
 def _largest_difference(result: Figure3Result) -> float:

@@ -14,7 +14,9 @@ from plotly.offline import get_plotlyjs
 
 from reports import formatting as numbers
 from reports.data.report import Report
-from reports.figures.figure import Picture, inline_png, inline_svg
+from reports.figures.figure import Figure
+from reports.figures.matplotlib_backend import print_files
+from reports.figures.plotly_backend import plot
 from reports.page.section import SUITE, Section, registered_sections
 from reports.page.sections import (
     BandEdges,
@@ -52,7 +54,7 @@ class RenderedPage:
     html
         The document.
     figures
-        Every picture as SVG and PDF, by file name.
+        Every figure as SVG and PDF, by file name.
     """
 
     html: str
@@ -65,49 +67,46 @@ def sections(report: Report) -> list[Section]:
 
 
 def page(title: str, parts: Sequence[Section]) -> RenderedPage:
-    """Render sections into one HTML document, and draw their pictures.
+    """Render sections into one HTML document, and draw their figures.
 
     A section that fails says so in its place; the others are there.
     """
-    album = _Album()
-    rendered = [_rendered(part, album) for part in parts]
+    registry = _Registry()
+    rendered = [_rendered(part, registry) for part in parts]
     html = _environment(SUITE).get_template("page.html").render(
         title=title,
         sections=rendered,
-        plots=_packed(json.dumps(album.plots, allow_nan=False, separators=(",", ":"))),
-        library=_packed(get_plotlyjs() if album.plots else ""),
+        plots=_packed(json.dumps(registry.plots, allow_nan=False, separators=(",", ":"))),
+        library=_packed(get_plotlyjs() if registry.plots else ""),
     )  # fmt: skip
-    return RenderedPage(html, album.files)
+    return RenderedPage(html, registry.files)
 
 
-class _Album:
-    """Pictures that are on the page so far."""
+class _Registry:
+    """Figures that are on the page so far."""
 
     def __init__(self) -> None:
         self.plots: dict[str, Any] = {}
         self.files: dict[str, bytes] = {}
 
-    def html(self, picture: Picture) -> Markup:
-        """Draw a picture, keep its files, and give its element."""
-        if picture.name in self.plots:
-            raise ValueError(f"two pictures are called {picture.name!r}; allowed: names of their own")
-        drawn = picture.print_files()
-        self.plots[picture.name] = picture.plot
-        template = _environment(SUITE).get_template("picture.html")
-        if "png" in drawn:
-            still = inline_png(drawn.pop("png"), picture)
-        else:
-            still = inline_svg(drawn["svg"], picture.name, picture.caption)
-        self.files |= {f"{picture.name}.{ending}": content for ending, content in drawn.items()}
-        return Markup(template.render(picture=picture, still=Markup(still)))
+    def html(self, figure: Figure) -> Markup:
+        """Draw a figure, keep its files, and give its element."""
+        if figure.name in self.plots:
+            raise ValueError(f"two figures are called {figure.name!r}; allowed: names of their own")
+        self.plots[figure.name] = plot(figure)
+        files = print_files(figure)
+        kind, image = ("png", files.pop("png")) if "png" in files else ("svg+xml", files["svg"])
+        self.files |= {f"{figure.name}.{ending}": content for ending, content in files.items()}
+        template = _environment(SUITE).get_template("figure.html")
+        return Markup(template.render(figure=figure, kind=kind, image=base64.b64encode(image).decode("ascii")))
 
 
-def _rendered(part: Section, album: _Album) -> RenderedSection:
+def _rendered(part: Section, registry: _Registry) -> RenderedSection:
     """Render one section."""
     try:
-        drawn = {picture.name: album.html(picture) for picture in part.pictures()}
+        drawn = {figure.name: registry.html(figure) for figure in part.figures()}
         template = _environment(part.templates).get_template(f"{part.template}.html")
-        html = template.render(**part.context(), picture=_chosen(drawn), pictures=list(drawn.values()))
+        html = template.render(**part.context(), figure=_chosen(drawn), figures=list(drawn.values()))
     except Exception as problem:
         if part.templates == SUITE:
             raise

@@ -6,7 +6,7 @@ from importlib.metadata import entry_points
 from typing import Any, ClassVar
 
 from reports.data.report import Report
-from reports.figures.figure import Picture
+from reports.figures.figure import Figure
 
 SUITE = "reports.page"
 """Package that holds the suite's own templates."""
@@ -19,7 +19,7 @@ class Section(ABC):
     """One section of a page.
 
     A section of another package sets `templates` to that package, whose folder ``templates`` holds
-    ``<template>.html``. Templates are of jinja2; ``{{ picture("name") }}`` sets one of the section's pictures.
+    ``<template>.html``. Templates are of jinja2; ``{{ figure("name") }}`` sets one of the section's figures.
 
     Parameters
     ----------
@@ -38,13 +38,13 @@ class Section(ABC):
         self.report = report
         self.result = report.result
 
-    def pictures(self) -> list[Picture]:
-        """Pictures of the section, in the order in which they stand; their names are unique in a report."""
+    def figures(self) -> list[Figure]:
+        """Figures of the section, in the order in which they stand; their names are unique in a report."""
         return []
 
     @abstractmethod
     def context(self) -> dict[str, Any]:
-        """What the template is given, beside its pictures."""
+        """What the template is given, beside its figures."""
 
 
 def registered_sections() -> list[Callable[[Report], Section]]:

@@ -5,7 +5,7 @@ from typing import Any
 from engines.interface.variant import Variant
 from reports.data.findings import absent_edge, band_definition
 from reports.figures.edges import edge_forest, reference_error
-from reports.figures.figure import Picture
+from reports.figures.figure import Figure
 from reports.page.section import Section
 from scenarios.studies.attenuation_band import EDGE_RESOLUTION, Edge
 from scenarios.studies.figure3 import CONVERGED
@@ -17,7 +17,7 @@ class BandEdges(Section):
     title = "Band edges"
     template = "band_edges"
 
-    def pictures(self) -> list[Picture]:
+    def figures(self) -> list[Figure]:
         """The forest."""
         return [edge_forest(self.result)]
 

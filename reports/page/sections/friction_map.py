@@ -3,8 +3,8 @@
 from typing import Any
 
 from reports.data.findings import band_definition
-from reports.figures.figure import Picture
-from reports.figures.friction_map import HIGHEST_DB, LOWEST_DB, friction_map_picture
+from reports.figures.figure import Figure
+from reports.figures.friction_map import HIGHEST_DB, LOWEST_DB, friction_map_figure
 from reports.page.section import Section
 
 
@@ -14,10 +14,10 @@ class FrictionMap(Section):
     title = "Friction and frequency"
     template = "friction_map"
 
-    def pictures(self) -> list[Picture]:
+    def figures(self) -> list[Figure]:
         """The map, if anybody answered."""
         found = self.report.friction_map
-        return [friction_map_picture(found)] if found is not None and found.known else []
+        return [friction_map_figure(found)] if found is not None and found.known else []
 
     def context(self) -> dict[str, Any]:
         """What the caption names, and how much is missing."""

@@ -8,7 +8,7 @@ from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from reference_lcp.observables.transition_matching import MATCHING_WINDOW, match_transitions
 from reports.data.report import OperatingPoint
-from reports.figures.figure import Picture
+from reports.figures.figure import Figure
 from reports.figures.hysteresis import hysteresis
 from reports.figures.stick_slip import raster
 from reports.page.section import Section
@@ -22,7 +22,7 @@ class StickSlip(Section):
     title = "Stick and slip"
     template = "stick_slip"
 
-    def pictures(self) -> list[Picture]:
+    def figures(self) -> list[Figure]:
         """A raster for every point, then the loops of those whose motion is known."""
         return [*self._rasters(), *self._loops()]
 
@@ -52,10 +52,10 @@ class StickSlip(Section):
                 found[place] = answers
         return found
 
-    def _rasters(self) -> list[Picture]:
+    def _rasters(self) -> list[Figure]:
         return [raster(place, answers) for place, answers in self._answers().items()]
 
-    def _loops(self) -> list[Picture]:
+    def _loops(self) -> list[Figure]:
         known = {
             place: {variant: motion for variant, motion in motions.items() if motion.known}
             for place, motions in self.report.motions.items()

@@ -4,7 +4,7 @@ from typing import Any
 
 from engines.interface.tolerances import CONVERGED_TOLERANCE_DB
 from reports.data.findings import band_definition
-from reports.figures.figure import Picture
+from reports.figures.figure import Figure
 from reports.figures.transmittance import LINEAR_DB, LOWEST_DB, overview, panel
 from reports.page.section import Section
 from scenarios.verdicts.finding import FLOOR_DB
@@ -16,7 +16,7 @@ class Transmittance(Section):
     title = "Transmittance"
     template = "transmittance"
 
-    def pictures(self) -> list[Picture]:
+    def figures(self) -> list[Figure]:
         """The overview, then the panels."""
         return [
             overview(self.result),

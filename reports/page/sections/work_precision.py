@@ -3,7 +3,7 @@
 from typing import Any
 
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
-from reports.figures.figure import Picture
+from reports.figures.figure import Figure
 from reports.figures.work_precision import convergence, curves, work_precision
 from reports.page.section import Section
 from scenarios.studies.accuracy import ORDER_STEPS
@@ -15,7 +15,7 @@ class WorkPrecision(Section):
     title = "Work and precision"
     template = "work_precision"
 
-    def pictures(self) -> list[Picture]:
+    def figures(self) -> list[Figure]:
         """The diagrams, if anybody was asked at all."""
         steps = self.report.steps
         return (

@@ -38,8 +38,8 @@ for (const heading of document.querySelectorAll("table.sortable thead th")) {
   });
 }
 
-// Plots: the still picture of each is replaced when it comes into view. Without the browser's own decompression,
-// or on paper, still pictures stay.
+// Plots: the still image of each is replaced when it comes into view. Without the browser's own decompression,
+// or on paper, still images stay.
 let plots = {};
 const NARROW = 600; // pixels
 const TOOLBAR = 30; // pixels above the legend for plotly's buttons
@@ -62,7 +62,8 @@ function legendRows(plot, width) {
   const entries = plot.data.filter((trace) => trace.name && trace.showlegend !== false);
   if (entries.length < 2) return 0;
   const widest = Math.max(...entries.map((trace) => trace.name.length));
-  return Math.ceil(entries.length / Math.max(1, Math.floor((width - 20) / (52 + 7.2 * widest))));
+  const room = width - 20 - 7.2 * (plot.layout.legend.title?.text.replace(/<[^>]*>/g, "").length ?? 0);
+  return Math.ceil(entries.length / Math.max(1, Math.floor(room / (52 + 7.2 * widest))));
 }
 
 // Panels that stand side by side on a wide screen stand below each other on a telephone's.
@@ -74,7 +75,7 @@ function arranged(plot, width) {
     const panels = Object.keys(layout).filter((name) => name.startsWith("xaxis")).length;
     const columns = layout.grid.columns > 2 ? 2 : 1;
     const height = layout.height / layout.grid.rows;
-    layout.grid = { ...layout.grid, columns, rows: Math.ceil(panels / columns) };
+    layout.grid = { ...layout.grid, columns, rows: Math.ceil(panels / columns), xgap: 0.28 };
     layout.height = height * layout.grid.rows;
     for (const name of Object.keys(layout)) if (name.startsWith("yaxis")) layout[name].showticklabels = true;
   }
@@ -106,7 +107,7 @@ function drawAll() {
 
 if ("DecompressionStream" in window) {
   // figures, not plots: an empty plot has no height, and would never be seen
-  document.querySelectorAll("figure.picture").forEach((figure) => {
+  document.querySelectorAll("figure.chart").forEach((figure) => {
     const place = figure.querySelector(".plot");
     new IntersectionObserver((entries, self) => {
       if (!entries.some((entry) => entry.isIntersecting)) return;

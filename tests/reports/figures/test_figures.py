@@ -1,4 +1,4 @@
-"""Pictures: what plotly is given is what it knows, colours and shapes are told apart, loops keep their shape."""
+"""Figures: what plotly is given is what it knows, colours and shapes are told apart, loops keep their shape."""
 
 import itertools
 import math
@@ -10,9 +10,12 @@ import pytest
 
 from engines.interface.variant import Variant
 from reports.data.report import Report
+from reports.figures.figure import Axis, Band, Figure, Panel, Rule, Series, difference_axis
 from reports.figures.hysteresis import CORNER, corners
+from reports.figures.matplotlib_backend import drawn, mathtext
+from reports.figures.plotly_backend import plot
 from reports.figures.stick_slip import MODE_COLOURS, phases
-from reports.figures.style import PALETTE, Look, look_of
+from reports.figures.style import PALETTE, Style, style_of
 from reports.page.render import sections
 from reports.page.sections import StickSlip
 from scenarios.studies.figure3 import Figure3, Figure3Result
@@ -49,21 +52,75 @@ def many() -> Figure3:
 
 
 def test_plotly_knows_everything_that_it_is_given(report: Report) -> None:
-    pictures = [picture for part in sections(report) for picture in part.pictures()]
-    assert len(pictures) > 8
-    for picture in pictures:
-        figure = go.Figure(picture.plot)  # raises at the first unknown name or wrong value
-        assert figure.data, picture.name
+    every = figures_of(report)
+    assert len(every) > 8
+    for figure in every:
+        known = go.Figure(plot(figure))  # raises at the first unknown name or wrong value
+        assert known.data, figure.name
 
 
-def test_every_variant_of_forty_eight_has_a_look_of_its_own(many: Figure3) -> None:
-    looks = [look_of(many, variant) for variant in many.variants]
-    assert len({(look.colour, look.symbol) for look in looks}) == 48
+def figures_of(report: Report) -> list[Figure]:
+    return [figure for part in sections(report) for figure in part.figures()]
+
+
+def test_print_and_page_have_the_same_points_names_and_labels(report: Report) -> None:
+    for figure in figures_of(report):
+        canvas, traces = drawn(figure), plot(figure)["data"]
+        lines = [
+            line
+            for axes in canvas.axes
+            for line in axes.lines
+            if line.get_transform() == axes.transData and line.get_marker() != "|"  # a cap of an error bar
+        ]
+        joined = [trace for trace in traces if trace["type"] == "scatter" and "error_x" not in trace]
+        assert [len(line.get_xdata()) for line in lines] == [len(trace["x"]) for trace in joined], figure.name
+        if figure.legend_columns:
+            told = {text.get_text() for text in canvas.legends[0].get_texts()}
+            bands = {mark.name for panel in figure.panels for mark in panel.marks if isinstance(mark, Band)}
+            assert told - bands == {trace["name"] for trace in traces if trace["showlegend"]}, figure.name
+        printed = {axes.get_xlabel() for axes in canvas.axes} - {""}
+        assert printed == {mathtext(panel.x.label) for panel in figure.panels} - {""}, figure.name
+
+
+def test_differences_are_drawn_at_their_logarithm_and_told_as_they_are() -> None:
+    panel = Panel(
+        Axis("place", ticks={0.0: "left", 1.0: "right"}), difference_axis("difference", 0.01, [0.02, 0.5], 1.0),
+        [Series([0.0, 1.0, 2.0], [0.01, -1.0, math.nan], Style("#000000"), "one", hover="%{y:+.3f}"),
+         Rule("y", 0.02, Style("#000000"))],
+    )  # fmt: skip
+    given = plot(Figure("name", "caption", [panel], 2.0, 300))
+    (trace,), layout = given["data"], given["layout"]
+    assert trace["y"] == [pytest.approx(math.asinh(1.0), abs=1e-5), pytest.approx(-math.asinh(100.0), abs=1e-5), None]
+    assert trace["customdata"] == [0.01, -1.0, None]
+    assert trace["hovertemplate"] == "%{customdata:+.3f}"
+    assert layout["shapes"][0]["y0"] == pytest.approx(math.asinh(2.0))
+    assert layout["yaxis"]["ticktext"] == ["−0.5", "−0.02", "0", "0.02", "0.5"]
+    assert layout["yaxis"]["range"] == pytest.approx([-math.asinh(100.0), math.asinh(100.0)])
+    assert layout["xaxis"]["ticktext"] == ["left", "right"]
+
+
+def test_error_bars_end_where_their_values_are_on_a_stretched_axis() -> None:
+    series = Series([0.1], [0.0], Style("#000000"), draw="markers", x_error=[0.05])
+    given = plot(Figure("name", "", [Panel(difference_axis("", 0.01, [], 1.0), Axis(), [series])], 2.0, 300))
+    (trace,) = given["data"]
+    (x,), bars = trace["x"], trace["error_x"]
+    assert x + bars["array"][0] == pytest.approx(math.asinh(15.0), abs=2e-5)
+    assert x - bars["arrayminus"][0] == pytest.approx(math.asinh(5.0), abs=2e-5)
+
+
+def test_symbols_with_an_index_are_set_as_mathematics() -> None:
+    assert mathtext("frequency ratio η_r = ω/ω_r [-]") == "frequency ratio $η_r$ = $ω/ω_r$ [-]"
+    assert mathtext("friction ratio μλ\u0303_N [-]") == r"friction ratio $μ\tilde{λ}_N$ [-]"
+
+
+def test_every_variant_of_forty_eight_has_a_style_of_its_own(many: Figure3) -> None:
+    styles = [style_of(many, variant) for variant in many.variants]
+    assert len({(style.colour, style.symbol) for style in styles}) == 48
 
 
 def test_neighbours_are_told_apart_without_colour(many: Figure3) -> None:
-    looks = [look_of(many, variant) for variant in many.variants]
-    assert all(a.marker != b.marker and a.dash != b.dash for a, b in itertools.pairwise(looks))
+    styles = [style_of(many, variant) for variant in many.variants]
+    assert all(a.symbol != b.symbol and a.dash != b.dash for a, b in itertools.pairwise(styles))
 
 
 @pytest.mark.parametrize("deficiency", [PROTANOPIA, DEUTERANOPIA, TRITANOPIA])
@@ -79,9 +136,11 @@ def test_colours_of_neighbours_differ_for_the_commonest_deficiencies(deficiency:
     assert min(float(np.linalg.norm(a - b)) for a, b in itertools.pairwise(seen)) > 0.15
 
 
-def test_printed_looks_and_looks_on_the_screen_have_the_same_colour(many: Figure3) -> None:
-    look: Look = look_of(many, many.variants[7])
-    assert look.printed()["color"] == look.plotly_marker["color"] == look.plotly_line["color"]
+def test_series_have_the_same_colour_in_print_and_on_the_screen(many: Figure3) -> None:
+    series = Series([0.0, 1.0], [0.0, 1.0], style_of(many, many.variants[7]), "seven", "lines+markers")
+    figure = Figure("name", "caption", [Panel(Axis(), Axis(), [series])], 2.0, 300)
+    (trace,), (line,) = plot(figure)["data"], drawn(figure).axes[0].lines
+    assert line.get_color() == trace["marker"]["color"] == trace["line"]["color"]
 
 
 def test_phases_of_a_contact_fill_the_period_once() -> None:
@@ -99,10 +158,10 @@ def test_phases_of_a_contact_fill_the_period_once() -> None:
 
 
 def test_a_raster_has_the_reference_and_every_engine_with_a_steady_state(result: Figure3Result) -> None:
-    pictures = StickSlip(Report(result, "")).pictures()
-    assert [picture.name for picture in pictures] == ["stick-slip-0.3-0.6", "stick-slip-0.3-0.9"]
-    assert "Reference (LCP); MuJoCo" in pictures[0].caption
-    assert "PyBullet" not in pictures[0].caption
+    figures = StickSlip(Report(result, "")).figures()
+    assert [figure.name for figure in figures] == ["stick-slip-0.3-0.6", "stick-slip-0.3-0.9"]
+    assert "Reference (LCP); MuJoCo" in figures[0].caption
+    assert "PyBullet" not in figures[0].caption
 
 
 @pytest.mark.parametrize("curve", [lambda t: (np.cos(t), np.sin(t)), lambda t: (np.sign(np.cos(t)), np.sin(3 * t))])

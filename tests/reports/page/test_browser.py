@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.reports.browser import CHROMIUM, Browser
 
 from reports.export.files import write_all
+from tests.reports.page.browser import CHROMIUM, Browser
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no chromium on this machine")
 
@@ -91,10 +91,10 @@ SORTED = """(() => {
 @pytest.mark.parametrize(
     "press", ["click()", "dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}))"]
 )
-def test_tables_sort_by_number_and_back(browser: Browser, page: Path, normal_load: str) -> None:
+def test_tables_sort_by_number_and_back(browser: Browser, page: Path, press: str) -> None:
     """Errors of a hundredth and below: neither in order from the start, nor ordered alike as texts and as numbers."""
     browser.open(page, 1440)
-    sort = SORTED % ("work_precision", "largest error", normal_load)
+    sort = SORTED % ("work_precision", "largest error", press)
     order, before, values = browser.run(sort)
     numbers = [float(value) for value in values]
     assert order == "ascending"
@@ -152,9 +152,9 @@ def test_on_paper_every_plot_is_its_printed_figure(browser: Browser, page: Path,
     browser.run("drawAll()")
     browser.media("print")
     shown = browser.run(
-        "[...document.querySelectorAll('figure.picture')].map((one) => ["
+        "[...document.querySelectorAll('figure.chart')].map((one) => ["
         "getComputedStyle(one.querySelector('.plot')).display, "
-        "one.querySelector('.still svg, .still img').getBoundingClientRect().width])"
+        "one.querySelector('.still').getBoundingClientRect().width])"
     )
     browser.media("screen")
     assert {display for display, _ in shown} == {"none"}
@@ -166,8 +166,8 @@ def test_on_paper_every_plot_is_its_printed_figure(browser: Browser, page: Path,
 def test_without_scripts_the_printed_figures_stand_on_the_page(browser: Browser, page: Path) -> None:
     browser.open(page, 1440, scripts=False)
     shown = browser.run(
-        "[...document.querySelectorAll('figure.picture')].map((one) => [one.querySelectorAll('.main-svg').length, "
-        "one.querySelector('.still svg, .still img').getBoundingClientRect().width])"
+        "[...document.querySelectorAll('figure.chart')].map((one) => [one.querySelectorAll('.main-svg').length, "
+        "one.querySelector('.still').getBoundingClientRect().width])"
     )
     assert len(shown) > 8
     assert all(plots == 0 and width > 100 for plots, width in shown)

@@ -1,5 +1,6 @@
 """The page: complete, self-contained, escaped, honest about what is missing."""
 
+import base64
 import math
 import re
 from html.parser import HTMLParser
@@ -84,8 +85,25 @@ def test_page_has_every_section_in_order(page: str) -> None:
 
 
 def test_page_needs_nothing_from_elsewhere(markup: str) -> None:
-    assert not re.search(r"https?:|//[a-z]|<link|@import|\bsrc=(?!\"data:image/png;base64,)", markup)
-    assert all(reference.startswith(("#", "data:image/png;base64,")) for reference in Elements(markup).references)
+    embedded = r"data:image/(?:png|svg\+xml);base64,"
+    assert not re.search(rf"https?:|//[a-z]|<link|@import|\bsrc=(?!\"{embedded})", markup)
+    assert all(reference.startswith("#") for reference in Elements(markup).references)
+
+
+def test_still_images_are_drawings_that_need_nothing_from_elsewhere(markup: str) -> None:
+    drawings = [base64.b64decode(one).decode() for one in re.findall(r"data:image/svg\+xml;base64,([^\"]*)", markup)]
+    assert len(drawings) > 8
+    for drawing in drawings:
+        elements = Elements(drawing[drawing.index("<svg") :])
+        assert elements.open == []
+        assert all(reference.startswith(("#", "data:image/png;base64,")) for reference in elements.references)
+        targets = [one[1:] for one in elements.references if one[0] == "#"] + re.findall(r"url\(#([^)]+)\)", drawing)
+        assert set(targets) <= set(elements.identifiers)
+
+
+def test_still_images_are_described_by_their_captions(markup: str) -> None:
+    described = re.findall(r'<img class="still" alt="([^"]+)"', markup)
+    assert len(described) == markup.count('<div class="plot"') > 8
 
 
 def test_page_is_small_enough_to_be_sent(page: str) -> None:

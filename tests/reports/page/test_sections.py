@@ -5,16 +5,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from matplotlib.figure import Figure
 
 from reports.data.report import Report
-from reports.figures.figure import Picture, axis, layout
+from reports.figures.figure import Axis, Figure, Panel, Series
+from reports.figures.style import Style
 from reports.page import section as parts
 from reports.page.render import page, sections
 from reports.page.section import ENTRY_POINT_GROUP, Section
 from reports.page.sections import OpenPoints
 
-TEMPLATE = "<p>{{ count }} points & {{ name }}</p>{{ picture('residuals') }}"
+TEMPLATE = "<p>{{ count }} points & {{ name }}</p>{{ figure('residuals') }}"
 
 
 class Residuals(Section):
@@ -24,16 +24,11 @@ class Residuals(Section):
     template = "residuals"
     templates = "laboratory"
 
-    def pictures(self) -> list[Picture]:
+    def figures(self) -> list[Figure]:
         values = [point.answer.residual for point in self.result.points if point.answer.converged]
-
-        def draw() -> Figure:
-            figure = Figure(figsize=(3.5, 2.0))
-            figure.subplots().semilogy(values)
-            return figure
-
-        trace = {"type": "scatter", "name": "residual", "x": list(range(len(values))), "y": values}
-        return [Picture("residuals", "Residuals", draw, {"data": [trace], "layout": layout(300, xaxis=axis("point"))})]
+        series = Series(range(len(values)), values, Style("#000000"), "residual", hover="%{y:.1e}")
+        panel = Panel(Axis("point"), Axis("residual [-]", scale="log"), [series])
+        return [Figure("residuals", "Residuals", [panel], height=2.0, pixels=300)]
 
     def context(self) -> dict[str, Any]:
         return {"count": len(self.result.points), "name": "<none>"}
@@ -62,7 +57,7 @@ def laboratory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("laboratory")
-def test_a_section_of_another_package_is_rendered_with_its_picture(report: Report) -> None:
+def test_a_section_of_another_package_is_rendered_with_its_figure(report: Report) -> None:
     rendered = page("A page", [Residuals(report), OpenPoints(report)])
     assert f"<p>{len(report.result.points)} points & &lt;none&gt;</p>" in rendered.html
     assert '<div class="plot" data-plot="residuals">' in rendered.html
@@ -97,10 +92,10 @@ def test_registered_sections_stand_before_how_the_numbers_were_made(
     assert titles[0] == "Summary"
 
 
-def test_two_pictures_of_one_name_are_refused(report: Report) -> None:
+def test_two_figures_of_one_name_are_refused(report: Report) -> None:
     class Twice(OpenPoints):
-        def pictures(self) -> list[Picture]:
-            return [Picture("same", "", Figure, {"data": [], "layout": {}})] * 2
+        def figures(self) -> list[Figure]:
+            return [Figure("same", "", [Panel(Axis(), Axis(), [])], height=2.0, pixels=300)] * 2
 
-    with pytest.raises(ValueError, match="two pictures are called 'same'"):
+    with pytest.raises(ValueError, match="two figures are called 'same'"):
         page("A page", [Twice(report)])

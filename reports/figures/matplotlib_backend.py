@@ -1,0 +1,211 @@
+"""Figures for print, by matplotlib: SVG, PDF and pictures of pixels."""
+
+import io
+import re
+from typing import Any, Literal
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure as Canvas
+from PIL import Image
+
+from reports.figures.figure import Axis, Band, Bars, Figure, HeatMap, Mark, Panel, Rule, Series
+from reports.figures.style import Style
+
+COLUMN = 3.5
+"""Width of one column of a journal [inch]."""
+
+PAGE_WIDTH = 7.2
+"""Width of two columns with the gap between them [inch]."""
+
+PIXELS = 150
+"""Dots an inch of pictures of pixels."""
+
+SLANTED = 4
+"""Written ticks below a panel beyond which they are slanted, not to overlap."""
+
+COLOURS = "cividis"
+"""Of maps, even in lightness: read alike in colour, by colour-blind readers, and in grey."""
+
+PRINT_STYLE: dict[Any, Any] = {
+    "font.size": 8.0,
+    "axes.titlesize": 8.0,
+    "axes.titlepad": 3.0,
+    "axes.labelsize": 8.0,
+    "figure.labelsize": 8.0,
+    "legend.fontsize": 7.0,
+    "legend.title_fontsize": 7.0,
+    "legend.columnspacing": 1.0,
+    "xtick.labelsize": 7.0,
+    "ytick.labelsize": 7.0,
+    "lines.linewidth": 1.1,
+    "lines.markeredgewidth": 0.8,
+    "axes.linewidth": 0.6,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "axes.grid": True,
+    "grid.color": "0.88",
+    "grid.linewidth": 0.5,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "savefig.dpi": 300.0,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "multibody-xval",
+    "pdf.fonttype": 42,
+}
+"""Style of printed figures: 8 points in a column's width, thin lines, outlined text."""
+
+_MARKERS = {
+    "circle": "o", "square": "s", "triangle-up": "^", "diamond": "D", "triangle-down": "v", "cross": "P", "x": "X",
+    "star": "*", "x-thin": "x", "cross-thin": "+", "dot": "o",
+}  # fmt: skip
+
+
+def print_files(figure: Figure) -> dict[str, bytes]:
+    """Draw once; give the figure as SVG and as PDF, by ending, and as PNG if it is dense."""
+    with mpl.rc_context(PRINT_STYLE):
+        canvas = drawn(figure)
+        files = {}
+        if figure.dense:
+            files["png"] = _few_colours(_saved(canvas, "png", {"Software": None}))
+        else:
+            canvas.draw_without_rendering()
+        canvas.set_layout_engine("none")  # it is laid out; no file needs it again
+        svg = _saved(canvas, "svg", dict.fromkeys(("Creator", "Date", "Format", "Type")))
+        files["svg"] = b"\n".join(map(bytes.strip, svg.splitlines()))  # a tenth of it is indentation
+        files["pdf"] = _saved(canvas, "pdf", dict.fromkeys(("Creator", "Producer", "CreationDate")))
+        return files
+
+
+def drawn(figure: Figure) -> Canvas:
+    """Draw a figure in the style that matplotlib is set to."""
+    canvas = Canvas(figsize=(PAGE_WIDTH if figure.wide else COLUMN, figure.height), layout="constrained")
+    side_by_side = figure.columns > 1
+    grid = canvas.subplots(
+        figure.rows, figure.columns, squeeze=False, sharex=not side_by_side, sharey=side_by_side,
+        height_ratios=figure.heights or None,
+    ).ravel()  # fmt: skip
+    for axes, panel in zip(grid, figure.panels, strict=False):
+        _draw_panel(axes, panel, figure.dense)
+    for axes in grid[len(figure.panels) :]:
+        axes.set_visible(False)
+    canvas.supxlabel(mathtext(figure.x_label))
+    canvas.supylabel(mathtext(figure.y_label))
+    if figure.legend_columns:
+        every = [pair for axes in grid for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
+        named = {name: handle for handle, name in reversed(every)}
+        order = dict.fromkeys(name for _, name in every)
+        canvas.legend(
+            [named[name] for name in order], order, loc="outside upper center", ncols=figure.legend_columns,
+            title=mathtext(figure.legend_title),
+        )  # fmt: skip
+    return canvas
+
+
+def mathtext(label: str) -> str:
+    """Set symbols with an index as matplotlib's mathematics: η_r, μλ̃_N."""
+
+    def symbol(found: re.Match[str]) -> str:
+        return "$" + re.sub("(.)\u0303", r"\\tilde{\1}", found[0]) + "$"
+
+    return re.sub("[\\w/\u0303]+_\\w", symbol, label)
+
+
+def _draw_panel(axes: Axes, panel: Panel, dense: bool) -> None:
+    _set_axis(axes, "x", panel.x)
+    _set_axis(axes, "y", panel.y)
+    for depth, mark in enumerate(panel.marks):
+        _draw(axes, mark, dense, 2 + depth / len(panel.marks))
+    axes.set_title(panel.title)
+    if panel.names_at_right:
+        right = axes.twinx()
+        right.set_ylim(axes.get_ylim())
+        right.set_yticks(list(panel.names_at_right), list(panel.names_at_right.values()), fontsize=4.6)
+        right.tick_params(length=0, pad=2)
+        right.grid(visible=False)
+        right.spines[:].set_visible(False)
+
+
+def _set_axis(axes: Axes, which: Literal["x", "y"], axis: Axis) -> None:
+    options = {"linear_width": axis.linear} if axis.scale == "asinh" else {}
+    getattr(axes, f"set_{which}scale")(axis.scale, **options)
+    axes.set(**{f"{which}label": mathtext(axis.label)})
+    if not axis.grid:
+        axes.grid(axis=which, visible=False)
+    if axis.most_ticks:
+        axes.locator_params(axis=which, nbins=axis.most_ticks)
+    if axis.ticks is not None:
+        set_ticks = getattr(axes, f"set_{which}ticks")
+        set_ticks([], minor=True)
+        set_ticks(list(axis.ticks), list(axis.ticks.values()))
+        if which == "x" and len(axis.ticks) > SLANTED:
+            axes.tick_params(axis="x", labelrotation=30)
+    if axis.range is not None:
+        axes.set(**{f"{which}lim": axis.range})
+
+
+def _draw(axes: Axes, mark: Mark, dense: bool, depth: float) -> None:
+    match mark:
+        case Series():
+            _draw_series(axes, mark, dense, depth)
+        case Bars():
+            axes.add_collection(
+                PolyCollection(_corners(mark), facecolors=mark.colour, linewidths=0, label=mark.name, zorder=depth)
+            )
+        case HeatMap():
+            mesh = axes.pcolormesh(
+                mark.x, mark.y, mark.z, cmap=COLOURS, vmin=mark.low, vmax=mark.high, shading="nearest", rasterized=True
+            )
+            axes.figure.colorbar(mesh, ax=axes, label=mathtext(mark.label), extend="both")
+        case Rule():
+            across = axes.axvline if mark.axis == "x" else axes.axhline
+            across(mark.at, color=mark.style.colour, linewidth=mark.style.width, linestyle=_line(mark.style))
+        case Band():
+            axes.axvspan(mark.low, mark.high, color=mark.colour, label=mark.name, zorder=0)
+
+
+def _draw_series(axes: Axes, mark: Series, dense: bool, depth: float) -> None:
+    style, x, y = mark.style, np.asarray(mark.x, dtype=float), np.asarray(mark.y, dtype=float)
+    if mark.fill:
+        axes.fill_between(x, 0, y, color=mark.fill, linewidth=0, zorder=depth)
+    options: dict[str, Any] = {"color": style.colour, "label": mark.name or None, "zorder": depth}
+    if mark.x_error is not None:
+        axes.errorbar(x, y, xerr=mark.x_error, fmt="none", elinewidth=style.width, capsize=3, **options)
+        return
+    axes.plot(
+        x, y, linewidth=style.width,
+        linestyle=_line(style) if "lines" in mark.draw else "none",
+        marker=_MARKERS[style.symbol] if "markers" in mark.draw else "none",
+        markersize=style.size, **({"markeredgewidth": 0.0} if style.symbol == "dot" else {"markerfacecolor": "none"}),
+        rasterized=dense and mark.draw == "markers", **options,
+    )  # fmt: skip
+
+
+def _line(style: Style) -> Any:
+    return (0, style.dash) if style.dash else "-"
+
+
+def _corners(bars: Bars) -> Any:
+    """Give the corners of bars, shape (bars, 4, 2)."""
+    left, middle, half = np.array(bars.start), np.array(bars.middle), bars.height / 2
+    right = left + bars.length
+    x = np.array([left, left, right, right])
+    y = np.array([middle - half, middle + half, middle + half, middle - half])
+    return np.stack([x, y]).T
+
+
+def _saved(canvas: Canvas, ending: str, metadata: dict[str, Any]) -> bytes:
+    file = io.BytesIO()
+    canvas.savefig(file, format=ending, metadata=metadata, dpi=PIXELS if ending == "png" else "figure")
+    return file.getvalue()
+
+
+def _few_colours(png: bytes) -> bytes:
+    """Give a picture with a palette of its own: a fraction of its bytes, and nobody sees it in lines and markers."""
+    file = io.BytesIO()
+    Image.open(io.BytesIO(png)).convert("RGB").quantize(64).save(file, "png", optimize=True)
+    return file.getvalue()
