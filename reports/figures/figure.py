@@ -70,8 +70,6 @@ class Series:
         What a pointer is told, as the module says, and the text of each point in it; nothing without.
     x_error
         Half the length of horizontal error bars, which stand instead of shapes in print.
-    fill
-        Colour between the line and zero.
     """
 
     x: ArrayLike
@@ -82,7 +80,6 @@ class Series:
     hover: str = ""
     notes: Sequence[str] = ()
     x_error: ArrayLike | None = None
-    fill: str = ""
 
 
 @dataclass(frozen=True)

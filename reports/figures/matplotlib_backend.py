@@ -170,8 +170,6 @@ def _draw(axes: Axes, mark: Mark, dense: bool, depth: float) -> None:
 
 def _draw_series(axes: Axes, mark: Series, dense: bool, depth: float) -> None:
     style, x, y = mark.style, np.asarray(mark.x, dtype=float), np.asarray(mark.y, dtype=float)
-    if mark.fill:
-        axes.fill_between(x, 0, y, color=mark.fill, linewidth=0, zorder=depth)
     options: dict[str, Any] = {"color": style.colour, "label": mark.name or None, "zorder": depth}
     if mark.x_error is not None:
         axes.errorbar(x, y, xerr=mark.x_error, fmt="none", elinewidth=style.width, capsize=3, **options)

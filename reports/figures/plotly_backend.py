@@ -57,9 +57,9 @@ def plot(figure: Figure) -> dict[str, Any]:
             else:
                 data.append(_trace(mark, panel) | {"xaxis": f"x{x}", "yaxis": f"y{y}"})
     _name_once(data, bool(figure.legend_columns))
-    legend = _LEGEND | (
-        {"title": {"text": _text(figure.legend_title), "font": {"size": 13}}} if figure.legend_title else {}
-    )
+    legend = dict(_LEGEND)
+    if figure.legend_title:
+        legend["title"] = {"text": _text(figure.legend_title), "font": {"size": 13}}
     layout = _LAYOUT | {"height": figure.pixels, "legend": legend, "shapes": shapes} | _axes(figure)
     return {"data": data, "layout": layout}
 
@@ -91,7 +91,7 @@ def _axes(figure: Figure) -> dict[str, Any]:
         axes[f"yaxis{_number(k)}"] = _axis(panel.y, panel.y.label)
         axes[f"xaxis{_number(k)}"] = _axis(panel.x, panel.x.label or panel.title)
     if figure.columns > 1:
-        grid = {"rows": figure.rows, "columns": figure.columns, "pattern": "independent", "xgap": 0.12, "ygap": 0.42}
+        grid = {"rows": figure.rows, "columns": figure.columns, "pattern": "independent", "xgap": 0.12}
         for k in range(1, len(figure.panels)):
             axes[f"yaxis{k + 1}"] |= {"matches": "y", "showticklabels": k % figure.columns == 0}
         return axes | {"grid": grid}
@@ -161,8 +161,6 @@ def _series(mark: Series, panel: Panel) -> dict[str, Any]:
         trace["line"] = _line(mark.style)
     if "markers" in mark.draw:
         trace["marker"] = _marker(mark.style)
-    if mark.fill:
-        trace |= {"fill": "tozeroy", "fillcolor": mark.fill}
     if mark.x_error is not None:
         trace["error_x"] = _error_bars(mark, panel.x)
     return trace | _hover(mark, panel)

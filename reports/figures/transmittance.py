@@ -29,7 +29,7 @@ CROWD = 2000
 
 TOLERANCE = Style("#666666", dash=DASHED, width=0.6)
 EDGE = Style("#555555", dash=DOTTED, width=0.7)
-STEP_ERROR = Style("#595959", size=1.6, width=0.6)
+STEP_ERROR = Style("#8c8c8c", size=2.5, width=2.5)
 
 
 def overview(result: Figure3Result) -> Figure:
@@ -114,10 +114,10 @@ def _difference(result: Figure3Result, variant: Variant, friction_ratio: float) 
 
 
 def _step_error(result: Figure3Result, friction_ratio: float) -> Series:
-    """Shade what the scheme itself errs by at the common time step."""
+    """Mark what the scheme itself errs by at the common time step."""
     return Series(
         *differences(result, REFERENCE, friction_ratio), STEP_ERROR, "scheme's own step error",
-        hover="η_r %{x}\ndifference %{y:+.5f} dB", draw="lines+markers", fill="#cccccc",
+        hover="η_r %{x}\ndifference %{y:+.5f} dB", draw="lines+markers",
     )  # fmt: skip
 
 

@@ -41,7 +41,7 @@ def work_precision(asked: Figure3, points: Sequence[StepPoint]) -> Figure:
         "points of one variant from 400 to 1600 steps a period are joined",
         [
             Panel(
-                Axis("time of a step, chain of seven cells [µs]", scale="log"), Axis(ERROR_LABEL, scale="log"),
+                Axis("time of a step, seven cells [µs]", scale="log"), Axis(ERROR_LABEL, scale="log"),
                 _series(asked, drawn, lambda point: 1e6 * point.step_seconds),
             ),
             Panel(
