@@ -61,9 +61,14 @@ async function load() {
 function legendRows(plot, width) {
   const entries = plot.data.filter((trace) => trace.name && trace.showlegend !== false);
   if (entries.length < 2) return 0;
-  const widest = Math.max(...entries.map((trace) => trace.name.length));
   const room = width - 20 - 7.2 * (plot.layout.legend.title?.text.replace(/<[^>]*>/g, "").length ?? 0);
-  return Math.ceil(entries.length / Math.max(1, Math.floor(room / (52 + 7.2 * widest))));
+  let [rows, taken] = [1, 0];
+  for (const { name } of entries) {
+    const needed = 52 + 7.2 * name.length;
+    if (taken && taken + needed > room) [rows, taken] = [rows + 1, 0];
+    taken += needed;
+  }
+  return rows;
 }
 
 // Panels that stand side by side on a wide screen stand below each other on a telephone's.
