@@ -69,7 +69,7 @@ class Series:
     hover, notes
         What a pointer is told, as the module says, and the text of each point in it; nothing without.
     x_error
-        Half the length of horizontal error bars, which stand instead of shapes in print.
+        Half the length of horizontal error bars, as wide as the line would be.
     """
 
     x: ArrayLike
@@ -117,17 +117,7 @@ class Rule:
     style: Style
 
 
-@dataclass(frozen=True)
-class Band:
-    """A vertical stripe between two values of x, behind everything; the printed legend names it."""
-
-    low: float
-    high: float
-    colour: str
-    name: str
-
-
-Mark = Series | Bars | HeatMap | Rule | Band
+Mark = Series | Bars | HeatMap | Rule
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure as Canvas
 from PIL import Image
 
-from reports.figures.figure import Axis, Band, Bars, Figure, HeatMap, Mark, Panel, Rule, Series
+from reports.figures.figure import Axis, Bars, Figure, HeatMap, Mark, Panel, Rule, Series
 from reports.figures.style import Style
 
 COLUMN = 3.5
@@ -25,6 +25,9 @@ PIXELS = 150
 
 SLANTED = 4
 """Written ticks below a panel beyond which they are slanted, not to overlap."""
+
+CAPS = 2.0
+"""Half the width of the caps of error bars, over that of the bars."""
 
 COLOURS = "cividis"
 """Of maps, even in lightness: read alike in colour, by colour-blind readers, and in grey."""
@@ -41,7 +44,6 @@ PRINT_STYLE: dict[Any, Any] = {
     "xtick.labelsize": 7.0,
     "ytick.labelsize": 7.0,
     "lines.linewidth": 1.1,
-    "lines.markeredgewidth": 0.8,
     "axes.linewidth": 0.6,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
@@ -61,7 +63,7 @@ PRINT_STYLE: dict[Any, Any] = {
 
 _MARKERS = {
     "circle": "o", "square": "s", "triangle-up": "^", "diamond": "D", "triangle-down": "v", "cross": "P", "x": "X",
-    "star": "*", "x-thin": "x", "cross-thin": "+", "dot": "o",
+    "star": "*", "x-thin": "x", "cross-thin": "+", "dot": "o", "line-ns": "|",
 }  # fmt: skip
 
 
@@ -164,22 +166,17 @@ def _draw(axes: Axes, mark: Mark, dense: bool, depth: float) -> None:
         case Rule():
             across = axes.axvline if mark.axis == "x" else axes.axhline
             across(mark.at, color=mark.style.colour, linewidth=mark.style.width, linestyle=_line(mark.style))
-        case Band():
-            axes.axvspan(mark.low, mark.high, color=mark.colour, label=mark.name, zorder=0)
 
 
 def _draw_series(axes: Axes, mark: Series, dense: bool, depth: float) -> None:
     style, x, y = mark.style, np.asarray(mark.x, dtype=float), np.asarray(mark.y, dtype=float)
-    options: dict[str, Any] = {"color": style.colour, "label": mark.name or None, "zorder": depth}
-    if mark.x_error is not None:
-        axes.errorbar(x, y, xerr=mark.x_error, fmt="none", elinewidth=style.width, capsize=3, **options)
-        return
-    axes.plot(
-        x, y, linewidth=style.width,
-        linestyle=_line(style) if "lines" in mark.draw else "none",
-        marker=_MARKERS[style.symbol] if "markers" in mark.draw else "none",
-        markersize=style.size, **({"markeredgewidth": 0.0} if style.symbol == "dot" else {"markerfacecolor": "none"}),
-        rasterized=dense and mark.draw == "markers", **options,
+    dot = style.symbol == "dot"
+    axes.errorbar(
+        x, y, xerr=mark.x_error, elinewidth=style.width, capsize=CAPS * style.width,
+        color=style.colour, linewidth=style.width, linestyle=_line(style) if "lines" in mark.draw else "none",
+        marker=_MARKERS[style.symbol] if "markers" in mark.draw else "none", markersize=style.size,
+        markerfacecolor=style.colour if dot else "none", markeredgewidth=0.0 if dot else 0.8,
+        label=mark.name or None, zorder=depth, rasterized=dense and mark.draw == "markers",
     )  # fmt: skip
 
 

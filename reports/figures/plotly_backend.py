@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from reports.figures.figure import Axis, Band, Bars, Figure, HeatMap, Panel, Rule, Series
+from reports.figures.figure import Axis, Bars, Figure, HeatMap, Panel, Rule, Series
 from reports.figures.style import Style
 from reports.formatting import typeset
 
@@ -52,7 +52,7 @@ def plot(figure: Figure) -> dict[str, Any]:
     for k, panel in enumerate(figure.panels):
         x, y = _number(0 if figure.columns == 1 else k), _number(k)
         for mark in panel.marks:
-            if isinstance(mark, Rule | Band):
+            if isinstance(mark, Rule):
                 shapes.append(_shape(mark, panel, f"x{x}", f"y{y}"))
             else:
                 data.append(_trace(mark, panel) | {"xaxis": f"x{x}", "yaxis": f"y{y}"})
@@ -170,7 +170,8 @@ def _error_bars(mark: Series, axis: Axis) -> dict[str, Any]:
     x, error = np.asarray(mark.x, dtype=float), np.asarray(mark.x_error, dtype=float)
     low, middle, high = (_position(axis, value) for value in (x - error, x, x + error))
     lengths = {"array": _rounded(high - middle, 5), "arrayminus": _rounded(middle - low, 5), "symmetric": False}
-    return {"color": mark.style.colour, "thickness": _pixels(mark.style.width), "width": 5, **lengths}
+    width = mark.style.width
+    return {"color": mark.style.colour, "thickness": _pixels(width), "width": _pixels(2 * width), **lengths}
 
 
 def _hover(mark: Series, panel: Panel) -> dict[str, Any]:
@@ -196,12 +197,8 @@ def _bars(mark: Bars, panel: Panel) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _shape(mark: Rule | Band, panel: Panel, x: str, y: str) -> dict[str, Any]:
-    """Draw a line or a stripe across the panel, behind the traces."""
-    if isinstance(mark, Band):
-        low, high = _position(panel.x, [mark.low, mark.high]).tolist()
-        across = {"type": "rect", "xref": x, "x0": low, "x1": high, "yref": f"{y} domain", "y0": 0, "y1": 1}
-        return across | {"fillcolor": mark.colour, "line": {"width": 0}, "layer": "below"}
+def _shape(mark: Rule, panel: Panel, x: str, y: str) -> dict[str, Any]:
+    """Draw a line across the panel, behind the traces."""
     along, over = ("x", "y") if mark.axis == "x" else ("y", "x")
     place = float(_position(panel.x if mark.axis == "x" else panel.y, mark.at))
     names = {"x": x, "y": y}

@@ -10,7 +10,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from reports.data.report import Report
-from reports.figures.figure import Axis, Band, Figure, Panel, Rule, Series, difference_axis
+from reports.figures.figure import Axis, Figure, Panel, Rule, Series, difference_axis
 from reports.figures.hysteresis import CORNER, corners
 from reports.figures.matplotlib_backend import drawn, mathtext
 from reports.figures.plotly_backend import plot
@@ -66,18 +66,12 @@ def figures_of(report: Report) -> list[Figure]:
 def test_print_and_page_have_the_same_points_names_and_labels(report: Report) -> None:
     for figure in figures_of(report):
         canvas, traces = drawn(figure), plot(figure)["data"]
-        lines = [
-            line
-            for axes in canvas.axes
-            for line in axes.lines
-            if line.get_transform() == axes.transData and line.get_marker() != "|"  # a cap of an error bar
-        ]
-        joined = [trace for trace in traces if trace["type"] == "scatter" and "error_x" not in trace]
+        lines = [series.lines[0] for axes in canvas.axes for series in axes.containers]
+        joined = [trace for trace in traces if trace["type"] == "scatter"]
         assert [len(line.get_xdata()) for line in lines] == [len(trace["x"]) for trace in joined], figure.name
         if figure.legend_columns:
             told = {text.get_text() for text in canvas.legends[0].get_texts()}
-            bands = {mark.name for panel in figure.panels for mark in panel.marks if isinstance(mark, Band)}
-            assert told - bands == {trace["name"] for trace in traces if trace["showlegend"]}, figure.name
+            assert told == {trace["name"] for trace in traces if trace["showlegend"]}, figure.name
         printed = {axes.get_xlabel() for axes in canvas.axes} - {""}
         assert printed == {mathtext(panel.x.label) for panel in figure.panels} - {""}, figure.name
 
