@@ -14,7 +14,7 @@ import pandas as pd
 from engines import engine
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
 from reports.figures.style import COLUMN, PALETTE, PRINT_STYLE
-from scenarios.studies.figure3 import resonances
+from scenarios.sweeps.resonances import resonances
 from scenarios.tasks.parameters import ChainRatios
 
 STEPS = 400

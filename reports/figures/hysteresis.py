@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 
 from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
+from reports.data.findings import CasePoint, file_name
 from reports.figures.figure import Picture, axis, layout, rounded
 from reports.figures.style import PAGE_WIDTH, look_of
 from reports.formatting import ratio
-from scenarios.studies.figure3 import REFERENCE, Figure3
+from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.recorded import RecordedPeriod
+from scenarios.verdicts.steady_case import REFERENCE
 
 CORNER = 0.003
 """Points of a loop nearer than this to the straight line between their neighbours are left out on the page.
@@ -24,24 +26,24 @@ Over the width and height of the loop: a third of a pixel of a plot of a hundred
 COLUMNS = 4
 
 
-def hysteresis(asked: Figure3, place: tuple[float, float], motions: Mapping[Variant, RecordedPeriod]) -> Picture:
+def hysteresis(sweep: Sweep, place: CasePoint, motions: Mapping[Variant, RecordedPeriod]) -> Picture:
     """Draw the loops of all contacts at one point.
 
     Parameters
     ----------
-    asked
+    sweep
         Whose variants have their looks.
     place
-        Friction and frequency ratio.
+        Case and frequency ratio.
     motions
         Known motions, the reference's first.
     """
     return Picture(
-        f"hysteresis-{place[0]:g}-{place[1]:g}",
-        f"Hysteresis loops at friction ratio {ratio(place[0])}, η_r = {ratio(place[1])}: "
+        f"hysteresis-{file_name(place)}",
+        f"Hysteresis loops at {place[0].title}, η_r = {ratio(place[1])}: "
         "friction over its bound, over relative displacement",
-        lambda: _printed(asked, motions),
-        {"data": _traces(asked, motions), "layout": _layout(motions)},
+        lambda: _printed(sweep, motions),
+        {"data": _traces(sweep, motions), "layout": _layout(motions)},
         wide=True,
     )
 
@@ -60,7 +62,7 @@ def _loop(motion: RecordedPeriod, cell: int) -> tuple[FloatArray, FloatArray]:
     return np.append(displacement, displacement[0]), np.append(friction, friction[0])
 
 
-def _printed(asked: Figure3, motions: Mapping[Variant, RecordedPeriod]) -> Figure:
+def _printed(sweep: Sweep, motions: Mapping[Variant, RecordedPeriod]) -> Figure:
     cells = _cells(motions)
     rows = -(-cells // COLUMNS)
     figure = Figure(figsize=(PAGE_WIDTH, 0.6 + 1.55 * rows), layout="constrained")
@@ -69,7 +71,7 @@ def _printed(asked: Figure3, motions: Mapping[Variant, RecordedPeriod]) -> Figur
         axes.set_visible(False)
     for cell, axes in enumerate(panels[:cells]):
         for variant, motion in motions.items():
-            look = look_of(asked, variant)
+            look = look_of(sweep, variant)
             width = 1.6 if variant == REFERENCE else 0.9
             axes.plot(*_loop(motion, cell), color=look.colour, linestyle=look.line, linewidth=width,
                       label=variant.title)  # fmt: skip
@@ -82,10 +84,10 @@ def _printed(asked: Figure3, motions: Mapping[Variant, RecordedPeriod]) -> Figur
     return figure
 
 
-def _traces(asked: Figure3, motions: Mapping[Variant, RecordedPeriod]) -> list[dict[str, Any]]:
+def _traces(sweep: Sweep, motions: Mapping[Variant, RecordedPeriod]) -> list[dict[str, Any]]:
     traces = []
     for variant, motion in motions.items():
-        look = look_of(asked, variant)
+        look = look_of(sweep, variant)
         for cell in range(motion.outer.shape[1]):
             displacement, friction = _loop(motion, cell)
             kept = corners(displacement, friction)

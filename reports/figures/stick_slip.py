@@ -10,6 +10,7 @@ from matplotlib.patches import Patch
 
 from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import Mode
+from reports.data.findings import CasePoint, file_name
 from reports.figures.figure import Picture, axis, layout
 from reports.figures.style import PAGE_WIDTH
 from reports.formatting import ratio
@@ -62,21 +63,21 @@ def phases(answer: Result) -> list[Phase]:
     return found
 
 
-def raster(place: tuple[float, float], answers: dict[Variant, Result]) -> Picture:
+def raster(place: CasePoint, answers: dict[Variant, Result]) -> Picture:
     """Draw one point: cells over time, and within each cell a strip for each variant, the first on top.
 
     Parameters
     ----------
     place
-        Friction and frequency ratio.
+        Case and frequency ratio.
     answers
         Certified answers, the reference's first.
     """
     rows = {variant: phases(answer) for variant, answer in answers.items()}
     cells = max(len(answer.stuck_fraction) for answer in answers.values())
     return Picture(
-        f"stick-slip-{place[0]:g}-{place[1]:g}",
-        f"Stick and slip at friction ratio {ratio(place[0])}, η_r = {ratio(place[1])}; in each cell, from top to "
+        f"stick-slip-{file_name(place)}",
+        f"Stick and slip at {place[0].title}, η_r = {ratio(place[1])}; in each cell, from top to "
         f"bottom: {'; '.join(variant.title for variant in rows)}",
         lambda: _printed(rows, cells),
         {"data": _traces(rows), "layout": _layout(rows, cells)},

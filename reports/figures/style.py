@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from engines.interface.variant import Variant
-from scenarios.studies.figure3 import REFERENCE, Figure3
+from scenarios.sweeps.sweep import Sweep
+from scenarios.verdicts.steady_case import REFERENCE
 
 COLUMN = 3.5
 """Width of one column of a journal [inch]."""
@@ -106,16 +107,16 @@ REFERENCE_LOOK = Look("#000000", "x", "x-thin", 4.5, "-", "solid")
 """The reference: black and solid in every figure."""
 
 
-def compared_variants(asked: Figure3) -> list[Variant]:
-    """Variants of engines other than the reference, in the order asked."""
-    return [variant for variant in asked.all_variants if variant.engine != REFERENCE.engine]
+def compared_variants(sweep: Sweep) -> list[Variant]:
+    """Variants of engines other than the reference, in their order."""
+    return [variant for variant in sweep.variants if variant.engine != REFERENCE.engine]
 
 
-def look_of(asked: Figure3, variant: Variant) -> Look:
+def look_of(sweep: Sweep, variant: Variant) -> Look:
     """Give a variant its look, the same in every figure."""
     if variant.engine == REFERENCE.engine:
         return REFERENCE_LOOK
-    place = compared_variants(asked).index(variant)
+    place = compared_variants(sweep).index(variant)
     colours, shapes = len(PALETTE), len(_SHAPES)
     # one shape further each time that the colours are used up: 48 variants in a row differ
     shape = (place + place // colours) % shapes
@@ -124,7 +125,7 @@ def look_of(asked: Figure3, variant: Variant) -> Look:
 
 
 def curve_look(place: int) -> tuple[str, Any, str]:
-    """Colour and line, for matplotlib and for plotly, of the curve at this place among friction ratios."""
+    """Colour and line, for matplotlib and for plotly, of the curve at this place among the cases."""
     if place == 0:
         return "#000000", "-", "solid"
     return (PALETTE[(place - 1) % len(PALETTE)], *_DASHES[(place - 1) % len(_DASHES)])

@@ -10,13 +10,14 @@ from matplotlib.figure import Figure
 from engines.interface.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
 from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
-from reports.data.findings import differences, reference_line
+from reports.data.findings import converged_edges, differences, file_name, named_axes, reference_line
 from reports.figures.figure import Picture, axis, layout, rounded
 from reports.figures.scales import plot_scale, print_scale, stretched
 from reports.figures.style import COLUMN, compared_variants, curve_look, look_of
-from reports.formatting import ratio
-from scenarios.studies.attenuation_band import Edge
-from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3Result, Point
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.table import Point
+from scenarios.verdicts.steady_case import REFERENCE
 
 FREQUENCY_LABEL = r"frequency ratio $\eta_r = \omega/\omega_r$ [-]"
 FREQUENCY_TITLE = "frequency ratio η<sub>r</sub> [-]"
@@ -33,51 +34,57 @@ CROWD = 2000
 """Markers beyond which a printed panel holds them as a picture of pixels: its file stays small."""
 
 
-def overview(result: Figure3Result) -> Picture:
-    """Draw the reference's curves of all friction ratios: the paper's Figure 3."""
+def overview(result: ComparedSweep) -> Picture:
+    """Draw the reference's curves of all cases: over friction alone, the paper's Figure 3."""
     return Picture(
         "figure3",
-        f"The reference at all friction ratios ({result.asked.steps_per_period} steps a period or more)",
+        f"The reference at all {named_axes(result.sweep)} ({result.sweep.fewest_steps} steps a period or more)",
         lambda: _printed_overview(result),
         {"data": list(_overview_traces(result)), "layout": _overview_layout(result)},
     )
 
 
-def panel(result: Figure3Result, friction_ratio: float) -> Picture:
-    """Draw one friction ratio: every variant over the reference, and below it their differences."""
+def panel(result: ComparedSweep, case: Case) -> Picture:
+    """Draw one case: every variant over the reference, and below it their differences."""
     return Picture(
-        f"transmittance-{friction_ratio:g}",
-        f"Friction ratio {ratio(friction_ratio)}",
-        lambda: _printed_panel(result, friction_ratio),
-        {"data": _panel_traces(result, friction_ratio), "layout": _panel_layout(result, friction_ratio)},
-        dense=_crowded(result, friction_ratio),
+        f"transmittance-{file_name((case,))}",
+        case.title.capitalize(),
+        lambda: _printed_panel(result, case),
+        {"data": _panel_traces(result, case), "layout": _panel_layout(result, case)},
+        dense=_crowded(result, case),
     )
 
 
-def _printed_overview(result: Figure3Result) -> Figure:
+def _printed_overview(result: ComparedSweep) -> Figure:
     figure = Figure(figsize=(COLUMN, 2.9), layout="constrained")
     axes = figure.subplots()
-    axes.axhline(result.asked.band.threshold_db, color="0.4", linewidth=0.6)
-    for place, friction in enumerate(result.asked.friction_ratios):
+    axes.axhline(result.sweep.band.threshold_db, color="0.4", linewidth=0.6)
+    for place, case in enumerate(result.cases):
         colour, line, _ = curve_look(place)
-        axes.plot(*reference_line(result, friction), linestyle=line, color=colour, label=ratio(friction))
+        axes.plot(*reference_line(result, case), linestyle=line, color=colour, label=case.numbers)
     _transmittance_axis(axes, result)
     axes.set_xlabel(FREQUENCY_LABEL)
     figure.legend(
-        title=r"friction ratio $\mu\tilde{\lambda}_N$ [-]", loc="outside upper center",
-        ncols=min(len(result.asked.friction_ratios), 6), handlelength=2.2, columnspacing=1.0,
+        title=_printed_title(result), loc="outside upper center",
+        ncols=min(len(result.cases), 6), handlelength=2.2, columnspacing=1.0,
     )  # fmt: skip
     return figure
 
 
-def _overview_traces(result: Figure3Result) -> list[dict[str, Any]]:
+def _printed_title(result: ComparedSweep) -> str:
+    """Name what tells the curves apart."""
+    symbol = r"friction ratio $\mu\tilde{\lambda}_N$ [-]"
+    return named_axes(result.sweep, plural=False).replace("friction ratio", symbol)
+
+
+def _overview_traces(result: ComparedSweep) -> list[dict[str, Any]]:
     traces = []
-    for place, friction in enumerate(result.asked.friction_ratios):
+    for place, case in enumerate(result.cases):
         colour, _, dash = curve_look(place)
-        eta, curve = reference_line(result, friction)
+        eta, curve = reference_line(result, case)
         traces.append(
             {
-                "type": "scatter", "mode": "lines", "name": f"friction {ratio(friction)}",
+                "type": "scatter", "mode": "lines", "name": str(case),
                 "x": rounded(eta), "y": rounded(curve, 3),
                 "line": {"color": colour, "dash": dash, "width": 1.8},
                 "hovertemplate": "η<sub>r</sub> %{x}<br>%{y:.2f} dB",
@@ -86,35 +93,34 @@ def _overview_traces(result: Figure3Result) -> list[dict[str, Any]]:
     return traces
 
 
-def _overview_layout(result: Figure3Result) -> dict[str, Any]:
+def _overview_layout(result: ComparedSweep) -> dict[str, Any]:
     low, high = _decibel_range(result)
     return layout(
         440,
         xaxis=axis(FREQUENCY_TITLE, range=_frequency_range(result)),
         yaxis=axis("transmittance [dB]", range=[low, high]),
-        shapes=[_level(result.asked.band.threshold_db, "y")],
+        shapes=[_level(result.sweep.band.threshold_db, "y")],
     )
 
 
-def _printed_panel(result: Figure3Result, friction_ratio: float) -> Figure:
-    variants = compared_variants(result.asked)
+def _printed_panel(result: ComparedSweep, case: Case) -> Figure:
+    variants = compared_variants(result.sweep)
     rows = math.ceil((len(variants) + 2) / 2)
     figure = Figure(figsize=(COLUMN, 3.6 + 0.13 * rows), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-    crowded = _crowded(result, friction_ratio)
-    for edge in Edge:
-        found = result.edge(CONVERGED, friction_ratio, edge).frequency_ratio
-        for axes in (upper, lower) if found is not None else ():
-            axes.axvline(found, color="0.35", linewidth=0.7, linestyle=(0, (2, 2)))
-    upper.axhline(result.asked.band.threshold_db, color="0.4", linewidth=0.6)
-    upper.plot(*reference_line(result, friction_ratio), color="black", label=REFERENCE.title)
-    _print_step_error(lower, result, friction_ratio)
+    crowded = _crowded(result, case)
+    for edge in converged_edges(result, case):
+        for axes in (upper, lower):
+            axes.axvline(edge, color="0.35", linewidth=0.7, linestyle=(0, (2, 2)))
+    upper.axhline(result.sweep.band.threshold_db, color="0.4", linewidth=0.6)
+    upper.plot(*reference_line(result, case), color="black", label=REFERENCE.title)
+    _print_step_error(lower, result, case)
     for variant in variants:
-        look = look_of(result.asked, variant).printed() | {"rasterized": crowded, "label": variant.title}
-        points = _drawn(result, variant, friction_ratio)
+        look = look_of(result.sweep, variant).printed() | {"rasterized": crowded, "label": variant.title}
+        points = _drawn(result, variant, case)
         if points:
-            upper.plot([p.frequency_ratio for p in points], [p.answer.transmittance_db for p in points], **look)
-            lower.plot(*differences(result, variant, friction_ratio), **look)
+            upper.plot([p.frequency_ratio for p in points], [p.result.transmittance_db for p in points], **look)
+            lower.plot(*differences(result, variant, case), **look)
     _transmittance_axis(upper, result)
     print_scale(lower, "y", LINEAR_DB, DIFFERENCE_TICKS, _largest_difference(result))
     lower.set_ylabel("difference [dB]")
@@ -125,9 +131,9 @@ def _printed_panel(result: Figure3Result, friction_ratio: float) -> Figure:
     return figure
 
 
-def _print_step_error(axes: Axes, result: Figure3Result, friction_ratio: float) -> None:
+def _print_step_error(axes: Axes, result: ComparedSweep, case: Case) -> None:
     """Shade what the scheme itself errs by at the common time step, and mark the tolerance."""
-    eta, error = differences(result, REFERENCE, friction_ratio)
+    eta, error = differences(result, REFERENCE, case)
     axes.fill_between(eta, 0, error, color="0.8", linewidth=0)
     axes.plot(eta, error, color="black", linewidth=0.6, marker=".", markersize=2, label="scheme's own step error")
     axes.axhline(0, color="0.4", linewidth=0.6)
@@ -135,42 +141,40 @@ def _print_step_error(axes: Axes, result: Figure3Result, friction_ratio: float) 
         axes.axhline(sign * CONVERGED_TOLERANCE_DB, color="0.4", linewidth=0.6, linestyle=(0, (5, 4)))
 
 
-def _transmittance_axis(axes: Axes, result: Figure3Result) -> None:
+def _transmittance_axis(axes: Axes, result: ComparedSweep) -> None:
     axes.set_ylim(*_decibel_range(result))
     axes.set_xlim(*_frequency_range(result))
     axes.set_ylabel("transmittance [dB]")
 
 
-def _panel_traces(result: Figure3Result, friction_ratio: float) -> list[dict[str, Any]]:
-    eta, curve = reference_line(result, friction_ratio)
+def _panel_traces(result: ComparedSweep, case: Case) -> list[dict[str, Any]]:
+    eta, curve = reference_line(result, case)
     line = {
         "type": "scatter", "mode": "lines", "name": REFERENCE.title, "x": rounded(eta), "y": rounded(curve, 3),
         "line": {"color": "#000", "width": 1.6}, "hovertemplate": "η<sub>r</sub> %{x}<br>%{y:.3f} dB",
     }  # fmt: skip
-    traces = [line, _difference_trace(result, REFERENCE, friction_ratio, "scheme's own step error")]
-    for variant in compared_variants(result.asked):
-        points = _drawn(result, variant, friction_ratio)
+    traces = [line, _difference_trace(result, REFERENCE, case, "scheme's own step error")]
+    for variant in compared_variants(result.sweep):
+        points = _drawn(result, variant, case)
         if points:
-            traces += [_points_trace(result, variant, points), _difference_trace(result, variant, friction_ratio)]
+            traces += [_points_trace(result, variant, points), _difference_trace(result, variant, case)]
     return traces
 
 
-def _points_trace(result: Figure3Result, variant: Variant, points: list[Point]) -> dict[str, Any]:
+def _points_trace(result: ComparedSweep, variant: Variant, points: list[Point]) -> dict[str, Any]:
     """Mark the steady states of one variant, with their verdicts."""
     return {
         "type": "scatter", "mode": "markers", "name": variant.title, "legendgroup": str(variant),
-        "x": rounded(p.frequency_ratio for p in points), "y": rounded(p.answer.transmittance_db for p in points),
+        "x": rounded(p.frequency_ratio for p in points), "y": rounded(p.result.transmittance_db for p in points),
         "text": [str(point.comparison.verdict) for point in points],
-        "marker": look_of(result.asked, variant).plotly_marker,
+        "marker": look_of(result.sweep, variant).plotly_marker,
         "hovertemplate": "η<sub>r</sub> %{x}<br>%{y:.4f} dB, %{text}",
     }  # fmt: skip
 
 
-def _difference_trace(
-    result: Figure3Result, variant: Variant, friction_ratio: float, name: str | None = None
-) -> dict[str, Any]:
+def _difference_trace(result: ComparedSweep, variant: Variant, case: Case, name: str | None = None) -> dict[str, Any]:
     """Mark the differences of one variant, in the lower panel; the reference's as a grey line."""
-    eta, difference = differences(result, variant, friction_ratio)
+    eta, difference = differences(result, variant, case)
     trace = {
         "type": "scatter", "yaxis": "y2", "name": name or variant.title, "legendgroup": str(variant),
         "x": rounded(eta), "y": stretched(difference, LINEAR_DB), "customdata": rounded(difference, 5),
@@ -178,11 +182,10 @@ def _difference_trace(
     }  # fmt: skip
     if variant == REFERENCE:
         return trace | {"mode": "lines", "line": {"color": "#8c8c8c", "width": 4}}
-    return trace | {"mode": "markers", "showlegend": False, "marker": look_of(result.asked, variant).plotly_marker}
+    return trace | {"mode": "markers", "showlegend": False, "marker": look_of(result.sweep, variant).plotly_marker}
 
 
-def _panel_layout(result: Figure3Result, friction_ratio: float) -> dict[str, Any]:
-    edges = [result.edge(CONVERGED, friction_ratio, edge).frequency_ratio for edge in Edge]
+def _panel_layout(result: ComparedSweep, case: Case) -> dict[str, Any]:
     tolerances = [
         _level(sign * float(np.arcsinh(CONVERGED_TOLERANCE_DB / LINEAR_DB)), "y2", "dash") for sign in (-1, 1)
     ]
@@ -194,9 +197,9 @@ def _panel_layout(result: Figure3Result, friction_ratio: float) -> dict[str, Any
         yaxis=axis("transmittance [dB]", range=[low, high], domain=[0.43, 1]),
         yaxis2={**difference, "domain": [0, 0.36]},
         shapes=[
-            _level(result.asked.band.threshold_db, "y"),
+            _level(result.sweep.band.threshold_db, "y"),
             *tolerances,
-            *(_edge_line(edge) for edge in edges if edge is not None and not math.isnan(edge)),
+            *(_edge_line(edge) for edge in converged_edges(result, case)),
         ],
     )
 
@@ -215,32 +218,32 @@ def _edge_line(eta: float) -> dict[str, Any]:
             "layer": "below"}  # fmt: skip
 
 
-def _crowded(result: Figure3Result, friction_ratio: float) -> bool:
+def _crowded(result: ComparedSweep, case: Case) -> bool:
     """Whether a panel has more markers than a file should hold one by one."""
-    return sum(len(result.curve(one, friction_ratio)) for one in compared_variants(result.asked)) > CROWD
+    return sum(len(result.curve(one, case)) for one in compared_variants(result.sweep)) > CROWD
 
 
-def _drawn(result: Figure3Result, variant: Variant, friction_ratio: float) -> list[Point]:
-    return [point for point in result.curve(variant, friction_ratio) if point.answer.converged]
+def _drawn(result: ComparedSweep, variant: Variant, case: Case) -> list[Point]:
+    return [point for point in result.curve(variant, case) if point.result.converged]
 
 
-def _frequency_range(result: Figure3Result) -> list[float]:
-    return [result.asked.frequency_ratios[0] - 0.03, result.asked.frequency_ratios[-1] + 0.03]
+def _frequency_range(result: ComparedSweep) -> list[float]:
+    return [result.sweep.frequency_ratios[0] - 0.03, result.sweep.frequency_ratios[-1] + 0.03]
 
 
-def _decibel_range(result: Figure3Result) -> tuple[float, float]:
+def _decibel_range(result: ComparedSweep) -> tuple[float, float]:
     """Cut the axis off where nothing is to be seen, the same for all panels."""
-    every = np.concatenate([reference_line(result, friction)[1] for friction in result.asked.friction_ratios])
-    known = np.append(every[np.isfinite(every)], result.asked.band.threshold_db)
+    every = np.concatenate([reference_line(result, case)[1] for case in result.cases])
+    known = np.append(every[np.isfinite(every)], result.sweep.band.threshold_db)
     return max(LOWEST_DB, float(known.min()) - 5), float(known.max()) + 5
 
 
-def _largest_difference(result: Figure3Result) -> float:
+def _largest_difference(result: ComparedSweep) -> float:
     """Give the end of the axis of differences, the same for all panels [dB]."""
     found: list[FloatArray] = [
-        differences(result, variant, friction)[1]
-        for variant in (REFERENCE, *compared_variants(result.asked))
-        for friction in result.asked.friction_ratios
+        differences(result, variant, case)[1]
+        for variant in (REFERENCE, *compared_variants(result.sweep))
+        for case in result.cases
     ]
     every = np.concatenate(found)
     return max(1.4 * CONVERGED_TOLERANCE_DB, 1.3 * float(np.max(np.abs(every[np.isfinite(every)]), initial=0.0)))

@@ -13,8 +13,8 @@ from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from reports.figures.figure import Picture, axis, layout, significant
 from reports.figures.style import COLUMN, PAGE_WIDTH, look_of
-from scenarios.studies.figure3 import Figure3
 from scenarios.studies.work_precision import StepPoint
+from scenarios.sweeps.sweep import Sweep
 
 SMALLEST_DB = 1e-5
 """Errors below are drawn here: less than the steady states of engines repeat to."""
@@ -36,12 +36,12 @@ def curves(points: Iterable[StepPoint]) -> Curves:
     return found
 
 
-def work_precision(asked: Figure3, points: Sequence[StepPoint]) -> Picture:
+def work_precision(sweep: Sweep, points: Sequence[StepPoint]) -> Picture:
     """Draw the error over the cost of a step and over the time to the steady state."""
     drawn = curves(points)
     costs = [("µs a step", "step_seconds", 1e6), ("seconds to the steady state", "seconds", 1.0)]
     data = [
-        _trace(asked, variant, found, [scale * getattr(one, name) for one in found], panel)
+        _trace(sweep, variant, found, [scale * getattr(one, name) for one in found], panel)
         for panel, (_, name, scale) in enumerate(costs, 1)
         for variant, found in drawn.items()
     ]
@@ -57,16 +57,16 @@ def work_precision(asked: Figure3, points: Sequence[StepPoint]) -> Picture:
         "work-precision",
         "Work and precision: error over the cost of a step, and over the time to a certified steady state; "
         "points of one variant from 400 to 1600 steps a period are joined",
-        lambda: _printed_work(asked, drawn, costs),
+        lambda: _printed_work(sweep, drawn, costs),
         {"data": data, "layout": plot},
         wide=True,
     )
 
 
-def convergence(asked: Figure3, points: Sequence[StepPoint]) -> Picture:
+def convergence(sweep: Sweep, points: Sequence[StepPoint]) -> Picture:
     """Draw the error over the number of steps a period, with the slope of a first-order scheme."""
     drawn = curves(points)
-    data = [_trace(asked, v, found, [one.steps_per_period for one in found], 1) for v, found in drawn.items()]
+    data = [_trace(sweep, v, found, [one.steps_per_period for one in found], 1) for v, found in drawn.items()]
     guide = _first_order(drawn)
     if guide is not None:
         line = {"color": "#888", "width": 1, "dash": "dot"}
@@ -78,16 +78,14 @@ def convergence(asked: Figure3, points: Sequence[StepPoint]) -> Picture:
     ticks = {"tickmode": "array", "tickvals": steps, "ticktext": [str(step) for step in steps]}
     plot = layout(430, xaxis=_log_axis("steps a period [-]") | ticks, yaxis=_log_axis(ERROR_LABEL))
     return Picture(
-        "convergence", "Convergence in the time step", lambda: _printed_convergence(asked, drawn),
+        "convergence", "Convergence in the time step", lambda: _printed_convergence(sweep, drawn),
         {"data": data, "layout": plot},
     )  # fmt: skip
 
 
-def _trace(
-    asked: Figure3, variant: Variant, found: list[StepPoint], cost: Sequence[float], panel: int
-) -> dict[str, Any]:
+def _trace(sweep: Sweep, variant: Variant, found: list[StepPoint], cost: Sequence[float], panel: int) -> dict[str, Any]:
     """Draw one variant in one panel."""
-    look = look_of(asked, variant)
+    look = look_of(sweep, variant)
     number = "" if panel == 1 else str(panel)
     texts = [f"{one.steps_per_period} steps a period" for one in found]
     return {
@@ -124,30 +122,30 @@ def _first_order(drawn: Curves) -> tuple[list[float], list[float]] | None:
     return [first, last], [start, start * first / last]
 
 
-def _print_curve(axes: Axes, asked: Figure3, variant: Variant, found: list[StepPoint], cost: Sequence[float]) -> None:
-    look = look_of(asked, variant).printed(lines=True)
+def _print_curve(axes: Axes, sweep: Sweep, variant: Variant, found: list[StepPoint], cost: Sequence[float]) -> None:
+    look = look_of(sweep, variant).printed(lines=True)
     if variant.preset_name == "converged":
         look |= {"marker": "+", "markersize": 6}
     axes.plot(cost, _shown(found), label=variant.title, **look)
 
 
-def _printed_work(asked: Figure3, drawn: Curves, costs: Sequence[tuple[str, str, float]]) -> Figure:
+def _printed_work(sweep: Sweep, drawn: Curves, costs: Sequence[tuple[str, str, float]]) -> Figure:
     figure = Figure(figsize=(PAGE_WIDTH, 2.9 + 0.13 * (len(drawn) // 4)), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     for axes, (title, name, scale) in zip(panels, costs, strict=True):
         for variant, found in drawn.items():
-            _print_curve(axes, asked, variant, found, [scale * getattr(one, name) for one in found])
+            _print_curve(axes, sweep, variant, found, [scale * getattr(one, name) for one in found])
         axes.set(xscale="log", yscale="log", xlabel=title)
     panels[0].set_ylabel(ERROR_LABEL)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=4, columnspacing=1.0)
     return figure
 
 
-def _printed_convergence(asked: Figure3, drawn: Curves) -> Figure:
+def _printed_convergence(sweep: Sweep, drawn: Curves) -> Figure:
     figure = Figure(figsize=(COLUMN, 2.9 + 0.13 * (len(drawn) // 2)), layout="constrained")
     axes = figure.subplots()
     for variant, found in drawn.items():
-        _print_curve(axes, asked, variant, found, [one.steps_per_period for one in found])
+        _print_curve(axes, sweep, variant, found, [one.steps_per_period for one in found])
     guide = _first_order(drawn)
     if guide is not None:
         axes.plot(*guide, color="0.5", linewidth=0.7, linestyle=":", label="first order")

@@ -29,6 +29,9 @@ Ratio = Annotated[
 ]  # fmt: skip
 """One number for all cells, or one a cell."""
 
+OperatingPoint = tuple[float, float]
+"""Friction ratio and frequency ratio."""
+
 _LeftOutOfEqualCells = Field(exclude_if=lambda value: value == 1.0)
 
 BASE_AMPLITUDE = 0.01

@@ -15,7 +15,8 @@ from reports.figures.stick_slip import MODE_COLOURS, phases
 from reports.figures.style import PALETTE, Look, look_of
 from reports.page.render import sections
 from reports.page.sections import StickSlip
-from scenarios.studies.figure3 import Figure3, Figure3Result
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.result import Result
 
 RGB = tuple[float, float, float]
@@ -38,14 +39,14 @@ def lightness(colour: np.ndarray) -> float:
 
 
 @pytest.fixture
-def many() -> Figure3:
-    class Registered(Figure3):
+def many() -> Sweep:
+    class Registered(Sweep):
         """Forty-eight variants, whether or not anybody has registered them."""
 
         def __post_init__(self) -> None:
             return
 
-    return Registered(variants=tuple(Variant(f"engine{k}") for k in range(48)))
+    return Registered(variants=tuple(Variant(f"engine{k}") for k in range(48)), axes={})
 
 
 def test_plotly_knows_everything_that_it_is_given(report: Report) -> None:
@@ -56,12 +57,12 @@ def test_plotly_knows_everything_that_it_is_given(report: Report) -> None:
         assert figure.data, picture.name
 
 
-def test_every_variant_of_forty_eight_has_a_look_of_its_own(many: Figure3) -> None:
+def test_every_variant_of_forty_eight_has_a_look_of_its_own(many: Sweep) -> None:
     looks = [look_of(many, variant) for variant in many.variants]
     assert len({(look.colour, look.symbol) for look in looks}) == 48
 
 
-def test_neighbours_are_told_apart_without_colour(many: Figure3) -> None:
+def test_neighbours_are_told_apart_without_colour(many: Sweep) -> None:
     looks = [look_of(many, variant) for variant in many.variants]
     assert all(a.marker != b.marker and a.dash != b.dash for a, b in itertools.pairwise(looks))
 
@@ -79,7 +80,7 @@ def test_colours_of_neighbours_differ_for_the_commonest_deficiencies(deficiency:
     assert min(float(np.linalg.norm(a - b)) for a, b in itertools.pairwise(seen)) > 0.15
 
 
-def test_printed_looks_and_looks_on_the_screen_have_the_same_colour(many: Figure3) -> None:
+def test_printed_looks_and_looks_on_the_screen_have_the_same_colour(many: Sweep) -> None:
     look: Look = look_of(many, many.variants[7])
     assert look.printed()["color"] == look.plotly_marker["color"] == look.plotly_line["color"]
 
@@ -98,7 +99,7 @@ def test_phases_of_a_contact_fill_the_period_once() -> None:
     ]
 
 
-def test_a_raster_has_the_reference_and_every_engine_with_a_steady_state(result: Figure3Result) -> None:
+def test_a_raster_has_the_reference_and_every_engine_with_a_steady_state(result: ComparedSweep) -> None:
     pictures = StickSlip(Report(result, "")).pictures()
     assert [picture.name for picture in pictures] == ["stick-slip-0.3-0.6", "stick-slip-0.3-0.9"]
     assert "Reference (LCP); MuJoCo" in pictures[0].caption

@@ -25,7 +25,7 @@ class Residuals(Section):
     templates = "laboratory"
 
     def pictures(self) -> list[Picture]:
-        values = [point.answer.residual for point in self.result.points if point.answer.converged]
+        values = [point.result.residual for point in self.result.points if point.result.converged]
 
         def draw() -> Figure:
             figure = Figure(figsize=(3.5, 2.0))
