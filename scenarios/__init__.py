@@ -1,1 +1,20 @@
-"""What is run and what is compared: questions to engines, agreement, the paper's figure 3."""
+"""What is run and what is compared: tasks, their execution, verdicts, studies, sweeps, the catalogue.
+
+`sweep` and `check` are all that a notebook needs; they are imported on first use.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from scenarios.functions import check, sweep
+
+__all__ = ["check", "sweep"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import the functions on first use: a worker process needs neither of them."""
+    if name in __all__:
+        from scenarios import functions
+
+        return getattr(functions, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,72 @@
+"""``multibody-xval``: the commands of the four packages under one name.
+
+``python -m reports`` finds a file ``reports.py`` of the folder that it is typed in before it finds the package; a
+console script does not look there.
+"""
+
+import importlib
+import sys
+from typing import Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+from reference_lcp.console import run_command
+
+COMMANDS = {
+    "engines": ("engines", "List engines, their versions and presets, and why one is missing."),
+    "reference": ("reference_lcp", "Find the steady state of one chain by the reference."),
+    "run": ("scenarios run", "Run a scenario of the catalogue, all of them, or a measurement."),
+    "sweep": ("scenarios sweep", "Run every combination of parameters that a file names."),
+    "example": ("scenarios example", "Print a commented file of parameters for `sweep`."),
+    "report": ("reports", "Compare engines with the reference, and write a page about it."),
+    "compare": ("reports compare", "Say what changed from one store to another."),
+    "animate": ("reports animate", "Show the chain in motion over one period."),
+}
+"""What each command is under ``python -m``, and what it does in a sentence."""
+
+
+class CommandsOnUse(TyperGroup):
+    """A group that imports the module of a command when that is used: its help needs none of them."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Give the names, in the order of the work."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Give what help and suggestions need of a command: its name and its sentence."""
+        if cmd_name not in COMMANDS:
+            return None
+        return TyperCommand(cmd_name, help=COMMANDS[cmd_name][1])
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Give the command itself, with the arguments that are left for it."""
+        name, _, rest = super().resolve_command(ctx, args)
+        return name, loaded(name), rest
+
+
+def loaded(name: str | None) -> Any:
+    """Import a command of `COMMANDS`."""
+    package, *path = COMMANDS[str(name)][0].split()
+    command: Any = typer.main.get_command(importlib.import_module(f"{package}.__main__").app)
+    for part in path:
+        command = command.commands[part]
+    return command
+
+
+app = typer.Typer(
+    name="multibody-xval", cls=CommandsOnUse, add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True
+)
+
+
+@app.callback()
+def multibody_xval() -> None:
+    """Cross-validate multibody engines on a frictional chain: the commands of the suite under one name.
+
+    Example: multibody-xval report --quick --engine mujoco
+    """
+
+
+def main() -> None:
+    """Run the command line and end with its exit code."""
+    sys.exit(run_command(app))

@@ -1,0 +1,189 @@
+"""The functions of a notebook: `sweep` gives labelled arrays, `check` a table of verdicts.
+
+Both are also what the commands ``sweep`` and ``run`` do, without files in between: every result is kept in the store the
+moment it is there, engines run in worker processes, and progress is shown on standard error.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from engines.interface.registry import default_engine_names
+from engines.interface.variant import Variant
+from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.validation import FloatArray, checked_choice
+from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.verdict_table import records
+from scenarios.cli.sweep import evaluate_sweep
+from scenarios.execution.dask_cluster import executor_for
+from scenarios.execution.executor import TIME_LIMIT
+from scenarios.execution.progress import Bars, CountingEvaluator
+from scenarios.execution.store import ResultStore
+from scenarios.sweeps.dataset import dataset
+from scenarios.sweeps.noted import note_sweep
+from scenarios.sweeps.run import stored_table
+from scenarios.sweeps.spec_file import sweep_of_content
+
+Numbers = float | Sequence[float] | FloatArray
+"""One number, or several: a list, a tuple or an array."""
+
+Axis = Numbers | tuple[float, float, int] | Mapping[str, float]
+"""Values of an axis: numbers, (first, last, how many), or what a sweep file takes: first, last, accuracy_db."""
+
+EVERY = "all"
+"""Name of all scenarios together."""
+
+
+def sweep(
+    engines: str | Sequence[str],
+    friction_ratio: Axis,
+    frequency_ratio: Axis,
+    *,
+    vary: Mapping[str, Axis] | None = None,
+    chain: Mapping[str, Numbers] | None = None,
+    drive: str = "base",
+    amplitude: float | None = None,
+    steps_per_period: int = MINIMUM_STEPS_PER_PERIOD,
+    tolerance_db: float | None = None,
+    store: str | Path | None = None,
+    workers: int | None = None,
+    time_limit: float = TIME_LIMIT,
+    scheduler: str | None = None,
+) -> xr.Dataset:
+    """Simulate every combination of values by every engine, and give the steady states as labelled arrays.
+
+    Parameters
+    ----------
+    engines
+        Names ``ENGINE``, ``ENGINE:FORMULATION`` or ``ENGINE:FORMULATION:PRESET``; joint and tuned are understood.
+    friction_ratio
+        μ λ_N / (k_c U0), >= 0: a number, several, or (first, last, how many) as a tuple whose last part is an integer.
+    frequency_ratio
+        η_r = ω / ω_r, > 0, likewise; or ``{"first": 0.3, "last": 1.6, "accuracy_db": 0.5}`` for points where curves
+        need them.
+    vary
+        Further axes by name, such as ``{"mass_ratio": [0.5, 1, 2]}``: cells, mass_ratio, stiffness_ratio, damping_ratio,
+        inner_damping_ratio, steps_per_period.
+    chain
+        What is not varied, by name as in `reference_lcp.Chain.from_ratios`: a number for all cells, or a list or an array
+        with one a cell; the paper's chain without it.
+    drive, amplitude
+        ``"base"`` with U0 [m], or ``"force"`` on the outer mass of cell 1 with P0 [N].
+    steps_per_period
+        Fewest steps a period.
+    tolerance_db
+        Largest difference from the reference that counts as agreement [dB]; derived at every point without it.
+    store
+        File that keeps every result, so that the same call goes on where it stopped; none is kept without it.
+    workers
+        Worker processes; one a processor without it.
+    time_limit
+        Seconds that a batch of points may take; an engine that hangs is stopped then.
+    scheduler
+        Address of a dask scheduler whose workers compute, instead of this machine's.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions ``variant``, ``friction_ratio``, ``frequency_ratio`` and those of `vary`; see
+        `scenarios.sweeps.dataset.dataset`. It can be written to NetCDF, and `reports.report` makes a report of it.
+
+    Raises
+    ------
+    ParameterError
+        If something is outside its range; before anything is computed.
+    """
+    content: dict[str, Any] = {
+        "engines": [str(Variant.parse(name)) for name in _names(engines)],
+        "grid": {
+            name: _axis(values)
+            for name, values in {
+                "friction_ratio": friction_ratio, "frequency_ratio": frequency_ratio, **(vary or {})
+            }.items()
+        },
+        "chain": {name: _numbers(value) for name, value in (chain or {}).items()},
+        "drive": {"kind": drive, **({} if amplitude is None else {"amplitude": amplitude})},
+        "steps_per_period": steps_per_period,
+        **({} if tolerance_db is None else {"tolerances": {"transmittance_db": tolerance_db}}),
+    }  # fmt: skip
+    asked = sweep_of_content(content)
+    with _store(store) as (stored, file), executor_for(workers, time_limit, scheduler) as executor:
+        note_sweep(file, asked)
+        evaluate_sweep(asked, stored, executor)
+        return dataset(*stored_table(asked, stored), file if store is not None else None)
+
+
+def check(
+    scenario: str,
+    engines: str | Sequence[str] | None = None,
+    *,
+    store: str | Path | None = None,
+    workers: int | None = None,
+    time_limit: float = TIME_LIMIT,
+    scheduler: str | None = None,
+) -> pd.DataFrame:
+    """Run a scenario of the catalogue and judge every number of every engine.
+
+    Parameters
+    ----------
+    scenario
+        Its name, see ``python -m scenarios``, or ``"all"``.
+    engines
+        Names as for `sweep`; those that come with the suite without it.
+    store, workers, time_limit, scheduler
+        As for `sweep`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a number: ``scenario``, ``case``, ``engine``, ``formulation``, ``preset``, ``metric``, ``unit``, ``value``,
+        ``expected``, ``verdict``, ``explained``, ``difference``, ``allowed``, ``reason``.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or a number is outside its range.
+    """
+    checked_choice("scenario", scenario, [*CATALOGUE, EVERY])
+    chosen = list(CATALOGUE.values()) if scenario == EVERY else [CATALOGUE[scenario]]
+    variants = [Variant.parse(name) for name in _names(default_engine_names() if engines is None else engines)]
+    with (
+        _store(store) as (stored, _),
+        Bars(variants) as bars,
+        CountingEvaluator(stored, executor_for(workers, time_limit, scheduler), [], bars) as evaluator,
+    ):
+        return pd.DataFrame(records({one: one.run(variants, evaluator) for one in chosen}))
+
+
+@contextmanager
+def _store(store: str | Path | None) -> Iterator[tuple[ResultStore, Path]]:
+    """Open the store of a call, one that goes with it if none is named."""
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(TemporaryDirectory())) if store is None else None
+        file = Path(store) if store is not None else folder / "results.sqlite"  # type: ignore[operator]
+        yield stack.enter_context(ResultStore(file)), file
+
+
+def _names(engines: str | Sequence[str]) -> list[str]:
+    """Give the names, also where there is only one."""
+    return [engines] if isinstance(engines, str) else list(engines)
+
+
+def _axis(values: Axis) -> Any:
+    """Give the values of an axis as a sweep file has them."""
+    if isinstance(values, Mapping):
+        return dict(values)
+    if isinstance(values, tuple) and len(values) == 3 and isinstance(values[2], int):
+        return {"first": float(values[0]), "last": float(values[1]), "points": values[2]}
+    return np.atleast_1d(np.asarray(values, dtype=float)).tolist()
+
+
+def _numbers(value: Any) -> Any:
+    """Give arrays and tuples as lists."""
+    return value.tolist() if isinstance(value, np.ndarray) else list(value) if isinstance(value, tuple) else value

@@ -1,0 +1,47 @@
+"""The console script: one name for the commands of the four packages."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from reference_lcp.console import run_command
+from reports.cli.console_script import COMMANDS, app, loaded
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_is_the_one_of_its_package(name: str) -> None:
+    package = COMMANDS[name][0]
+    assert loaded(name).name in {package.split()[-1], f"python -m {package}"}
+
+
+def test_help_names_every_command_and_imports_none(tmp_path: Path) -> None:
+    code = (
+        "import sys; sys.argv = ['multibody-xval', '--help']\n"
+        "from reports.cli.console_script import main\n"
+        "try: main()\n"
+        "finally: print(sorted(name for name in sys.modules if name.endswith('__main__') and '.' in name))"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert found.returncode == 0, found.stderr
+    assert all(f" {name} " in found.stdout for name in COMMANDS)
+    assert found.stdout.splitlines()[-1] == "[]"
+
+
+def test_files_of_the_working_folder_do_not_shadow_the_packages(tmp_path: Path) -> None:
+    for name in ("engines", "scenarios", "reports", "reference_lcp"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('the file of the working folder')\n")
+    script = Path(sys.executable).with_name("multibody-xval")
+    found = subprocess.run([script, "engines"], capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert found.returncode == 0, found.stderr
+    assert "reference" in found.stdout
+    shadowed = subprocess.run(
+        [sys.executable, "-m", "engines"], capture_output=True, text=True, check=False, cwd=tmp_path
+    )
+    assert "the file of the working folder" in shadowed.stderr, "without the shadow the test says nothing"
+
+
+def test_command_that_is_not_there_is_wrong_input(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(app, ["repot"]) == 2
+    assert "No such command 'repot'" in capsys.readouterr().err
