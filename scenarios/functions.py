@@ -1,7 +1,7 @@
 """The functions of a notebook: `sweep` gives labelled arrays, `check` a table of verdicts.
 
-Both are also what the commands ``sweep`` and ``run`` do, without files in between: every result is kept in the store the
-moment it is there, engines run in worker processes, and progress is shown on standard error.
+They do what the commands ``sweep`` and ``run`` do: every result is kept in the store the moment it is there, engines
+run in worker processes, and progress is shown on standard error.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
+from pydantic import ValidationError
 
 from engines.interface.registry import default_engine_names
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.validation import FloatArray, checked_choice
+from reference_lcp.validation import FloatArray, ParameterError, checked_choice
 from scenarios.catalogue import CATALOGUE
-from scenarios.catalogue.verdict_table import records
+from scenarios.catalogue.verdict_table import finding_table
 from scenarios.cli.sweep import evaluate_sweep
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.executor import TIME_LIMIT
@@ -28,7 +29,9 @@ from scenarios.execution.store import ResultStore
 from scenarios.sweeps.dataset import dataset
 from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.run import stored_table
-from scenarios.sweeps.spec_file import sweep_of_content
+from scenarios.sweeps.spec_file import SweepFile
+from scenarios.sweeps.sweep import Sweep
+from scenarios.tasks.validation_message import first_error
 
 Numbers = float | Sequence[float] | FloatArray
 """One number, or several: a list, a tuple or an array."""
@@ -68,11 +71,11 @@ def sweep(
         η_r = ω / ω_r, > 0, likewise; or ``{"first": 0.3, "last": 1.6, "accuracy_db": 0.5}`` for points where curves
         need them.
     vary
-        Further axes by name, such as ``{"mass_ratio": [0.5, 1, 2]}``: cells, mass_ratio, stiffness_ratio, damping_ratio,
-        inner_damping_ratio, steps_per_period.
+        Further axes by name, such as ``{"mass_ratio": [0.5, 1, 2]}``: cells, mass_ratio, stiffness_ratio,
+        damping_ratio, inner_damping_ratio, steps_per_period.
     chain
-        What is not varied, by name as in `reference_lcp.Chain.from_ratios`: a number for all cells, or a list or an array
-        with one a cell; the paper's chain without it.
+        What is not varied, by name as in `reference_lcp.Chain.from_ratios`: a number for all cells, or a list or an
+        array with one a cell; the paper's chain without it.
     drive, amplitude
         ``"base"`` with U0 [m], or ``"force"`` on the outer mass of cell 1 with P0 [N].
     steps_per_period
@@ -100,7 +103,7 @@ def sweep(
         If something is outside its range; before anything is computed.
     """
     content: dict[str, Any] = {
-        "engines": [str(Variant.parse(name)) for name in _names(engines)],
+        "engines": [_full_name(Variant.parse(name)) for name in _names(engines)],
         "grid": {
             name: _axis(values)
             for name, values in {
@@ -112,11 +115,11 @@ def sweep(
         "steps_per_period": steps_per_period,
         **({} if tolerance_db is None else {"tolerances": {"transmittance_db": tolerance_db}}),
     }  # fmt: skip
-    asked = sweep_of_content(content)
+    planned = _validated(content)
     with _store(store) as (stored, file), executor_for(workers, time_limit, scheduler) as executor:
-        note_sweep(file, asked)
-        evaluate_sweep(asked, stored, executor)
-        return dataset(*stored_table(asked, stored), file if store is not None else None)
+        note_sweep(file, planned)
+        evaluate_sweep(planned, stored, executor)
+        return dataset(*stored_table(planned, stored), file if store is not None else None)
 
 
 def check(
@@ -142,8 +145,8 @@ def check(
     Returns
     -------
     pandas.DataFrame
-        One row a number: ``scenario``, ``case``, ``engine``, ``formulation``, ``preset``, ``metric``, ``unit``, ``value``,
-        ``expected``, ``verdict``, ``explained``, ``difference``, ``allowed``, ``reason``.
+        One row a number: ``scenario``, ``case``, ``engine``, ``formulation``, ``preset``, ``metric``, ``unit``,
+        ``value``, ``expected``, ``verdict``, ``explained``, ``difference``, ``allowed``, ``reason``.
 
     Raises
     ------
@@ -158,7 +161,15 @@ def check(
         Bars(variants) as bars,
         CountingEvaluator(stored, executor_for(workers, time_limit, scheduler), [], bars) as evaluator,
     ):
-        return pd.DataFrame(records({one: one.run(variants, evaluator) for one in chosen}))
+        return finding_table({one: one.run(variants, evaluator) for one in chosen})
+
+
+def _validated(content: Mapping[str, Any]) -> Sweep:
+    """Check what is asked for, as for a sweep file."""
+    try:
+        return SweepFile.model_validate(content).sweep
+    except ValidationError as problem:
+        raise ParameterError(first_error(problem, "what the documentation of scenarios.sweep lists")) from None
 
 
 @contextmanager
@@ -173,6 +184,11 @@ def _store(store: str | Path | None) -> Iterator[tuple[ResultStore, Path]]:
 def _names(engines: str | Sequence[str]) -> list[str]:
     """Give the names, also where there is only one."""
     return [engines] if isinstance(engines, str) else list(engines)
+
+
+def _full_name(variant: Variant) -> str:
+    """Spell a variant out: a sweep file takes less for all formulations or presets of an engine."""
+    return f"{variant.engine}:{variant.formulation}:{variant.preset_name}"
 
 
 def _axis(values: Axis) -> Any:
