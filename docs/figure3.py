@@ -15,7 +15,7 @@ from engines import engine
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
 from reports.figures.matplotlib_backend import COLUMN, PRINT_STYLE
 from reports.figures.style import PALETTE
-from scenarios.studies.figure3 import resonances
+from scenarios.sweeps.resonances import resonances
 from scenarios.tasks.parameters import ChainRatios
 
 STEPS = 400

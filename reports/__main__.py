@@ -10,30 +10,25 @@ import typer
 
 from engines.interface.registry import default_engine_names, engine_names
 from engines.interface.variant import Variant
-from reference_lcp.console import INTERRUPTED, checked_output_file, checked_output_folder, run_command
+from reference_lcp.console import INTERRUPTED, run_command
 from reference_lcp.validation import ParameterError
 from reports.cli.animate import animate
 from reports.cli.compare import compare
-from reports.data.collect import QUICK, Scope, collect, expected_questions
-from reports.data.report import Report
-from reports.export.files import FIGURES, FILES, PAGE, files_of, write_all
+from reports.data.collect import QUICK, Scope
+from reports.write import STORE, check_folder, read_dataset, write_dataset_report, write_sweep_report
 from scenarios.cli.options import Limit, Scheduler, Workers
 from scenarios.execution.dask_cluster import executor_for
-from scenarios.execution.evaluator import StoredResults
-from scenarios.execution.executor import TIME_LIMIT, Executor
-from scenarios.execution.progress import Bars, CountingEvaluator
-from scenarios.execution.store import ResultStore
+from scenarios.execution.executor import TIME_LIMIT
 from scenarios.studies.figure3 import (
     FRICTION_RATIOS,
     QUICK_FRICTION_RATIOS,
-    Figure3,
     default_frequency_ratios,
+    figure3,
     quick_frequency_ratios,
 )
-from scenarios.sweeps.spec_file import SweepFile, read_sweep
-from scenarios.sweeps.verdicts import baseline_of
+from scenarios.sweeps.spec_file import read_sweep
+from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.parameters import ChainRatios
-from scenarios.verdicts.pointwise import GivenTolerance
 
 RARE_COLLECTIONS = (200_000, 20, 100)
 """Thresholds of Python's collector of cycles: looking through millions of live answers and curves takes an eighth of
@@ -64,6 +59,10 @@ def report(
         Path | None,
         typer.Option(help="File of a sweep (python -m scenarios example) that names engines, chain and grid."),
     ] = None,
+    data: Annotated[
+        Path | None,
+        typer.Option(help="Dataset of a sweep as NetCDF: what it holds is shown, nothing is run."),
+    ] = None,
     store: Annotated[
         Path | None, typer.Option(help="File that keeps every answer; without it, results.sqlite in --out.")
     ] = None,
@@ -83,37 +82,39 @@ def report(
     """
     if context.invoked_subcommand is not None:
         return
-    asked = _asked(_names(chosen), quick) if sweep is None else _asked_by(sweep, chosen, quick)
+    if data is not None:
+        if sweep is not None or chosen or quick:
+            raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
+        print(
+            write_dataset_report(read_dataset(data), out, shlex.join(["python", "-m", "reports", "--data", str(data)]))
+        )
+        return
+    asked = _figure3(_names(chosen), quick) if sweep is None else _sweep(sweep, chosen, quick)
     executor = executor_for(workers, time_limit, scheduler)
-    checked_output_folder("--out", out)
-    for file in FILES:
-        checked_output_file("output file", out / file)
-    checked_output_folder("figures", out / FIGURES)
-    store = store if store is not None else out / "results.sqlite"
-    if not ask and not store.is_file():
-        raise ParameterError(f"--store = {store} does not exist; allowed with --no-ask: a store that is there")
-    command = _command(chosen, quick, sweep)
-    with ResultStore(store) as kept:
-        try:
-            found = _collected(asked, kept, executor, command, ask, QUICK if quick else Scope())
-        except KeyboardInterrupt:
-            print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
-            raise typer.Exit(INTERRUPTED) from None
-    write_all(out, files_of(found))
-    print(out / PAGE)
+    check_folder("--out", out)
+    store = store if store is not None else out / STORE
+    try:
+        page = write_sweep_report(
+            asked, out, _command(chosen, quick, sweep), store=store, ask=ask, scope=QUICK if quick else Scope(),
+            executor=executor,
+        )  # fmt: skip
+    except KeyboardInterrupt:
+        print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+    print(page)
 
 
 def _names(chosen: list[str] | None) -> list[str]:
-    """Say who is compared."""
+    """Name what is compared."""
     if not chosen:
         return default_engine_names()
     return [one for name in chosen for one in (engine_names() if name == "all" else [name])]
 
 
-def _asked(names: list[str], quick: bool) -> Figure3:
-    """Say what is to be run."""
+def _figure3(names: list[str], quick: bool) -> Sweep:
+    """Give the sweep of Figure 3."""
     ratios = ChainRatios()
-    return Figure3(
+    return figure3(
         variants=tuple(Variant.parse(name) for name in names),
         friction_ratios=QUICK_FRICTION_RATIOS if quick else FRICTION_RATIOS,
         frequency_ratios=quick_frequency_ratios(ratios) if quick else default_frequency_ratios(ratios),
@@ -121,45 +122,11 @@ def _asked(names: list[str], quick: bool) -> Figure3:
     )
 
 
-def _asked_by(file: Path, chosen: list[str] | None, quick: bool) -> Figure3:
-    """Take what is to be run from the file of a sweep over friction and frequency."""
+def _sweep(file: Path, chosen: list[str] | None, quick: bool) -> Sweep:
+    """Take what is to be run from the file of a sweep."""
     if chosen or quick:
         raise ParameterError("--sweep names engines and grid; allowed beside it: neither --engine nor --quick")
-    read = read_sweep(file)
-    if read.frequencies is not None:
-        raise ParameterError(f"{file}: grid.frequency_ratio is adaptive; allowed in a report: values or a range")
-    asked = read.sweep
-    others = [name for name in asked.axes if name not in ("friction_ratio", "frequency_ratio")]
-    if others:
-        raise ParameterError(f"{file}: grid.{others[0]} is varied; allowed in a report: friction and frequency ratio")
-    return Figure3(
-        variants=asked.variants,
-        friction_ratios=tuple(sorted(asked.axes["friction_ratio"])),
-        frequency_ratios=tuple(sorted(asked.axes["frequency_ratio"])),
-        ratios=asked.ratios,
-        steps_per_period=asked.steps_per_period,
-        excitation=asked.excitation,
-        tolerance=_tolerance(read),
-    )
-
-
-def _tolerance(read: SweepFile) -> GivenTolerance | None:
-    """Give the tolerance of a file; it compares with whom the command ``sweep`` compares."""
-    baseline = baseline_of(read.sweep)
-    if read.tolerance_db is None or baseline is None:
-        return None
-    return GivenTolerance(transmittance_db=read.tolerance_db, baseline=baseline)
-
-
-def _collected(asked: Figure3, kept: ResultStore, executor: Executor, command: str, ask: bool, scope: Scope) -> Report:
-    """Collect everything: with bars on the way, or from the store alone."""
-    if not ask:
-        return collect(asked, kept, StoredResults(kept), command, scope=scope)
-    with (
-        Bars(asked.all_variants) as bars,
-        CountingEvaluator(kept, executor, expected_questions(asked, scope), bars) as evaluator,
-    ):
-        return collect(asked, kept, evaluator, command, scope=scope)
+    return read_sweep(file).with_reference()
 
 
 def _command(chosen: list[str] | None, quick: bool, sweep: Path | None) -> str:

@@ -26,7 +26,7 @@ from scenarios.cli.options import (
     store_of_run,
 )
 from scenarios.cli.run import add_scenarios
-from scenarios.cli.sweep import answer_sweep, dataset_of, print_summary, print_verdicts
+from scenarios.cli.sweep import evaluate_sweep, print_summary, print_verdicts
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import unavailable_reason
 from scenarios.execution.executor import TIME_LIMIT, Executor
@@ -36,8 +36,11 @@ from scenarios.studies.accuracy import Accuracy, accuracies, accuracy_tasks, exa
 from scenarios.studies.accuracy_table import COLUMNS, Row, csv_table, markdown, remark
 from scenarios.studies.cost import COLUMNS as COST_COLUMNS
 from scenarios.studies.cost import SECONDS, cost
+from scenarios.sweeps.dataset import dataset, write_dataset
+from scenarios.sweeps.noted import note_sweep
+from scenarios.sweeps.run import stored_table
 from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
-from scenarios.sweeps.sweep import write_dataset
+from scenarios.sweeps.table import points_of
 from scenarios.tables import csv_text, full_table, markdown_lines, print_table, text_table
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
 
@@ -96,14 +99,18 @@ def sweep(
     executor = executor_for(workers, time_limit, scheduler)
     with ResultStore(store) as kept:
         if ask:
+            note_sweep(store, asked)
             try:
-                print_summary(asked, answer_sweep(asked, kept, executor))
+                print_summary(asked, evaluate_sweep(asked, kept, executor))
             except KeyboardInterrupt:
                 print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
                 raise typer.Exit(INTERRUPTED) from None
-        print_verdicts(asked, kept)
+        if out is None and asked.tolerance is None:
+            return
+        whole, table = stored_table(asked, kept)
+        print_verdicts(whole, points_of(table))
         if out is not None:
-            write_dataset(dataset_of(asked, kept), out)
+            write_dataset(dataset(whole, table, store), out)
 
 
 @run.command()

@@ -1,33 +1,46 @@
-"""From a question to everything that its report shows: from a store, and by asking what the store does not know."""
+"""From a sweep to everything that its report shows."""
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import xarray as xr
+
 from engines.interface.variant import Variant
-from reports.data.report import OperatingPoint, Report
+from reports.data.findings import CasePoint
+from reports.data.report import Report
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.store import ResultStore
-from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3, run
 from scenarios.studies.friction_map import (
     MAP_FREQUENCY_RATIOS,
     MAP_FRICTION_RATIOS,
     QUICK_MAP_FREQUENCY_RATIOS,
     QUICK_MAP_FRICTION_RATIOS,
     friction_map,
+    map_sweep,
 )
 from scenarios.studies.work_precision import StepPoint, exact_step_tasks, step_study, step_tasks
-from scenarios.tasks.parameters import ChainRatios
+from scenarios.sweeps.compared import judged_points, run
+from scenarios.sweeps.dataset_results import DatasetResults
+from scenarios.sweeps.sweep import Sweep
+from scenarios.sweeps.table import grid, tasks_of
+from scenarios.tasks.parameters import ChainRatios, OperatingPoint
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.task import SteadyStateTask
+from scenarios.verdicts.pointwise import CONVERGED
 
 MOTION_PLACES = ((0.3, 0.9), (1.0, 0.9))
 """Friction and frequency ratios at which the motion is kept in full: where contacts stick for part of the period."""
 
 
+MOST_MOTIONS = 6
+"""Points at most at which the motion is kept in full; a sweep over more than friction holds any of them many times."""
+
+
 @dataclass(frozen=True)
 class Scope:
-    """How much is asked beside the grid of Figure 3.
+    """How much a report has beside the grid of its sweep.
 
     Parameters
     ----------
@@ -36,7 +49,7 @@ class Scope:
     map_friction_ratios, map_frequency_ratios
         Grid of the friction map.
     step_study
-        Whether everybody is asked at several step sizes; if not, what the store knows of it is shown.
+        Whether every variant is simulated at several step sizes; if not, what the store knows of it is shown.
     """
 
     places: tuple[OperatingPoint, ...] = MOTION_PLACES
@@ -49,72 +62,115 @@ QUICK = Scope(MOTION_PLACES[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_
 
 
 def collect(
-    asked: Figure3,
-    kept: ResultStore,
+    sweep: Sweep,
+    store: ResultStore,
     evaluator: Evaluator,
     command: str,
     *,
     scope: Scope | None = None,
 ) -> Report:
-    """Gather everything.
+    """Collect everything that the report of a sweep shows.
 
     Parameters
     ----------
-    asked
-        The grid of Figure 3.
-    kept
+    sweep
+        What is asked for; the reference takes part, see `Sweep.with_reference`.
+    store
         The store.
     evaluator
         Gives the results; one that only reads (`StoredResults`) gives a report of what there is.
     command
         The command line that asks for the same.
     scope
-        What is asked beside the grid; everything without it.
+        What the report has beside the grid; everything without it.
     """
     scope = scope or Scope()
-    result = run(asked, evaluator)
-    found = friction_map(asked, scope.map_friction_ratios, scope.map_frequency_ratios, evaluator)
-    study = _step_study(asked, evaluator if scope.step_study else StoredResults(kept))
-    tasks = _recorded_tasks(asked, scope.places)
-    by_place: dict[OperatingPoint, dict[Variant, RecordedPeriod]] = {}
-    for (place, variant), one in zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True):
-        by_place.setdefault(place, {})[variant] = RecordedPeriod.of_result(one)
-    return Report(result, command, by_place, study, found)
+    result = run(sweep, evaluator)
+    mapped = _map(sweep, scope)
+    tasks = _recorded_tasks(sweep, scope.places)
+    motions: dict[CasePoint, dict[Variant, RecordedPeriod]] = {}
+    for (place, variant), found in zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True):
+        motions.setdefault(place, {})[variant] = RecordedPeriod.of_result(found)
+    return Report(
+        result,
+        command,
+        motions,
+        steps=_step_study(sweep, evaluator if scope.step_study else StoredResults(store)),
+        friction_map=None if mapped is None else friction_map(mapped, evaluator),
+    )
 
 
-def _step_study(asked: Figure3, evaluator: Evaluator) -> tuple[StepPoint, ...]:
-    """Give what the steps cost under the drive of `asked`; the six points are the canonical chain's alone."""
-    if asked.ratios != ChainRatios():
-        return ()
-    study = step_study(asked.all_variants, evaluator, asked.excitation)
+def collect_dataset(data: xr.Dataset, command: str) -> Report:
+    """Collect what a dataset holds: its points, judged; nothing is computed, and no edge is refined.
+
+    Raises
+    ------
+    ParameterError
+        If it is not the dataset of a sweep.
+    """
+    results = DatasetResults(data)
+    recorded = json.loads(data.attrs["variants"])
+    places = sorted(results.places, key=lambda place: place[2])
+    result = judged_points(results.sweep.ascending(), places, results)
+    return Report(result, command, steps=None, recorded=recorded)
+
+
+def _varies_friction_alone(sweep: Sweep) -> bool:
+    return sweep.case_axes == ("friction_ratio",)
+
+
+def _map(sweep: Sweep, scope: Scope) -> Sweep | None:
+    """Give the sweep of the friction map; ``None`` where more than friction is varied: there is no one chain then."""
+    if not _varies_friction_alone(sweep):
+        return None
+    return map_sweep(sweep, scope.map_friction_ratios, scope.map_frequency_ratios)
+
+
+def _has_step_study(sweep: Sweep) -> bool:
+    """Say whether the sweep is about the canonical chain, which the six points of the step study belong to."""
+    return _varies_friction_alone(sweep) and sweep.ratios == ChainRatios()
+
+
+def _step_study(sweep: Sweep, evaluator: Evaluator) -> tuple[StepPoint, ...] | None:
+    """Give what the steps cost under the drive of the sweep; ``None`` for other chains."""
+    if not _has_step_study(sweep):
+        return None
+    study = step_study(sweep.variants, evaluator, sweep.excitation)
     return tuple(one for one in study if one.answered or one.reason)
 
 
-def expected_questions(asked: Figure3, scope: Scope) -> list[SteadyStateTask]:
-    """Give what is known from the start to be asked, for bars of progress."""
-    grid = [
-        asked.question(REFERENCE, friction, eta)
-        for friction in scope.map_friction_ratios
-        for eta in scope.map_frequency_ratios
-    ]
-    steps = [task for variant in asked.all_variants for task in step_tasks(variant, asked.excitation)]
-    steps += exact_step_tasks(asked.excitation)
-    steps = steps if scope.step_study and asked.ratios == ChainRatios() else []
-    return list(dict.fromkeys([*asked.grid, *grid, *steps, *_recorded_tasks(asked, scope.places).values()]))
+def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
+    """Give what is known from the start to be evaluated, for bars of progress."""
+    grid_tasks = tasks_of(sweep, grid(sweep))
+    mapped = _map(sweep, scope)
+    steps = [task for variant in sweep.variants for task in step_tasks(variant, sweep.excitation)]
+    steps += exact_step_tasks(sweep.excitation)
+    steps = steps if scope.step_study and _has_step_study(sweep) else []
+    return list(
+        dict.fromkeys(
+            [
+                *grid_tasks,
+                *(mapped.tasks() if mapped is not None else ()),
+                *steps,
+                *_recorded_tasks(sweep, scope.places).values(),
+            ]
+        )
+    )
 
 
 def _recorded_tasks(
-    asked: Figure3, places: Sequence[OperatingPoint]
-) -> dict[tuple[OperatingPoint, Variant], RecordedPeriodTask]:
-    """Record every variant but the converged reference at the places whose friction and frequency the grid holds."""
+    sweep: Sweep, places: Sequence[OperatingPoint]
+) -> dict[tuple[CasePoint, Variant], RecordedPeriodTask]:
+    """Record every variant but the converged reference at the places that the grid holds."""
     held = [
-        (friction, eta)
+        (case, eta)
         for friction, eta in places
-        if friction in asked.friction_ratios and any(math.isclose(eta, one) for one in asked.frequency_ratios)
+        for case in sweep.cases
+        if friction == case.friction_ratio and any(math.isclose(eta, one) for one in sweep.frequency_ratios)
     ]
     return {
-        (place, variant): RecordedPeriodTask.of(asked.question(variant, *place))
-        for place in held
-        for variant in asked.all_variants
+        (place, variant): RecordedPeriodTask.of(sweep.task(variant, *place))
+        for place in held[:MOST_MOTIONS]
+        for variant in sweep.variants
         if variant != CONVERGED
     }

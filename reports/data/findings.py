@@ -1,4 +1,4 @@
-"""What is read from a result of figure 3 in more than one place of the report."""
+"""What is read from a compared sweep in more than one place of the report."""
 
 import math
 from collections import Counter
@@ -10,15 +10,19 @@ import numpy as np
 from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
 from reports.formatting import ratio
-from scenarios.studies.attenuation_band import Edge
-from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
+from scenarios.sweeps.attenuation_band import Edge
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.edges import BandEdge
+from scenarios.sweeps.sweep import Case, Sweep, baseline_of
+from scenarios.sweeps.table import Point
 from scenarios.tasks.result import ResultStatus
 from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.pointwise import GivenTolerance, baseline
+from scenarios.verdicts.pointwise import CONVERGED, GivenTolerance, baseline
+from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Verdict
 
-OperatingPoint = tuple[float, float]
-"""Friction ratio and frequency ratio."""
+CasePoint = tuple[Case, float]
+"""Case and frequency ratio."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +30,7 @@ class Extreme:
     """The largest difference of its kind, with its sign and its place; NaN where nothing was compared."""
 
     difference: float = math.nan
-    friction_ratio: float = math.nan
+    case: Case | None = None
     frequency_ratio: float = math.nan
 
 
@@ -37,11 +41,11 @@ class VariantFindings:
     Parameters
     ----------
     variant
-        Who.
+        Which.
     verdicts
         Points of the grid by verdict.
     worst_difference
-        Of transmittance [dB] where the converged reference is above `FLOOR_DB`, from what the variant is
+        Of transmittance [dB] where the baseline is above `FLOOR_DB`, from what the variant is
         compared with.
     worst_edge
         Of the band edges, from the converged reference.
@@ -63,26 +67,26 @@ class VariantFindings:
     seconds: float
 
 
-def findings(result: Figure3Result, variant: Variant) -> VariantFindings:
+def findings(result: ComparedSweep, variant: Variant) -> VariantFindings:
     """Sum up all points and edges of a variant."""
     points = result.points_of(variant)
-    converged = [point.answer for point in points if point.answer.converged]
-    seconds = [point.answer.seconds for point in points if not math.isnan(point.answer.seconds)]
+    converged = [point.result for point in points if point.result.converged]
+    seconds = [point.result.seconds for point in points if not math.isnan(point.result.seconds)]
     counted = Counter(str(point.comparison.verdict) for point in points)
     return VariantFindings(
         variant=variant,
         verdicts={str(verdict): counted[str(verdict)] for verdict in Verdict},
         worst_difference=_worst_difference(result, points),
         worst_edge=_worst_edge(result, variant),
-        worst_residual=max((answer.residual for answer in converged), default=math.nan),
-        median_periods=float(median([answer.periods for answer in converged])) if converged else math.nan,
+        worst_residual=max((one.residual for one in converged), default=math.nan),
+        median_periods=float(median([one.periods for one in converged])) if converged else math.nan,
         seconds=sum(seconds) if seconds else math.nan,
     )
 
 
-def drive_description(asked: Figure3) -> str:
+def drive_description(sweep: Sweep) -> str:
     """Say what drives the chain, and what U0 stands for."""
-    drive = asked.excitation
+    drive = sweep.excitation
     if drive.kind == "base":
         return f"on a base that moves harmonically (U0 = {drive.amplitude:g} m)"
     scale = f"U0 stands for P0 / k_c = {drive.displacement:g} m"
@@ -112,57 +116,84 @@ def compared_with(variant: Variant, given: GivenTolerance | None = None) -> str:
     )
 
 
-def converged_curve(result: Figure3Result, friction_ratio: float) -> dict[float, float]:
-    """Transmittance [dB] of the converged reference by η_r, where it has a steady state."""
-    curve = result.curve(CONVERGED, friction_ratio)
-    return {point.frequency_ratio: point.answer.transmittance_db for point in curve if point.answer.converged}
+def named_axes(sweep: Sweep, *, plural: bool = True) -> str:
+    """Name what is varied beside the frequency ratio, such as ``friction ratios and mass ratios``."""
+    *first, last = (axis_name(name, plural=plural) for name in sweep.case_axes)
+    return f"{', '.join(first)} and {last}" if first else last
 
 
-def differences(result: Figure3Result, variant: Variant, friction_ratio: float) -> tuple[FloatArray, FloatArray]:
+def axis_name(name: str, *, plural: bool = False) -> str:
+    """Name an axis of a sweep in words."""
+    if name in ("cells", "steps_per_period"):
+        what = "cells" if name == "cells" else "steps"
+        return f"number{'s' if plural else ''} of {what}"
+    return name.replace("_", " ") + ("s" if plural else "")
+
+
+def file_name(place: tuple[Case, *tuple[float, ...]]) -> str:
+    """Give the values of a case, and what follows it, as part of the name of a file, such as ``0.3-0.9``."""
+    case, *rest = place
+    return "-".join(f"{value:g}" for value in (*case.by_axis.values(), *rest))
+
+
+def baseline_curve(result: ComparedSweep, case: Case) -> dict[float, float]:
+    """Transmittance [dB] by η_r of the converged reference, or of the reference where that takes no part."""
+    whose = baseline_of(result.sweep.variants)
+    curve = [] if whose is None else result.curve(whose, case)
+    return {point.frequency_ratio: point.result.transmittance_db for point in curve if point.result.converged}
+
+
+def differences(result: ComparedSweep, variant: Variant, case: Case) -> tuple[FloatArray, FloatArray]:
     """η_r, and transmittance less the converged reference's [dB]; NaN where that is below `FLOOR_DB` or unknown."""
-    baseline = converged_curve(result, friction_ratio)
+    baseline = baseline_curve(result, case)
     pairs = []
-    for point in result.curve(variant, friction_ratio):
-        known = point.answer.converged and baseline.get(point.frequency_ratio, -math.inf) > FLOOR_DB
-        difference = point.answer.transmittance_db - baseline[point.frequency_ratio] if known else math.nan
+    for point in result.curve(variant, case):
+        known = point.result.converged and baseline.get(point.frequency_ratio, -math.inf) > FLOOR_DB
+        difference = point.result.transmittance_db - baseline[point.frequency_ratio] if known else math.nan
         pairs.append((point.frequency_ratio, difference))
     eta, found = np.array(pairs).reshape(-1, 2).T
     return eta, found
 
 
-def reference_line(result: Figure3Result, friction_ratio: float) -> tuple[FloatArray, FloatArray]:
+def reference_line(result: ComparedSweep, case: Case) -> tuple[FloatArray, FloatArray]:
     """η_r and transmittance [dB] of the reference: its dense curve, and the grid with the resonances in it."""
-    eta, curve = result.dense_reference[friction_ratio]
+    eta, curve = result.dense_reference.get(case, (np.empty(0), np.empty(0)))
     known = dict(zip(eta.tolist(), curve.tolist(), strict=True))
-    for point in result.curve(REFERENCE, friction_ratio):
-        known[point.frequency_ratio] = point.answer.transmittance_db if point.answer.converged else math.nan
+    for point in result.curve(REFERENCE, case):
+        known[point.frequency_ratio] = point.result.transmittance_db if point.result.converged else math.nan
     ascending = sorted(known.items())
     return np.array([place for place, _ in ascending]), np.array([value for _, value in ascending])
 
 
-def blocked_reason(result: Figure3Result, variant: Variant) -> str | None:
-    """Say why a variant has not a single answer; ``None`` if it has one."""
-    answers = [point.answer for point in result.points_of(variant)]
-    if not answers or any(answer.status is not ResultStatus.BLOCKED for answer in answers):
+def converged_edges(result: ComparedSweep, case: Case) -> list[float]:
+    """η_r of the edges of the converged reference that are known."""
+    found = [one.frequency_ratio for one in result.edges if (one.variant, one.case) == (CONVERGED, case)]
+    return [eta for eta in found if eta is not None and not math.isnan(eta)]
+
+
+def blocked_reason(result: ComparedSweep, variant: Variant) -> str | None:
+    """Say why a variant has not a single result; ``None`` if it has one."""
+    results = [point.result for point in result.points_of(variant)]
+    if not results or any(one.status is not ResultStatus.BLOCKED for one in results):
         return None
-    return answers[0].reason
+    return results[0].reason
 
 
-def absent_edge(result: Figure3Result, edge: BandEdge) -> str:
+def absent_edge(result: ComparedSweep, edge: BandEdge) -> str:
     """Say where an edge is that the grid does not hold."""
-    curve = [point for point in result.curve(edge.variant, edge.friction_ratio) if point.answer.converged]
+    curve = [point for point in result.curve(edge.variant, edge.case) if point.result.converged]
     if not curve:
         return "unknown"
-    if all(point.answer.transmittance_db >= result.asked.band.depth_db for point in curve):
+    if all(point.result.transmittance_db >= result.sweep.band.depth_db for point in curve):
         return "none"
     if edge.edge is Edge.LOWER:
         return f"below {curve[0].frequency_ratio:g}"
     return f"above {curve[-1].frequency_ratio:g}"
 
 
-def band_definition(result: Figure3Result) -> str:
+def band_definition(result: ComparedSweep) -> str:
     """Give the definition of the attenuation band in a sentence."""
-    band = result.asked.band
+    band = result.sweep.band
     return (
         "The low-frequency attenuation band is the interval of η_r that holds the first deep attenuation "
         f"(transmittance below {ratio(band.depth_db)} dB), extended both ways to where the transmittance crosses "
@@ -170,20 +201,20 @@ def band_definition(result: Figure3Result) -> str:
     )
 
 
-def _worst_difference(result: Figure3Result, points: list[Point]) -> Extreme:
-    baselines = {friction: converged_curve(result, friction) for friction in result.asked.friction_ratios}
+def _worst_difference(result: ComparedSweep, points: list[Point]) -> Extreme:
+    baselines = {case: baseline_curve(result, case) for case in result.cases}
     compared = [
-        Extreme(point.comparison.difference, point.friction_ratio, point.frequency_ratio)
+        Extreme(point.comparison.difference, point.case, point.frequency_ratio)
         for point in points
         if not math.isnan(point.comparison.difference)
-        and baselines[point.friction_ratio].get(point.frequency_ratio, -math.inf) > FLOOR_DB
+        and baselines[point.case].get(point.frequency_ratio, -math.inf) > FLOOR_DB
     ]
     return _largest(compared)
 
 
-def _worst_edge(result: Figure3Result, variant: Variant) -> Extreme:
+def _worst_edge(result: ComparedSweep, variant: Variant) -> Extreme:
     compared = [
-        Extreme(edge.comparison.difference, edge.friction_ratio, edge.frequency_ratio)
+        Extreme(edge.comparison.difference, edge.case, edge.frequency_ratio)
         for edge in result.edges
         if edge.variant == variant and edge.frequency_ratio is not None and not math.isnan(edge.comparison.difference)
     ]

@@ -10,87 +10,91 @@ from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import LARGEST_PHASE_STEP
 from reference_lcp.steady.orbits import DEFAULT_RESIDUAL
 from reports.data.findings import band_definition, blocked_reason, compared_with, drive_description, findings
-from scenarios.studies.attenuation_band import EDGE_RESOLUTION
-from scenarios.studies.figure3 import CONVERGED, Figure3Result
+from reports.data.report import Report
+from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.dataset import description_of
+from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.finding import FLOOR_DB
 
 PACKAGES = ("multibody-xval", "numpy", "scipy", "numba")
 """What every number depends on, beside the engines."""
 
 
-def provenance(result: Figure3Result, command: str) -> dict[str, Any]:
+def provenance(report: Report) -> dict[str, Any]:
     """Give everything that a reader needs to reproduce the numbers, as plain data.
 
     Parameters
     ----------
-    result
-        The result.
-    command
-        The command line that asked for it.
+    report
+        The report; versions and options are those that were noted with its results, else those of this machine.
     """
-    asked = result.asked
+    result = report.result
+    sweep = result.sweep
     return {
-        "command": command,
+        "command": report.command,
         "written": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "python": f"{platform.python_implementation()} {platform.python_version()}",
         "platform": f"{platform.system()} {platform.machine()}",
         "packages": {package: version(package) for package in PACKAGES},
-        "variants": [_variant(result, variant) for variant in asked.all_variants],
-        "chain": asked.ratios.as_data(),
+        "variants": [_variant(report, variant) for variant in sweep.variants],
+        "chain": {name: value for name, value in sweep.ratios.as_data().items() if name not in sweep.axes},
         "drive": {
-            "kind": asked.excitation.kind,
-            "amplitude": asked.excitation.amplitude,
-            "description": drive_description(asked),
+            "kind": sweep.excitation.kind,
+            "amplitude": sweep.excitation.amplitude,
+            "description": drive_description(sweep),
         },
-        "friction_ratios": list(asked.friction_ratios),
-        "frequency_ratios": {repr(friction): _grid(result, friction) for friction in asked.friction_ratios},
+        **{_plural(name): list(values) for name, values in sweep.axes.items() if name != "frequency_ratio"},
+        "frequency_ratios": {_name(case): _grid(result, case) for case in sweep.cases},
         "band": {
             "definition": band_definition(result),
-            "threshold_db": asked.band.threshold_db,
-            "depth_db": asked.band.depth_db,
+            "threshold_db": sweep.band.threshold_db,
+            "depth_db": sweep.band.depth_db,
             "resolution": EDGE_RESOLUTION,
         },
         "time_step": (
-            f"dt = period / steps per period, with at least {asked.steps_per_period} steps and as many as "
+            f"dt = period / steps per period, with at least {sweep.fewest_steps} steps and as many as "
             f"dt ω_max ≤ {LARGEST_PHASE_STEP:g} asks for, ω_max being the highest natural frequency of the linear chain"
         ),
         "tolerances": {
             "residual": DEFAULT_RESIDUAL,
             "floor_db": FLOOR_DB,
             "given": None
-            if asked.tolerance is None
-            else {"transmittance_db": asked.tolerance.transmittance_db, "ruler": str(asked.tolerance.baseline)},
+            if sweep.tolerance is None
+            else {"transmittance_db": sweep.tolerance.transmittance_db, "ruler": str(sweep.tolerance.baseline)},
         },
     }
 
 
-def _variant(result: Figure3Result, variant: Variant) -> dict[str, Any]:
+def _variant(report: Report, variant: Variant) -> dict[str, Any]:
     """Describe one variant: what it is, how it is set up, how well it converged."""
-    of = engine(variant.engine)
-    preset = of.preset(variant.formulation, variant.preset_name)
-    answers = [point.answer for point in result.points_of(variant) if point.answer.converged]
+    of, result = engine(variant.engine), report.result
+    results = [point.result for point in result.points_of(variant) if point.result.converged]
     return {
         "engine": variant.engine,
         "formulation": variant.formulation,
         "preset": variant.preset_name,
         "title": variant.title,
-        "package": of.capabilities.package,
-        "version": of.version() if of.unavailable_reason() is None else None,
         "blocked": blocked_reason(result, variant),
         "licence": of.capabilities.licence,
         "friction_law": str(of.capabilities.friction_law),
         "precision": of.capabilities.precision,
         "notes": of.capabilities.notes,
-        "compared_with": compared_with(variant, result.asked.tolerance),
-        "description": preset.description,
-        "options": [
-            {"name": name, "value": option.value, "default": option.default, "reason": option.reason}
-            for name, option in preset.options.items()
-        ],
-        "steps_per_period": sorted({answer.steps_per_period for answer in answers}),
+        "compared_with": compared_with(variant, result.sweep.tolerance),
+        **(report.recorded.get(str(variant)) or description_of(variant)),
+        "steps_per_period": sorted({one.steps_per_period for one in results}),
         "worst_residual": findings(result, variant).worst_residual,
     }
 
 
-def _grid(result: Figure3Result, friction_ratio: float) -> list[float]:
-    return [point.frequency_ratio for point in result.curve(CONVERGED, friction_ratio)]
+def _plural(name: str) -> str:
+    return name if name == "cells" else f"{name}s"
+
+
+def _name(case: Case) -> str:
+    """Give the values of a case in full."""
+    return ", ".join(repr(value) for value in case.by_axis.values())
+
+
+def _grid(result: ComparedSweep, case: Case) -> list[float]:
+    return sorted({point.frequency_ratio for variant in result.sweep.variants for point in result.curve(variant, case)})

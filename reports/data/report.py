@@ -3,43 +3,45 @@
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from engines.interface.variant import Variant
-from scenarios.studies.figure3 import Figure3Result
+from reports.data.findings import CasePoint
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
+from scenarios.sweeps.compared import ComparedSweep
 from scenarios.tasks.recorded import RecordedPeriod
 from scenarios.tasks.result import ResultStatus
-
-OperatingPoint = tuple[float, float]
-"""Friction ratio and frequency ratio."""
 
 
 @dataclass(frozen=True)
 class Report:
-    """Results, as they were gathered.
+    """Results, as they were collected.
 
     Parameters
     ----------
     result
-        Figure 3 by every variant.
+        The sweep, every variant compared with the reference.
     command
         The command line that asks for the same numbers.
     motions
-        One period of the reference and of every variant, by place; unknown ones say why.
+        One period of the reference and of every variant, by case and frequency ratio; unknown ones say why.
     steps
-        Error and cost at several step sizes; empty if nobody was asked.
+        Error and cost at several step sizes; ``None`` if they are no part of the report.
     friction_map
-        Transmittance over friction and frequency; ``None`` if nobody was asked.
+        Transmittance over friction and frequency; ``None`` if it is no part of the report.
+    recorded
+        Package, version, description and options by the name of a variant, where they were noted with the results.
     """
 
-    result: Figure3Result
+    result: ComparedSweep
     command: str
-    motions: Mapping[OperatingPoint, Mapping[Variant, RecordedPeriod]] = field(default_factory=dict)
-    steps: tuple[StepPoint, ...] = ()
+    motions: Mapping[CasePoint, Mapping[Variant, RecordedPeriod]] = field(default_factory=dict)
+    steps: tuple[StepPoint, ...] | None = ()
     friction_map: FrictionMap | None = None
+    recorded: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def missing(self) -> Mapping[Variant, int]:
-        """Points of the grid that nobody has answered so far, by variant; variants without any are left out."""
-        return Counter(point.variant for point in self.result.points if point.answer.status is ResultStatus.MISSING)
+        """Points of the grid that are not evaluated so far, by variant; variants without any are left out."""
+        return Counter(point.variant for point in self.result.points if point.result.status is ResultStatus.MISSING)

@@ -1,6 +1,6 @@
 """Every file of a report: the page, its tables, its figures."""
 
-import itertools
+import dataclasses
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,10 +14,10 @@ from reports.data.report import Report
 from reports.export.tables import band_edge_table, report_json, transition_table, transmittance_table
 from reports.page.render import page, sections
 from reports.page.sections.stick_slip import stick_slip_rows
-from scenarios.studies.attenuation_band import Edge
-from scenarios.studies.figure3 import Figure3Result
+from scenarios.sweeps.attenuation_band import Edge
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.dataset import dataset
 from scenarios.tables import csv_text
-from scenarios.verdicts.verdict import Verdict
 
 TITLE = "Dry friction in multibody engines: a frictional mass-in-mass chain against its LCP reference"
 PAGE = "index.html"
@@ -32,7 +32,7 @@ def files_of(report: Report) -> dict[str, bytes]:
     """Give the content of every file of a report by its path in the report's folder, the page last."""
     result = report.result
     rendered = page(TITLE, sections(report))
-    stick_slip, origin = stick_slip_rows(result), provenance(result, report.command)
+    stick_slip, origin = stick_slip_rows(result), provenance(report)
     texts = {
         "band_edges.csv": csv_text(band_edge_table(result)),
         "transmittance.csv": csv_text(transmittance_table(result)),
@@ -42,7 +42,7 @@ def files_of(report: Report) -> dict[str, bytes]:
     return {
         **{name: text.encode() for name, text in texts.items()},
         **{f"{FIGURES}/{name}": content for name, content in rendered.figures.items()},
-        NETCDF: bytes(dataset(result).to_netcdf(engine="h5netcdf")),
+        NETCDF: bytes(report_dataset(result).to_netcdf(engine="h5netcdf")),
         PAGE: rendered.html.encode(),
     }
 
@@ -60,62 +60,24 @@ def write_all(folder: Path, contents: Mapping[str, bytes]) -> None:
             part.unlink(missing_ok=True)
 
 
-def dataset(result: Figure3Result) -> xr.Dataset:
-    """Give the numbers with their labels.
+def report_dataset(result: ComparedSweep) -> xr.Dataset:
+    """Give the dataset of the sweep over the frequency ratios of all cases together, with the edges of the band.
 
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions ``variant``, ``friction_ratio``, ``frequency_ratio`` (of all grids together) and ``edge``;
-        ``transmittance`` [dB], ``difference`` [dB] from what the variant is compared with, ``residual`` and
-        ``verdict`` (a number, see its attributes; −1 where nobody was asked), ``band_edge`` and
-        ``band_edge_difference`` in η_r. NaN where there is no number. Attributes: what drives the chain, and its
-        amplitude [m] or [N].
+    Beside what `scenarios.sweeps.dataset.dataset` holds: ``band_edge`` and ``band_edge_difference`` in η_r, along
+    ``edge``; NaN where there is no number.
     """
-    asked = result.asked
-    etas = sorted({point.frequency_ratio for point in result.points})
-    place = {
-        key: k
-        for k, key in enumerate(itertools.product(asked.all_variants, asked.friction_ratios, etas))
-    }  # fmt: skip
-    columns = {name: np.full(len(place), np.nan) for name in ("transmittance", "difference", "residual")}
-    verdict = np.full(len(place), -1, dtype=np.int8)
-    verdicts = list(Verdict)
-    for point in result.points:
-        k = place[point.variant, point.friction_ratio, point.frequency_ratio]
-        columns["transmittance"][k] = point.answer.transmittance_db
-        columns["difference"][k] = point.comparison.difference
-        columns["residual"][k] = point.answer.residual
-        verdict[k] = verdicts.index(point.comparison.verdict)
-    sizes = (len(asked.all_variants), len(asked.friction_ratios), len(etas))
-    grid = ("variant", "friction_ratio", "frequency_ratio")
-    units = {"transmittance": "dB", "difference": "dB", "residual": "1"}
-    meaning = {"flag_values": list(range(len(verdicts))), "flag_meanings": " ".join(verdicts)}
-    variables: dict[str, Any] = {
-        name: (grid, values.reshape(sizes), {"units": units[name]}) for name, values in columns.items()
-    }
-    variables["verdict"] = (grid, verdict.reshape(sizes), meaning)
-    coordinates = {
-        "variant": [str(variant) for variant in asked.all_variants],
-        "friction_ratio": list(asked.friction_ratios),
-        "frequency_ratio": etas,
-        "edge": [str(edge) for edge in Edge],
-    }
-    drive = {"drive_kind": asked.excitation.kind, "drive_amplitude": asked.excitation.amplitude}
-    return xr.Dataset(variables | _edges(result), coords=coordinates, attrs=drive)
+    etas = tuple(sorted({point.frequency_ratio for point in result.points}))
+    sweep = dataclasses.replace(result.sweep, axes={**result.sweep.axes, "frequency_ratio": etas})
+    data = dataset(sweep, result.table)
+    return data.assign(_edges(result)).assign_coords(edge=[str(edge) for edge in Edge]) if result.edges else data
 
 
-def _edges(result: Figure3Result) -> dict[str, Any]:
+def _edges(result: ComparedSweep) -> dict[str, Any]:
     """Give the edges of all bands, and their differences."""
-    asked = result.asked
-    found = [
-        result.edge(variant, friction, edge)
-        for variant in asked.all_variants
-        for friction in asked.friction_ratios
-        for edge in Edge
-    ]
-    sizes = (len(asked.all_variants), len(asked.friction_ratios), len(Edge))
-    dimensions = ("variant", "friction_ratio", "edge")
+    sweep = result.sweep
+    found = [result.edge(variant, case, edge) for variant in sweep.variants for case in sweep.cases for edge in Edge]
+    dimensions = ("variant", *sweep.case_axes, "edge")
+    sizes = (len(sweep.variants), *(len(sweep.axes[name]) for name in sweep.case_axes), len(Edge))
     places = [math.nan if one.frequency_ratio is None else one.frequency_ratio for one in found]
     differences = [one.comparison.difference for one in found]
     return {

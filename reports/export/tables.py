@@ -1,72 +1,80 @@
 """Tables and the JSON file beside the page: the numbers in full."""
 
-import dataclasses
 import math
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import pandas as pd
 
 from engines.interface.variant import Variant
-from reports.data.findings import findings
-from scenarios.studies.figure3 import BandEdge, Figure3Result, Point
+from reports.data.findings import Extreme, findings
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.edges import BandEdge
+from scenarios.sweeps.table import Point
 from scenarios.tables import Column, full_table, json_text, records
 
+NAME_COLUMNS: tuple[Column[BandEdge | Point], ...] = (
+    Column("engine", lambda row: row.variant.engine),
+    Column("formulation", lambda row: row.variant.formulation),
+    Column("preset", lambda row: row.variant.preset_name),
+)
 BAND_EDGE_COLUMNS: tuple[Column[BandEdge], ...] = (
-    Column("engine", lambda edge: edge.variant.engine),
-    Column("formulation", lambda edge: edge.variant.formulation),
-    Column("preset", lambda edge: edge.variant.preset_name),
-    Column("friction_ratio", lambda edge: edge.friction_ratio),
     Column("edge", lambda edge: str(edge.edge)),
     Column("frequency_ratio", lambda edge: math.nan if edge.frequency_ratio is None else edge.frequency_ratio),
     Column("difference", lambda edge: edge.comparison.difference),
     Column("verdict", lambda edge: str(edge.comparison.verdict)),
     Column("reason", lambda edge: edge.comparison.reason),
 )
-PLACE_COLUMNS: tuple[Column[Point], ...] = (
-    Column("engine", lambda point: point.variant.engine),
-    Column("formulation", lambda point: point.variant.formulation),
-    Column("preset", lambda point: point.variant.preset_name),
-    Column("friction_ratio", lambda point: point.friction_ratio),
-    Column("frequency_ratio", lambda point: point.frequency_ratio),
-)
+PLACE_COLUMNS: tuple[Column[Point], ...] = (Column("frequency_ratio", lambda point: point.frequency_ratio),)
 TRANSMITTANCE_COLUMNS: tuple[Column[Point], ...] = (
     *PLACE_COLUMNS,
-    Column("transmittance_db", lambda point: point.answer.transmittance_db),
-    Column("residual", lambda point: point.answer.residual),
+    Column("transmittance_db", lambda point: point.result.transmittance_db),
+    Column("residual", lambda point: point.result.residual),
     Column("difference_db", lambda point: point.comparison.difference),
     Column("verdict", lambda point: str(point.comparison.verdict)),
     Column("reason", lambda point: point.comparison.reason),
 )
 
 
-def band_edge_table(result: Figure3Result) -> pd.DataFrame:
+def _of_curve(result: ComparedSweep, columns: tuple[Column[Any], ...]) -> tuple[Column[Any], ...]:
+    """Give the columns of a table: names of the variant and the values of its case come first."""
+    axes = (Column(name, partial(_value, axis=name)) for name in result.sweep.case_axes)
+    return (*NAME_COLUMNS, *axes, *columns)
+
+
+def _value(row: BandEdge | Point, axis: str) -> float:
+    return row.case.by_axis[axis]
+
+
+def band_edge_table(result: ComparedSweep) -> pd.DataFrame:
     """Both edges of every curve; NaN where the grid does not hold the edge or nothing could be compared."""
-    return full_table(BAND_EDGE_COLUMNS, result.edges)
+    return full_table(_of_curve(result, BAND_EDGE_COLUMNS), result.edges)
 
 
-def transmittance_table(result: Figure3Result) -> pd.DataFrame:
+def transmittance_table(result: ComparedSweep) -> pd.DataFrame:
     """Every point of every curve."""
-    return full_table(TRANSMITTANCE_COLUMNS, result.points)
+    return full_table(_of_curve(result, TRANSMITTANCE_COLUMNS), result.points)
 
 
-def transition_table(result: Figure3Result) -> pd.DataFrame:
+def transition_table(result: ComparedSweep) -> pd.DataFrame:
     """Every change of mode at every point of every curve that has a steady state."""
+    columns = _of_curve(result, PLACE_COLUMNS)
     rows = [
-        (*(column.value(point) for column in PLACE_COLUMNS), *transition)
+        (*(column.value(point) for column in columns), *transition)
         for point in result.points
-        if point.answer.converged
-        for transition in point.answer.transitions
+        if point.result.converged
+        for transition in point.result.transitions
     ]
-    return pd.DataFrame(rows, columns=[*(column.key for column in PLACE_COLUMNS), "cell", "time_s", "kind"])
+    return pd.DataFrame(rows, columns=[*(column.key for column in columns), "cell", "time_s", "kind"])
 
 
-def report_json(result: Figure3Result, stick_slip: list[dict[str, Any]], provenance: Mapping[str, Any]) -> str:
+def report_json(result: ComparedSweep, stick_slip: list[dict[str, Any]], provenance: Mapping[str, Any]) -> str:
     """Give the numbers of all tables but the transitions as JSON, with where they come from."""
     return json_text(
         {
             "provenance": provenance,
-            "summary": [_summary(result, variant) for variant in result.asked.all_variants],
+            "summary": [_summary(result, variant) for variant in result.sweep.variants],
             "band_edges": records(band_edge_table(result)),
             "stick_slip": stick_slip,
             "transmittance": records(transmittance_table(result)),
@@ -74,6 +82,13 @@ def report_json(result: Figure3Result, stick_slip: list[dict[str, Any]], provena
     )
 
 
-def _summary(result: Figure3Result, variant: Variant) -> dict[str, Any]:
-    found = dataclasses.asdict(findings(result, variant))
-    return {**found.pop("variant"), **found}
+def _summary(result: ComparedSweep, variant: Variant) -> dict[str, Any]:
+    found = vars(findings(result, variant))
+    worst = {name: _extreme(found[name]) for name in ("worst_difference", "worst_edge")}
+    return {**vars(variant), **{name: value for name, value in found.items() if name != "variant"}, **worst}
+
+
+def _extreme(found: Extreme) -> dict[str, Any]:
+    """Give a difference and its place."""
+    place = {} if found.case is None else found.case.by_axis
+    return {"difference": found.difference, **place, "frequency_ratio": found.frequency_ratio}

@@ -9,9 +9,11 @@ from engines.interface.variant import Variant
 from reports.data.findings import blocked_reason
 from reports.figures.figure import Axis, Figure, Mark, Panel, Rule, Series, difference_axis
 from reports.figures.style import RULE, Style, compared_variants, style_of
-from reports.formatting import ratio
-from scenarios.studies.attenuation_band import EDGE_RESOLUTION, Edge
-from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3Result
+from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.sweep import Case
+from scenarios.verdicts.pointwise import CONVERGED
+from scenarios.verdicts.steady_case import REFERENCE
 
 LINEAR = EDGE_RESOLUTION
 """Differences of η_r below are drawn to scale, larger ones by their logarithm."""
@@ -24,13 +26,13 @@ DECIMALS = 7
 ROW = 0.32
 """Largest distance of a variant from the middle of a row, over the distance of rows."""
 
-Row = tuple[float, Edge]
+Row = tuple[Case, Edge]
 
 
-def edge_forest(result: Figure3Result) -> Figure:
+def edge_forest(result: ComparedSweep) -> Figure:
     """Draw the differences of all band edges from the converged reference's, with what is allowed of each."""
     rows = _rows(result)
-    count, height = len(compared_variants(result.asked)), max(len(rows), 1)
+    count, height = len(compared_variants(result.sweep)), max(len(rows), 1)
     names = {float(k): _label(row) for k, row in enumerate(rows)}
     panel = Panel(
         difference_axis("difference of η_r [-]", LINEAR, TICKS, _limit(result, rows), DECIMALS),
@@ -47,40 +49,40 @@ def edge_forest(result: Figure3Result) -> Figure:
     )
 
 
-def reference_error(result: Figure3Result, row: Row) -> float:
+def reference_error(result: ComparedSweep, row: Row) -> float:
     """Error bar of the reference's edge in η_r: what is allowed of it; NaN where it was not compared."""
     return result.edge(REFERENCE, *row).comparison.tolerance
 
 
-def _rows(result: Figure3Result) -> list[Row]:
+def _rows(result: ComparedSweep) -> list[Row]:
     """Edges that the converged reference has."""
-    every = [(friction, edge) for friction in result.asked.friction_ratios for edge in Edge]
+    every = [(case, edge) for case in result.cases for edge in Edge]
     places = [(row, result.edge(CONVERGED, *row).frequency_ratio) for row in every]
     return [row for row, place in places if place is not None and not math.isnan(place)]
 
 
-def _values(result: Figure3Result, variant: Variant, rows: list[Row]) -> list[float]:
+def _values(result: ComparedSweep, variant: Variant, rows: list[Row]) -> list[float]:
     return [result.edge(variant, *row).comparison.difference for row in rows]
 
 
-def _allowed(result: Figure3Result, variant: Variant, rows: list[Row]) -> list[float]:
+def _allowed(result: ComparedSweep, variant: Variant, rows: list[Row]) -> list[float]:
     return [result.edge(variant, *row).comparison.tolerance for row in rows]
 
 
-def _limit(result: Figure3Result, rows: list[Row]) -> float:
+def _limit(result: ComparedSweep, rows: list[Row]) -> float:
     every = [
         abs(value) + allowed
-        for variant in result.asked.all_variants
+        for variant in result.sweep.variants
         for value, allowed in zip(_values(result, variant, rows), _allowed(result, variant, rows), strict=True)
     ]
     return 1.6 * max((value for value in every if not math.isnan(value)), default=TICKS[0])
 
 
 def _label(row: Row) -> str:
-    return f"friction {ratio(row[0])}, {row[1]}"
+    return f"{row[0]}, {row[1]}"
 
 
-def _marks(result: Figure3Result, rows: list[Row]) -> list[Mark]:
+def _marks(result: ComparedSweep, rows: list[Row]) -> list[Mark]:
     """Give the reference's error bars, and every variant a little above or below the middle of each row."""
     errors = [reference_error(result, row) for row in rows]
     notes = [f"{_label(row)}\nerror bar ± {error:.4g}" for row, error in zip(rows, errors, strict=True)]
@@ -88,7 +90,7 @@ def _marks(result: Figure3Result, rows: list[Row]) -> list[Mark]:
         [0.0] * len(rows), range(len(rows)), Style("#000000", "line-ns", 5.0, width=1.4), "Reference, error bar",
         "markers", "%{text}", notes, x_error=errors,
     )  # fmt: skip
-    variants = compared_variants(result.asked)
+    variants = compared_variants(result.sweep)
     offsets = np.linspace(-ROW, ROW, len(variants)) if len(variants) > 1 else [0.0]
     return [
         bars,
@@ -100,13 +102,13 @@ def _marks(result: Figure3Result, rows: list[Row]) -> list[Mark]:
     ]
 
 
-def _variant(result: Figure3Result, variant: Variant, rows: list[Row], offset: float) -> Series:
+def _variant(result: ComparedSweep, variant: Variant, rows: list[Row], offset: float) -> Series:
     places = [result.edge(variant, *row).frequency_ratio for row in rows]
     notes = [
         f"{_label(row)}: {'–' if place is None else format(place, '.4f')}"
         for row, place in zip(rows, places, strict=True)
     ]
-    style = replace(style_of(result.asked, variant), width=0.6)
+    style = replace(style_of(result.sweep, variant), width=0.6)
     return Series(
         _values(result, variant, rows), np.arange(len(rows)) + offset, style, variant.title,
         "markers", "%{text}\ndifference %{x:.4~g}", notes, x_error=_allowed(result, variant, rows),

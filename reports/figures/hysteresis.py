@@ -8,11 +8,13 @@ from numpy.typing import NDArray
 
 from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
+from reports.data.findings import CasePoint, file_name
 from reports.figures.figure import Axis, Figure, Panel, Series
 from reports.figures.style import style_of
 from reports.formatting import ratio
-from scenarios.studies.figure3 import REFERENCE, Figure3
+from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.recorded import RecordedPeriod
+from scenarios.verdicts.steady_case import REFERENCE
 
 CORNER = 0.003
 """Points of a loop nearer than this to the straight line between their neighbours are left out.
@@ -23,25 +25,25 @@ Over the width and height of the loop: a third of a pixel of a plot of a hundred
 COLUMNS = 4
 
 
-def hysteresis(asked: Figure3, place: tuple[float, float], motions: Mapping[Variant, RecordedPeriod]) -> Figure:
+def hysteresis(sweep: Sweep, place: CasePoint, motions: Mapping[Variant, RecordedPeriod]) -> Figure:
     """Draw the loops of all contacts at one point.
 
     Parameters
     ----------
-    asked
+    sweep
         Whose variants have their styles.
     place
-        Friction and frequency ratio.
+        Case and frequency ratio.
     motions
         Known motions, the reference's first.
     """
     cells = max(motion.outer.shape[1] for motion in motions.values())
     rows = -(-cells // COLUMNS)
     return Figure(
-        f"hysteresis-{place[0]:g}-{place[1]:g}",
-        f"Hysteresis loops at friction ratio {ratio(place[0])}, η_r = {ratio(place[1])}: "
+        f"hysteresis-{file_name(place)}",
+        f"Hysteresis loops at {place[0].title}, η_r = {ratio(place[1])}: "
         "friction over its bound, over relative displacement",
-        [_panel(asked, motions, cell) for cell in range(cells)],
+        [_panel(sweep, motions, cell) for cell in range(cells)],
         height=0.6 + 1.55 * rows,
         pixels=60 + 230 * rows,
         columns=COLUMNS,
@@ -52,11 +54,11 @@ def hysteresis(asked: Figure3, place: tuple[float, float], motions: Mapping[Vari
     )
 
 
-def _panel(asked: Figure3, motions: Mapping[Variant, RecordedPeriod], cell: int) -> Panel:
+def _panel(sweep: Sweep, motions: Mapping[Variant, RecordedPeriod], cell: int) -> Panel:
     hover = f"cell {cell + 1}\n%{{x:.4f}} U_0\n%{{y:.3f}} of the bound"
     loops = [
         Series(
-            *_loop(motion, cell), replace(style_of(asked, variant), width=1.6 if variant == REFERENCE else 0.9),
+            *_loop(motion, cell), replace(style_of(sweep, variant), width=1.6 if variant == REFERENCE else 0.9),
             variant.title, hover=hover,
         )
         for variant, motion in motions.items() if cell < motion.outer.shape[1]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import Mode
+from reports.data.findings import CasePoint, file_name
 from reports.figures.figure import Axis, Bars, Figure, Panel
 from reports.formatting import ratio
 from scenarios.tasks.result import Result
@@ -58,13 +59,13 @@ def phases(answer: Result) -> list[Phase]:
     return found
 
 
-def raster(place: tuple[float, float], answers: dict[Variant, Result]) -> Figure:
+def raster(place: CasePoint, answers: dict[Variant, Result]) -> Figure:
     """Draw one point: cells over time, and within each cell a strip for each variant, the first on top.
 
     Parameters
     ----------
     place
-        Friction and frequency ratio.
+        Case and frequency ratio.
     answers
         Certified answers, the reference's first.
     """
@@ -78,8 +79,8 @@ def raster(place: tuple[float, float], answers: dict[Variant, Result]) -> Figure
         names_at_right={_middle(count, strip, k): v.title for k in named for strip, v in enumerate(rows)},
     )
     return Figure(
-        f"stick-slip-{place[0]:g}-{place[1]:g}",
-        f"Stick and slip at friction ratio {ratio(place[0])}, η_r = {ratio(place[1])}; in each cell, from top to "
+        f"stick-slip-{file_name(place)}",
+        f"Stick and slip at {place[0].title}, η_r = {ratio(place[1])}; in each cell, from top to "
         f"bottom: {'; '.join(variant.title for variant in rows)}",
         [panel],
         height=0.9 + cells * max(0.34, 0.085 * count),

@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 
 from engines.interface.variant import Variant
-from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3
+from scenarios.sweeps.sweep import Sweep
+from scenarios.verdicts.pointwise import CONVERGED
+from scenarios.verdicts.steady_case import REFERENCE
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Okabe and Ito's palette, which colour-blind readers can tell apart."""
@@ -48,23 +50,23 @@ RULE = Style("#666666", width=0.6)
 """A thin grey line, such as that of a threshold."""
 
 
-def compared_variants(asked: Figure3) -> list[Variant]:
-    """Variants of engines other than the reference, in the order asked."""
-    return [variant for variant in asked.all_variants if variant.engine != REFERENCE.engine]
+def compared_variants(sweep: Sweep) -> list[Variant]:
+    """Variants of engines other than the reference, in their order."""
+    return [variant for variant in sweep.variants if variant.engine != REFERENCE.engine]
 
 
-def style_of(asked: Figure3, variant: Variant) -> Style:
+def style_of(sweep: Sweep, variant: Variant) -> Style:
     """Give a variant its style, the same in every figure; the reference is black and solid."""
     if variant.engine == REFERENCE.engine:
         return Style("#000000", "cross-thin" if variant == CONVERGED else "x-thin", 4.5)
-    place = compared_variants(asked).index(variant)
+    place = compared_variants(sweep).index(variant)
     # one shape further each time that the colours are used up: 48 variants in a row differ
     symbol, size = _SHAPES[(place + place // len(PALETTE)) % len(_SHAPES)]
     return Style(PALETTE[place % len(PALETTE)], symbol, size, _DASHES[place % len(_DASHES)])
 
 
 def curve_style(place: int) -> Style:
-    """Give the curve at this place among friction ratios its style."""
+    """Give the curve at this place among the cases its style."""
     if place == 0:
         return Style("#000000")
     return Style(PALETTE[(place - 1) % len(PALETTE)], dash=_DASHES[(place - 1) % len(_DASHES)])

@@ -7,12 +7,13 @@ import numpy as np
 from engines.interface.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
 from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
-from reports.data.findings import differences, reference_line
+from reports.data.findings import converged_edges, differences, file_name, named_axes, reference_line
 from reports.figures.figure import Axis, Figure, Mark, Panel, Rule, Series, difference_axis
 from reports.figures.style import DASHED, DOTTED, RULE, Style, compared_variants, curve_style, style_of
-from reports.formatting import ratio
-from scenarios.studies.attenuation_band import Edge
-from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3Result, Point
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.table import Point
+from scenarios.verdicts.steady_case import REFERENCE
 
 FREQUENCY_LABEL = "frequency ratio η_r = ω/ω_r [-]"
 
@@ -32,42 +33,40 @@ EDGE = Style("#555555", dash=DOTTED, width=0.7)
 STEP_ERROR = Style("#8c8c8c", size=2.5, width=2.5)
 
 
-def overview(result: Figure3Result) -> Figure:
-    """Draw the reference's curves of all friction ratios: the paper's Figure 3."""
+def overview(result: ComparedSweep) -> Figure:
+    """Draw the reference's curves of all cases: over friction alone, the paper's Figure 3."""
     curves = [
         Series(
-            *reference_line(result, friction), curve_style(place), ratio(friction),
-            hover=f"friction {ratio(friction)}\nη_r %{{x}}\n%{{y:.2f}} dB",
+            *reference_line(result, case), curve_style(place), case.numbers,
+            hover=f"{case}\nη_r %{{x}}\n%{{y:.2f}} dB",
         )
-        for place, friction in enumerate(result.asked.friction_ratios)
+        for place, case in enumerate(result.cases)
     ]  # fmt: skip
     return Figure(
         "figure3",
-        f"The reference at all friction ratios ({result.asked.steps_per_period} steps a period or more)",
+        f"The reference at all {named_axes(result.sweep)} ({result.sweep.fewest_steps} steps a period or more)",
         [Panel(_frequency_axis(result, FREQUENCY_LABEL), _transmittance_axis(result), [_threshold(result), *curves])],
         height=2.9,
         pixels=440,
         legend_columns=min(len(curves), 6),
-        legend_title="friction ratio μλ̃_N [-]",
+        legend_title=named_axes(result.sweep, plural=False).replace("friction ratio", "friction ratio μλ̃_N [-]"),
     )
 
 
-def panel(result: Figure3Result, friction_ratio: float) -> Figure:
-    """Draw one friction ratio: every variant over the reference, and below it their differences."""
-    variants = compared_variants(result.asked)
-    edges = _edges(result, friction_ratio)
-    reference = Series(
-        *reference_line(result, friction_ratio), Style("#000000"), REFERENCE.title, hover="η_r %{x}\n%{y:.3f} dB"
-    )
-    drawn = [variant for variant in variants if _points(result, variant, friction_ratio)]
-    upper = [_variant(result, variant, friction_ratio) for variant in drawn]
-    lower = [_difference(result, variant, friction_ratio) for variant in drawn]
+def panel(result: ComparedSweep, case: Case) -> Figure:
+    """Draw one case: every variant over the reference, and below it their differences."""
+    variants = compared_variants(result.sweep)
+    edges = [Rule("x", eta, EDGE) for eta in converged_edges(result, case)]
+    reference = Series(*reference_line(result, case), Style("#000000"), REFERENCE.title, hover="η_r %{x}\n%{y:.3f} dB")
+    drawn = [variant for variant in variants if _points(result, variant, case)]
+    upper = [_variant(result, variant, case) for variant in drawn]
+    lower = [_difference(result, variant, case) for variant in drawn]
     tolerances = [Rule("y", sign * CONVERGED_TOLERANCE_DB, TOLERANCE) for sign in (-1, 1)]
-    error = _step_error(result, friction_ratio)
+    error = _step_error(result, case)
     limit = _largest_difference(result)
     return Figure(
-        f"transmittance-{friction_ratio:g}",
-        f"Friction ratio {ratio(friction_ratio)}",
+        f"transmittance-{file_name((case,))}",
+        case.title.capitalize(),
         [
             Panel(
                 _frequency_axis(result), _transmittance_axis(result),
@@ -82,66 +81,61 @@ def panel(result: Figure3Result, friction_ratio: float) -> Figure:
         height=3.6 + 0.13 * math.ceil((len(variants) + 2) / 2),
         pixels=540,
         heights=(3, 2),
-        dense=sum(len(result.curve(variant, friction_ratio)) for variant in variants) > CROWD,
+        dense=sum(len(result.curve(variant, case)) for variant in variants) > CROWD,
     )  # fmt: skip
 
 
-def _threshold(result: Figure3Result) -> Mark:
-    return Rule("y", result.asked.band.threshold_db, RULE)
+def _threshold(result: ComparedSweep) -> Mark:
+    return Rule("y", result.sweep.band.threshold_db, RULE)
 
 
-def _edges(result: Figure3Result, friction_ratio: float) -> list[Mark]:
-    found = [result.edge(CONVERGED, friction_ratio, edge).frequency_ratio for edge in Edge]
-    return [Rule("x", eta, EDGE) for eta in found if eta is not None and not math.isnan(eta)]
-
-
-def _variant(result: Figure3Result, variant: Variant, friction_ratio: float) -> Series:
+def _variant(result: ComparedSweep, variant: Variant, case: Case) -> Series:
     """Mark the steady states of one variant, with their verdicts."""
-    points = _points(result, variant, friction_ratio)
+    points = _points(result, variant, case)
     return Series(
-        [point.frequency_ratio for point in points], [point.answer.transmittance_db for point in points],
-        style_of(result.asked, variant), variant.title, "markers", "η_r %{x}\n%{y:.4f} dB, %{text}",
+        [point.frequency_ratio for point in points], [point.result.transmittance_db for point in points],
+        style_of(result.sweep, variant), variant.title, "markers", "η_r %{x}\n%{y:.4f} dB, %{text}",
         [str(point.comparison.verdict) for point in points],
     )  # fmt: skip
 
 
-def _difference(result: Figure3Result, variant: Variant, friction_ratio: float) -> Series:
+def _difference(result: ComparedSweep, variant: Variant, case: Case) -> Series:
     """Mark the differences of one variant."""
     return Series(
-        *differences(result, variant, friction_ratio), style_of(result.asked, variant), variant.title, "markers",
+        *differences(result, variant, case), style_of(result.sweep, variant), variant.title, "markers",
         "η_r %{x}\ndifference %{y:+.5f} dB",
     )  # fmt: skip
 
 
-def _step_error(result: Figure3Result, friction_ratio: float) -> Series:
+def _step_error(result: ComparedSweep, case: Case) -> Series:
     """Mark what the scheme itself errs by at the common time step."""
     return Series(
-        *differences(result, REFERENCE, friction_ratio), STEP_ERROR, "scheme's own step error",
+        *differences(result, REFERENCE, case), STEP_ERROR, "scheme's own step error",
         hover="η_r %{x}\ndifference %{y:+.5f} dB", draw="lines+markers",
     )  # fmt: skip
 
 
-def _points(result: Figure3Result, variant: Variant, friction_ratio: float) -> list[Point]:
-    return [point for point in result.curve(variant, friction_ratio) if point.answer.converged]
+def _points(result: ComparedSweep, variant: Variant, case: Case) -> list[Point]:
+    return [point for point in result.curve(variant, case) if point.result.converged]
 
 
-def _frequency_axis(result: Figure3Result, label: str = "") -> Axis:
-    return Axis(label, (result.asked.frequency_ratios[0] - 0.03, result.asked.frequency_ratios[-1] + 0.03))
+def _frequency_axis(result: ComparedSweep, label: str = "") -> Axis:
+    return Axis(label, (result.sweep.frequency_ratios[0] - 0.03, result.sweep.frequency_ratios[-1] + 0.03))
 
 
-def _transmittance_axis(result: Figure3Result) -> Axis:
+def _transmittance_axis(result: ComparedSweep) -> Axis:
     """Cut the axis off where nothing is to be seen, the same for all panels."""
-    every = np.concatenate([reference_line(result, friction)[1] for friction in result.asked.friction_ratios])
-    known = np.append(every[np.isfinite(every)], result.asked.band.threshold_db)
+    every = np.concatenate([reference_line(result, case)[1] for case in result.cases])
+    known = np.append(every[np.isfinite(every)], result.sweep.band.threshold_db)
     return Axis("transmittance [dB]", (max(LOWEST_DB, float(known.min()) - 5), float(known.max()) + 5))
 
 
-def _largest_difference(result: Figure3Result) -> float:
+def _largest_difference(result: ComparedSweep) -> float:
     """Give the end of the axis of differences, the same for all panels [dB]."""
     found: list[FloatArray] = [
-        differences(result, variant, friction)[1]
-        for variant in (REFERENCE, *compared_variants(result.asked))
-        for friction in result.asked.friction_ratios
+        differences(result, variant, case)[1]
+        for variant in (REFERENCE, *compared_variants(result.sweep))
+        for case in result.cases
     ]
     every = np.concatenate(found)
     return max(1.4 * CONVERGED_TOLERANCE_DB, 1.3 * float(np.max(np.abs(every[np.isfinite(every)]), initial=0.0)))

@@ -9,8 +9,8 @@ from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from reports.figures.figure import Axis, Figure, Panel, Series
 from reports.figures.style import DOTTED, Style, style_of
-from scenarios.studies.figure3 import Figure3
 from scenarios.studies.work_precision import StepPoint
+from scenarios.sweeps.sweep import Sweep
 
 SMALLEST_DB = 1e-5
 """Errors below are drawn here: less than the steady states of engines repeat to."""
@@ -32,7 +32,7 @@ def curves(points: Iterable[StepPoint]) -> Curves:
     return found
 
 
-def work_precision(asked: Figure3, points: Sequence[StepPoint]) -> Figure:
+def work_precision(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
     """Draw the error over the cost of a step and over the time to the steady state."""
     drawn = curves(points)
     return Figure(
@@ -42,11 +42,11 @@ def work_precision(asked: Figure3, points: Sequence[StepPoint]) -> Figure:
         [
             Panel(
                 Axis("time of a step, seven cells [µs]", scale="log"), Axis(ERROR_LABEL, scale="log"),
-                _series(asked, drawn, lambda point: 1e6 * point.step_seconds),
+                _series(sweep, drawn, lambda point: 1e6 * point.step_seconds),
             ),
             Panel(
                 Axis("time to the steady state [s]", scale="log"), Axis(scale="log"),
-                _series(asked, drawn, lambda point: point.seconds),
+                _series(sweep, drawn, lambda point: point.seconds),
             ),
         ],
         height=2.9 + 0.13 * (len(drawn) // 4),
@@ -57,7 +57,7 @@ def work_precision(asked: Figure3, points: Sequence[StepPoint]) -> Figure:
     )  # fmt: skip
 
 
-def convergence(asked: Figure3, points: Sequence[StepPoint]) -> Figure:
+def convergence(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
     """Draw the error over the number of steps a period, with the slope of a first-order scheme."""
     drawn = curves(points)
     steps = sorted({point.steps_per_period for found in drawn.values() for point in found})
@@ -68,7 +68,7 @@ def convergence(asked: Figure3, points: Sequence[StepPoint]) -> Figure:
             Panel(
                 Axis("steps a period [-]", scale="log", ticks={float(step): str(step) for step in steps}),
                 Axis(ERROR_LABEL, scale="log"),
-                [*_series(asked, drawn, lambda point: point.steps_per_period), *_first_order(drawn)],
+                [*_series(sweep, drawn, lambda point: point.steps_per_period), *_first_order(drawn)],
             )
         ],
         height=2.9 + 0.13 * (len(drawn) // 2),
@@ -76,11 +76,11 @@ def convergence(asked: Figure3, points: Sequence[StepPoint]) -> Figure:
     )
 
 
-def _series(asked: Figure3, drawn: Curves, cost: Callable[[StepPoint], float]) -> list[Series]:
+def _series(sweep: Sweep, drawn: Curves, cost: Callable[[StepPoint], float]) -> list[Series]:
     """Draw one curve a variant."""
     return [
         Series(
-            [cost(point) for point in found], _shown(found), style_of(asked, variant), variant.title, "lines+markers",
+            [cost(point) for point in found], _shown(found), style_of(sweep, variant), variant.title, "lines+markers",
             "%{text} at %{x}",
             [f"{point.steps_per_period} steps a period\nerror {point.error_db:.4g} dB" for point in found],
         )

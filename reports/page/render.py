@@ -62,8 +62,9 @@ class RenderedPage:
 
 
 def sections(report: Report) -> list[Section]:
-    """Give the sections of a report, in order."""
-    return [make(report) for make in (*DEFAULT_SECTIONS, *registered_sections(), Provenance)]
+    """Give the sections of a report that have anything to show, in order."""
+    every = [make(report) for make in (*DEFAULT_SECTIONS, *registered_sections(), Provenance)]
+    return [section for section in every if section.shown]
 
 
 def page(title: str, parts: Sequence[Section]) -> RenderedPage:

@@ -38,6 +38,11 @@ class Section(ABC):
         self.report = report
         self.result = report.result
 
+    @property
+    def shown(self) -> bool:
+        """Whether there is anything to show; a section without is left out."""
+        return True
+
     def figures(self) -> list[Figure]:
         """Figures of the section, in the order in which they stand; their names are unique in a report."""
         return []

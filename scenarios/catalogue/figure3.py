@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping
 
 from scenarios.catalogue.steady_base import SAME_STEP, SteadyScenario
-from scenarios.studies.attenuation_band import BandDefinition
+from scenarios.sweeps.attenuation_band import BandDefinition
 from scenarios.tasks.result import Result
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Metric
 from scenarios.verdicts.judge import Steps, judge

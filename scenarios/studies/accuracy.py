@@ -11,6 +11,7 @@ from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.observables.transition_matching import match_transitions
 from scenarios.execution.evaluator import Evaluator
+from scenarios.tasks.parameters import OperatingPoint
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import TRANSMITTANCE
@@ -20,9 +21,6 @@ from scenarios.verdicts.steady_case import EXACT
 MAP_FRICTION_RATIOS = (0.1, 0.3, 0.6, 1.0)
 MAP_FREQUENCY_RATIOS = tuple(round(0.3 + 0.1 * k, 1) for k in range(14))
 """Where the map of an engine's error is taken: friction ratios of figure 3, frequency ratios from 0.3 to 1.6."""
-
-OperatingPoint = tuple[float, float]
-"""Friction ratio and frequency ratio."""
 
 MAP: tuple[OperatingPoint, ...] = tuple(
     (friction, eta) for friction in MAP_FRICTION_RATIOS for eta in MAP_FREQUENCY_RATIOS

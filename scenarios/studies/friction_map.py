@@ -1,5 +1,6 @@
 """Transmittance over friction and frequency: where the attenuation band is, and how it moves with friction."""
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference_lcp.validation import FloatArray
-from scenarios.execution.evaluator import Evaluator
-from scenarios.studies.attenuation_band import Edge, edge_brackets, interpolated_crossing, unresolved
-from scenarios.studies.figure3 import REFERENCE, Figure3
-from scenarios.tasks.result import Result
+from scenarios.sweeps.attenuation_band import BandDefinition, Edge, edge_brackets, interpolated_crossing
+from scenarios.sweeps.refinement import curves_of, for_the_band, refined
+from scenarios.sweeps.sweep import Sweep
+from scenarios.sweeps.table import GivesResults
+from scenarios.verdicts.steady_case import REFERENCE
 
 MAP_FRICTION_RATIOS = tuple(float(ratio) for ratio in np.round(np.arange(0, 1.501, 0.05), 2))
 MAP_FREQUENCY_RATIOS = tuple(float(ratio) for ratio in np.round(np.arange(0.3, 1.801, 0.02), 2))
@@ -45,53 +47,31 @@ class FrictionMap:
         return int(np.count_nonzero(np.isfinite(self.transmittance_db)))
 
 
-def friction_map(
-    asked: Figure3, friction_ratios: Sequence[float], frequency_ratios: Sequence[float], evaluator: Evaluator
-) -> FrictionMap:
-    """Ask the reference, at the common time step, about a grid for the chain and the band of `asked`.
-
-    Where a curve runs close to the threshold, more points are asked for its edges' sake, as for Figure 3.
-    """
-    questions = [asked.question(REFERENCE, friction, eta) for friction in friction_ratios for eta in frequency_ratios]
-    values = [_decibel(answer) for answer in evaluator.evaluate(questions)]
-    curves = np.reshape(values, (len(friction_ratios), len(frequency_ratios)))
-    eta = np.array(frequency_ratios)
-    known = {friction: (eta, curve) for friction, curve in zip(friction_ratios, curves, strict=True)}
-    _resolve(asked, known, evaluator)
-    edges = {edge: np.array([_edge(asked, *one, edge) for one in known.values()]) for edge in Edge}
-    return FrictionMap(np.array(friction_ratios), eta, curves, edges[Edge.LOWER], edges[Edge.UPPER])
+def map_sweep(sweep: Sweep, friction_ratios: Sequence[float], frequency_ratios: Sequence[float]) -> Sweep:
+    """Give the sweep of the reference, at the common time step, for the chain, the drive and the band of another."""
+    axes = {"friction_ratio": tuple(friction_ratios), "frequency_ratio": tuple(frequency_ratios)}
+    return dataclasses.replace(sweep, variants=(REFERENCE,), axes=axes, frequencies=None, tolerance=None)
 
 
-def _resolve(asked: Figure3, known: dict[float, tuple[FloatArray, FloatArray]], evaluator: Evaluator) -> None:
-    """Add points to the curves, in place, until none of them could hide a crossing; all curves together."""
-    refused: set[tuple[float, float]] = set()
-    while True:
-        wanted = [
-            (friction, float(eta))
-            for friction, curve in known.items()
-            for eta in unresolved(*curve, asked.band)
-            if (friction, float(eta)) not in refused
-        ]
-        if not wanted:
-            return
-        answers = evaluator.evaluate([asked.question(REFERENCE, *place) for place in wanted])
-        for (friction, eta), answer in zip(wanted, answers, strict=True):
-            if not answer.converged:
-                refused.add((friction, eta))
-                continue
-            etas, curve = known[friction]
-            at = int(np.searchsorted(etas, eta))
-            known[friction] = np.insert(etas, at, eta), np.insert(curve, at, answer.transmittance_db)
+def friction_map(sweep: Sweep, evaluator: GivesResults) -> FrictionMap:
+    """Evaluate a `map_sweep`; where a curve runs close to the threshold, it gets more points for its edges' sake."""
+    table = refined(sweep, list(sweep.places()), for_the_band(sweep), evaluator)
+    grid = [result.transmittance_db if result.converged else math.nan for result in table["result"][: sweep.points]]
+    curves = curves_of(table)
+    every = [curves[REFERENCE, case] for case in sweep.cases]
+    return FrictionMap(
+        friction_ratios=np.array(sweep.axes["friction_ratio"]),
+        frequency_ratios=np.array(sweep.frequency_ratios),
+        transmittance_db=np.reshape(grid, (len(sweep.cases), len(sweep.frequency_ratios))),
+        lower=np.array([_edge(sweep.band, *curve, Edge.LOWER) for curve in every]),
+        upper=np.array([_edge(sweep.band, *curve, Edge.UPPER) for curve in every]),
+    )
 
 
-def _decibel(answer: Result) -> float:
-    return answer.transmittance_db if answer.converged else math.nan
-
-
-def _edge(asked: Figure3, eta: FloatArray, curve: FloatArray, edge: Edge) -> float:
+def _edge(band: BandDefinition, eta: FloatArray, curve: FloatArray, edge: Edge) -> float:
     """Place one edge of one curve."""
-    bracket = edge_brackets(eta, curve, asked.band).get(edge)
+    bracket = edge_brackets(eta, curve, band).get(edge)
     if bracket is None:
         return math.nan
-    left, right = (float(curve[np.searchsorted(eta, one)]) - asked.band.threshold_db for one in bracket)
+    left, right = (float(curve[np.searchsorted(eta, one)]) - band.threshold_db for one in bracket)
     return float(interpolated_crossing(*np.array([*bracket, left, right])))

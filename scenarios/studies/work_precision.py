@@ -8,8 +8,8 @@ from statistics import median
 from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from scenarios.execution.evaluator import Evaluator
-from scenarios.studies.accuracy import ORDER_STEPS, OperatingPoint, place_of, transmittance_error_db
-from scenarios.tasks.parameters import Excitation
+from scenarios.studies.accuracy import ORDER_STEPS, place_of, transmittance_error_db
+from scenarios.tasks.parameters import Excitation, OperatingPoint
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import USUAL_EXCITATION, SteadyStateTask
 from scenarios.verdicts.steady_case import EXACT

@@ -12,11 +12,11 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, Validatio
 from engines.interface.variant import Variant, variants_named, variants_of
 from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import ParameterError, checked_choice
-from scenarios.studies.adaptive_grid import AdaptiveAxis
-from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.verdicts import baseline_of
+from scenarios.sweeps.adaptive_grid import AdaptiveAxis
+from scenarios.sweeps.sweep import Sweep, baseline_of
 from scenarios.tasks.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation, Positive
 from scenarios.tasks.validation_message import first_error
+from scenarios.verdicts.pointwise import GivenTolerance
 
 EXAMPLE = """\
 # A sweep: every combination of the values under [grid], by every engine.
@@ -133,8 +133,9 @@ class SweepFile(_Table):
             if isinstance(values, AdaptiveAxis) and name != "frequency_ratio":
                 raise ParameterError(f"grid.{name} has an accuracy; allowed: of frequency_ratio only")
         self._check_lists()
-        if self.tolerance_db is not None and baseline_of(self.sweep) is None:
-            problem = f"tolerances.transmittance_db = {self.tolerance_db:g} without the reference among the engines"
+        if self.tolerances is not None and self.sweep.tolerance is None:
+            given = self.tolerances.transmittance_db
+            problem = f"tolerances.transmittance_db = {given:g} without the reference among the engines"
             raise ParameterError(f"{problem}; allowed: engines with 'reference:joint'")
         return self
 
@@ -152,27 +153,27 @@ class SweepFile(_Table):
         """Every combination of the values; of an adaptive axis those with which every curve begins."""
         axes = {name: tuple(_values(written)) for name, written in self.grid.items()}
         whole = {name: tuple(int(v) if v == int(v) else v for v in axes[name]) for name in _WHOLE if name in axes}
+        variants = _variants(self.engines, self.presets)
+        adaptive = self.grid.get("frequency_ratio")
         return Sweep(
-            variants=_variants(self.engines, self.presets),
+            variants=variants,
             axes=axes | whole,
             ratios=self.chain,
             steps_per_period=self.steps_per_period,
             excitation=Excitation(**dict(self.drive)),
+            frequencies=adaptive if isinstance(adaptive, AdaptiveAxis) else None,
+            tolerance=self._tolerance(variants),
         )
 
-    @property
-    def frequencies(self) -> AdaptiveAxis | None:
-        """The adaptive axis; ``None`` without one."""
-        values = self.grid.get("frequency_ratio")
-        return values if isinstance(values, AdaptiveAxis) else None
-
-    @property
-    def tolerance_db(self) -> float | None:
-        """Largest difference from the reference that counts as agreement [dB]; ``None`` for no comparison."""
-        return None if self.tolerances is None else self.tolerances.transmittance_db
+    def _tolerance(self, variants: Sequence[Variant]) -> GivenTolerance | None:
+        """Give the tolerance with what it compares with; ``None`` without either."""
+        baseline = baseline_of(variants)
+        if self.tolerances is None or baseline is None:
+            return None
+        return GivenTolerance(transmittance_db=self.tolerances.transmittance_db, baseline=baseline)
 
 
-def read_sweep(file: Path) -> SweepFile:
+def read_sweep(file: Path) -> Sweep:
     """Read a sweep.
 
     Parameters
@@ -187,7 +188,7 @@ def read_sweep(file: Path) -> SweepFile:
         the key, the value and what is allowed.
     """
     try:
-        return SweepFile.model_validate(tomllib.loads(file.read_text(encoding="utf-8")))
+        return SweepFile.model_validate(tomllib.loads(file.read_text(encoding="utf-8"))).sweep
     except (OSError, UnicodeDecodeError) as problem:
         raise ParameterError(f"{file} cannot be read: {problem}") from None
     except tomllib.TOMLDecodeError as problem:

@@ -1,47 +1,84 @@
-"""Sweeps: every combination of values of any parameters, by every variant."""
+"""What a sweep asks for: every combination of values of any parameters, by every variant."""
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import Any
+from functools import cached_property
 
 import numpy as np
-import xarray as xr
 
+from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import ParameterError, checked_count, checked_scalar
-from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.store import ResultStore
-from scenarios.sweeps.summary import SweepSummary
-from scenarios.tables import csv_text
+from scenarios.sweeps.adaptive_grid import AdaptiveAxis
+from scenarios.sweeps.attenuation_band import BandDefinition
 from scenarios.tasks.parameters import ChainRatios, Excitation
-from scenarios.tasks.result import ResultStatus
 from scenarios.tasks.task import SteadyStateTask
+from scenarios.verdicts.pointwise import CONVERGED, GivenTolerance
+from scenarios.verdicts.steady_case import REFERENCE
 
 CHAIN_AXES = ("cells", "mass_ratio", "stiffness_ratio", "damping_ratio", "inner_damping_ratio")
 AXES = ("friction_ratio", "frequency_ratio", *CHAIN_AXES, "steps_per_period")
 """Everything that may be varied."""
 
+BASELINES = (CONVERGED, REFERENCE)
+"""What variants are compared with: the first of these that takes part."""
+
 _COUNTS = {"cells": 1, "steps_per_period": FEWEST_STEPS_PER_PERIOD}
 _POSITIVE = ("frequency_ratio", "mass_ratio", "stiffness_ratio")
 
-STATUSES = (
-    ResultStatus.CONVERGED, ResultStatus.PERIOD_LIMIT, ResultStatus.DIVERGED, ResultStatus.BLOCKED,
-    ResultStatus.MISSING,
-)  # fmt: skip
-"""How a point may have ended, by its number in exported files; missing: not answered so far."""
+
+@dataclass(frozen=True)
+class Case:
+    """One combination of the values of all axes but the frequency ratio: a curve is one variant in one case.
+
+    Parameters
+    ----------
+    values
+        Pairs of axis and value, in the order of the axes; the friction ratio is among them.
+    """
+
+    values: tuple[tuple[str, float], ...]
+
+    @classmethod
+    def of(cls, **values: float) -> "Case":
+        """Take the values by name."""
+        return cls(tuple(values.items()))
+
+    @cached_property
+    def by_axis(self) -> dict[str, float]:
+        """Values by the name of their axis."""
+        return dict(self.values)
+
+    @property
+    def friction_ratio(self) -> float:
+        """μ λ_N / (k_c U0)."""
+        return self.by_axis["friction_ratio"]
+
+    @property
+    def numbers(self) -> str:
+        """The values alone, such as ``0.3, 2``."""
+        return ", ".join(f"{value:.6g}" for _, value in self.values)
+
+    @property
+    def title(self) -> str:
+        """Every value with its name, such as ``friction ratio 0.3, mass ratio 2``."""
+        return ", ".join(f"{name.replace('_', ' ')} {value:.6g}" for name, value in self.values)
+
+    def __str__(self) -> str:
+        """Give the title, shorter: ``friction 0.3, mass ratio 2``."""
+        return self.title.replace("friction ratio", "friction")
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """What is asked.
+    """What is asked for.
 
     Parameters
     ----------
     variants
-        Who is asked, at least one.
+        What is compared, at least one.
     axes
         Values by parameter, one of `AXES` each, in the order of the dimensions; friction and frequency ratio
         must be among them.
@@ -51,11 +88,17 @@ class Sweep:
         Fewest steps a period where they are not varied.
     excitation
         What drives the chain.
+    frequencies
+        The adaptive axis; the frequency ratios among `axes` are then only those with which every curve begins.
+    tolerance
+        By which variants are judged, where it is given; without it, it is derived at every point.
+    band
+        Definition of the attenuation band.
 
     Raises
     ------
     ParameterError
-        If a parameter is unknown, missing or outside its range, has no value or one twice.
+        If a variant or a parameter is unknown, a parameter is missing or outside its range, has no value or one twice.
     """
 
     variants: tuple[Variant, ...]
@@ -63,40 +106,97 @@ class Sweep:
     ratios: ChainRatios = field(default_factory=ChainRatios)
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
     excitation: Excitation = field(default_factory=Excitation)
+    frequencies: AdaptiveAxis | None = None
+    tolerance: GivenTolerance | None = None
+    band: BandDefinition = field(default_factory=BandDefinition)
 
     def __post_init__(self) -> None:
         if not self.variants:
-            raise ParameterError("engines = [] names nobody; allowed: at least one")
+            raise ParameterError("engines = [] names none; allowed: at least one")
+        for variant in self.variants:
+            engine(variant.engine).preset(variant.formulation, variant.preset_name)
         for name, values in self.axes.items():
             check_axis(name, values)
         for name in ("friction_ratio", "frequency_ratio"):
             if name not in self.axes:
                 raise ParameterError(f"grid.{name} is missing; allowed: at least one value")
+        checked_count("steps_per_period", self.steps_per_period, FEWEST_STEPS_PER_PERIOD)
+
+    @property
+    def case_axes(self) -> tuple[str, ...]:
+        """Names of all axes but the frequency ratio."""
+        return tuple(name for name in self.axes if name != "frequency_ratio")
+
+    @cached_property
+    def cases(self) -> tuple[Case, ...]:
+        """Every combination of the values of `case_axes`, the last one fastest."""
+        names = self.case_axes
+        return tuple(
+            Case(tuple(zip(names, values, strict=True)))
+            for values in itertools.product(*(self.axes[name] for name in names))
+        )
+
+    @property
+    def frequency_ratios(self) -> tuple[float, ...]:
+        """Frequency ratios of the grid; of an adaptive sweep those with which every curve begins."""
+        return self.axes["frequency_ratio"]
+
+    @property
+    def fewest_steps(self) -> int:
+        """Fewest steps a period of any case."""
+        return int(min(self.axes.get("steps_per_period", (self.steps_per_period,))))
 
     @property
     def points(self) -> int:
-        """Number of questions."""
+        """Number of tasks."""
         return len(self.variants) * int(np.prod([len(values) for values in self.axes.values()]))
 
-    def questions(self) -> Iterator[SteadyStateTask]:
-        """Every combination, the last axis fastest; variants are the slowest."""
+    def places(self) -> Iterator[tuple[Variant, Case, float]]:
+        """Give variant, case and frequency ratio of every combination, the last axis fastest, variants slowest."""
+        names = list(self.axes)
+        eta = names.index("frequency_ratio")
         for variant in self.variants:
             for values in itertools.product(*self.axes.values()):
-                yield self._question(variant, dict(zip(self.axes, values, strict=True)))
+                pairs = tuple(zip(names, values, strict=True))
+                yield variant, Case(pairs[:eta] + pairs[eta + 1 :]), values[eta]
 
-    def _question(self, variant: Variant, place: dict[str, Any]) -> SteadyStateTask:
-        chain = {name: place[name] for name in CHAIN_AXES if name in place}
+    def tasks(self) -> Iterator[SteadyStateTask]:
+        """Give the task of every combination, in the order of `places`."""
+        for place in self.places():
+            yield self.task(*place)
+
+    def ratios_of(self, case: Case) -> ChainRatios:
+        """Give the chain of a case but for its friction."""
+        chain = {name: _number(name, value) for name, value in case.values if name in CHAIN_AXES}
+        return replace(self.ratios, **chain) if chain else self.ratios  # type: ignore[arg-type]
+
+    def task(self, variant: Variant, case: Case, frequency_ratio: float, refinement: float = 1.0) -> SteadyStateTask:
+        """Give the task of one point, with `refinement` times the steps a period."""
+        steps = case.by_axis.get("steps_per_period", self.steps_per_period)
         return SteadyStateTask(
             variant=variant,
-            friction_ratio=place["friction_ratio"],
-            frequency_ratio=place["frequency_ratio"],
-            ratios=replace(self.ratios, **chain),
-            steps_per_period=place.get("steps_per_period", self.steps_per_period),
+            friction_ratio=case.friction_ratio,
+            frequency_ratio=frequency_ratio,
+            ratios=self.ratios_of(case),
+            steps_per_period=max(int(steps * refinement), 3),
             excitation=self.excitation,
         )
 
+    def with_reference(self) -> "Sweep":
+        """Give the sweep with the converged reference and the reference in front, its values ascending."""
+        return replace(self.ascending(), variants=tuple(dict.fromkeys((CONVERGED, REFERENCE, *self.variants))))
 
-def check_axis(name: str, values: tuple[float, ...]) -> None:
+    def ascending(self) -> "Sweep":
+        """Give the sweep with the values of every axis ascending."""
+        return replace(self, axes={name: tuple(sorted(values)) for name, values in self.axes.items()})
+
+
+def baseline_of(variants: Sequence[Variant]) -> Variant | None:
+    """Give what variants are compared with; ``None`` if the reference is not among them."""
+    return next((baseline for baseline in BASELINES if baseline in variants), None)
+
+
+def check_axis(name: str, values: Sequence[float]) -> None:
     """Raise a `ParameterError` unless these may be the values of an axis."""
     if name not in AXES:
         raise ParameterError(f"grid.{name} is unknown; allowed: {', '.join(AXES)}")
@@ -104,70 +204,11 @@ def check_axis(name: str, values: tuple[float, ...]) -> None:
         raise ParameterError(f"grid.{name} = {list(values)}; allowed: at least one value, none of them twice")
     for value in values:
         if name in _COUNTS:
-            checked_count(f"grid.{name}", int(value) if value == int(value) else value, _COUNTS[name])  # type: ignore[arg-type]
+            checked_count(f"grid.{name}", _number(name, value), _COUNTS[name])  # type: ignore[arg-type]
         else:
             checked_scalar(f"grid.{name}", value, "> 0" if name in _POSITIVE else ">= 0")
 
 
-def run_sweep(sweep: Sweep, evaluator: Evaluator) -> SweepSummary:
-    """Answer whatever the store does not know yet; every answer is on disk the moment it is there."""
-    summary = SweepSummary()
-    for question, outcome in evaluator.complete(sweep.questions()):
-        summary.add(question.variant, outcome)
-    return summary
-
-
-def dataset(sweep: Sweep, store: ResultStore) -> xr.Dataset:
-    """Give what the store knows of a sweep, labelled.
-
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions ``variant`` and the axes of the sweep; ``transmittance`` [dB], ``residual`` [-], ``periods``,
-        ``status`` (a number, see its attributes), ``stuck_fraction`` and ``creep`` [-], means and maxima over
-        the contacts, and ``seconds``. Points that are not answered are NaN, with the status ``missing``.
-    """
-    sizes = (len(sweep.variants), *(len(values) for values in sweep.axes.values()))
-    columns = {name: np.full(sweep.points, np.nan) for name in _COLUMNS}
-    status = np.full(sweep.points, STATUSES.index(ResultStatus.MISSING), dtype=np.int8)
-    for index, answer in enumerate(store.results(sweep.questions())):
-        if answer is None:
-            continue
-        status[index] = STATUSES.index(answer.status)
-        for name, (read, _) in _COLUMNS.items():
-            columns[name][index] = read(answer)
-    dimensions = ("variant", *sweep.axes)
-    variables: dict[str, Any] = {
-        name: (dimensions, columns[name].reshape(sizes), attributes) for name, (_, attributes) in _COLUMNS.items()
-    }
-    meaning = {"flag_values": list(range(len(STATUSES))), "flag_meanings": ", ".join(STATUSES)}
-    variables["status"] = (dimensions, status.reshape(sizes), meaning)
-    names = [str(variant) for variant in sweep.variants]
-    return xr.Dataset(variables, coords={"variant": names, **{k: list(v) for k, v in sweep.axes.items()}})
-
-
-def _mean(values: tuple[float, ...]) -> float:
-    return float(np.mean(values)) if values else np.nan
-
-
-def _largest(values: tuple[float, ...]) -> float:
-    return max(values, default=np.nan)
-
-
-_COLUMNS: dict[str, tuple[Any, dict[str, str]]] = {
-    "transmittance": (lambda answer: answer.transmittance_db, {"units": "dB", "long_name": "20 log10 |U_n| / U0"}),
-    "residual": (lambda answer: answer.residual, {"units": "1", "long_name": "periodicity residual"}),
-    "periods": (lambda answer: answer.periods, {"units": "1", "long_name": "periods simulated"}),
-    "stuck_fraction": (lambda answer: _mean(answer.stuck_fraction), {"units": "1", "long_name": "mean stuck fraction"}),
-    "creep": (lambda answer: _largest(answer.creep), {"units": "1", "long_name": "largest creep over ω U0"}),
-    "seconds": (lambda answer: answer.seconds, {"units": "s", "long_name": "wall-clock time"}),
-}
-
-
-def write_dataset(found: xr.Dataset, file: Path) -> None:
-    """Write labelled results as NetCDF (``.nc``) or as a table (``.csv``), one point a line."""
-    if file.suffix == ".nc":
-        found.to_netcdf(file, engine="h5netcdf")
-        return
-    table = found.to_dataframe(dim_order=list(found.status.dims)).reset_index()
-    file.write_text(csv_text(table), encoding="utf-8")
+def _number(name: str, value: float) -> float:
+    """Give the value of an axis of whole numbers as a whole number."""
+    return int(value) if name in _COUNTS and value == int(value) else value

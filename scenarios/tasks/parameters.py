@@ -30,6 +30,9 @@ Ratio = Annotated[
 ]  # fmt: skip
 """One number for all cells, or one a cell."""
 
+OperatingPoint = tuple[float, float]
+"""Friction ratio and frequency ratio."""
+
 _LeftOutOfEqualCells = Field(exclude_if=lambda value: value == 1.0)
 
 

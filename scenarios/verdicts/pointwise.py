@@ -6,6 +6,7 @@ with the converged reference. They are simulated with half as many steps too, so
 reference is simulated with twice and four times as many, and is judged by them itself.
 """
 
+import math
 from dataclasses import dataclass
 
 from engines.interface.variant import Variant
@@ -131,6 +132,14 @@ def point_tolerance(known: PointResults, whom: Variant) -> Tolerance:
         # the reference itself is judged by its own steps alone: its error cannot excuse itself
         scheme=0.0 if known.variant == REFERENCE else Steps(scheme, at).error(TRANSMITTANCE),
     )
+
+
+def own_error_db(known: PointResults) -> float:
+    """Estimate the error of a point from its own steps [dB]; NaN where it is known with one number of steps only."""
+    own = _by_steps(known.answer, *known.others)
+    if not known.answer.converged or len(own) < 2:
+        return math.nan
+    return Steps(own, known.answer.steps_per_period).error(TRANSMITTANCE)
 
 
 def _by_steps(*results: Result) -> dict[int, float]:

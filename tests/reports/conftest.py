@@ -8,16 +8,20 @@ import pytest
 from engines.interface.variant import Variant
 from reports.data.report import Report
 from reports.export.files import files_of
-from scenarios.studies.attenuation_band import Edge
-from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
+from scenarios.studies.figure3 import figure3
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
+from scenarios.sweeps.attenuation_band import Edge
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.edges import BandEdge
+from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.table import Point, judged_table
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.recorded import RecordedPeriod
 from scenarios.tasks.result import Result
 from scenarios.verdicts.band_edge import Crossing, compare_edge
-from scenarios.verdicts.pointwise import PointResults, compare_point, refinements
-from scenarios.verdicts.steady_case import amplification
+from scenarios.verdicts.pointwise import CONVERGED, PointResults, compare_point, refinements
+from scenarios.verdicts.steady_case import REFERENCE, amplification
 from scenarios.verdicts.verdict import Comparison
 
 RUNS = Variant("mujoco")
@@ -59,13 +63,14 @@ def answer(variant: Variant, friction_ratio: float, frequency_ratio: float, refi
 def edge_of(variant: Variant, friction_ratio: float, edge: Edge) -> BandEdge:
     shift = {CONVERGED: 0.0, REFERENCE: 0.0001, RUNS: 0.01}.get(variant, 0.0)
     place = EDGES.get((friction_ratio, edge))
+    case = Case.of(friction_ratio=friction_ratio)
     if place is None or variant == MISSING:
         converged = None if place is None else Crossing(place)
-        return BandEdge(variant, friction_ratio, edge, None, compare_edge(None, converged))
+        return BandEdge(variant, case, edge, None, compare_edge(None, converged))
     sides = max(eta for eta in GRID if eta < place), min(eta for eta in GRID if eta > place)
     around = [known(variant, friction_ratio, eta) for eta in sides]
     crossings = (Crossing(one, slope=-100.0, width=1e-4) for one in (place + shift, place))
-    return BandEdge(variant, friction_ratio, edge, place + shift, compare_edge(*crossings, around))
+    return BandEdge(variant, case, edge, place + shift, compare_edge(*crossings, around))
 
 
 def compared(variant: Variant, friction_ratio: float, frequency_ratio: float) -> Comparison:
@@ -87,17 +92,24 @@ def known(variant: Variant, friction_ratio: float, frequency_ratio: float) -> Po
     )
 
 
+def point(variant: Variant, friction_ratio: float, frequency_ratio: float) -> Point:
+    others = tuple(answer(variant, friction_ratio, frequency_ratio, times) for times in refinements(variant))
+    place = friction_ratio, frequency_ratio
+    case = Case.of(friction_ratio=friction_ratio)
+    return Point(variant, case, frequency_ratio, answer(variant, *place), others, compared(variant, *place))
+
+
 @pytest.fixture(scope="session")
-def result() -> Figure3Result:
-    asked = Figure3(variants=(RUNS, MISSING), friction_ratios=FRICTION_RATIOS, frequency_ratios=GRID)
-    places = [(v, f, eta) for v in asked.all_variants for f in FRICTION_RATIOS for eta in GRID]
+def result() -> ComparedSweep:
+    asked = figure3((RUNS, MISSING), FRICTION_RATIOS, GRID)
+    places = [(v, f, eta) for v in asked.variants for f in FRICTION_RATIOS for eta in GRID]
     eta = np.linspace(0.3, 1.3, 21)
     curve = np.where(eta < 1.0, 5 - 20 * eta, math.nan)
-    return Figure3Result(
+    return ComparedSweep(
         asked,
-        tuple(Point(*place, answer(*place), compared(*place)) for place in places),
-        tuple(edge_of(v, f, edge) for v in asked.all_variants for f in FRICTION_RATIOS for edge in Edge),
-        dict.fromkeys(FRICTION_RATIOS, (eta, curve)),
+        judged_table([point(*place) for place in places]),
+        tuple(edge_of(v, f, edge) for v in asked.variants for f in FRICTION_RATIOS for edge in Edge),
+        dict.fromkeys(asked.cases, (eta, curve)),
     )
 
 
@@ -127,7 +139,7 @@ def step_points(variant: Variant, error: float) -> tuple[StepPoint, ...]:
 
 
 @pytest.fixture(scope="session")
-def report(result: Figure3Result) -> Report:
+def report(result: ComparedSweep) -> Report:
     eta = np.array([0.3, 0.6, 0.9, 1.3])
     friction_map = FrictionMap(
         friction_ratios=np.array([0.0, 0.3]),
@@ -140,7 +152,7 @@ def report(result: Figure3Result) -> Report:
         result,
         "python -m reports --quick --engine '<b>'",
         {
-            (0.3, 0.9): {
+            (Case.of(friction_ratio=0.3), 0.9): {
                 REFERENCE: motion(),
                 RUNS: motion(),
                 MISSING: RecordedPeriod("not installed: the package is missing"),

@@ -3,12 +3,14 @@
 from typing import Any
 
 from engines.interface.variant import Variant
-from reports.data.findings import absent_edge, band_definition
+from reports.data.findings import absent_edge, axis_name, band_definition
 from reports.figures.edges import edge_forest, reference_error
 from reports.figures.figure import Figure
+from reports.formatting import ratio
 from reports.page.section import Section
-from scenarios.studies.attenuation_band import EDGE_RESOLUTION, Edge
-from scenarios.studies.figure3 import CONVERGED
+from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
+from scenarios.sweeps.sweep import Case
+from scenarios.verdicts.pointwise import CONVERGED
 
 
 class BandEdges(Section):
@@ -17,31 +19,37 @@ class BandEdges(Section):
     title = "Band edges"
     template = "band_edges"
 
+    @property
+    def shown(self) -> bool:
+        """Whether any edge was refined."""
+        return bool(self.result.edges)
+
     def figures(self) -> list[Figure]:
         """The forest."""
         return [edge_forest(self.result)]
 
     def context(self) -> dict[str, Any]:
-        """Rows, one a friction ratio and edge; cells, one a variant."""
-        variants = self.result.asked.all_variants
+        """Rows, one a case and edge; cells, one a variant."""
+        variants = self.result.sweep.variants
         return {
             "variants": variants,
+            "axes": [axis_name(name) for name in self.result.sweep.case_axes],
             "rows": [
                 {
-                    "friction_ratio": friction,
+                    "values": [ratio(value) for value in case.by_axis.values()],
                     "edge": str(edge),
-                    "error_bar": reference_error(self.result, (friction, edge)),
-                    "cells": [self._cell(v, friction, edge) for v in variants],
+                    "error_bar": reference_error(self.result, (case, edge)),
+                    "cells": [self._cell(v, case, edge) for v in variants],
                 }
-                for friction in self.result.asked.friction_ratios
+                for case in self.result.cases
                 for edge in Edge
             ],
             "band": band_definition(self.result),
             "resolution": EDGE_RESOLUTION,
         }
 
-    def _cell(self, variant: Variant, friction_ratio: float, edge: Edge) -> dict[str, Any]:
-        found = self.result.edge(variant, friction_ratio, edge)
+    def _cell(self, variant: Variant, case: Case, edge: Edge) -> dict[str, Any]:
+        found = self.result.edge(variant, case, edge)
         comparison = found.comparison
         return {
             "frequency_ratio": found.frequency_ratio,

@@ -14,6 +14,11 @@ class FrictionMap(Section):
     title = "Friction and frequency"
     template = "friction_map"
 
+    @property
+    def shown(self) -> bool:
+        """Whether the map is part of the report."""
+        return self.report.friction_map is not None
+
     def figures(self) -> list[Figure]:
         """The map, if anybody answered."""
         found = self.report.friction_map

@@ -8,7 +8,9 @@ from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reports.data.findings import blocked_reason
 from reports.page.section import Section
-from scenarios.studies.figure3 import BandEdge, Point
+from scenarios.sweeps.edges import BandEdge
+from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.table import Point
 from scenarios.verdicts.verdict import Verdict
 
 LONGEST = 30
@@ -24,7 +26,7 @@ class OpenPoints(Section):
     def context(self) -> dict[str, Any]:
         """Variants with their open rows."""
         open_ones = []
-        for variant in self.result.asked.all_variants:
+        for variant in self.result.sweep.variants:
             rows = self._rows(variant)
             if rows:
                 of = engine(variant.engine)
@@ -44,19 +46,19 @@ class OpenPoints(Section):
         return sorted(rows, key=lambda row: 0.0 if math.isnan(row["size"]) else -row["size"])
 
     def _points(self, variant: Variant) -> list[dict[str, Any]]:
-        places: dict[tuple[float, Verdict, str], list[Point]] = defaultdict(list)
+        places: dict[tuple[Case, Verdict, str], list[Point]] = defaultdict(list)
         for point in self.result.points_of(variant):
             verdict = point.comparison.verdict
             if verdict is not Verdict.AGREE:
-                places[point.friction_ratio, verdict, point.comparison.reason].append(point)
+                places[point.case, verdict, point.comparison.reason].append(point)
         return [
             {
-                "places": f"friction {friction:g}, η_r = {', '.join(f'{point.frequency_ratio:g}' for point in points)}",
+                "places": f"{case}, η_r = {', '.join(f'{point.frequency_ratio:g}' for point in points)}",
                 "verdict": str(verdict),
                 "size": self._times_allowed(points[0]),
                 "reason": reason,
             }
-            for (friction, verdict, reason), points in places.items()
+            for (case, verdict, reason), points in places.items()
         ]
 
     def _edges(self, variant: Variant) -> list[dict[str, Any]]:
@@ -66,7 +68,7 @@ class OpenPoints(Section):
         ]  # fmt: skip
         return [
             {
-                "places": f"friction {edge.friction_ratio:g}, {edge.edge} edge",
+                "places": f"{edge.case}, {edge.edge} edge",
                 "verdict": str(edge.comparison.verdict),
                 "size": self._times_allowed(edge),
                 "reason": edge.comparison.reason,

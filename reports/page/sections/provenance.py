@@ -14,4 +14,4 @@ class Provenance(Section):
 
     def context(self) -> dict[str, Any]:
         """The data, as they are."""
-        return provenance(self.result, self.report.command)
+        return provenance(self.report)

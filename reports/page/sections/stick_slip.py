@@ -7,13 +7,21 @@ from typing import Any
 from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from reference_lcp.observables.transition_matching import MATCHING_WINDOW, match_transitions
-from reports.data.report import OperatingPoint
+from reports.data.findings import CasePoint, axis_name
 from reports.figures.figure import Figure
 from reports.figures.hysteresis import hysteresis
 from reports.figures.stick_slip import raster
+from reports.formatting import ratio
 from reports.page.section import Section
-from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3Result, Point
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.table import Point
 from scenarios.tasks.result import Result
+from scenarios.verdicts.pointwise import CONVERGED
+from scenarios.verdicts.steady_case import REFERENCE
+
+MOST_RASTERS = 12
+"""Points that are drawn; a sweep over more than friction holds any of them many times."""
 
 
 class StickSlip(Section):
@@ -22,6 +30,11 @@ class StickSlip(Section):
     title = "Stick and slip"
     template = "stick_slip"
 
+    @property
+    def shown(self) -> bool:
+        """Whether the grid holds any of the points that are compared, or motions are known."""
+        return bool(self.report.motions) or bool(stick_slip_rows(self.result))
+
     def figures(self) -> list[Figure]:
         """A raster for every point, then the loops of those whose motion is known."""
         return [*self._rasters(), *self._loops()]
@@ -29,87 +42,99 @@ class StickSlip(Section):
     def context(self) -> dict[str, Any]:
         """The rows, and what is missing among the motions."""
         unknown = [
-            {"place": place, "title": variant.title, "reason": motion.reason}
-            for place, motions in self.report.motions.items()
+            {"place": (case.title, eta), "title": variant.title, "reason": motion.reason}
+            for (case, eta), motions in self.report.motions.items()
             for variant, motion in motions.items()
             if not motion.known
         ]
-        rasters = len(self._answers())
+        axes = self.result.sweep.case_axes
+        rows = [
+            {**row, "where": ", ".join(ratio(row[name]) for name in (*axes, "frequency_ratio"))}
+            for row in stick_slip_rows(self.result)
+        ]
         return {
-            "rows": stick_slip_rows(self.result),
+            "axes": ", ".join(axis_name(name) for name in axes),
+            "rows": rows,
             "window": MATCHING_WINDOW,
-            "rasters": rasters,
+            "rasters": len(self._results()),
             "unknown": unknown,
         }
 
-    def _answers(self) -> dict[OperatingPoint, dict[Variant, Result]]:
-        """Certified answers of everybody but the converged reference, at the points that the grid holds."""
-        found: dict[OperatingPoint, dict[Variant, Result]] = {}
-        for place in STICK_SLIP_POINTS:
-            points = [_at(self.result, v, *place) for v in self.result.asked.all_variants if v != CONVERGED]
-            answers = {p.variant: p.answer for p in points if p is not None and p.answer.converged}
-            if REFERENCE in answers:
-                found[place] = answers
+    def _results(self) -> dict[CasePoint, dict[Variant, Result]]:
+        """Certified results of every variant but the converged reference, at the points that the grid holds."""
+        found: dict[CasePoint, dict[Variant, Result]] = {}
+        for place in compared_places(self.result)[:MOST_RASTERS]:
+            points = [_at(self.result, v, *place) for v in self.result.sweep.variants if v != CONVERGED]
+            results = {p.variant: p.result for p in points if p is not None and p.result.converged}
+            if REFERENCE in results:
+                found[place] = results
         return found
 
     def _rasters(self) -> list[Figure]:
-        return [raster(place, answers) for place, answers in self._answers().items()]
+        return [raster(place, results) for place, results in self._results().items()]
 
     def _loops(self) -> list[Figure]:
         known = {
             place: {variant: motion for variant, motion in motions.items() if motion.known}
             for place, motions in self.report.motions.items()
         }
-        return [hysteresis(self.result.asked, place, motions) for place, motions in known.items() if motions]
+        return [hysteresis(self.result.sweep, place, motions) for place, motions in known.items() if motions]
 
 
-def stick_slip_rows(result: Figure3Result) -> list[dict[str, Any]]:
-    """Compare modes of every variant with the reference's at the `STICK_SLIP_POINTS` that the grid holds.
+def compared_places(result: ComparedSweep) -> list[CasePoint]:
+    """Give the `STICK_SLIP_POINTS` in every case of their friction ratio."""
+    return [
+        (case, eta) for friction, eta in STICK_SLIP_POINTS for case in result.cases if case.friction_ratio == friction
+    ]
+
+
+def stick_slip_rows(result: ComparedSweep) -> list[dict[str, Any]]:
+    """Compare modes of every variant with the reference's at the `compared_places` that the grid holds.
 
     Fractions are parts of a period: `stuck_fraction` is the mean over the cells, `stuck_fraction_error`
     the largest of a cell, time errors are absolute values.
     """
     rows = []
-    for friction, eta in STICK_SLIP_POINTS:
-        expected = _at(result, REFERENCE, friction, eta)
-        if expected is None or not expected.answer.converged:
+    for place in compared_places(result):
+        expected = _at(result, REFERENCE, *place)
+        if expected is None or not expected.result.converged:
             continue
-        for variant in (REFERENCE, CONVERGED, *result.asked.all_variants[2:]):
-            point = _at(result, variant, friction, eta)
+        for variant in dict.fromkeys((REFERENCE, *result.sweep.variants)):
+            point = _at(result, variant, *place)
             if point is not None:
-                rows.append(_row(point, expected.answer))
+                rows.append(_row(point, expected.result))
     return rows
 
 
-def _at(result: Figure3Result, variant: Variant, friction_ratio: float, frequency_ratio: float) -> Point | None:
+def _at(result: ComparedSweep, variant: Variant, case: Case, frequency_ratio: float) -> Point | None:
     """Give the point of the grid that is there to round-off."""
-    curve = result.curve(variant, friction_ratio)
+    curve = result.curve(variant, case)
     return next((p for p in curve if math.isclose(p.frequency_ratio, frequency_ratio, rel_tol=1e-9)), None)
 
 
 def _row(point: Point, expected: Result) -> dict[str, Any]:
     """Compare one point; without a steady state there is only its status."""
-    answer = point.answer
+    found = point.result
     row: dict[str, Any] = {
         "engine": point.variant.engine,
         "formulation": point.variant.formulation,
         "preset": point.variant.preset_name,
         "title": point.variant.title,
-        "friction_ratio": point.friction_ratio,
+        **point.case.by_axis,
         "frequency_ratio": point.frequency_ratio,
-        "status": answer.status,
+        "status": found.status,
     }
-    return {**row, **(_compared(answer, expected) if answer.converged else _nothing())}
+    return {**row, **(_compared(found, expected) if found.converged else _nothing())}
 
 
-def _compared(answer: Result, expected: Result) -> dict[str, Any]:
-    match = match_transitions(answer.transitions, expected.transitions, expected.period)
+def _compared(found: Result, expected: Result) -> dict[str, Any]:
+    match = match_transitions(found.transitions, expected.transitions, expected.period)
     errors = [abs(error) for error in match.time_errors]
-    pairs = zip(answer.stuck_fraction, expected.stuck_fraction, strict=True)
+    pairs = zip(found.stuck_fraction, expected.stuck_fraction, strict=True)
     return {
-        "stuck_fraction": mean(answer.stuck_fraction),
+        "stuck_fraction": mean(found.stuck_fraction),
         "stuck_fraction_error": max(abs(ours - theirs) for ours, theirs in pairs),
-        "transitions": len(answer.transitions),
+        "transitions": len(found.transitions),
         "missed": len(match.missed),
         "spurious": len(match.spurious),
         "median_time_error": median(errors) if errors else math.nan,

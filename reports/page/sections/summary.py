@@ -4,10 +4,11 @@ from typing import Any
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from reports.data.findings import band_definition, blocked_reason, compared_with, drive_description, findings
+from reports.data.findings import axis_name, band_definition, blocked_reason, compared_with, drive_description, findings
+from reports.formatting import ratio
 from reports.page.section import Section
-from scenarios.studies.figure3 import CONVERGED
 from scenarios.verdicts.finding import FLOOR_DB
+from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.verdict import Verdict
 
 
@@ -19,8 +20,8 @@ class Summary(Section):
 
     def context(self) -> dict[str, Any]:
         """Rows, the headline and the definitions that they need."""
-        asked = self.result.asked
-        rows = [self._row(variant) for variant in asked.all_variants]
+        sweep = self.result.sweep
+        rows = [self._row(variant) for variant in sweep.variants]
         compared = [row for row in rows if not row["is_ruler"]]
         verdicts = [str(verdict) for verdict in Verdict]
         return {
@@ -30,11 +31,16 @@ class Summary(Section):
             "sentences": self._sentences(compared),
             "band": band_definition(self.result),
             "floor": FLOOR_DB,
-            "friction_ratios": asked.friction_ratios,
-            "first": asked.frequency_ratios[0],
-            "last": asked.frequency_ratios[-1],
-            "cells": asked.ratios.cells,
-            "drive": drive_description(asked),
+            "axes": [
+                (axis_name(name, plural=True), [ratio(value) for value in sweep.axes[name]]) for name in sweep.case_axes
+            ],
+            "place": ", ".join(axis_name(name) for name in sweep.case_axes),
+            "has_edges": bool(self.result.edges),
+            "complete_by_command": not self.report.recorded,
+            "first": sweep.frequency_ratios[0],
+            "last": sweep.frequency_ratios[-1],
+            "cells": " or ".join(ratio(n) for n in sweep.axes.get("cells", (sweep.ratios.cells,))),
+            "drive": drive_description(sweep),
             "verdicts": verdicts,
         }
 
@@ -45,7 +51,7 @@ class Summary(Section):
             "points": len(self.result.points_of(variant)),
             "missing": self.report.missing.get(variant, 0),
             "friction_law": str(engine(variant.engine).capabilities.friction_law),
-            "compared_with": compared_with(variant, self.result.asked.tolerance),
+            "compared_with": compared_with(variant, self.result.sweep.tolerance),
             "blocked": blocked_reason(self.result, variant),
             "is_ruler": variant == CONVERGED,
         }

@@ -15,22 +15,27 @@ class WorkPrecision(Section):
     title = "Work and precision"
     template = "work_precision"
 
+    @property
+    def shown(self) -> bool:
+        """Whether steps are part of the report."""
+        return self.report.steps is not None
+
     def figures(self) -> list[Figure]:
-        """The diagrams, if anybody was asked at all."""
-        steps = self.report.steps
+        """The diagrams, if any variant was simulated at these steps."""
+        steps = self.report.steps or ()
         return (
-            [work_precision(self.result.asked, steps), convergence(self.result.asked, steps)] if curves(steps) else []
+            [work_precision(self.result.sweep, steps), convergence(self.result.sweep, steps)] if curves(steps) else []
         )
 
     def context(self) -> dict[str, Any]:
         """Rows, one a variant and number of steps, and who is left out."""
-        shown = curves(self.report.steps)
-        asked = self.result.asked
-        reasons = {point.variant: point.reason for point in self.report.steps if point.reason}
+        steps = self.report.steps or ()
+        drawn = curves(steps)
+        reasons = {point.variant: point.reason for point in steps if point.reason}
         absent: dict[str, list[str]] = {}
-        for variant in asked.all_variants:
-            if variant not in shown:
-                answered = any(point.variant == variant and point.answered for point in self.report.steps)
+        for variant in self.result.sweep.variants:
+            if variant not in drawn:
+                answered = any(point.variant == variant and point.answered for point in steps)
                 usual = (
                     "not all six points are answered with a steady state"
                     if answered
@@ -38,7 +43,7 @@ class WorkPrecision(Section):
                 )
                 absent.setdefault(reasons.get(variant, usual), []).append(variant.title)
         return {
-            "rows": [point for point in self.report.steps if point.answered],
+            "rows": [point for point in steps if point.answered],
             "points": STICK_SLIP_POINTS,
             "steps": ORDER_STEPS,
             "absent": absent,

@@ -13,13 +13,17 @@ import pytest
 import reports.__main__ as command
 from engines.interface.variant import Variant
 from reference_lcp.console import run_command
-from reports.data.collect import Scope, expected_questions
+from reports.data.collect import Scope, expected_tasks
+from reports.export.files import FILES
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import LocalWorker
 from scenarios.execution.store import ResultStore
-from scenarios.studies.figure3 import Figure3
+from scenarios.studies.figure3 import figure3
+from scenarios.sweeps.run import stored_table
 from scenarios.sweeps.spec_file import read_sweep
-from scenarios.sweeps.verdicts import verdicts
+from scenarios.sweeps.summary import verdict_summaries
+from scenarios.sweeps.sweep import Case, Sweep
+from scenarios.sweeps.table import points_of
 from scenarios.tasks.parameters import Excitation
 from scenarios.tasks.result import Result
 
@@ -36,10 +40,10 @@ def no_computation(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def small_grid(monkeypatch: pytest.MonkeyPatch) -> None:
-    def asked(names: list[str], quick: bool) -> Figure3:
-        return Figure3(variants=tuple(command.Variant(name) for name in names), **SMALL)
+    def asked(names: list[str], quick: bool) -> Sweep:
+        return figure3(tuple(command.Variant(name) for name in names), **SMALL)
 
-    monkeypatch.setattr(command, "_asked", asked)
+    monkeypatch.setattr(command, "_figure3", asked)
     monkeypatch.setattr(command, "Scope", lambda: Scope(((0.3, 0.9),), (0.3,), (0.6, 0.9), step_study=False))
 
 
@@ -114,7 +118,7 @@ def test_a_second_run_answers_from_the_store(
     assert run_command(command.app, arguments) == 0
     assert capsys.readouterr().out == f"{tmp_path / 'index.html'}\n"
     first = {file.name: file.read_text() for file in tmp_path.glob("*.csv")}
-    assert {file.name for file in tmp_path.iterdir()} == {*command.FILES, "figures", "results.sqlite"}
+    assert {file.name for file in tmp_path.iterdir()} == {*FILES, "figures", "results.sqlite"}
     figures = {file.name for file in (tmp_path / "figures").iterdir()}
     assert figures >= {"figure3.svg", "figure3.pdf", "hysteresis-0.3-0.9.svg", "stick-slip-0.3-0.9.pdf"}
 
@@ -154,9 +158,9 @@ frequency_ratio = [0.6, 0.62, 0.63, 0.64, 0.65, 0.9]
 def stopped(tmp_path: Path) -> list[str]:
     """A sweep that was stopped after two of its six points."""
     (tmp_path / "sweep.toml").write_text(SWEEP)
-    asked = command._asked_by(tmp_path / "sweep.toml", None, quick=False)
+    asked = command._sweep(tmp_path / "sweep.toml", None, quick=False)
     with ResultStore(tmp_path / "sweep.sqlite") as store:
-        questions = [asked.question(command.Variant("mujoco"), 0.3, eta) for eta in (0.6, 0.9)]
+        questions = [asked.task(command.Variant("mujoco"), Case.of(friction_ratio=0.3), eta) for eta in (0.6, 0.9)]
         store.keep((question, Result(status="converged", transmittance_db=-1.0)) for question in questions)
     return [
         "--sweep",
@@ -212,16 +216,17 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
     assert run_command(command.app, arguments) == 0
     read = read_sweep(file)
     with ResultStore(store) as kept:
-        asked = {(q.variant, q.frequency_ratio): q for q in read.sweep.questions()}
+        asked = {(q.variant, q.frequency_ratio): q for q in read.tasks()}
         found = {place: kept.find(question) for place, question in asked.items()}
-        expected = verdicts(read.sweep, kept, 0.1)
+        whole, table = stored_table(read, kept)
+        expected = verdict_summaries(whole, points_of(table))
     with sqlite3.connect(store) as connection:
         contents = [json.loads(text)["task"] for (text,) in connection.execute("SELECT content FROM answers")]
     connection.close()
     # everything that was asked, map and lines of the reference among it, is about the force
     assert all(one["excitation"] == {"kind": "force", "amplitude": 10.0} for one in contents)
     recorded = [one for one in contents if "recorded" in one]
-    assert len(recorded) == len(read.sweep.variants)
+    assert len(recorded) == len(read.variants)
     written = json.loads((tmp_path / "out" / "report.json").read_text())
     names = ("engine", "formulation", "preset")
     rows = {(Variant(*(row[n] for n in names)), row["frequency_ratio"]): row for row in written["transmittance"]}
@@ -242,8 +247,8 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
 
 def test_the_step_study_of_a_report_is_about_the_drive_of_its_sweep(tmp_path: Path) -> None:
     (tmp_path / "sweep.toml").write_text(PUSHED)
-    asked = command._asked_by(tmp_path / "sweep.toml", None, quick=False)
-    expected = expected_questions(asked, Scope())
+    asked = command._sweep(tmp_path / "sweep.toml", None, quick=False)
+    expected = expected_tasks(asked, Scope())
     assert {question.steps_per_period for question in expected} >= {400, 800, 1600}
     assert {question.excitation for question in expected} == {Excitation(kind="force", amplitude=10.0)}
 
@@ -254,16 +259,16 @@ def test_the_step_study_of_a_report_is_about_the_drive_of_its_sweep(tmp_path: Pa
     [
         (["--no-ask", "--store", "nowhere.sqlite"], "nowhere.sqlite does not exist"),
         (["--sweep", "{sweep}", "--quick"], "neither --engine nor --quick"),
-        (["--sweep", "{wide}"], "grid.mass_ratio is varied"),
+        (["--data", "{sweep}", "--quick"], "neither --sweep, --engine nor --quick"),
+        (["--data", "{sweep}"], "allowed: .nc, .toml or .sqlite"),
         (["--sweep", "nowhere.toml"], "nowhere.toml"),
     ],
 )
 def test_wrong_ways_to_say_what_is_shown_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], named: str
 ) -> None:
-    files = {"sweep": tmp_path / "sweep.toml", "wide": tmp_path / "wide.toml"}
+    files = {"sweep": tmp_path / "sweep.toml"}
     files["sweep"].write_text(SWEEP)
-    files["wide"].write_text(SWEEP + "mass_ratio = [1.0, 2.0]\n")
     asked = [argument.format(**files) for argument in arguments]
     assert run_command(command.app, [*asked, "--out", str(tmp_path / "out")]) == 2
     assert named in one_line(capsys)

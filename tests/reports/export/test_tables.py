@@ -12,8 +12,8 @@ import pytest
 import xarray as xr
 
 from reports.data.report import Report
-from reports.export.files import dataset, write_all
-from scenarios.studies.figure3 import Figure3Result
+from reports.export.files import report_dataset, write_all
+from scenarios.sweeps.compared import ComparedSweep
 
 COLUMNS = {
     "band_edges.csv": "engine,formulation,preset,friction_ratio,edge,frequency_ratio,difference,verdict,reason",
@@ -38,7 +38,7 @@ def test_csv_has_exactly_the_columns_promised(texts: dict[str, str], name: str) 
     assert texts[name].splitlines()[0] == COLUMNS[name]
 
 
-def test_every_point_of_every_variant_has_a_row_with_its_verdict(texts: dict[str, str], result: Figure3Result) -> None:
+def test_every_point_of_every_variant_has_a_row_with_its_verdict(texts: dict[str, str], result: ComparedSweep) -> None:
     table = rows(texts["transmittance.csv"])
     assert len(table) == len(result.points)
     found = {(row["engine"], row["preset"], row["friction_ratio"], row["frequency_ratio"]): row for row in table}
@@ -47,10 +47,10 @@ def test_every_point_of_every_variant_has_a_row_with_its_verdict(texts: dict[str
     assert found["pybullet", "tuned", "0.3", "0.6"]["verdict"] == "blocked"
 
 
-def test_csv_numbers_are_in_full(texts: dict[str, str], result: Figure3Result) -> None:
+def test_csv_numbers_are_in_full(texts: dict[str, str], result: ComparedSweep) -> None:
     for row, point in zip(rows(texts["transmittance.csv"]), result.points, strict=True):
-        assert row["transmittance_db"] == repr(point.answer.transmittance_db)
-        assert row["residual"] == repr(point.answer.residual)
+        assert row["transmittance_db"] == repr(point.result.transmittance_db)
+        assert row["residual"] == repr(point.result.residual)
 
 
 @pytest.mark.parametrize("name", ["band_edges.csv", "transmittance.csv"])
@@ -104,20 +104,20 @@ def test_netcdf_holds_every_point_and_edge_with_its_labels(
     file = tmp_path / "report.nc"
     file.write_bytes(files["report.nc"])
     with xr.open_dataset(file, engine="h5netcdf") as read:
-        assert read.transmittance.attrs["units"] == "dB"
+        assert read.transmittance_db.attrs["units"] == "dB"
         for point in report.result.points:
-            place = {"variant": str(point.variant), "friction_ratio": point.friction_ratio}
+            place = {"variant": str(point.variant), **point.case.by_axis}
             one = read.sel(place).sel(frequency_ratio=point.frequency_ratio)
-            np.testing.assert_equal(float(one.transmittance), point.answer.transmittance_db)
+            np.testing.assert_equal(float(one.transmittance_db), point.result.transmittance_db)
             meaning = read.verdict.attrs["flag_meanings"].split()
             assert meaning[int(one.verdict)] == str(point.comparison.verdict)
         for edge in report.result.edges:
-            place = {"variant": str(edge.variant), "friction_ratio": edge.friction_ratio, "edge": str(edge.edge)}
+            place = {"variant": str(edge.variant), **edge.case.by_axis, "edge": str(edge.edge)}
             expected = math.nan if edge.frequency_ratio is None else edge.frequency_ratio
             np.testing.assert_equal(float(read.band_edge.sel(place)), expected)
 
 
-def test_points_that_were_not_asked_are_told_from_those_without_a_number(result: Figure3Result) -> None:
-    fewer = dataclasses.replace(result, points=result.points[1:])
-    assert int(dataset(fewer).verdict.min()) == -1
-    assert int(dataset(result).verdict.min()) == 0
+def test_points_that_were_not_asked_are_told_from_those_without_a_number(result: ComparedSweep) -> None:
+    fewer = dataclasses.replace(result, table=result.table[1:])
+    assert int(report_dataset(fewer).verdict.min()) == -1
+    assert int(report_dataset(result).verdict.min()) == 0

@@ -18,7 +18,8 @@ from reports.figures.stick_slip import MODE_COLOURS, phases
 from reports.figures.style import PALETTE, Style, style_of
 from reports.page.render import sections
 from reports.page.sections import StickSlip
-from scenarios.studies.figure3 import Figure3, Figure3Result
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.result import Result
 
 RGB = tuple[float, float, float]
@@ -41,14 +42,14 @@ def lightness(colour: np.ndarray) -> float:
 
 
 @pytest.fixture
-def many() -> Figure3:
-    class Registered(Figure3):
+def many() -> Sweep:
+    class Registered(Sweep):
         """Forty-eight variants, whether or not anybody has registered them."""
 
         def __post_init__(self) -> None:
             return
 
-    return Registered(variants=tuple(Variant(f"engine{k}") for k in range(48)))
+    return Registered(variants=tuple(Variant(f"engine{k}") for k in range(48)), axes={})
 
 
 def test_plotly_knows_everything_that_it_is_given(report: Report) -> None:
@@ -107,12 +108,12 @@ def test_symbols_with_an_index_are_set_as_mathematics() -> None:
     assert mathtext("friction ratio μλ\u0303_N [-]") == r"friction ratio $μ\tilde{λ}_N$ [-]"
 
 
-def test_every_variant_of_forty_eight_has_a_style_of_its_own(many: Figure3) -> None:
+def test_every_variant_of_forty_eight_has_a_style_of_its_own(many: Sweep) -> None:
     styles = [style_of(many, variant) for variant in many.variants]
     assert len({(style.colour, style.symbol) for style in styles}) == 48
 
 
-def test_neighbours_are_told_apart_without_colour(many: Figure3) -> None:
+def test_neighbours_are_told_apart_without_colour(many: Sweep) -> None:
     styles = [style_of(many, variant) for variant in many.variants]
     assert all(a.symbol != b.symbol and a.dash != b.dash for a, b in itertools.pairwise(styles))
 
@@ -130,7 +131,7 @@ def test_colours_of_neighbours_differ_for_the_commonest_deficiencies(deficiency:
     assert min(float(np.linalg.norm(a - b)) for a, b in itertools.pairwise(seen)) > 0.15
 
 
-def test_series_have_the_same_colour_in_print_and_on_the_screen(many: Figure3) -> None:
+def test_series_have_the_same_colour_in_print_and_on_the_screen(many: Sweep) -> None:
     series = Series([0.0, 1.0], [0.0, 1.0], style_of(many, many.variants[7]), "seven", "lines+markers")
     figure = Figure("name", "caption", [Panel(Axis(), Axis(), [series])], 2.0, 300)
     (trace,), (line,) = plot(figure)["data"], drawn(figure).axes[0].lines
@@ -151,7 +152,7 @@ def test_phases_of_a_contact_fill_the_period_once() -> None:
     ]
 
 
-def test_a_raster_has_the_reference_and_every_engine_with_a_steady_state(result: Figure3Result) -> None:
+def test_a_raster_has_the_reference_and_every_engine_with_a_steady_state(result: ComparedSweep) -> None:
     figures = StickSlip(Report(result, "")).figures()
     assert [figure.name for figure in figures] == ["stick-slip-0.3-0.6", "stick-slip-0.3-0.9"]
     assert "Reference (LCP); MuJoCo" in figures[0].caption

@@ -14,7 +14,7 @@ from engines.interface.variant import Variant, variants_of
 from reports.page.render import LARGEST_PAGE
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.store import ResultStore
-from scenarios.studies.figure3 import run
+from scenarios.sweeps.compared import run
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
@@ -74,10 +74,10 @@ def test_twenty_thousand_points_are_a_page_of_less_than_five_mebibytes(tmp_path:
     variants = [variant for name in installed for variant in variants_of(name)]
     sweep, store = tmp_path / "sweep.toml", tmp_path / "results.sqlite"
     sweep.write_text(sweep_text(variants))
-    from reports.__main__ import _asked_by
+    from reports.__main__ import _sweep
 
-    asked = _asked_by(sweep, None, quick=False)
-    assert len(read_sweep(sweep).sweep.variants) == len(variants)
+    asked = _sweep(sweep, None, quick=False)
+    assert len(read_sweep(sweep).variants) == len(variants)
     with ResultStore(store) as kept:
         result = run(asked, Inventor(kept))
     assert len(result.points) >= POINTS

@@ -15,12 +15,18 @@ from reports.export.files import files_of
 from reports.page.render import LARGEST_PAGE
 from reports.page.sections import OpenPoints
 from reports.page.sections.stick_slip import stick_slip_rows
-from scenarios.studies.attenuation_band import Edge
-from scenarios.studies.figure3 import CONVERGED, REFERENCE, BandEdge, Figure3, Figure3Result, Point
+from scenarios.studies.figure3 import figure3
+from scenarios.sweeps.attenuation_band import Edge
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.edges import BandEdge
+from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.table import Point, judged_table
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
 from scenarios.verdicts.band_edge import compare_edge
 from scenarios.verdicts.judge import missing
+from scenarios.verdicts.pointwise import CONVERGED, refinements
+from scenarios.verdicts.steady_case import REFERENCE
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
 
@@ -124,13 +130,13 @@ def test_text_from_outside_is_escaped(page: str) -> None:
     assert "&lt;b&gt;" in page
 
 
-def test_a_missing_engine_is_blocked_with_its_reason_once_and_not_by_every_point(result: Figure3Result) -> None:
+def test_a_missing_engine_is_blocked_with_its_reason_once_and_not_by_every_point(result: ComparedSweep) -> None:
     shown = {part["title"]: part["rows"] for part in OpenPoints(Report(result, "")).context()["variants"]}
     assert [row["verdict"] for row in shown["PyBullet"]] == ["blocked"]
     assert "has no wheel" in shown["PyBullet"][0]["reason"]
 
 
-def test_points_and_edges_that_do_not_agree_are_named(result: Figure3Result) -> None:
+def test_points_and_edges_that_do_not_agree_are_named(result: ComparedSweep) -> None:
     shown = {part["title"]: part["rows"] for part in OpenPoints(Report(result, "")).context()["variants"]}
     places = {row["places"]: row["verdict"] for row in shown["MuJoCo"]}
     assert places == {
@@ -142,17 +148,17 @@ def test_points_and_edges_that_do_not_agree_are_named(result: Figure3Result) -> 
     }
 
 
-def test_every_axis_and_every_table_of_edges_names_the_definition_of_the_band(page: str, result: Figure3Result) -> None:
+def test_every_axis_and_every_table_of_edges_names_the_definition_of_the_band(page: str, result: ComparedSweep) -> None:
     definition = "first deep attenuation (transmittance below −10 dB)"
     assert definition in band_definition(result)
     assert page.count(definition) == 5
 
 
-def test_findings_count_verdicts_and_name_the_worst_place(result: Figure3Result) -> None:
+def test_findings_count_verdicts_and_name_the_worst_place(result: ComparedSweep) -> None:
     found = findings(result, RUNS)
     assert found.verdicts == {"agree": 6, "disagree": 1, "inconclusive": 1, "blocked": 0}
     assert found.worst_difference.difference == pytest.approx(0.03, abs=1e-12)
-    assert (found.worst_difference.friction_ratio, found.worst_difference.frequency_ratio) == (0.0, 0.9)
+    assert (found.worst_difference.case.friction_ratio, found.worst_difference.frequency_ratio) == (0.0, 0.9)
     assert found.worst_edge.difference == pytest.approx(0.01)
     assert found.median_periods == 30
     assert found.seconds == pytest.approx(3.5)
@@ -165,13 +171,13 @@ def test_what_shares_the_scheme_is_compared_at_equal_step() -> None:
     assert "ruler" in compared_with(CONVERGED)
 
 
-def test_an_edge_that_the_grid_does_not_hold_is_said_to_be_beyond_its_end(result: Figure3Result) -> None:
-    assert absent_edge(result, result.edge(CONVERGED, 0.3, Edge.UPPER)) == "above 1.3"
-    assert absent_edge(result, result.edge(CONVERGED, 0.3, Edge.LOWER)) == "below 0.3"
-    assert absent_edge(result, result.edge(MISSING, 0.3, Edge.LOWER)) == "unknown"
+def test_an_edge_that_the_grid_does_not_hold_is_said_to_be_beyond_its_end(result: ComparedSweep) -> None:
+    assert absent_edge(result, result.edge(CONVERGED, Case.of(friction_ratio=0.3), Edge.UPPER)) == "above 1.3"
+    assert absent_edge(result, result.edge(CONVERGED, Case.of(friction_ratio=0.3), Edge.LOWER)) == "below 0.3"
+    assert absent_edge(result, result.edge(MISSING, Case.of(friction_ratio=0.3), Edge.LOWER)) == "unknown"
 
 
-def test_stick_slip_rows_compare_transitions_with_the_reference_at_equal_step(result: Figure3Result) -> None:
+def test_stick_slip_rows_compare_transitions_with_the_reference_at_equal_step(result: ComparedSweep) -> None:
     rows = {(row["engine"], row["preset"], row["frequency_ratio"]): row for row in stick_slip_rows(result)}
     assert {eta for _, _, eta in rows} == {0.6, 0.9}
     row = rows["mujoco", "tuned", 0.6]
@@ -185,17 +191,20 @@ def test_stick_slip_rows_compare_transitions_with_the_reference_at_equal_step(re
 def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
     place = (0.3, 0.6)
     ratios = ChainRatios(cells=2, mass_ratio=(1.0, 0.5), outer_mass_ratio=(1.0, 2.0))
-    asked = Figure3(variants=(MISSING,), friction_ratios=place[:1], frequency_ratios=place[1:], ratios=ratios)
+    asked = figure3((MISSING,), place[:1], place[1:], ratios=ratios)
+    case = Case.of(friction_ratio=place[0])
     lost = Result(status="period limit", residual=1e-3, periods=400)
-    answers = {variant: Result.blocked("why") if variant == MISSING else lost for variant in asked.all_variants}
-    result = Figure3Result(
+    answers = {variant: Result.blocked("why") if variant == MISSING else lost for variant in asked.variants}
+    result = ComparedSweep(
         asked,
-        tuple(
-            Point(v, *place, answer, missing("engine", [answer]) or missing("reference", [lost]))
-            for v, answer in answers.items()
+        judged_table(
+            [
+                Point(v, case, 0.6, found, (found,) * len(refinements(v)), missing("engine", [found]))
+                for v, found in answers.items()
+            ]
         ),
-        tuple(BandEdge(v, 0.3, edge, None, compare_edge(None, None)) for v in answers for edge in Edge),
-        {0.3: (np.array([0.6]), np.array([math.nan]))},
+        tuple(BandEdge(v, case, edge, None, compare_edge(None, None)) for v in answers for edge in Edge),
+        {case: (np.array([0.6]), np.array([math.nan]))},
     )
     page = files_of(Report(result, ""))["index.html"].decode()
     assert "period limit after 400 periods" in page

@@ -25,7 +25,7 @@ class Residuals(Section):
     templates = "laboratory"
 
     def figures(self) -> list[Figure]:
-        values = [point.answer.residual for point in self.result.points if point.answer.converged]
+        values = [point.result.residual for point in self.result.points if point.result.converged]
         series = Series(range(len(values)), values, Style("#000000"), "residual", hover="%{y:.1e}")
         panel = Panel(Axis("point"), Axis("residual [-]", scale="log"), [series])
         return [Figure("residuals", "Residuals", [panel], height=2.0, pixels=300)]

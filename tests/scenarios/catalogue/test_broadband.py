@@ -28,7 +28,7 @@ from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
 from scenarios.execution.transient import run_transients
-from scenarios.studies.attenuation_band import BandDefinition, Edge, edge_brackets
+from scenarios.sweeps.attenuation_band import BandDefinition, Edge, edge_brackets
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.verdicts.verdict import Verdict
 from tests.scenarios.in_process import evaluator, rub_harder

@@ -8,8 +8,12 @@ from engines.interface.variant import Variant
 from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.progress import Bars, CountingEvaluator
 from scenarios.execution.store import ResultStore
-from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3
+from scenarios.studies.figure3 import figure3
+from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.table import grid, tasks_of
 from scenarios.tasks.result import Result
+from scenarios.verdicts.pointwise import CONVERGED
+from scenarios.verdicts.steady_case import REFERENCE
 
 
 class CountedBars(Bars):
@@ -37,15 +41,16 @@ class Invented(InProcessExecutor):
 
 
 def test_the_grid_is_expected_from_the_start_and_a_task_counts_once(tmp_path: Path) -> None:
-    asked = Figure3(variants=(), friction_ratios=(0.0, 0.3), frequency_ratios=(0.5, 0.7))
+    asked = figure3((), (0.0, 0.3), (0.5, 0.7))
+    case = Case.of(friction_ratio=0.3)
     bars = CountedBars()
     with (
         ResultStore(tmp_path / "s.sqlite") as store,
-        CountingEvaluator(store, Invented(), asked.grid, bars) as evaluator,
+        CountingEvaluator(store, Invented(), tasks_of(asked, grid(asked)), bars) as evaluator,
     ):
         assert bars.total == {CONVERGED: 4, REFERENCE: 12}
-        on_grid = asked.question(REFERENCE, 0.3, 0.5)
-        added = asked.question(REFERENCE, 0.3, 0.6)
+        on_grid = asked.task(REFERENCE, case, 0.5)
+        added = asked.task(REFERENCE, case, 0.6)
         answers = evaluator.evaluate([on_grid, added, on_grid])
         evaluator.evaluate([added])
     assert [answer.transmittance_db for answer in answers] == [0.5, 0.6, 0.5]

@@ -12,17 +12,14 @@ from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.store import ResultStore
-from scenarios.studies.attenuation_band import Edge
-from scenarios.studies.figure3 import (
-    CONVERGED,
-    REFERENCE,
-    Figure3,
-    default_frequency_ratios,
-    quick_frequency_ratios,
-    resonances,
-    run,
-)
+from scenarios.studies.figure3 import default_frequency_ratios, figure3, quick_frequency_ratios
+from scenarios.sweeps.attenuation_band import Edge
+from scenarios.sweeps.compared import run
+from scenarios.sweeps.resonances import resonances
+from scenarios.sweeps.sweep import Case
 from scenarios.tasks.parameters import ChainRatios
+from scenarios.verdicts.pointwise import CONVERGED
+from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Verdict
 
 INSTALLED = [name for name in default_engine_names() if engine(name).unavailable_reason() is None]
@@ -50,10 +47,7 @@ def edges(tmp_path_factory):
         Evaluator(store, LocalExecutor(2)) as evaluator,
     ):
         for friction, support in SUPPORT.items():
-            asked = Figure3(
-                variants=tuple(Variant(name) for name in INSTALLED), friction_ratios=(friction,),
-                frequency_ratios=support,
-            )  # fmt: skip
+            asked = figure3([Variant(name) for name in INSTALLED], (friction,), support)
             for edge in run(asked, evaluator).edges:
                 found[edge.variant, friction, edge.edge] = edge
     return found
@@ -127,14 +121,14 @@ def test_grid_holds_every_resonance_and_the_ends() -> None:
 
 
 def test_every_point_is_compared_and_reports_its_residual(tmp_path) -> None:
-    asked = Figure3(variants=(Variant("mujoco"),), friction_ratios=(0.3,), frequency_ratios=(0.6, 0.9, 1.6))
+    asked = figure3((Variant("mujoco"),), (0.3,), (0.6, 0.9, 1.6))
     with ResultStore(tmp_path / "results.sqlite") as store, Evaluator(store, LocalExecutor(1)) as evaluator:
         result = run(asked, evaluator)
     for variant in (CONVERGED, REFERENCE, Variant("mujoco")):
-        curve = result.curve(variant, 0.3)
+        curve = result.curve(variant, Case.of(friction_ratio=0.3))
         assert [point.comparison.verdict for point in curve] == [Verdict.AGREE] * len(curve)
-        assert all(point.answer.residual <= 1e-8 for point in curve)
-    eta, line = result.dense_reference[0.3]
+        assert all(point.result.residual <= 1e-8 for point in curve)
+    eta, line = result.dense_reference[Case.of(friction_ratio=0.3)]
     assert eta.shape == line.shape == (101,)
 
 
@@ -152,7 +146,7 @@ def test_every_point_is_compared_and_reports_its_residual(tmp_path) -> None:
 )
 def test_impossible_question_is_refused(wrong, message) -> None:
     with pytest.raises(ParameterError, match=message):
-        Figure3(**{"variants": (), **wrong})
+        figure3(**wrong)
 
 
 @pytest.mark.parametrize("text", ["mujoco", "mujoco:contact", "mujoco:joint:default", "pybullet:contact:default"])
@@ -186,9 +180,9 @@ def test_variant_that_there_is_not_is_refused(text, message) -> None:
 )
 def test_eighty_periods_find_the_steady_state_of_all_but_one_point_in_a_hundred(name) -> None:
     """On the grid of the report, with every resonance of the free and of the stuck chain."""
-    asked = Figure3(variants=())
-    points = [(friction, eta) for friction in asked.friction_ratios for eta in asked.frequency_ratios]
-    answers = run_batch([asked.question(Variant(name), *point) for point in points])
+    asked = figure3()
+    points = [(case, eta) for case in asked.cases for eta in asked.frequency_ratios]
+    answers = run_batch([asked.task(Variant(name), *point) for point in points])
     assert len(answers) > 370
     assert all(answer.converged for answer in answers)
     assert np.percentile([answer.periods for answer in answers], 99) <= 80

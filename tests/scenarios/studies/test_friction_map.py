@@ -4,8 +4,8 @@ import numpy as np
 
 from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator
-from scenarios.studies.figure3 import Figure3
-from scenarios.studies.friction_map import friction_map
+from scenarios.studies.figure3 import figure3
+from scenarios.studies.friction_map import friction_map, map_sweep
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 
@@ -28,7 +28,7 @@ class Here(Evaluator):
 def test_the_lower_edge_moves_with_friction_as_in_the_paper() -> None:
     """Edges of the converged scheme (docs: 0.84, 0.637, 0.999); a grid of 0.1 alone would miss the second by 0.06."""
     eta = np.round(np.arange(0.3, 1.601, 0.1), 2).tolist()
-    found = friction_map(Figure3(variants=()), (0.0, 0.3, 1.0), eta, Here())
+    found = friction_map(map_sweep(figure3(), (0.0, 0.3, 1.0), eta), Here())
     assert found.known == found.transmittance_db.size
     np.testing.assert_allclose(found.lower, [0.852, 0.637, 0.999], atol=0.02)
     assert found.lower[1] < found.lower[0] < found.lower[2]
@@ -40,6 +40,6 @@ def test_a_map_without_answers_has_no_edges() -> None:
         def evaluate(self, questions: list[SteadyStateTask]) -> list[Result]:
             return [Result.missing() for _ in questions]
 
-    found = friction_map(Figure3(variants=()), (0.3,), (0.6, 0.9), Nobody())
+    found = friction_map(map_sweep(figure3(), (0.3,), (0.6, 0.9)), Nobody())
     assert found.known == 0
     assert np.isnan(found.lower).all()

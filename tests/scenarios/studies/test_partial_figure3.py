@@ -8,27 +8,32 @@ from engines.interface.variant import Variant
 from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.store import ResultStore
-from scenarios.studies.attenuation_band import Edge
-from scenarios.studies.figure3 import CONVERGED, REFERENCE, Figure3, Figure3Result, run
+from scenarios.studies.figure3 import figure3
+from scenarios.sweeps.attenuation_band import Edge
+from scenarios.sweeps.compared import ComparedSweep, run
+from scenarios.sweeps.sweep import Case
+from scenarios.verdicts.pointwise import CONVERGED
+from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Verdict
 
 STOPPED = Variant("mujoco")
-ASKED = Figure3(variants=(STOPPED,), friction_ratios=(0.3,), frequency_ratios=(0.3, 0.62, 0.63, 0.64, 0.65, 0.9, 1.0))
+ASKED = figure3((STOPPED,), (0.3,), (0.3, 0.62, 0.63, 0.64, 0.65, 0.9, 1.0))
+RUBBING = Case.of(friction_ratio=0.3)
 GRID = list(ASKED.frequency_ratios)
 
 
 @pytest.fixture(scope="module")
-def result(tmp_path_factory: pytest.TempPathFactory) -> Figure3Result:
+def result(tmp_path_factory: pytest.TempPathFactory) -> ComparedSweep:
     """The reference is complete on the grid; the engine was stopped after four points."""
     with ResultStore(tmp_path_factory.mktemp("store") / "results.sqlite") as store:
         for variant, etas in ((CONVERGED, GRID), (REFERENCE, GRID), (STOPPED, GRID[:4])):
-            questions = [ASKED.question(variant, 0.3, eta) for eta in etas]
+            questions = [ASKED.task(variant, RUBBING, eta) for eta in etas]
             store.keep(zip(questions, run_batch(questions), strict=True))
         return run(ASKED, StoredResults(store))
 
 
-def test_points_that_are_not_answered_are_inconclusive_with_that_reason(result: Figure3Result) -> None:
-    curve = result.curve(STOPPED, 0.3)
+def test_points_that_are_not_answered_are_inconclusive_with_that_reason(result: ComparedSweep) -> None:
+    curve = result.curve(STOPPED, RUBBING)
     assert [point.frequency_ratio for point in curve] == GRID
     for point in curve:
         if point.frequency_ratio in GRID[:4]:
@@ -38,9 +43,9 @@ def test_points_that_are_not_answered_are_inconclusive_with_that_reason(result: 
             assert point.comparison.reason == "engine: not answered so far"
 
 
-def test_edges_of_a_curve_with_gaps_are_not_judged(result: Figure3Result) -> None:
+def test_edges_of_a_curve_with_gaps_are_not_judged(result: ComparedSweep) -> None:
     for edge in Edge:
-        found = result.edge(STOPPED, 0.3, edge)
+        found = result.edge(STOPPED, RUBBING, edge)
         assert found.comparison.verdict is Verdict.INCONCLUSIVE
         assert "MuJoCo's curve" in found.comparison.reason
         assert "points are not answered so far" in found.comparison.reason
@@ -49,6 +54,6 @@ def test_edges_of_a_curve_with_gaps_are_not_judged(result: Figure3Result) -> Non
 def test_an_empty_store_gives_a_result_without_a_single_number(tmp_path: Path) -> None:
     with ResultStore(tmp_path / "results.sqlite") as store:
         result = run(ASKED, StoredResults(store))
-    assert {point.answer.status for point in result.points} == {"missing"}
+    assert {point.result.status for point in result.points} == {"missing"}
     assert {point.comparison.verdict for point in result.points} == {Verdict.INCONCLUSIVE}
     assert {edge.comparison.verdict for edge in result.edges} == {Verdict.INCONCLUSIVE}

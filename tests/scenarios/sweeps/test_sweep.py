@@ -21,8 +21,10 @@ from scenarios.__main__ import app
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.store import ResultStore
+from scenarios.sweeps.dataset import STATUSES, dataset, write_dataset
+from scenarios.sweeps.run import run_sweep, stored_table
 from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
-from scenarios.sweeps.sweep import STATUSES, Sweep, dataset, run_sweep, write_dataset
+from scenarios.sweeps.sweep import Sweep
 
 SMALL = """\
 engines = ["reference:joint", "mujoco:joint"]
@@ -51,7 +53,7 @@ def test_printed_example_is_read_as_its_comments_say(tmp_path: Path, capsys) -> 
     file = tmp_path / "sweep.toml"
     file.write_text(capsys.readouterr().out)
     assert file.read_text() == EXAMPLE
-    asked = read_sweep(file).sweep
+    asked = read_sweep(file)
     assert asked.points == 3 * 3 * 14
     assert asked.axes["frequency_ratio"][:2] == pytest.approx((0.3, 0.4))
     assert [str(variant) for variant in asked.variants] == ["reference", "mujoco", "mujoco:contact"]
@@ -97,32 +99,37 @@ def test_points_are_the_steady_states_at_their_places_in_netcdf_and_csv(file: Pa
     assert run(file, "--out", out) == 0
     assert run(file, "--no-ask", "--out", table) == 0
     with xr.open_dataset(out) as found:
-        assert dict(found.sizes) == {"variant": 2, "friction_ratio": 2, "frequency_ratio": 3, "mass_ratio": 2}
+        assert dict(found.transmittance_db.sizes) == {
+            "variant": 2,
+            "friction_ratio": 2,
+            "frequency_ratio": 3,
+            "mass_ratio": 2,
+        }
         assert np.all(found.status == STATUSES.index("converged"))
         chain = Chain.from_ratios(cells=3, mass_ratio=0.5, friction_ratio=0.3)
         expected = steady_state(chain, HarmonicBase.from_ratio(chain, 1.0), with_error_bar=False).transmittance_db
         place = {"variant": "reference", "friction_ratio": 0.3, "frequency_ratio": 1.0, "mass_ratio": 0.5}
-        assert float(found.transmittance.sel(place)) == pytest.approx(expected, abs=1e-9)
+        assert float(found.transmittance_db.sel(place)) == pytest.approx(expected, abs=1e-9)
         rows = list(csv.DictReader(table.read_text().splitlines()))
-        assert [float(row["transmittance"]) for row in rows] == found.transmittance.values.ravel().tolist()
+        assert [float(row["transmittance_db"]) for row in rows] == found.transmittance_db.values.ravel().tolist()
         assert rows[-1]["variant"] == "mujoco"
 
 
 def test_what_is_not_answered_is_missing_and_the_rest_is_shown(file: Path) -> None:
-    asked = read_sweep(file).sweep
+    asked = read_sweep(file)
     part = Sweep(asked.variants[:1], {**asked.axes, "mass_ratio": (0.5,)}, asked.ratios, asked.steps_per_period)
     with ResultStore(file.with_suffix(".sqlite")) as store:
         with Evaluator(store, LocalExecutor(1)) as evaluator:
             assert run_sweep(part, evaluator).statuses == {(Variant("reference"), "converged"): 6}
-        found = dataset(asked, store)
+        found = dataset(*stored_table(asked, store))
     missing = found.status == STATUSES.index("missing")
     assert int(missing.sum()) == 18
-    assert bool(np.isnan(found.transmittance.where(missing, drop=True)).all())
+    assert bool(np.isnan(found.transmittance_db.where(missing, drop=True)).all())
 
 
 def test_written_csv_of_a_dataset_has_one_line_a_point(file: Path, tmp_path: Path) -> None:
     with ResultStore(tmp_path / "empty.sqlite") as store:
-        write_dataset(dataset(read_sweep(file).sweep, store), tmp_path / "empty.csv")
+        write_dataset(dataset(*stored_table(read_sweep(file), store)), tmp_path / "empty.csv")
     assert len((tmp_path / "empty.csv").read_text().splitlines()) == 1 + 24
 
 
@@ -191,11 +198,11 @@ def interrupted_sweep(folder: Path, rows: int, kills: int) -> None:
             assert kept.execute("PRAGMA integrity_check").fetchone() == ("ok",)
         kept.close()
     assert subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode == 0
-    asked = read_sweep(file).sweep
+    asked = read_sweep(file)
     with ResultStore(store) as broken, ResultStore(folder / "whole.sqlite") as whole:
         with Evaluator(whole, LocalExecutor(2)) as evaluator:
             run_sweep(asked, evaluator)
-        tables = [dataset(asked, one).drop_vars("seconds") for one in (broken, whole)]
+        tables = [dataset(*stored_table(asked, one)).drop_vars("seconds") for one in (broken, whole)]
     xr.testing.assert_identical(*tables)
     with sqlite3.connect(store) as kept:
         assert kept.execute("SELECT count(*), count(DISTINCT key) FROM answers").fetchone() == (points, points)

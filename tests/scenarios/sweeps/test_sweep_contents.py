@@ -12,17 +12,18 @@ from engines.interface.variant import Variant
 from reference_lcp import ParameterError, decibel, frictionless_transmittance
 from reference_lcp.console import run_command
 from scenarios.__main__ import app
-from scenarios.cli.sweep import answer_sweep, dataset_of
+from scenarios.cli.sweep import evaluate_sweep
 from scenarios.execution import dask_cluster
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
-from scenarios.studies.adaptive_grid import level
-from scenarios.sweeps.adaptive import AdaptiveSweep, refined
-from scenarios.sweeps.spec_file import SweepFile, read_sweep
-from scenarios.sweeps.summary import SweepSummary
-from scenarios.sweeps.sweep import STATUSES
-from scenarios.sweeps.verdicts import verdicts
+from scenarios.sweeps.adaptive_grid import level
+from scenarios.sweeps.dataset import STATUSES, dataset
+from scenarios.sweeps.refinement import ForTheAccuracy
+from scenarios.sweeps.run import stored_table
+from scenarios.sweeps.spec_file import read_sweep
+from scenarios.sweeps.summary import SweepSummary, verdict_summaries
+from scenarios.sweeps.table import points_of
 from scenarios.tasks.parameters import ChainRatios, Excitation
 from scenarios.tasks.result import Result, ResultSummary
 from scenarios.tasks.task import SteadyStateTask
@@ -62,9 +63,10 @@ def test_adaptive_curves_of_the_command_are_right_between_their_points(file: Pat
     assert "curves unresolved" in printed
     asked = read_sweep(file)
     with ResultStore(store) as kept:
-        found = dataset_of(asked, kept)
-        counts = verdicts(adaptive(asked).grid_of(kept), kept, 0.01)[Variant("mujoco")].counts
-    curve = found.transmittance.sel(variant="reference", friction_ratio=0.0).dropna("frequency_ratio")
+        whole, table = stored_table(asked, kept)
+    found = dataset(whole, table)
+    counts = verdict_summaries(whole, points_of(table))[Variant("mujoco")].counts
+    curve = found.transmittance_db.sel(variant="reference", friction_ratio=0.0).dropna("frequency_ratio")
     eta = np.linspace(0.52, 1.48, 25)
     chain = ChainRatios(cells=2).chain(0.0)
     exact = [
@@ -79,21 +81,16 @@ def test_adaptive_curves_of_the_command_are_right_between_their_points(file: Pat
     assert len(list(csv.DictReader(out.read_text().splitlines()))) == found.status.size
 
 
-def adaptive(asked: SweepFile) -> AdaptiveSweep:
-    assert asked.frequencies is not None
-    return AdaptiveSweep(asked.sweep, asked.frequencies)
-
-
 def test_each_curve_has_points_of_its_own_and_interruption_changes_none(file: Path) -> None:
     asked = read_sweep(written(file.parent, CONTENT.replace(', "mujoco:joint"', "")))
     with ResultStore(file.with_suffix(".sqlite")) as store:
-        assert dataset_of(asked, store).sizes["frequency_ratio"] > 0
+        assert dataset(*stored_table(asked, store)).sizes["frequency_ratio"] > 0
         with Evaluator(store, InProcessExecutor()) as evaluator:
-            evaluator.evaluate(list(adaptive(asked).start()))
-        summary = answer_sweep(asked, store, InProcessExecutor())
-        curves = refined(adaptive(asked), lambda questions: list(store.results(questions)))
-        found = dataset_of(asked, store)
-    free, rubbing = (curve.asked for curve in curves.values())
+            evaluator.evaluate([asked.task(*place) for place in ForTheAccuracy(asked).due()])
+        summary = evaluate_sweep(asked, store, InProcessExecutor())
+        whole, table = stored_table(asked, store)
+        found = dataset(whole, table)
+    free, rubbing = (sorted(table["frequency_ratio"][[one == case for one in table["case"]]]) for case in asked.cases)
     assert free != rubbing
     assert summary.statuses == {(Variant("reference"), "converged"): len(free) + len(rubbing)}
     assert int((found.status == STATUSES.index("missing")).sum()) == 2 * len({*free, *rubbing}) - len(free) - len(
@@ -115,10 +112,10 @@ def test_force_and_base_of_equal_friction_ratio_are_different_questions_and_ampl
 def test_lists_give_every_cell_its_own_and_friction_follows_its_profile(tmp_path: Path) -> None:
     chain = "cells = 2\nmass_ratio = [0.5, 2.0]\nouter_mass_ratio = [1, 1.5]\nfriction_profile = [1.0, 0.0]"
     read = read_sweep(written(tmp_path, CONTENT.replace("cells = 2", chain)))
-    question = next(one for one in read.sweep.questions() if one.friction_ratio == 0.3)
+    question = next(one for one in read.tasks() if one.friction_ratio == 0.3)
     assert question.chain.inner_mass == pytest.approx([0.5, 3.0])
     assert question.chain.friction_bound[1] == 0.0 < question.chain.friction_bound[0]
-    equal = next(read_sweep(written(tmp_path, CONTENT)).sweep.questions())
+    equal = next(read_sweep(written(tmp_path, CONTENT)).tasks())
     assert {"outer_mass_ratio", "friction_profile"} & equal.as_data()["ratios"].keys() == set()
     assert {"outer_mass_ratio", "friction_profile"} < question.as_data()["ratios"].keys()
 
@@ -165,7 +162,7 @@ def test_mistake_is_named_with_its_key_and_value(file: Path, old: str, new: str,
 def test_presets_choose_among_those_that_are_not_named(file: Path, engines: str, expected: list[str]) -> None:
     content = CONTENT.partition("[tolerances]")[0].replace('["reference:joint", "mujoco:joint"]', engines)
     asked = read_sweep(written(file.parent, 'presets = ["default"]\n' + content))
-    assert [str(variant) for variant in asked.sweep.variants] == expected
+    assert [str(variant) for variant in asked.variants] == expected
 
 
 def test_summary_names_every_reason_once_and_the_periods_that_suffice() -> None:

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from reference_lcp import Chain, HarmonicBase, ParameterError, decibel, frictionless_transmittance
-from scenarios.studies.attenuation_band import (
+from scenarios.sweeps.attenuation_band import (
     EDGE_RESOLUTION,
     BandDefinition,
     Edge,

@@ -9,9 +9,9 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 from reference_lcp import HarmonicBase, ParameterError, decibel, frictionless_transmittance
-from scenarios.studies import adaptive_grid
-from scenarios.studies.adaptive_grid import START_POINTS, AdaptiveAxis, AdaptiveCurve, level
-from scenarios.studies.figure3 import resonances
+from scenarios.sweeps import adaptive_grid
+from scenarios.sweeps.adaptive_grid import START_POINTS, AdaptiveAxis, AdaptiveCurve, level
+from scenarios.sweeps.resonances import resonances
 from scenarios.tasks.parameters import ChainRatios
 
 AXIS = AdaptiveAxis(first=0.3, last=1.6, accuracy_db=0.5)

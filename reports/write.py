@@ -1,0 +1,118 @@
+"""From a dataset, the file of a sweep, a store, or a sweep itself, to the folder of a report."""
+
+from contextlib import ExitStack
+from pathlib import Path
+
+import xarray as xr
+
+from reference_lcp.console import checked_output_file, checked_output_folder
+from reference_lcp.validation import ParameterError
+from reports.data.collect import Scope, collect, collect_dataset, expected_tasks
+from reports.data.report import Report
+from reports.export.files import FIGURES, FILES, PAGE, files_of, write_all
+from scenarios.execution.dask_cluster import executor_for
+from scenarios.execution.evaluator import StoredResults
+from scenarios.execution.executor import TIME_LIMIT, Executor
+from scenarios.execution.progress import Bars, CountingEvaluator
+from scenarios.execution.store import ResultStore
+from scenarios.sweeps.noted import note_sweep, noted_sweep
+from scenarios.sweeps.spec_file import read_sweep
+from scenarios.sweeps.sweep import Sweep
+
+STORE = "results.sqlite"
+"""File of the results in the folder of a report, where no other is named."""
+
+
+def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Path:
+    """Write the report of a dataset, of the file of a sweep, or of a store; see `reports.report`."""
+    folder = Path(folder)
+    if isinstance(data, xr.Dataset):
+        return write_dataset_report(data, folder, "reports.report(data, folder)")
+    file, command = Path(data), f"reports.report({str(data)!r}, folder)"
+    if file.suffix == ".toml":
+        return write_sweep_report(read_sweep(file).with_reference(), folder, command)
+    if file.suffix == ".sqlite":
+        return write_sweep_report(noted_sweep(file).with_reference(), folder, command, store=file, ask=False)
+    return write_dataset_report(read_dataset(file), folder, command)
+
+
+def read_dataset(file: Path) -> xr.Dataset:
+    """Read the dataset of a sweep.
+
+    Raises
+    ------
+    ParameterError
+        If the file cannot be read, or is no NetCDF.
+    """
+    if file.suffix != ".nc":
+        raise ParameterError(f"{file} has the ending {file.suffix!r}; allowed: .nc, .toml or .sqlite")
+    try:
+        return xr.load_dataset(file, engine="h5netcdf")
+    except (OSError, ValueError) as problem:
+        raise ParameterError(f"{file} cannot be read: {problem}") from None
+
+
+def write_dataset_report(data: xr.Dataset, folder: Path, command: str) -> Path:
+    """Write the report of what a dataset holds; nothing is computed."""
+    report = collect_dataset(data, command)
+    check_folder("folder", folder)
+    return _written(report, folder)
+
+
+def write_sweep_report(
+    sweep: Sweep,
+    folder: Path,
+    command: str,
+    *,
+    store: Path | None = None,
+    ask: bool = True,
+    scope: Scope | None = None,
+    executor: Executor | None = None,
+) -> Path:
+    """Write the report of a sweep, in which the reference takes part.
+
+    Parameters
+    ----------
+    sweep
+        What the report is about, see `Sweep.with_reference`.
+    folder
+        Where it is written; made if it is missing.
+    command
+        What asks for the same numbers, for the page.
+    store
+        File of the results; without it, `STORE` in the folder.
+    ask
+        Whether what the store lacks is computed.
+    scope
+        What the report has beside the grid.
+    executor
+        What computes; processes on this machine without it.
+    """
+    chosen = scope or Scope()
+    executor = executor or executor_for(None, TIME_LIMIT, None)
+    check_folder("folder", folder)
+    file = store or folder / STORE
+    if not ask and not file.is_file():
+        raise ParameterError(f"--store = {file} does not exist; allowed with --no-ask: a store that is there")
+    with ExitStack() as stack:
+        kept = stack.enter_context(ResultStore(file))
+        if not ask:
+            return _written(collect(sweep, kept, StoredResults(kept), command, scope=chosen), folder)
+        note_sweep(file, sweep)
+        bars = stack.enter_context(Bars(sweep.variants))
+        evaluator = stack.enter_context(CountingEvaluator(kept, executor, expected_tasks(sweep, chosen), bars))
+        report = collect(sweep, kept, evaluator, command, scope=chosen)
+    return _written(report, folder)
+
+
+def check_folder(name: str, folder: Path) -> None:
+    """Raise a `ParameterError` unless every file of a report can be written into the folder, which is made."""
+    checked_output_folder(name, folder)
+    for file in FILES:
+        checked_output_file("output file", folder / file)
+    checked_output_folder("figures", folder / FIGURES)
+
+
+def _written(report: Report, folder: Path) -> Path:
+    write_all(folder, files_of(report))
+    return folder / PAGE

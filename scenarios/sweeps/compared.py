@@ -1,0 +1,131 @@
+"""A sweep whose variants are compared with the reference: grid → results → refined edges → verdicts."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from engines.interface.variant import Variant
+from reference_lcp.validation import FloatArray
+from scenarios.sweeps.attenuation_band import Edge
+from scenarios.sweeps.edges import BandEdge, band_edges
+from scenarios.sweeps.refinement import chosen_frequencies, decided_db, for_the_band, frequencies_of, refined
+from scenarios.sweeps.sweep import Case, Sweep
+from scenarios.sweeps.table import (
+    GivesResults,
+    Place,
+    Point,
+    grid,
+    judged,
+    points_of,
+    table_of,
+    with_results,
+)
+from scenarios.verdicts.pointwise import CONVERGED
+from scenarios.verdicts.steady_case import REFERENCE
+
+DENSE_FREQUENCY_RATIOS = tuple(float(eta) for eta in np.round(np.arange(0.1, 3.005, 0.01), 2))
+"""Where the reference's curves are drawn as lines."""
+
+Curve = tuple[FloatArray, FloatArray]
+
+
+@dataclass(frozen=True)
+class ComparedSweep:
+    """What came of a sweep.
+
+    Parameters
+    ----------
+    sweep
+        What was asked for.
+    table
+        Every point of every variant, by variant, case and frequency, judged; see `scenarios.sweeps.table`. The grid of
+        each case is the one asked for, resolved where a curve needs more points.
+    edges
+        Both edges of every curve; empty where nothing could refine them.
+    dense_reference
+        For each case, η_r (`DENSE_FREQUENCY_RATIOS`) and transmittance [dB] of the reference at the common time step,
+        to be drawn as a line; cases without any are left out.
+    """
+
+    sweep: Sweep
+    table: pd.DataFrame
+    edges: tuple[BandEdge, ...] = ()
+    dense_reference: Mapping[Case, Curve] = field(default_factory=dict)
+
+    @cached_property
+    def points(self) -> list[Point]:
+        """Every row of the table."""
+        return points_of(self.table)
+
+    @property
+    def cases(self) -> tuple[Case, ...]:
+        """Cases of the sweep, in order."""
+        return self.sweep.cases
+
+    def curve(self, variant: Variant, case: Case) -> list[Point]:
+        """Points of one curve."""
+        return self._curves.get((variant, case), [])
+
+    def points_of(self, variant: Variant) -> list[Point]:
+        """Points of one variant, by case and frequency."""
+        return [point for case in self.cases for point in self.curve(variant, case)]
+
+    def edge(self, variant: Variant, case: Case, edge: Edge) -> BandEdge:
+        """One edge."""
+        return self._edges[variant, case, edge]
+
+    @cached_property
+    def _curves(self) -> dict[tuple[Variant, Case], list[Point]]:
+        found: dict[tuple[Variant, Case], list[Point]] = {}
+        for point in self.points:
+            found.setdefault((point.variant, point.case), []).append(point)
+        return found
+
+    @cached_property
+    def _edges(self) -> dict[tuple[Variant, Case, Edge], BandEdge]:
+        return {(one.variant, one.case, one.edge): one for one in self.edges}
+
+
+def run(sweep: Sweep, evaluator: GivesResults) -> ComparedSweep:
+    """Evaluate the grid, resolve it, judge every point, and refine the edges of every curve.
+
+    Parameters
+    ----------
+    sweep
+        What is asked for; the converged reference is among its variants, see `Sweep.with_reference`.
+    evaluator
+        What gives the results.
+    """
+    table = judged(sweep, with_results(sweep, resolved_grid(sweep, evaluator), evaluator))
+    return ComparedSweep(sweep, table, band_edges(sweep, table, evaluator), _dense_reference(sweep, evaluator))
+
+
+def judged_points(sweep: Sweep, places: Iterable[Place], evaluator: GivesResults) -> ComparedSweep:
+    """Evaluate and judge points as they are: nothing is added, and no edge is refined."""
+    return ComparedSweep(sweep, judged(sweep, with_results(sweep, table_of(places), evaluator)))
+
+
+def resolved_grid(sweep: Sweep, evaluator: GivesResults) -> pd.DataFrame:
+    """Give every variant at every point of a grid that is as fine in each case as its curves need.
+
+    On an adaptive axis, every variant's curve chooses points, and all variants take all of them, so that they can be
+    compared; then points are added until the converged reference shows no place where a crossing could hide.
+    """
+    etas = chosen_frequencies(sweep, evaluator)
+    guide = [(CONVERGED, case, eta) for case in etas for eta in etas[case]]
+    return grid(sweep, frequencies_of(refined(sweep, guide, for_the_band(sweep), evaluator)))
+
+
+def _dense_reference(sweep: Sweep, evaluator: GivesResults) -> dict[Case, Curve]:
+    """Curves of the reference over the whole range, fine enough to be drawn as lines; adaptive ones are so already."""
+    if sweep.frequencies is not None:
+        return {}
+    low, high = min(sweep.frequency_ratios), max(sweep.frequency_ratios)
+    eta = np.array([ratio for ratio in DENSE_FREQUENCY_RATIOS if low <= ratio <= high])
+    tasks = [sweep.task(REFERENCE, case, one) for case in sweep.cases for one in eta.tolist()]
+    found = [decided_db(result) for result in evaluator.evaluate(tasks)]
+    curves = np.reshape(found, (len(sweep.cases), eta.size))
+    return {case: (eta, curve) for case, curve in zip(sweep.cases, curves, strict=True)}

@@ -1,0 +1,265 @@
+"""A sweep as labelled arrays that say by themselves what they are: units, options, versions, and the sweep itself."""
+
+import itertools
+import json
+import math
+from collections.abc import Callable, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from pydantic import TypeAdapter
+
+from engines.interface.registry import engine
+from engines.interface.variant import Variant
+from reference_lcp.observables.stick_slip import Mode
+from reference_lcp.validation import FloatArray
+from scenarios.sweeps.sweep import Sweep
+from scenarios.sweeps.table import Point, known_at, points_of
+from scenarios.tables import csv_text
+from scenarios.tasks.result import Result, ResultStatus
+from scenarios.verdicts.pointwise import own_error_db, refinements
+from scenarios.verdicts.verdict import Verdict
+
+SUITE = "multibody-xval"
+
+STATUSES = (
+    ResultStatus.CONVERGED, ResultStatus.PERIOD_LIMIT, ResultStatus.DIVERGED, ResultStatus.BLOCKED,
+    ResultStatus.MISSING,
+)  # fmt: skip
+"""How a point may have ended, by its number in datasets; missing: not evaluated so far."""
+
+VERDICTS = tuple(Verdict)
+MODES = tuple(Mode)
+
+SWEEP = TypeAdapter(Sweep)
+"""Reads and writes what a sweep asks for as JSON."""
+
+_AXES = {
+    "friction_ratio": "friction bound over k_c U0, μ λ_N / (k_c U0)",
+    "frequency_ratio": "ω / ω_r",
+    "cells": "number of cells",
+    "mass_ratio": "inner over outer mass",
+    "stiffness_ratio": "inner over chain stiffness",
+    "damping_ratio": "c_c / (2 sqrt(k_c m_o))",
+    "inner_damping_ratio": "c_i / (2 sqrt(k_i m_i))",
+    "steps_per_period": "fewest steps a period",
+}
+
+
+def _mean(values: Sequence[float]) -> float:
+    return float(np.mean(values)) if values else math.nan
+
+
+_NUMBERS: dict[str, tuple[Callable[[Point], float], str, str]] = {
+    "transmittance_db": (lambda point: point.result.transmittance_db, "dB", "20 log10 |U_n| / U0"),
+    "difference_db": (lambda point: point.comparison.difference, "dB", "transmittance less that of the baseline"),
+    "residual": (lambda point: point.result.residual, "1", "periodicity residual"),
+    "periods": (lambda point: point.result.periods, "1", "periods simulated"),
+    "multiple": (lambda point: point.result.multiple, "1", "periods of the drive after which the motion repeats"),
+    "steps_per_period": (lambda point: point.result.steps_per_period, "1", "steps a period that were taken"),
+    "period": (lambda point: point.result.period, "s", "period of the drive"),
+    "mean_stuck_fraction": (
+        lambda point: _mean(point.result.stuck_fraction), "1", "part of the period that a contact sticks, mean",
+    ),
+    "creep": (
+        lambda point: max(point.result.creep, default=math.nan), "1", "largest slip velocity within a stick over ω U0",
+    ),
+    "seconds": (lambda point: point.result.seconds, "s", "wall-clock time of a point"),
+}  # fmt: skip
+
+
+def dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) -> xr.Dataset:
+    """Give a judged table as labelled arrays.
+
+    Parameters
+    ----------
+    sweep
+        What was asked for; its frequency ratios are those of the table.
+    table
+        See `scenarios.sweeps.table`.
+    store
+        Where the results are kept; its name is noted.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions ``variant`` and the axes of the sweep. ``transmittance_db`` [dB] and its estimated error where other
+        numbers of steps tell it, ``difference_db`` from the baseline, ``status`` and ``verdict`` (numbers, see their
+        attributes; a verdict of −1 where no result was asked for), ``reason``, ``residual``, ``periods``, ``multiple``,
+        ``steps_per_period``, ``period`` [s], ``stuck_fraction`` of each contact along ``cell`` and its mean, ``creep``,
+        ``seconds``; changes of mode along ``transition``, results with other numbers of steps along ``refinement``. NaN
+        where there is no number; points that are not evaluated have the status ``missing``. Attributes: the fixed
+        ratios, the drive, versions and options of every variant, and the sweep as JSON.
+    """
+    index = {place: number for number, place in enumerate(sweep.places())}
+    points: list[Point | None] = [None] * len(index)
+    errors = np.full(len(index), math.nan)
+    for point, known in zip(points_of(table), known_at(sweep, table).values(), strict=True):
+        number = index[point[:3]]
+        points[number], errors[number] = point, own_error_db(known)
+    arrays = {
+        "transmittance_error_db": ((), errors, {"units": "dB", "long_name": "error of the step, from other steps"}),
+        **_of_points(points),
+        **_of_contacts(points),
+        **_of_steps(sweep, points),
+    }
+    grid = ("variant", *sweep.axes)
+    sizes = tuple(len(values) for values in (sweep.variants, *sweep.axes.values()))
+    variables = {
+        name: ((*grid, *more), values.reshape(*sizes, *values.shape[1:]), attributes)
+        for name, (more, values, attributes) in arrays.items()
+    }
+    return xr.Dataset(variables, coords=_coordinates(sweep), attrs=_attributes(sweep, store))
+
+
+Arrays = dict[str, tuple[tuple[str, ...], np.ndarray[Any, Any], dict[str, Any]]]
+"""Further dimensions, values with one row a point, and attributes by name."""
+
+
+def _of_points(points: Sequence[Point | None]) -> Arrays:
+    """Give what is one number or one text a point."""
+    arrays: Arrays = {
+        name: ((), _filled(points, read), {"units": units, "long_name": text})
+        for name, (read, units, text) in _NUMBERS.items()
+    }
+    statuses = [ResultStatus.MISSING if point is None else point.result.status for point in points]
+    verdicts = [None if point is None else point.comparison.verdict for point in points]
+    reasons = ["" if point is None else point.result.reason for point in points]
+    arrays["status"] = (
+        (),
+        _numbers(statuses, STATUSES),
+        _meaning(STATUSES, "how the search for a steady state ended"),
+    )
+    arrays["verdict"] = ((), _numbers(verdicts, VERDICTS), _meaning(VERDICTS, "comparison with the baseline"))
+    arrays["reason"] = ((), np.array(reasons, dtype=object), {"long_name": "why there is no result"})
+    return arrays
+
+
+def _of_contacts(points: Sequence[Point | None]) -> Arrays:
+    """Give stuck fractions by cell, and changes of mode by number; there are as many as the longest point has."""
+    results = [Result.missing() if point is None else point.result for point in points]
+    stuck = _padded([result.stuck_fraction for result in results])
+    cells, times, modes = (
+        _padded([tuple(read(change) for change in result.transitions) for result in results])
+        for read in (lambda c: float(c[0]), lambda c: c[1], lambda c: float(MODES.index(Mode(c[2]))))
+    )
+    return {
+        "stuck_fraction": (
+            ("cell",),
+            stuck,
+            {"units": "1", "long_name": "part of the period that a contact sticks"},
+        ),
+        "transition_cell": (("transition",), cells, {"units": "1", "long_name": "cell of a change of mode, from 1"}),
+        "transition_time": (("transition",), times, {"units": "s", "long_name": "time of a change of mode"}),
+        "transition_mode": (("transition",), modes, _meaning(MODES, "mode that a change begins", np.float64)),
+    }
+
+
+def _of_steps(sweep: Sweep, points: Sequence[Point | None]) -> Arrays:
+    """Give results with other numbers of steps, where any were asked for."""
+    factors = factors_of(sweep)
+    if not factors:
+        return {}
+    level, steps = (np.full((len(points), len(factors)), math.nan) for _ in range(2))
+    for number, point in enumerate(points):
+        if point is None:
+            continue
+        for factor, other in zip(refinements(point.variant, sweep.tolerance), point.others, strict=True):
+            if other.converged:
+                level[number, factors.index(factor)] = other.transmittance_db
+                steps[number, factors.index(factor)] = other.steps_per_period
+    return {
+        "refined_transmittance_db": (
+            ("refinement",), level, {"units": "dB", "long_name": "transmittance with other numbers of steps"},
+        ),
+        "refined_steps_per_period": (
+            ("refinement",), steps, {"units": "1", "long_name": "steps a period that were taken"},
+        ),
+    }  # fmt: skip
+
+
+def factors_of(sweep: Sweep) -> list[float]:
+    """Give with how many times the steps any variant is simulated too, ascending."""
+    return sorted({factor for variant in sweep.variants for factor in refinements(variant, sweep.tolerance)})
+
+
+def _filled(points: Sequence[Point | None], read: Callable[[Point], float]) -> FloatArray:
+    return np.array([math.nan if point is None else read(point) for point in points], dtype=np.float64)
+
+
+def _padded(rows: Sequence[Sequence[float]]) -> FloatArray:
+    """Give rows of unequal lengths as one array, with NaN at their ends."""
+    return np.array(list(itertools.zip_longest(*rows, fillvalue=math.nan)), dtype=np.float64).reshape(-1, len(rows)).T
+
+
+def _numbers(values: Sequence[str | None], every: Sequence[str]) -> Any:
+    return np.array([-1 if value is None else every.index(value) for value in values], dtype=np.int8)
+
+
+def _meaning(every: Sequence[str], text: str, kind: type = np.int8) -> dict[str, Any]:
+    """Say what the numbers of a variable mean, as the CF conventions do."""
+    meanings = " ".join(str(one).replace(" ", "_") for one in every)
+    return {"long_name": text, "flag_values": np.arange(len(every), dtype=kind), "flag_meanings": meanings}
+
+
+def _coordinates(sweep: Sweep) -> dict[str, Any]:
+    axes = {name: (name, list(values), {"units": "1", "long_name": _AXES[name]}) for name, values in sweep.axes.items()}
+    names = [str(variant) for variant in sweep.variants]
+    variant = ("variant", names, {"long_name": "engine, formulation and preset; joint and tuned are left out"})
+    factors = factors_of(sweep)
+    steps = ("refinement", factors, {"units": "1", "long_name": "steps a period over those of the sweep"})
+    return {"variant": variant, **axes, **({"refinement": steps} if factors else {})}
+
+
+def _attributes(sweep: Sweep, store: Path | None) -> dict[str, Any]:
+    """Give everything that a reader of the numbers needs to know, and the sweep itself."""
+    ratios = {name: value for name, value in sweep.ratios.as_data().items() if name not in sweep.axes}
+    steps = {} if "steps_per_period" in sweep.axes else {"steps_per_period": sweep.steps_per_period}
+    tolerance = {} if sweep.tolerance is None else {
+        "tolerance_db": sweep.tolerance.transmittance_db, "baseline": str(sweep.tolerance.baseline),
+    }  # fmt: skip
+    return {
+        "Conventions": "CF-1.11",
+        "title": "Steady states of a frictional mass-in-mass chain",
+        "source": f"{SUITE} {version(SUITE)}",
+        **{name: list(value) if isinstance(value, tuple) else value for name, value in ratios.items()},
+        **steps,
+        "drive_kind": sweep.excitation.kind,
+        "drive_amplitude": sweep.excitation.amplitude,
+        "drive_amplitude_units": "m" if sweep.excitation.kind == "base" else "N",
+        **tolerance,
+        **({} if store is None else {"store": store.name}),
+        "variants": json.dumps(
+            {str(variant): description_of(variant) for variant in sweep.variants}, ensure_ascii=False, default=repr
+        ),
+        "sweep": SWEEP.dump_json(sweep).decode(),
+    }
+
+
+def description_of(variant: Variant) -> dict[str, Any]:
+    """Give version, preset and options of a variant, as they are on this machine."""
+    of, preset = engine(variant.engine), variant.preset
+    return {
+        "package": of.capabilities.package,
+        "version": of.version() if of.unavailable_reason() is None else None,
+        "description": preset.description,
+        "options": [
+            {"name": name, "value": option.value, "default": option.default, "reason": option.reason}
+            for name, option in preset.options.items()
+        ],
+    }
+
+
+def write_dataset(data: xr.Dataset, file: Path) -> None:
+    """Write labelled results as NetCDF (``.nc``) or as a table (``.csv``), one point a line."""
+    if file.suffix == ".nc":
+        data.to_netcdf(file, engine="h5netcdf")
+        return
+    grid = data.status.dims
+    plain = data[[name for name, values in data.data_vars.items() if values.dims == grid]]
+    table = plain.to_dataframe(dim_order=list(grid)).reset_index()
+    file.write_text(csv_text(table), encoding="utf-8")

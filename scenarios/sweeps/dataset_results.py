@@ -1,0 +1,131 @@
+"""Results out of a dataset: a report is made of one as of anything else that gives results."""
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from pydantic import ValidationError
+
+from engines.interface.variant import Variant
+from reference_lcp.validation import ParameterError
+from scenarios.sweeps.dataset import MODES, STATUSES, SWEEP
+from scenarios.sweeps.sweep import Sweep
+from scenarios.tasks.result import Result, ResultStatus
+from scenarios.tasks.task import SteadyStateTask
+
+
+def sweep_of(data: xr.Dataset) -> Sweep:
+    """Give the sweep whose results a dataset holds; of a part of one, such as ``data.sel(...)``, that part.
+
+    Raises
+    ------
+    ParameterError
+        If the dataset is none of a sweep.
+    """
+    try:
+        asked = SWEEP.validate_json(data.attrs["sweep"])
+    except (KeyError, ValidationError):
+        raise ParameterError("the dataset has no attribute 'sweep'; allowed: the dataset of a sweep") from None
+    for name in ("variant", *asked.axes):
+        if name not in data.coords:
+            raise ParameterError(f"the dataset has no coordinate {name!r}; allowed: all those of its sweep")
+    variants = tuple(Variant.parse(name) for name in np.atleast_1d(data["variant"].values).tolist())
+    axes = {name: tuple(np.atleast_1d(data[name].values).tolist()) for name in asked.axes}
+    return dataclasses.replace(asked, variants=variants, axes=axes)
+
+
+class DatasetResults:
+    """Gives the results that a dataset holds; what it does not hold is missing.
+
+    Parameters
+    ----------
+    data
+        The dataset of a sweep, see `scenarios.sweeps.dataset.dataset`; also one that has been read back from a file, or
+        a part of one.
+
+    Attributes
+    ----------
+    sweep
+        What was asked for.
+    places
+        Where results were asked for.
+
+    Raises
+    ------
+    ParameterError
+        If it is none of a sweep.
+    """
+
+    def __init__(self, data: xr.Dataset):
+        self.sweep = sweep_of(data)
+        whole = data.expand_dims([name for name in ("variant", *self.sweep.axes) if name not in data.dims])
+        self._results = _results(self.sweep, whole)
+        asked = _rows(whole["verdict"], ("variant", *self.sweep.axes)) >= 0
+        self.places = [place for place, known in zip(self.sweep.places(), asked, strict=True) if known]
+
+    def evaluate(self, tasks: Sequence[SteadyStateTask]) -> list[Result]:
+        """Give the result of every task, in order."""
+        return [self._results.get(task) or Result.missing() for task in tasks]
+
+
+def _results(sweep: Sweep, whole: xr.Dataset) -> dict[SteadyStateTask, Result]:
+    """Give every result of a dataset by its task."""
+    grid = ("variant", *sweep.axes)
+    columns = {
+        str(name): _rows(values, grid) for name, values in whole.data_vars.items() if set(grid) <= set(values.dims)
+    }
+    factors = [float(factor) for factor in whole["refinement"].values] if "refinement" in whole.dims else []
+    found = {}
+    for number, place in enumerate(sweep.places()):
+        row = {name: values[number] for name, values in columns.items()}
+        found[sweep.task(*place)] = _result(row)
+        for k, factor in enumerate(factors):
+            if not math.isnan(row["refined_transmittance_db"][k]):
+                found[sweep.task(*place, factor)] = _refined(row, k)
+    return found
+
+
+def _rows(values: xr.DataArray, grid: Sequence[str]) -> Any:
+    """Give a variable with one row a point, in the order of `Sweep.places`."""
+    rest = [name for name in values.dims if name not in grid]
+    array = values.transpose(*grid, *rest).values
+    return array.reshape(-1, *array.shape[len(grid) :])
+
+
+def _result(row: dict[str, Any]) -> Result:
+    """Rebuild a result; of creep the largest of all contacts is known."""
+    changes = zip(*(_without_nan(row[f"transition_{part}"]) for part in ("cell", "time", "mode")), strict=True)
+    return Result(
+        status=STATUSES[int(row["status"])],
+        reason=str(row["reason"]),
+        transmittance_db=float(row["transmittance_db"]),
+        residual=float(row["residual"]),
+        periods=_whole(row["periods"]),
+        multiple=_whole(row["multiple"]),
+        steps_per_period=_whole(row["steps_per_period"]),
+        period=float(row["period"]),
+        stuck_fraction=_without_nan(row["stuck_fraction"]),
+        transitions=tuple((int(cell), time, str(MODES[int(mode)])) for cell, time, mode in changes),
+        creep=_without_nan([row["creep"]]),
+        seconds=float(row["seconds"]),
+    )
+
+
+def _refined(row: dict[str, Any], place: int) -> Result:
+    """Rebuild a steady state with another number of steps."""
+    return Result(
+        status=ResultStatus.CONVERGED,
+        transmittance_db=float(row["refined_transmittance_db"][place]),
+        steps_per_period=_whole(row["refined_steps_per_period"][place]),
+    )
+
+
+def _whole(value: float) -> int:
+    return 0 if math.isnan(value) else int(value)
+
+
+def _without_nan(values: Any) -> tuple[float, ...]:
+    return tuple(float(value) for value in values if not math.isnan(value))

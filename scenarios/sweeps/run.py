@@ -1,0 +1,48 @@
+"""Sweeps as they are asked for: every variant at its own points, nothing beside them."""
+
+from dataclasses import replace
+
+import pandas as pd
+
+from scenarios.execution.evaluator import Evaluator, StoredResults
+from scenarios.execution.store import ResultStore
+from scenarios.sweeps.refinement import ForTheAccuracy, refined
+from scenarios.sweeps.summary import SweepSummary
+from scenarios.sweeps.sweep import Sweep
+from scenarios.sweeps.table import grid, judged, with_results
+from scenarios.tasks.result import ResultSummary
+
+
+def run_sweep(sweep: Sweep, evaluator: Evaluator) -> SweepSummary:
+    """Evaluate whatever the store does not know yet; every result is on disk the moment it is there.
+
+    On an adaptive axis, every curve chooses its own points, a curve being one variant in one case.
+    """
+    summary = SweepSummary()
+    if sweep.frequencies is None:
+        for task, ended in evaluator.complete(sweep.tasks()):
+            summary.add(task.variant, ended)
+        return summary
+    accuracy = ForTheAccuracy(sweep)
+    table = refined(sweep, accuracy.due(), accuracy, evaluator)
+    for variant, result in zip(table["variant"], table["result"], strict=True):
+        summary.add(variant, ResultSummary.of(result))
+    for (variant, _), curve in accuracy.curves.items():
+        summary.unresolved[variant] += not curve.resolved
+    return summary
+
+
+def stored_table(sweep: Sweep, store: ResultStore) -> tuple[Sweep, pd.DataFrame]:
+    """Give what a store knows of a sweep as a judged table, and the sweep with all frequency ratios of the table.
+
+    On an adaptive axis, the table has the points of every curve, as far as the results that are known choose them.
+    """
+    evaluator = StoredResults(store)
+    if sweep.frequencies is None:
+        whole, table = sweep, grid(sweep)
+    else:
+        accuracy = ForTheAccuracy(sweep)
+        table = refined(sweep, accuracy.due(), accuracy, evaluator)
+        etas = tuple(sorted(set(table["frequency_ratio"])))
+        whole = replace(sweep, axes={**sweep.axes, "frequency_ratio": etas})
+    return whole, judged(whole, with_results(whole, table, evaluator))

@@ -1,0 +1,134 @@
+"""The labelled table of a sweep, one row a point, and its stages: grid, results, verdicts.
+
+Its columns are ``variant``, ``case``, the axes, ``result``, ``others`` (results with other numbers of steps, by
+`refinements`) and ``comparison``; each stage takes a table and gives one with more rows or columns.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple, Protocol
+
+import pandas as pd
+
+from engines.interface.variant import Variant
+from scenarios.sweeps.sweep import Case, Sweep
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
+from scenarios.verdicts.pointwise import CONVERGED, PointResults, compare_point, refinements
+from scenarios.verdicts.steady_case import REFERENCE, amplification
+from scenarios.verdicts.verdict import Comparison
+
+Place = tuple[Variant, Case, float]
+
+
+class GivesResults(Protocol):
+    """What gives a result to every task: an evaluator, a store, a dataset."""
+
+    def evaluate(self, tasks: Sequence[SteadyStateTask], /) -> list[Result]:
+        """Give the results, in order; what is not known is ``missing``."""
+
+
+class Point(NamedTuple):
+    """One row of a judged table.
+
+    Parameters
+    ----------
+    variant, case, frequency_ratio
+        Where it is.
+    result
+        What came out.
+    others
+        What came out with other numbers of steps; empty where they were not asked for.
+    comparison
+        What came of comparing it with its baseline.
+    """
+
+    variant: Variant
+    case: Case
+    frequency_ratio: float
+    result: Result
+    others: tuple[Result, ...]
+    comparison: Comparison
+
+
+def table_of(places: Iterable[Place]) -> pd.DataFrame:
+    """Give a table of places: a column an axis, beside the variant and the case."""
+    rows = list(places)
+    axes = {name: [case.by_axis[name] for _, case, _ in rows] for name in (rows[0][1].by_axis if rows else ())}
+    variants, cases, etas = zip(*rows, strict=True) if rows else ((), (), ())
+    return pd.DataFrame({"variant": variants, "case": cases, **axes, "frequency_ratio": etas})
+
+
+def places_of(table: pd.DataFrame) -> list[Place]:
+    """Give where the rows of a table are, in order."""
+    return list(zip(table["variant"], table["case"], table["frequency_ratio"].tolist(), strict=True))
+
+
+def points_of(table: pd.DataFrame) -> list[Point]:
+    """Give the rows of a judged table, in order."""
+    return [
+        Point(*place, *found)
+        for place, found in zip(
+            places_of(table), zip(table["result"], table["others"], table["comparison"], strict=True), strict=True
+        )
+    ]
+
+
+def judged_table(points: Sequence[Point]) -> pd.DataFrame:
+    """Give a judged table of points; the reverse of `points_of`."""
+    columns = {name: [getattr(point, name) for point in points] for name in ("result", "others", "comparison")}
+    return with_columns(table_of(point[:3] for point in points), **columns)
+
+
+def with_columns(table: pd.DataFrame, **columns: Sequence[object]) -> pd.DataFrame:
+    """Add columns of objects, one a row."""
+    return table.assign(
+        **{name: pd.Series(list(values), index=table.index, dtype=object) for name, values in columns.items()}
+    )
+
+
+def grid(sweep: Sweep, etas: Mapping[Case, Sequence[float]] | None = None) -> pd.DataFrame:
+    """Give every variant at every point; `etas` are frequency ratios of each case, those of the sweep without it."""
+    known = dict.fromkeys(sweep.cases, sweep.frequency_ratios) if etas is None else etas
+    return table_of((variant, case, eta) for variant in sweep.variants for case in known for eta in known[case])
+
+
+def tasks_of(sweep: Sweep, table: pd.DataFrame) -> list[SteadyStateTask]:
+    """Give the tasks of all rows: first one a row, then those with other numbers of steps."""
+    places = places_of(table)
+    return [
+        *(sweep.task(*place) for place in places),
+        *(sweep.task(*place, factor) for place in places for factor in refinements(place[0], sweep.tolerance)),
+    ]
+
+
+def with_results(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> pd.DataFrame:
+    """Evaluate all rows at once, and add the columns ``result`` and ``others``."""
+    found = iter(evaluator.evaluate(tasks_of(sweep, table)))
+    results = [next(found) for _ in range(len(table))]
+    others = [tuple(next(found) for _ in refinements(variant, sweep.tolerance)) for variant in table["variant"]]
+    return with_columns(table, result=results, others=others)
+
+
+def known_at(sweep: Sweep, table: pd.DataFrame) -> dict[Place, PointResults]:
+    """Give what is known at every row, beside the reference's results at the same point."""
+    known = dict(zip(places_of(table), zip(table["result"], table["others"], strict=True), strict=True))
+    missing = Result.missing(), ()
+    found = {}
+    for (variant, case, eta), (result, others) in known.items():
+        reference, refined = known.get((REFERENCE, case, eta), missing)
+        found[variant, case, eta] = PointResults(
+            variant=variant,
+            answer=result,
+            others=others,
+            reference=reference,
+            converged=known.get((CONVERGED, case, eta), missing)[0],
+            amplified=amplification(sweep.ratios_of(case), eta),
+            refined=refined,
+            given=sweep.tolerance,
+        )
+    return found
+
+
+def judged(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
+    """Compare every row with its baseline at the same point, and add the column ``comparison``."""
+    return with_columns(table, comparison=[compare_point(known) for known in known_at(sweep, table).values()])

@@ -1,0 +1,170 @@
+"""A report in one call: of a sweep over anything, of its dataset, of a part of it, of a file, of a store."""
+
+import json
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from reference_lcp import ParameterError
+from reports import report
+from reports.data.collect import collect_dataset
+from reports.export.files import report_dataset
+from reports.export.tables import transmittance_table
+from scenarios.execution.batch import run_batch
+from scenarios.execution.evaluator import StoredResults
+from scenarios.execution.store import ResultStore
+from scenarios.sweeps.compared import ComparedSweep, run
+from scenarios.sweeps.dataset import dataset
+from scenarios.sweeps.dataset_results import DatasetResults
+from scenarios.sweeps.noted import note_sweep, noted_sweep
+from scenarios.sweeps.run import stored_table
+from scenarios.sweeps.spec_file import read_sweep
+from scenarios.sweeps.sweep import Case, Sweep
+from scenarios.sweeps.table import grid, tasks_of
+from scenarios.tables import records
+
+CONTENT = """\
+engines = ["reference:joint", "reference:joint:converged", "mujoco:joint", "mujoco:joint:default"]
+[grid]
+friction_ratio = [0.3]
+frequency_ratio = [0.6, 0.9]
+mass_ratio = [0.5, 1.0]
+cells = [1, 2]
+[drive]
+kind = "force"
+amplitude = 5.0
+"""
+
+
+@pytest.fixture(scope="module")
+def sweep(tmp_path_factory: pytest.TempPathFactory) -> Sweep:
+    file = tmp_path_factory.mktemp("file") / "sweep.toml"
+    file.write_text(CONTENT)
+    return read_sweep(file)
+
+
+@pytest.fixture(scope="module")
+def store(sweep: Sweep, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Results of every point, and of those with other numbers of steps."""
+    file = tmp_path_factory.mktemp("store") / "results.sqlite"
+    with ResultStore(file) as kept:
+        for task in tasks_of(sweep, grid(sweep)):
+            kept.keep([(task, run_batch([task])[0])])
+    note_sweep(file, sweep)
+    return file
+
+
+@pytest.fixture(scope="module")
+def data(sweep: Sweep, store: Path) -> xr.Dataset:
+    with ResultStore(store) as kept:
+        return dataset(*stored_table(sweep, kept), store)
+
+
+@pytest.fixture(scope="module")
+def result(sweep: Sweep, store: Path) -> ComparedSweep:
+    with ResultStore(store) as kept:
+        return run(sweep.with_reference(), StoredResults(kept))
+
+
+def test_dataset_says_what_its_numbers_are(data: xr.Dataset, sweep: Sweep) -> None:
+    assert data.transmittance_db.attrs["units"] == "dB"
+    assert data.status.attrs["flag_meanings"].split() == ["converged", "period_limit", "diverged", "blocked", "missing"]
+    assert (data.attrs["drive_kind"], data.attrs["drive_amplitude"]) == ("force", 5.0)
+    assert data.attrs["damping_ratio"] == 0.01
+    assert not {"cells", "mass_ratio"} & data.attrs.keys(), "what is varied is a coordinate"
+    assert data.attrs["store"] == "results.sqlite"
+    variants = json.loads(data.attrs["variants"])
+    assert variants["mujoco"]["package"] == "mujoco"
+    assert {option["name"] for option in variants["mujoco"]["options"]} >= {"solver", "noslip_iterations"}
+    short = data.stuck_fraction.sel(cells=1)
+    assert bool(short.isel(cell=1).isnull().all())
+    assert bool(short.isel(cell=0).notnull().all())
+    assert bool(data.transmittance_error_db.sel(variant="reference").notnull().all())
+    assert bool(data.transmittance_error_db.sel(variant="mujoco").isnull().all()), "it shares the reference's error"
+
+
+def test_results_out_of_a_file_are_those_of_the_store(
+    data: xr.Dataset, sweep: Sweep, store: Path, tmp_path: Path
+) -> None:
+    data.to_netcdf(tmp_path / "sweep.nc", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "sweep.nc", engine="h5netcdf") as read:
+        xr.testing.assert_equal(read, data)
+        results = DatasetResults(read)
+    tasks = list(sweep.tasks())
+    assert results.sweep == sweep
+    with ResultStore(store) as kept:
+        for ours, theirs in zip(results.evaluate(tasks), StoredResults(kept).evaluate(tasks), strict=True):
+            for name in (
+                "status",
+                "transmittance_db",
+                "residual",
+                "periods",
+                "period",
+                "stuck_fraction",
+                "transitions",
+            ):
+                assert getattr(ours, name) == getattr(theirs, name)
+
+
+def test_report_of_a_dataset_has_the_verdicts_of_the_store(data: xr.Dataset, result: ComparedSweep) -> None:
+    found = records(transmittance_table(collect_dataset(data, "").result))
+    places = {
+        (row["engine"], row["preset"], row["mass_ratio"], row["cells"], row["frequency_ratio"]): row for row in found
+    }
+    expected = [row for row in records(transmittance_table(result)) if row["verdict"] != "inconclusive"]
+    assert len(expected) > 12
+    for row in expected:
+        assert places[row["engine"], row["preset"], row["mass_ratio"], row["cells"], row["frequency_ratio"]] == row
+
+
+def test_part_of_a_dataset_is_reported_by_itself(data: xr.Dataset) -> None:
+    part = collect_dataset(data.sel(mass_ratio=1.0, variant=["reference", "mujoco"]), "").result
+    assert part.cases == tuple(Case.of(friction_ratio=0.3, mass_ratio=1.0, cells=cells) for cells in (1, 2))
+    assert {str(point.variant) for point in part.points} == {"reference", "mujoco"}
+    assert {str(point.comparison.verdict) for point in part.points_of(part.sweep.variants[1])} == {"agree"}
+
+
+def test_report_of_a_sweep_over_more_than_friction_names_its_cases(data: xr.Dataset, tmp_path: Path) -> None:
+    page = report(data, tmp_path / "report")
+    assert page == tmp_path / "report" / "index.html"
+    text = page.read_text()
+    assert "Friction ratio 0.3, mass ratio 0.5, cells 2" in text
+    assert "friction ratio, mass ratio, number of cells" in text
+    assert "driven by a harmonic force" in text
+    for absent in ("Band edges", "Friction and frequency", "Work and precision"):
+        assert f"<h2>{absent}</h2>" not in text
+    header = (tmp_path / "report" / "transmittance.csv").read_text().splitlines()[0]
+    assert header.startswith("engine,formulation,preset,friction_ratio,mass_ratio,cells,frequency_ratio,")
+
+
+def test_dataset_of_a_report_can_be_reported(result: ComparedSweep) -> None:
+    again = collect_dataset(report_dataset(result), "").result
+    assert sorted(map(repr, again.table["comparison"])) == sorted(map(repr, result.table["comparison"]))
+
+
+def test_store_knows_its_sweep(sweep: Sweep, store: Path, tmp_path: Path) -> None:
+    assert noted_sweep(store) == sweep
+    with ResultStore(tmp_path / "other.sqlite"):
+        pass
+    with pytest.raises(ParameterError, match="holds no sweep"):
+        report(tmp_path / "other.sqlite", tmp_path / "report")
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("data.xlsx", "allowed: .nc, .toml or .sqlite"),
+        ("none.nc", "none.nc cannot be read"),
+        ("none.toml", "cannot be"),
+    ],
+)
+def test_what_is_no_data_is_refused_before_a_folder_is_made(name: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match=message):
+        report(tmp_path / name, tmp_path / "report")
+    assert not (tmp_path / "report").exists()
+
+
+def test_dataset_that_is_none_of_a_sweep_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match="no attribute 'sweep'"):
+        report(xr.Dataset({"a": ("x", [1.0])}), tmp_path / "report")
