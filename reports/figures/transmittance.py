@@ -49,14 +49,14 @@ def overview(result: ComparedSweep) -> Figure:
         height=2.9,
         pixels=440,
         legend_columns=min(len(curves), 6),
-        legend_title=_legend_title(result),
+        legend_title=named_axes(result.sweep, plural=False).replace("friction ratio", "friction ratio μλ̃_N [-]"),
     )
 
 
 def panel(result: ComparedSweep, case: Case) -> Figure:
     """Draw one case: every variant over the reference, and below it their differences."""
     variants = compared_variants(result.sweep)
-    edges = _edges(result, case)
+    edges = [Rule("x", eta, EDGE) for eta in converged_edges(result, case)]
     reference = Series(*reference_line(result, case), Style("#000000"), REFERENCE.title, hover="η_r %{x}\n%{y:.3f} dB")
     drawn = [variant for variant in variants if _points(result, variant, case)]
     upper = [_variant(result, variant, case) for variant in drawn]
@@ -87,15 +87,6 @@ def panel(result: ComparedSweep, case: Case) -> Figure:
 
 def _threshold(result: ComparedSweep) -> Mark:
     return Rule("y", result.sweep.band.threshold_db, RULE)
-
-
-def _edges(result: ComparedSweep, case: Case) -> list[Mark]:
-    return [Rule("x", eta, EDGE) for eta in converged_edges(result, case)]
-
-
-def _legend_title(result: ComparedSweep) -> str:
-    """Name what tells the curves apart."""
-    return named_axes(result.sweep, plural=False).replace("friction ratio", "friction ratio μλ̃_N [-]")
 
 
 def _variant(result: ComparedSweep, variant: Variant, case: Case) -> Series:
