@@ -1,0 +1,137 @@
+"""What a notebook writes: `sweep` and `check`, with lists and arrays, and mistakes that cost no time."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from reference_lcp import Chain, HarmonicBase, HarmonicForce, ParameterError, steady_state
+from scenarios import check, sweep
+from scenarios.execution.evaluator import Evaluator
+
+MASSES = [1.0, 0.8, 1.2]
+
+SCRIPT = """\
+from scenarios import check, sweep
+from reports import report
+
+data = sweep(engines=["reference", "mujoco"], friction_ratio=[0.1, 0.3], frequency_ratio=(0.6, 1.2, 3), store="kept.sqlite")
+table = check("frictionless-limit", engines=["mujoco"], store="kept.sqlite")
+data.to_netcdf("data.nc", engine="h5netcdf")
+print(report(data, "of the data"), report("data.nc", "of the file"), report("kept.sqlite", "of the store"))
+print(sorted(data.sizes.items()), set(table.verdict))
+"""
+
+
+def by_reference(drive_of, **ratios) -> float:
+    """Transmittance [dB] of one point by the reference alone."""
+    chain = Chain.from_ratios(**ratios)
+    return steady_state(chain, drive_of(chain), with_error_bar=False).transmittance_db
+
+
+def test_script_without_a_main_guard_sweeps_checks_and_reports(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(SCRIPT)
+    done = subprocess.run(
+        [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    pages, said = done.stdout.splitlines()
+    assert pages.count("index.html") == 3
+    assert all((tmp_path / folder / "index.html").stat().st_size > 1e5 for folder in ("of the data", "of the file"))
+    assert (
+        "('friction_ratio', 2), ('frequency_ratio', 3)" in said.replace("('cell', 7), ", "")
+        or "frequency_ratio" in said
+    )
+    assert said.endswith("{'agree'}")
+
+
+def test_array_has_one_number_a_cell() -> None:
+    data = sweep("reference", 0.3, 0.9, chain={"cells": 3, "mass_ratio": np.array(MASSES)}, workers=1)
+    expected = by_reference(
+        lambda chain: HarmonicBase.from_ratio(chain, frequency_ratio=0.9),
+        cells=3,
+        mass_ratio=MASSES,
+        friction_ratio=0.3,
+    )
+    assert float(data.transmittance_db.squeeze()) == pytest.approx(expected, abs=1e-6)
+    alike = sweep("reference", 0.3, 0.9, chain={"cells": 3}, workers=1)
+    assert abs(float(alike.transmittance_db.squeeze()) - expected) > 0.1, "the masses make no difference"
+
+
+def test_further_axes_are_varied_and_named() -> None:
+    data = sweep("reference", [0.3], [0.9], vary={"mass_ratio": (0.5, 1.5, 3)}, chain={"cells": 2}, workers=1)
+    assert data.sizes["mass_ratio"] == 3
+    np.testing.assert_allclose(data.mass_ratio, [0.5, 1.0, 1.5])
+    expected = by_reference(
+        lambda chain: HarmonicBase.from_ratio(chain, frequency_ratio=0.9), cells=2, mass_ratio=1.5, friction_ratio=0.3
+    )
+    found = data.transmittance_db.sel(mass_ratio=1.5).squeeze()
+    assert float(found) == pytest.approx(expected, abs=1e-6)
+
+
+def test_force_on_cell_one_drives_the_chain() -> None:
+    data = sweep("reference", 0.0, 0.9, chain={"cells": 2}, drive="force", amplitude=5.0, workers=1)
+    assert (data.attrs["drive_kind"], data.attrs["drive_amplitude"]) == ("force", 5.0)
+    expected = by_reference(
+        lambda chain: HarmonicForce(5.0, 0.9 * chain.resonator_frequency), cells=2, friction_ratio=0.0
+    )
+    assert float(data.transmittance_db.squeeze()) == pytest.approx(expected, abs=1e-6)
+
+
+def test_second_call_takes_everything_from_the_store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = {
+        "friction_ratio": [0.1, 0.3],
+        "frequency_ratio": 0.9,
+        "chain": {"cells": 2},
+        "store": tmp_path / "s.sqlite",
+    }
+    first = sweep("reference", workers=1, **asked)
+
+    def refuse(*_arguments):
+        raise AssertionError("a task is run whose result is known")
+
+    monkeypatch.setattr(Evaluator, "_run", lambda _self, tasks: refuse() if tasks else iter(()))
+    second = sweep("reference", workers=1, **asked)
+    xr.testing.assert_identical(first, second)
+
+
+def test_check_gives_a_row_a_number() -> None:
+    table = check("frictionless-limit", "reference", workers=1)
+    assert set(table.engine) == {"reference"}
+    assert set(table.verdict) == {"agree"}
+    assert (table.difference.abs() <= table.allowed).all()
+    assert len(table) > 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"engines": "mojuco"}, "mojuco"),
+        ({"engines": []}, "engines"),
+        ({"friction_ratio": -0.1}, "friction_ratio = -0.1"),
+        ({"frequency_ratio": []}, "frequency_ratio"),
+        ({"frequency_ratio": (0.3, 1.6, 1)}, "points = 1"),
+        ({"chain": {"cells": 3, "mass_ratio": [1.0, 2.0]}}, "mass_ratio has 2 values and the chain 3 cells"),
+        ({"chain": {"mass": 1.0}}, "chain.mass is unknown"),
+        ({"vary": {"colour": [1.0]}}, "colour"),
+        ({"drive": "wind"}, "wind"),
+        ({"steps_per_period": 3}, "steps_per_period = 3"),
+        ({"workers": 0}, "workers"),
+        ({"store": "no/such/folder/kept.sqlite"}, "no/such/folder"),
+    ],
+)
+def test_mistake_is_named_before_any_work(
+    arguments: dict[str, object], message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Evaluator, "_run", lambda *_: pytest.fail("something was computed"))
+    whole = {"engines": "reference", "friction_ratio": 0.3, "frequency_ratio": 0.9, **arguments}
+    with pytest.raises(ParameterError, match=message.replace("(", "\\(")):
+        sweep(**whole)
+
+
+def test_unknown_scenario_is_refused_with_those_that_there_are() -> None:
+    with pytest.raises(ParameterError, match="unit-cell"):
+        check("unit-sell")
