@@ -9,10 +9,11 @@ import xarray as xr
 from reference_lcp import ParameterError
 from reports import report
 from reports.data.collect import collect_dataset
-from reports.export.files import report_dataset
+from reports.export.files import files_of, report_dataset
 from reports.export.tables import transmittance_table
 from scenarios.execution.batch import run_batch
-from scenarios.execution.evaluator import StoredResults
+from scenarios.execution.evaluator import Evaluator, StoredResults
+from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.compared import ComparedSweep, run
 from scenarios.sweeps.dataset import dataset
@@ -168,3 +169,33 @@ def test_what_is_no_data_is_refused_before_a_folder_is_made(name: str, message: 
 def test_dataset_that_is_none_of_a_sweep_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ParameterError, match="no attribute 'sweep'"):
         report(xr.Dataset({"a": ("x", [1.0])}), tmp_path / "report")
+
+
+ADAPTIVE = """\
+engines = ["mujoco:joint"]
+[grid]
+friction_ratio = [0.3]
+frequency_ratio = { first = 0.5, last = 1.5, accuracy_db = 3.0, least_spacing = 0.01 }
+[chain]
+cells = 2
+"""
+
+
+def test_adaptive_frequencies_are_those_of_all_curves_together(tmp_path: Path) -> None:
+    file, store = tmp_path / "sweep.toml", tmp_path / "results.sqlite"
+    file.write_text(ADAPTIVE)
+    sweep = read_sweep(file).with_reference()
+    with ResultStore(store) as kept, Evaluator(kept, InProcessExecutor()) as evaluator:
+        result = run(sweep, evaluator)
+    etas = {
+        variant: [point.frequency_ratio for point in result.curve(variant, sweep.cases[0])]
+        for variant in sweep.variants
+    }
+    first, *others = etas.values()
+    assert len(first) > len(sweep.frequency_ratios)
+    assert all(first == other for other in others), "every variant can be compared at every point"
+    assert {str(point.comparison.verdict) for point in result.points} == {"agree"}
+    again = collect_dataset(report_dataset(result), "").result
+    assert len(again.points) == len(result.points)
+    page = files_of(collect_dataset(report_dataset(result), ""))["index.html"].decode()
+    assert "are not answered so far" not in page
