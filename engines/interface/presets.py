@@ -34,7 +34,7 @@ class NormalForce(StrEnum):
 
     @classmethod
     def of(cls, lane: Lane) -> "NormalForce":
-        """Give what a lane asks for."""
+        """Give what a lane needs."""
         if lane.preload is None:
             return cls.CONSTANT
         return cls.LIFTING if lane.opens else cls.MODULATED
@@ -76,7 +76,7 @@ class Preset:
         Largest difference between one run and the same run split in two, over the displacement scale.
     residual_slip_compliance
         Part of the relative velocity which a contact would gain in a step without its forces, along it when it
-        sticks or across it, that is left to it, where the engine cannot be told to leave none.
+        sticks or across it, that is left to it, where no option of the engine makes it zero.
     known_deviation
         The law of the engine by which its motion departs from Coulomb's with these options, by more than its time
         step explains; empty where there is none. Reports print it beside a disagreement.
@@ -88,7 +88,7 @@ class Preset:
     modulated_options
         What it sets otherwise where it does.
     modulated_residual_slip_compliance
-        The softness where it does.
+        `residual_slip_compliance` where it does.
     batch_lanes
         Lanes that one simulation takes at best, where that is another number than the engine's.
     optional
@@ -112,7 +112,7 @@ class Preset:
         return self.options[name].value
 
     def modulated(self) -> "Preset":
-        """Give the options, and the softness, that hold where the normal force changes in time."""
+        """Give the options, and the residual slip compliance, that hold where the normal force changes in time."""
         options = {**self.options, **self.modulated_options}
         return replace(
             self,
@@ -146,7 +146,7 @@ class Capabilities:
     title
         The name that reports print.
     package
-        The distribution that holds the engine, as pip knows it.
+        The distribution that holds the engine, by its name for pip.
     licence
         Licence of the engine.
     friction_law
@@ -162,9 +162,9 @@ class Capabilities:
     deterministic
         Repeated runs are bitwise equal.
     notes
-        What a reader must know of its friction, in a sentence.
+        What matters of its friction, in a sentence or two.
     optional
-        It comes with an extra or with the system and not with the suite: it takes part where it is asked for.
+        It comes with an extra or with the system and not with the suite: it takes part where it is named.
     """
 
     title: str

@@ -1,4 +1,4 @@
-"""One chain in an engine that lives in another Python."""
+"""One chain in an engine that runs in another Python."""
 
 import weakref
 from collections.abc import Callable
@@ -23,18 +23,18 @@ STEP_LIMIT = 0.02
 
 
 class OutOfProcessLane(LaneModel):
-    """One chain; the child builds it on first use, and a fresh child builds it again.
+    """One chain; the worker builds it on first use, and a fresh worker builds it again.
 
     Parameters
     ----------
     process
-        The child of its engine.
+        The worker process of its engine.
     lane
         The lane.
     preset
         Its options; ``units`` is among them. The server gets the others by name.
     formulation
-        As the server knows it.
+        By its name in the server.
     """
 
     def __init__(self, process: EngineProcess, lane: Lane, preset: Preset, formulation: str):
@@ -62,18 +62,18 @@ class OutOfProcessLane(LaneModel):
             # Of a motor that may do nothing in a step an engine may report what it did in an earlier one.
             np.where(given == 0, 0.0, rows["friction"] * units.force),
             rows["normal"] * units.force if "normal" in rows else given,
-            self._memory(rows),
+            self._internal_state(rows),
             rows["gap"] * units.length if self.lane.opens else None,
         )
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance as `run` does; only the end is sent back."""
         rows = self._rows(state, start, steps, record=False)
-        memory = self._memory(rows)
+        internal_state = self._internal_state(rows)
         return State(
             rows["position"] * self._units.length,
             rows["velocity"] * self._units.velocity,
-            None if memory is None else memory[None],
+            None if internal_state is None else internal_state[None],
         )
 
     def native_steps(self, steps: int) -> None:
@@ -81,7 +81,7 @@ class OutOfProcessLane(LaneModel):
         self._request("native_steps", checked_count("steps", steps), steps=steps)
 
     def close(self) -> None:
-        """Let the child drop the chain; another use builds it again."""
+        """Let the worker drop the chain; another use builds it again."""
         self._release()
         self._generation = 0
 
@@ -90,7 +90,7 @@ class OutOfProcessLane(LaneModel):
         return self.lane.loads(start, steps)
 
     def _chain_parameters(self) -> dict[str, Any]:
-        """Give what a server needs to know of the chain, in the units of the lane."""
+        """Give a server's parameters of the chain, in the units of the lane."""
         chain = self._units.scaled(self.lane.chain)
         scale = self.lane.drive.displacement_scale(self.lane.chain) / self._units.length
         return {
@@ -117,11 +117,11 @@ class OutOfProcessLane(LaneModel):
             velocity=checked_array("initial velocities", state.velocities[0]) / self._units.velocity,
             loads=self._loads(start, steps) / self._units.force,
             record=record,
-            **self._set_normal_load(state, start, steps),
+            **self._normal_load(state, start, steps),
         )
 
-    def _set_normal_load(self, state: State, start: int, steps: int) -> Message:
-        """Give what the child has to know where the normal force changes in time."""
+    def _normal_load(self, state: State, start: int, steps: int) -> Message:
+        """Give the normal loads if they change in time, and the gaps and their rates where contacts open."""
         if self.lane.preload is None:
             return {}
         normal_load = {"normal_load": self.lane.preloads(start, steps) / self._units.force}
@@ -130,8 +130,8 @@ class OutOfProcessLane(LaneModel):
         gap, speed = state.normal_state(self.lane.chain.cells)
         return {**normal_load, "across": np.concatenate([gap / self._units.length, speed / self._units.velocity])}
 
-    def _memory(self, rows: Message) -> FloatArray | None:
-        """Give what a state remembers of gaps; ``None`` where none opens."""
+    def _internal_state(self, rows: Message) -> FloatArray | None:
+        """Give gaps and their rates, the internal state of a lane; ``None`` where none opens."""
         if not self.lane.opens:
             return None
         return np.concatenate([rows["gap"][-1] * self._units.length, rows["gap_rate"][-1] * self._units.velocity])
@@ -145,7 +145,7 @@ class OutOfProcessLane(LaneModel):
             raise
 
     def _ensure_built(self) -> None:
-        """Build the chain unless the child that runs has it."""
+        """Build the chain unless the worker that runs has it."""
         if self._generation == self._process.generation and self._process.alive():
             return
         self._release()

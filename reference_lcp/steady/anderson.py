@@ -1,12 +1,12 @@
 """Anderson acceleration: fixed points of the map that takes the state of a chain from one period to the next.
 
 Mixing the last iterates (Anderson 1965, in the form of Walker and Ni 2011) finds the fixed point in some
-thirty periods where plain ones need thousands, with nothing asked of an engine but to set and to read
-positions, velocities and what its law of friction remembers.
+thirty periods where plain ones need thousands, and needs nothing of an engine but to set and to read
+positions, velocities and the internal state of its friction law.
 
 As long as contacts neither stick anew nor slip anew the map is affine, and mixing is a Krylov method (GMRES): it
 ends once as many differences are kept as the state has dimensions, and may stagnate with fewer. Where they do,
-older differences belong to another map, and what they still say beside the newer ones is the least trustworthy part
+older differences belong to another map, and what they add to the newer ones is the least trustworthy part
 of them: a difference that lies nearly in the span of newer ones is left out (Pollock and Rebholz 2023).
 """
 
@@ -59,7 +59,7 @@ LARGEST_RISE = 1e3
 Differences of iterates that are as close together as an engine resolves are noise, and mixing them leads anywhere.
 """
 
-DIVERGED = 1e6
+LARGEST_RESIDUAL = 1e6
 """Residual, in displacement scales, beyond which a motion counts as diverged."""
 
 
@@ -144,7 +144,7 @@ def _widened(vectors: FloatArray, factor: FloatArray) -> FloatArray:
 
 
 class FixedPointSearch:
-    """The search for a fixed point of the map x(t) → x(t + k Δt), lane by lane; who converges or diverges leaves.
+    """The search for a fixed point of the map x(t) → x(t + k Δt), lane by lane, each until it converges or diverges.
 
     Parameters
     ----------
@@ -165,10 +165,10 @@ class FixedPointSearch:
         self._scales = scales
         cells = simulation.lanes[0].chain.cells
         count, width = len(simulation.lanes), 4 * cells
-        self._memory = memory = kept_differences(cells)
+        self._most_differences = differences = kept_differences(cells)
         self._patience = max(SHORTEST_PATIENCE, PATIENCE_PER_CELL * cells)
-        self._x = np.zeros((count, memory + 1, width))
-        self._f = np.zeros((count, memory + 1, width))
+        self._x = np.zeros((count, differences + 1, width))
+        self._f = np.zeros((count, differences + 1, width))
         self._age = np.zeros(count, dtype=int)
         self._plain = np.full(count, WARM_UP_PERIODS)
         self._plain_next = np.full(count, WARM_UP_PERIODS)
@@ -186,10 +186,10 @@ class FixedPointSearch:
         self._learn(None, start)
         following = self._scales.vectors(start, self._active)
         for period in range(periods):
-            row = period % (self._memory + 1)
+            row = period % (self._most_differences + 1)
             state = self._scales.state(following, self._active)
             end = self._part.advance(state, 0, self._steps)
-            if end.memory is not None:
+            if end.internal_state is not None:
                 following = _widened(following, self._learn(state, end))
             f = self._scales.vectors(end, self._active) - following
             self._x[self._active, row], self._f[self._active, row] = following, f
@@ -202,7 +202,7 @@ class FixedPointSearch:
         """Take what a period has changed of internal state into its sizes; the history follows, the factors are given.
 
         The start of a first period without internal state is recorded with zeros, so that such a period, from which
-        nobody knows whether internal state repeats, has a residual of one.
+        it cannot be known whether internal state repeats, has a residual of one.
         """
         factor = self._scales.learn(start, end, self._active)
         if factor.shape[1] > self.best.shape[1]:
@@ -224,7 +224,7 @@ class FixedPointSearch:
         self._age[caught], self._stalled[caught] = 0, 0
         self._plain[caught] = self._plain_next[caught]
         self._plain_next[caught] += self._plain_next[caught] // 2
-        kept = np.clip(self._age - self._plain + 1, 0, self._memory)
+        kept = np.clip(self._age - self._plain + 1, 0, self._most_differences)
         self._age[self._active] += 1
         mixed: FloatArray = _mixed_lanes(self._x, self._f, self._active, row, kept)
         return mixed
@@ -235,7 +235,7 @@ class FixedPointSearch:
         return (self._stalled[lanes] >= self._patience) | (rise & (self._age[lanes] >= self._plain[lanes]))
 
     def _note(self, x: FloatArray, f: FloatArray) -> Any:
-        """Remember the best iterate of each active lane; say which lanes go on."""
+        """Store the best iterate of each active lane; give which lanes go on."""
         residual = self._scales.residuals(x, f)
         self._last_residual[self._active] = residual
         self.periods[self._active] += 1
@@ -244,7 +244,7 @@ class FixedPointSearch:
         lanes = self._active[better]
         self.best[lanes], self.best_residual[lanes] = x[better], residual[better]
         self._best_change[lanes], self._stalled[lanes] = f[better], 0
-        return (residual > self._tolerance) & (residual < DIVERGED)
+        return (residual > self._tolerance) & (residual < LARGEST_RESIDUAL)
 
     def _keep(self, stays: Any) -> None:
         """Leave the lanes that are done out of what is simulated next."""
@@ -263,4 +263,4 @@ class FixedPointSearch:
         x = self._scales.vectors(start, [lane])
         change = self._scales.vectors(trajectory.end, [lane]) - x
         lost = self._last_residual[lane]
-        return float(self._scales.residuals(x, change)[0]) if lost < DIVERGED else float(lost)
+        return float(self._scales.residuals(x, change)[0]) if lost < LARGEST_RESIDUAL else float(lost)
