@@ -14,8 +14,8 @@ from reports.export.tables import transmittance_table
 from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.store import ResultStore
-from scenarios.sweeps.compared import ComparedSweep, run
-from scenarios.sweeps.dataset import dataset
+from scenarios.sweeps.compared import ComparedSweep, compare_sweep
+from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.dataset_results import DatasetResults
 from scenarios.sweeps.noted import note_sweep, noted_sweep
 from scenarios.sweeps.run import stored_table
@@ -58,13 +58,13 @@ def store(sweep: Sweep, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def data(sweep: Sweep, store: Path) -> xr.Dataset:
     with ResultStore(store) as kept:
-        return dataset(*stored_table(sweep, kept), store)
+        return sweep_dataset(*stored_table(sweep, kept), store)
 
 
 @pytest.fixture(scope="module")
 def result(sweep: Sweep, store: Path) -> ComparedSweep:
     with ResultStore(store) as kept:
-        return run(sweep.with_reference(), StoredResults(kept))
+        return compare_sweep(sweep.with_reference(), StoredResults(kept))
 
 
 def test_dataset_says_what_its_numbers_are(data: xr.Dataset, sweep: Sweep) -> None:
