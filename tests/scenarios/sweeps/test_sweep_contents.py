@@ -18,7 +18,7 @@ from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.adaptive_grid import level
-from scenarios.sweeps.dataset import STATUSES, dataset
+from scenarios.sweeps.dataset import STATUSES, sweep_dataset
 from scenarios.sweeps.refinement import ForTheAccuracy
 from scenarios.sweeps.run import stored_table
 from scenarios.sweeps.spec_file import read_sweep
@@ -64,7 +64,7 @@ def test_adaptive_curves_of_the_command_are_right_between_their_points(file: Pat
     asked = read_sweep(file)
     with ResultStore(store) as kept:
         whole, table = stored_table(asked, kept)
-    found = dataset(whole, table)
+    found = sweep_dataset(whole, table)
     counts = verdict_summaries(whole, points_of(table))[Variant("mujoco")].counts
     curve = found.transmittance_db.sel(variant="reference", friction_ratio=0.0).dropna("frequency_ratio")
     eta = np.linspace(0.52, 1.48, 25)
@@ -84,12 +84,12 @@ def test_adaptive_curves_of_the_command_are_right_between_their_points(file: Pat
 def test_each_curve_has_points_of_its_own_and_interruption_changes_none(file: Path) -> None:
     asked = read_sweep(written(file.parent, CONTENT.replace(', "mujoco:joint"', "")))
     with ResultStore(file.with_suffix(".sqlite")) as store:
-        assert dataset(*stored_table(asked, store)).sizes["frequency_ratio"] > 0
+        assert sweep_dataset(*stored_table(asked, store)).sizes["frequency_ratio"] > 0
         with Evaluator(store, InProcessExecutor()) as evaluator:
             evaluator.evaluate([asked.task(*place) for place in ForTheAccuracy(asked).due()])
         summary = evaluate_sweep(asked, store, InProcessExecutor())
         whole, table = stored_table(asked, store)
-        found = dataset(whole, table)
+        found = sweep_dataset(whole, table)
     free, rubbing = (sorted(table["frequency_ratio"][[one == case for one in table["case"]]]) for case in asked.cases)
     assert free != rubbing
     assert summary.statuses == {(Variant("reference"), "converged"): len(free) + len(rubbing)}
@@ -104,7 +104,7 @@ def test_force_and_base_of_equal_friction_ratio_are_different_questions_and_ampl
     pushed = dataclasses.replace(usual, excitation=Excitation(kind="force", amplitude=10.0))
     assert len({usual.key(), louder.key(), pushed.key()}) == 3
     assert "excitation" not in usual.as_data()
-    chains = [question.setting() for question in (usual, louder, pushed)]
+    chains = [task.setting() for task in (usual, louder, pushed)]
     ratios = [chain.friction_bound[0] / drive.displacement_scale(chain) for chain, drive in chains]
     assert ratios == pytest.approx([0.3 * 1000] * 3)
 
@@ -112,12 +112,12 @@ def test_force_and_base_of_equal_friction_ratio_are_different_questions_and_ampl
 def test_lists_give_every_cell_its_own_and_friction_follows_its_profile(tmp_path: Path) -> None:
     chain = "cells = 2\nmass_ratio = [0.5, 2.0]\nouter_mass_ratio = [1, 1.5]\nfriction_profile = [1.0, 0.0]"
     read = read_sweep(written(tmp_path, CONTENT.replace("cells = 2", chain)))
-    question = next(one for one in read.tasks() if one.friction_ratio == 0.3)
-    assert question.chain.inner_mass == pytest.approx([0.5, 3.0])
-    assert question.chain.friction_bound[1] == 0.0 < question.chain.friction_bound[0]
+    task = next(one for one in read.tasks() if one.friction_ratio == 0.3)
+    assert task.chain.inner_mass == pytest.approx([0.5, 3.0])
+    assert task.chain.friction_bound[1] == 0.0 < task.chain.friction_bound[0]
     equal = next(read_sweep(written(tmp_path, CONTENT)).tasks())
     assert {"outer_mass_ratio", "friction_profile"} & equal.as_data()["ratios"].keys() == set()
-    assert {"outer_mass_ratio", "friction_profile"} < question.as_data()["ratios"].keys()
+    assert {"outer_mass_ratio", "friction_profile"} < task.as_data()["ratios"].keys()
 
 
 def test_list_must_fit_every_length_of_the_chain(tmp_path: Path) -> None:
