@@ -4,10 +4,8 @@ from typing import ClassVar
 
 from engines.box2d.contact import CONTACT_DEFAULT, CONTACT_TUNED, Box2DContactLane
 from engines.box2d.joint import JOINT_DEFAULT, JOINT_TUNED, Box2DJointLane
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.shared.wheel_engine import WheelEngine
-from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
 
 
 class Box2D(WheelEngine):

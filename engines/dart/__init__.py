@@ -4,10 +4,8 @@ from typing import ClassVar
 
 from engines.dart.contact import CONTACT_DEFAULT, CONTACT_SPHERE, CONTACT_TUNED, DartContactLane
 from engines.dart.joint import JOINT_DEFAULT, JOINT_TUNED, RESIDUAL_SLIP_COMPLIANCE, DartJointLane
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.shared.wheel_engine import WheelEngine
-from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
 
 
 class Dart(WheelEngine):

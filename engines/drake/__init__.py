@@ -10,10 +10,8 @@ from engines.drake.contact import (
     DrakeContactLane,
 )
 from engines.drake.joint import JOINT_DEFAULT, JOINT_TUNED, DrakeJointLane
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.shared.wheel_engine import WheelEngine
-from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
 
 
 class Drake(WheelEngine):

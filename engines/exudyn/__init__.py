@@ -16,10 +16,8 @@ from engines.exudyn.joint import (
     BristleLane,
     RegularisedLane,
 )
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.shared.wheel_engine import WheelEngine
-from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
 
 
 class ExudynRegularised(WheelEngine):

@@ -2,11 +2,9 @@
 
 from typing import ClassVar
 
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.pinocchio.joint import JOINT_ADMM, JOINT_DEFAULT, JOINT_TUNED, PinocchioJointLane
 from engines.shared.wheel_engine import WheelEngine
-from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
 
 
 class Pinocchio(WheelEngine):
