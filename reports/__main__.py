@@ -31,8 +31,10 @@ from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.parameters import ChainRatios
 
 RARE_COLLECTIONS = (200_000, 20, 100)
-"""Thresholds of Python's collector of cycles: looking through millions of live answers and curves takes an eighth of
-the time of a report of 20,000 points, at 700 objects a look as usual."""
+"""Thresholds of Python's collector of cycles: searching millions of live results and curves takes an eighth of
+the time of a report of 20,000 points with the default threshold of 700 objects."""
+
+PROGRAM = ("python", "-m", "reports")
 
 app = typer.Typer(name="python -m reports", add_completion=False, pretty_exceptions_enable=False)
 app.command()(compare)
@@ -64,10 +66,10 @@ def report(
         typer.Option(help="Dataset of a sweep as NetCDF: what it holds is shown, nothing is run."),
     ] = None,
     store: Annotated[
-        Path | None, typer.Option(help="File that keeps every answer; without it, results.sqlite in --out.")
+        Path | None, typer.Option(help="File that keeps every result; without it, results.sqlite in --out.")
     ] = None,
     ask: Annotated[
-        bool, typer.Option(help="Answer what the store lacks; --no-ask shows what there is, and says what is missing.")
+        bool, typer.Option(help="Run what the store lacks; --no-ask shows what there is, and lists what is missing.")
     ] = True,
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
@@ -75,7 +77,7 @@ def report(
 ) -> None:
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
-    Answers are kept: a second run takes seconds, and an interrupted one goes on where it was.
+    Results are kept: a second run takes seconds, and an interrupted one goes on where it was.
     Exit code 0: the page is written, whatever the verdicts; 2: wrong input.
 
     Example: python -m reports --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
@@ -85,30 +87,28 @@ def report(
     if data is not None:
         if sweep is not None or chosen or quick:
             raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
-        print(
-            write_dataset_report(read_dataset(data), out, shlex.join(["python", "-m", "reports", "--data", str(data)]))
-        )
+        print(write_dataset_report(read_dataset(data), out, shlex.join([*PROGRAM, "--data", str(data)])))
         return
-    asked = _figure3(_names(chosen), quick) if sweep is None else _sweep(sweep, chosen, quick)
+    planned = _figure3(_names(chosen), quick) if sweep is None else _sweep(sweep, chosen, quick)
     executor = executor_for(workers, time_limit, scheduler)
     check_folder("--out", out)
     store = store if store is not None else out / STORE
     try:
         page = write_sweep_report(
-            asked, out, _command(chosen, quick, sweep), store=store, ask=ask, scope=QUICK if quick else Scope(),
+            planned, out, _command(chosen, quick, sweep), store=store, ask=ask, scope=QUICK if quick else Scope(),
             executor=executor,
         )  # fmt: skip
     except KeyboardInterrupt:
-        print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
+        print(f"interrupted: results are kept in {store}; the same command goes on from there", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
     print(page)
 
 
 def _names(chosen: list[str] | None) -> list[str]:
-    """Name what is compared."""
+    """Give the names of the compared engines."""
     if not chosen:
         return default_engine_names()
-    return [one for name in chosen for one in (engine_names() if name == "all" else [name])]
+    return [full for name in chosen for full in (engine_names() if name == "all" else [name])]
 
 
 def _figure3(names: list[str], quick: bool) -> Sweep:
@@ -123,20 +123,20 @@ def _figure3(names: list[str], quick: bool) -> Sweep:
 
 
 def _sweep(file: Path, chosen: list[str] | None, quick: bool) -> Sweep:
-    """Take what is to be run from the file of a sweep."""
+    """Read a sweep from its file."""
     if chosen or quick:
         raise ParameterError("--sweep names engines and grid; allowed beside it: neither --engine nor --quick")
     return read_sweep(file).with_reference()
 
 
 def _command(chosen: list[str] | None, quick: bool, sweep: Path | None) -> str:
-    """Give the command that asks for the same numbers; where they are written makes no difference."""
+    """Give the command that gives the same numbers; the folder of the report is left out."""
     options = ["--quick"] if quick else []
     for name in chosen or []:
         options += ["--engine", name]
     if sweep is not None:
         options += ["--sweep", str(sweep)]
-    return shlex.join(["python", "-m", "reports", *options])
+    return shlex.join([*PROGRAM, *options])
 
 
 if __name__ == "__main__":

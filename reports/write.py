@@ -13,7 +13,7 @@ from reports.export.files import FIGURES, FILES, PAGE, files_of, write_all
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.executor import TIME_LIMIT, Executor
-from scenarios.execution.progress import Bars, CountingEvaluator
+from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.noted import note_sweep, noted_sweep
 from scenarios.sweeps.spec_file import read_sweep
@@ -74,19 +74,19 @@ def write_sweep_report(
     Parameters
     ----------
     sweep
-        What the report is about, see `Sweep.with_reference`.
+        The sweep, see `Sweep.with_reference`.
     folder
         Where it is written; made if it is missing.
     command
-        What asks for the same numbers, for the page.
+        Command or call that gives the same numbers, for the page.
     store
         File of the results; without it, `STORE` in the folder.
     ask
         Whether what the store lacks is computed.
     scope
-        What the report has beside the grid.
+        The parts of the report beside the grid.
     executor
-        What computes; processes on this machine without it.
+        Runs the tasks; processes on this machine without it.
     """
     chosen = scope or Scope()
     executor = executor or executor_for(None, TIME_LIMIT, None)
@@ -95,13 +95,13 @@ def write_sweep_report(
     if not ask and not file.is_file():
         raise ParameterError(f"--store = {file} does not exist; allowed with --no-ask: a store that is there")
     with ExitStack() as stack:
-        kept = stack.enter_context(ResultStore(file))
+        stored = stack.enter_context(ResultStore(file))
         if not ask:
-            return _written(collect(sweep, kept, StoredResults(kept), command, scope=chosen), folder)
+            return _written(collect(sweep, stored, StoredResults(stored), command, scope=chosen), folder)
         note_sweep(file, sweep)
-        bars = stack.enter_context(Bars(sweep.variants))
-        evaluator = stack.enter_context(CountingEvaluator(kept, executor, expected_tasks(sweep, chosen), bars))
-        report = collect(sweep, kept, evaluator, command, scope=chosen)
+        bars = stack.enter_context(ProgressBars(sweep.variants))
+        evaluator = stack.enter_context(CountingEvaluator(stored, executor, expected_tasks(sweep, chosen), bars))
+        report = collect(sweep, stored, evaluator, command, scope=chosen)
     return _written(report, folder)
 
 

@@ -30,13 +30,12 @@ from scenarios.cli.sweep import evaluate_sweep, print_summary, print_verdicts
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import unavailable_reason
 from scenarios.execution.executor import TIME_LIMIT, Executor
-from scenarios.execution.progress import Bars, CountingEvaluator
+from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
 from scenarios.studies.accuracy import Accuracy, accuracies, accuracy_tasks, exact_tasks
-from scenarios.studies.accuracy_table import COLUMNS, Row, csv_table, markdown, remark
-from scenarios.studies.cost import COLUMNS as COST_COLUMNS
-from scenarios.studies.cost import SECONDS, cost
-from scenarios.sweeps.dataset import dataset, write_dataset
+from scenarios.studies.accuracy_table import ACCURACY_COLUMNS, AccuracyRow, accuracy_document, csv_table, remark
+from scenarios.studies.cost import COST_COLUMNS, SECONDS, cost
+from scenarios.sweeps.dataset import sweep_dataset, write_dataset
 from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.run import stored_table
 from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
@@ -76,41 +75,41 @@ def example() -> None:
 
 @app.command()
 def sweep(
-    file: Annotated[Path, typer.Argument(help="What is asked: a TOML file as `example` prints it.")],
-    store: Annotated[Path, typer.Option(help="File that keeps every answer, so that a stopped sweep goes on.")] = Path(
+    file: Annotated[Path, typer.Argument(help="The sweep: a TOML file as `example` prints it.")],
+    store: Annotated[Path, typer.Option(help="File that keeps every result, so that a stopped sweep goes on.")] = Path(
         "sweep.sqlite"
     ),
     out: Annotated[
-        Path | None, typer.Option(help="Write what the store knows of the sweep: NetCDF as .nc, a table as .csv.")
+        Path | None, typer.Option(help="Write the results that the store holds: NetCDF as .nc, a table as .csv.")
     ] = None,
-    ask: Annotated[bool, typer.Option(help="Answer what is missing; --no-ask writes what there is.")] = True,
+    ask: Annotated[bool, typer.Option(help="Run what is missing; --no-ask writes what there is.")] = True,
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
 ) -> None:
-    """Answer every combination of parameters that a file names, by every engine that it names.
+    """Run every combination of parameters of a file, with every engine of the file.
 
-    Exit code 0: everything is answered or blocked with a reason; 2: wrong input; 130: interrupted.
+    Exit code 0: every point has a result or a reason why not; 2: wrong input; 130: interrupted.
 
     Example: python -m scenarios sweep sweep.toml --out sweep.nc
     """
-    asked = read_sweep(file)
+    planned = read_sweep(file)
     check_out(out, (".nc", ".csv"))
     executor = executor_for(workers, time_limit, scheduler)
-    with ResultStore(store) as kept:
+    with ResultStore(store) as stored:
         if ask:
-            note_sweep(store, asked)
+            note_sweep(store, planned)
             try:
-                print_summary(asked, evaluate_sweep(asked, kept, executor))
+                print_summary(planned, evaluate_sweep(planned, stored, executor))
             except KeyboardInterrupt:
-                print(f"interrupted: answers are kept in {store}; the same command goes on from there", file=sys.stderr)
+                print(f"interrupted: results are kept in {store}; the same command goes on from there", file=sys.stderr)
                 raise typer.Exit(INTERRUPTED) from None
-        if out is None and asked.tolerance is None:
+        if out is None and planned.tolerance is None:
             return
-        whole, table = stored_table(asked, kept)
+        whole, table = stored_table(planned, stored)
         print_verdicts(whole, points_of(table))
         if out is not None:
-            write_dataset(dataset(whole, table, store), out)
+            write_dataset(sweep_dataset(whole, table, store), out)
 
 
 @run.command()
@@ -135,16 +134,16 @@ def accuracy(
     """
     variants = chosen_variants(chosen)
     check_out(out, (".md", ".csv"))
-    found = _accuracies(variants, store, executor_for(workers, time_limit, scheduler))
-    rows: list[Row] = [(one, step_cost(one.variant) if cost and one.certified else None) for one in found]
+    measured = _accuracies(variants, store, executor_for(workers, time_limit, scheduler))
+    rows: list[AccuracyRow] = [(row, step_cost(row.variant) if cost and row.certified else None) for row in measured]
     _print_accuracy(rows)
     if out is not None:
         command = shlex.join(["python", "-m", "scenarios", "run", "accuracy", *(f"--engine={c}" for c in chosen or [])])
-        out.write_text(markdown(rows, command) if out.suffix == ".md" else csv_table(rows))
+        out.write_text(accuracy_document(rows, command) if out.suffix == ".md" else csv_table(rows))
 
 
 @run.command(name="cost")
-def costs(
+def cost_command(
     chosen: Chosen = None,
     out: Annotated[
         Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")
@@ -162,15 +161,15 @@ def costs(
     check_out(out, (".md", ".csv"))
     checked_scalar("seconds", seconds, "> 0")
     reference = cost(REFERENCE, seconds)
-    found = []
+    costs = []
     variants = chosen_variants(chosen)
     for variant in track(variants, "cost", console=Console(stderr=True), transient=True):
         missing = unavailable_reason(variant)
         if missing is not None:
             print(f"{variant}: {missing}", file=sys.stderr)
         else:
-            found.append(reference if variant == REFERENCE else cost(variant, seconds))
-    rows = [(one, reference) for one in found]
+            costs.append(reference if variant == REFERENCE else cost(variant, seconds))
+    rows = [(own, reference) for own in costs]
     table = text_table(COST_COLUMNS, rows)
     print_table(table)
     if out is not None:
@@ -180,7 +179,7 @@ def costs(
 
 def _print_catalogue() -> None:
     """Print what there is to run."""
-    scenarios = [(one.name, one.question, one.expects) for one in CATALOGUE.values()]
+    scenarios = [(scenario.name, scenario.question, scenario.expects) for scenario in CATALOGUE.values()]
     print_table(pd.DataFrame(scenarios, columns=["scenario", "question", "compared with"]))
     print_table(pd.DataFrame(EXPERIMENTS.items(), columns=["measurement", "question"]))
     print("python -m scenarios run NAME runs one, python -m scenarios run all every scenario.")
@@ -190,16 +189,16 @@ def _accuracies(variants: list[Variant], store: Path | None, executor: Executor)
     """Run everything, with bars on the way."""
     expected = [*exact_tasks().values(), *(task for variant in variants for task in accuracy_tasks(variant))]
     with (
-        store_of_run(store) as kept,
-        Bars([EXACT, *variants]) as bars,
-        CountingEvaluator(kept, executor, expected, bars) as evaluator,
+        store_of_run(store) as stored,
+        ProgressBars([EXACT, *variants]) as bars,
+        CountingEvaluator(stored, executor, expected, bars) as evaluator,
     ):
         return accuracies(variants, evaluator)
 
 
-def _print_accuracy(rows: list[Row]) -> None:
+def _print_accuracy(rows: list[AccuracyRow]) -> None:
     """Print the table and what it leaves out."""
-    print_table(text_table(COLUMNS, rows))
+    print_table(text_table(ACCURACY_COLUMNS, rows))
     for row in rows:
         if row[0].certified < row[0].points:
             print(remark(row[0]))

@@ -19,14 +19,14 @@ from engines.interface.registry import default_engine_names
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import FloatArray, ParameterError, checked_choice
-from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.verdict_table import finding_table
 from scenarios.cli.sweep import evaluate_sweep
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.executor import TIME_LIMIT
-from scenarios.execution.progress import Bars, CountingEvaluator
+from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
-from scenarios.sweeps.dataset import dataset
+from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.run import stored_table
 from scenarios.sweeps.spec_file import SweepFile
@@ -36,19 +36,16 @@ from scenarios.tasks.validation_message import first_error
 Numbers = float | Sequence[float] | FloatArray
 """One number, or several: a list, a tuple or an array."""
 
-Axis = Numbers | tuple[float, float, int] | Mapping[str, float]
+AxisValues = Numbers | tuple[float, float, int] | Mapping[str, float]
 """Values of an axis: numbers, (first, last, how many), or what a sweep file takes: first, last, accuracy_db."""
-
-EVERY = "all"
-"""Name of all scenarios together."""
 
 
 def sweep(
     engines: str | Sequence[str],
-    friction_ratio: Axis,
-    frequency_ratio: Axis,
+    friction_ratio: AxisValues,
+    frequency_ratio: AxisValues,
     *,
-    vary: Mapping[str, Axis] | None = None,
+    vary: Mapping[str, AxisValues] | None = None,
     chain: Mapping[str, Numbers] | None = None,
     drive: str = "base",
     amplitude: float | None = None,
@@ -71,7 +68,7 @@ def sweep(
         η_r = ω / ω_r, > 0, likewise; or ``{"first": 0.3, "last": 1.6, "accuracy_db": 0.5}`` for points where curves
         need them.
     vary
-        Further axes by name, such as ``{"mass_ratio": [0.5, 1, 2]}``: cells, mass_ratio, stiffness_ratio,
+        Other axes by name, such as ``{"mass_ratio": [0.5, 1, 2]}``: cells, mass_ratio, stiffness_ratio,
         damping_ratio, inner_damping_ratio, steps_per_period.
     chain
         What is not varied, by name as in `reference_lcp.Chain.from_ratios`: a number for all cells, or a list or an
@@ -95,7 +92,8 @@ def sweep(
     -------
     xarray.Dataset
         Dimensions ``variant``, ``friction_ratio``, ``frequency_ratio`` and those of `vary`; see
-        `scenarios.sweeps.dataset.dataset`. It can be written to NetCDF, and `reports.report` makes a report of it.
+        `scenarios.sweeps.dataset.sweep_dataset`. It can be written to NetCDF, and
+        `reports.report` makes a report of it.
 
     Raises
     ------
@@ -119,7 +117,7 @@ def sweep(
     with _store(store) as (stored, file), executor_for(workers, time_limit, scheduler) as executor:
         note_sweep(file, planned)
         evaluate_sweep(planned, stored, executor)
-        return dataset(*stored_table(planned, stored), file if store is not None else None)
+        return sweep_dataset(*stored_table(planned, stored), file if store is not None else None)
 
 
 def check(
@@ -153,19 +151,19 @@ def check(
     ParameterError
         If a name is unknown or a number is outside its range.
     """
-    checked_choice("scenario", scenario, [*CATALOGUE, EVERY])
-    chosen = list(CATALOGUE.values()) if scenario == EVERY else [CATALOGUE[scenario]]
+    checked_choice("scenario", scenario, [*CATALOGUE, ALL_SCENARIOS])
+    chosen = list(CATALOGUE.values()) if scenario == ALL_SCENARIOS else [CATALOGUE[scenario]]
     variants = [Variant.parse(name) for name in _names(default_engine_names() if engines is None else engines)]
     with (
         _store(store) as (stored, _),
-        Bars(variants) as bars,
+        ProgressBars(variants) as bars,
         CountingEvaluator(stored, executor_for(workers, time_limit, scheduler), [], bars) as evaluator,
     ):
-        return finding_table({one: one.run(variants, evaluator) for one in chosen})
+        return finding_table({item: item.run(variants, evaluator) for item in chosen})
 
 
 def _validated(content: Mapping[str, Any]) -> Sweep:
-    """Check what is asked for, as for a sweep file."""
+    """Check the arguments, as the content of a sweep file."""
     try:
         return SweepFile.model_validate(content).sweep
     except ValidationError as problem:
@@ -174,7 +172,7 @@ def _validated(content: Mapping[str, Any]) -> Sweep:
 
 @contextmanager
 def _store(store: str | Path | None) -> Iterator[tuple[ResultStore, Path]]:
-    """Open the store of a call, one that goes with it if none is named."""
+    """Open the store of a call, a temporary one if none is named."""
     with ExitStack() as stack:
         folder = Path(stack.enter_context(TemporaryDirectory())) if store is None else None
         file = Path(store) if store is not None else folder / "results.sqlite"  # type: ignore[operator]
@@ -187,11 +185,11 @@ def _names(engines: str | Sequence[str]) -> list[str]:
 
 
 def _full_name(variant: Variant) -> str:
-    """Spell a variant out: a sweep file takes less for all formulations or presets of an engine."""
+    """Give the full name of a variant: in a sweep file, a shorter one means all formulations or presets."""
     return f"{variant.engine}:{variant.formulation}:{variant.preset_name}"
 
 
-def _axis(values: Axis) -> Any:
+def _axis(values: AxisValues) -> Any:
     """Give the values of an axis as a sweep file has them."""
     if isinstance(values, Mapping):
         return dict(values)

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-WIDEST = 1000
+MEASURING_WIDTH = 1000
 """More characters than the longest row of a printed table has."""
 
 Row = TypeVar("Row")
@@ -59,7 +59,7 @@ def text_table(columns: Sequence[Column[Row]], rows: Iterable[Row]) -> pd.DataFr
 
 
 def csv_text(table: pd.DataFrame, missing: str = "nan") -> str:
-    """Give a table as CSV, with the word for what there is not."""
+    """Give a table as CSV, with a word for missing values."""
     return table.to_csv(index=False, na_rep=missing, lineterminator="\n")
 
 
@@ -69,7 +69,7 @@ def records(table: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 def json_text(content: object, indent: int | None = None) -> str:
-    """Give anything as JSON: what is no number becomes null, and what JSON does not have its text."""
+    """Give anything as JSON: NaN and infinity become null, and objects without a JSON form their text."""
     return to_json(content, indent=indent, inf_nan_mode="null", fallback=repr).decode() + "\n"
 
 
@@ -93,5 +93,5 @@ def printed_table(table: pd.DataFrame, title: str | None = None) -> Table:
 def print_table(table: pd.DataFrame) -> None:
     """Print a table as wide as its rows are: numbers are never cut off."""
     printed = printed_table(table)
-    width = Console(width=WIDEST).measure(printed).maximum
+    width = Console(width=MEASURING_WIDTH).measure(printed).maximum
     Console(width=max(Console().width, width)).print(printed)

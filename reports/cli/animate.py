@@ -35,14 +35,14 @@ INNER_REACH = 0.27
 """Largest displacement of an inner mass in its outer one, on the same scale: it stays inside."""
 
 HATCHES = {0: "", 1: "///", -1: "\\\\\\"}
-"""Of the inner mass by mode: told apart without colour too."""
+"""Of the inner mass by mode: distinguishable without colour too."""
 
 ENDINGS = (".gif", ".html")
 
 
 def animate(
     chosen: Annotated[
-        str, typer.Option("--engine", metavar="NAME[:FORMULATION[:PRESET]]", help="Whose motion is drawn.")
+        str, typer.Option("--engine", metavar="NAME[:FORMULATION[:PRESET]]", help="The variant whose motion is drawn.")
     ] = "reference",
     friction_ratio: Annotated[float, typer.Option(help="Friction ratio μλ_N / (k_c U0), >= 0.")] = 0.3,
     frequency_ratio: Annotated[float, typer.Option(help="Frequency ratio ω / ω_r, > 0.")] = 0.9,
@@ -57,19 +57,19 @@ def animate(
     Example: python -m reports animate --engine mujoco:contact --friction-ratio 0.3 --out chain.gif
     """
     variant = Variant.parse(chosen)
-    question = SteadyStateTask(variant=variant, friction_ratio=friction_ratio, frequency_ratio=frequency_ratio)
-    question.setting()
+    task = SteadyStateTask(variant=variant, friction_ratio=friction_ratio, frequency_ratio=frequency_ratio)
+    task.setting()
     checked_count("frames", frames, 8)
     if frames > 400:
         raise ParameterError(f"frames = {frames}; allowed: 8 to 400")
     if out.suffix not in ENDINGS:
         raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(ENDINGS)}")
     checked_output_file("--out", out)
-    motion = period_of(question, time_limit)
+    motion = period_of(task, time_limit)
     if not motion.known:
         print(f"{variant.title}: {motion.reason}", file=sys.stderr)
         raise typer.Exit(1)
-    write_animation(question, motion, frames, out)
+    write_animation(task, motion, frames, out)
     print(out)
 
 
@@ -79,9 +79,9 @@ def period_of(task: SteadyStateTask, time_limit: float) -> RecordedPeriod:
         return RecordedPeriod.of_result(evaluator.evaluate([RecordedPeriodTask.of(task)])[0])
 
 
-def write_animation(question: SteadyStateTask, motion: RecordedPeriod, frames: int, file: Path) -> None:
-    """Draw a known motion of `question`'s chain into `file`, as its ending says."""
-    drawing = ChainDrawing(question, motion, frames)
+def write_animation(task: SteadyStateTask, motion: RecordedPeriod, frames: int, file: Path) -> None:
+    """Draw a known motion of the task's chain into `file`, in the format of its ending."""
+    drawing = ChainDrawing(task, motion, frames)
     animation = FuncAnimation(drawing.figure, drawing.draw, frames=frames, interval=50, blit=False)
     if file.suffix == ".gif":
         animation.save(file, writer=PillowWriter(fps=20), dpi=100)
@@ -96,13 +96,13 @@ class ChainDrawing:
 
     Parameters
     ----------
-    question, motion
-        The point, and its motion.
+    task, motion
+        The task, and its recorded period.
     frames
         Pictures of one period.
     """
 
-    def __init__(self, question: SteadyStateTask, motion: RecordedPeriod, frames: int):
+    def __init__(self, task: SteadyStateTask, motion: RecordedPeriod, frames: int):
         self._motion = motion
         self._rows = np.round(np.linspace(0, motion.outer.shape[0], frames, endpoint=False)).astype(int)
         largest = max(1.0, float(np.max(np.abs(motion.outer))), float(np.max(np.abs(motion.inner))))
@@ -110,7 +110,7 @@ class ChainDrawing:
         cells = motion.outer.shape[1]
         self.figure = Figure(figsize=(9, 3), layout="constrained")
         self._axes: Axes = self.figure.subplots()
-        self._places: FloatArray = SPACING * np.arange(1, cells + 1)
+        self._centres: FloatArray = SPACING * np.arange(1, cells + 1)
         self._outer = [self._box(1.0, 1.0, {"facecolor": "#f4f5f7", "edgecolor": "#1b1f24"}) for _ in range(cells)]
         self._inner = [self._box(0.42, 0.5, {"edgecolor": "#1b1f24", "linewidth": 0.8}) for _ in range(cells)]
         self._springs = [self._axes.plot([], [], color="#57606a", linewidth=1.2)[0] for _ in range(cells)]
@@ -118,14 +118,14 @@ class ChainDrawing:
         self._clock = Rectangle((0, -1.05), 0, 0.08, facecolor="#0b5393")
         self._axes.add_patch(self._clock)
         self._length = SPACING * cells
-        self._frame_axes(question)
+        self._frame_axes(task)
 
     def draw(self, frame: int) -> list[Any]:
         """Move everything to one instant; gives what has moved."""
         row = int(self._rows[frame])
         phase = float(self._motion.phase[row])
-        outer = self._places + self._scale * self._motion.outer[row]
-        inner = self._places + self._scale * self._motion.inner[row]
+        outer = self._centres + self._scale * self._motion.outer[row]
+        inner = self._centres + self._scale * self._motion.inner[row]
         base = self._scale * float(np.sin(2 * np.pi * phase))
         self._base.set_x(base - 0.15)
         ends = [base + 0.15, *(outer[:-1] + 0.5)]
@@ -139,20 +139,18 @@ class ChainDrawing:
         self._clock.set_width(self._length * phase)
         return [self._base, self._clock, *self._outer, *self._inner, *self._springs]
 
-    def _box(self, width: float, height: float, look: dict[str, Any]) -> Rectangle:
-        box = Rectangle((0, -height / 2), width, height, **look)
+    def _box(self, width: float, height: float, style: dict[str, Any]) -> Rectangle:
+        box = Rectangle((0, -height / 2), width, height, **style)
         self._axes.add_patch(box)
         return box
 
-    def _frame_axes(self, question: SteadyStateTask) -> None:
+    def _frame_axes(self, task: SteadyStateTask) -> None:
         """Set limits, title and legend."""
         self._axes.set(xlim=(-1, self._length + 1.4), ylim=(-1.2, 1.1), aspect="equal")
         self._axes.set_axis_off()
-        chain = (
-            f"friction ratio {ratio(question.friction_ratio)}, " if isinstance(question.friction_ratio, float) else ""
-        )
+        chain = f"friction ratio {ratio(task.friction_ratio)}, " if isinstance(task.friction_ratio, float) else ""
         self._axes.set_title(
-            f"{question.variant.title}: {chain}frequency ratio {ratio(question.frequency_ratio)}; "
+            f"{task.variant.title}: {chain}frequency ratio {ratio(task.frequency_ratio)}; "
             f"U0 is drawn as {self._scale:.2g} of a mass's width", fontsize=10,
         )  # fmt: skip
         handles = [

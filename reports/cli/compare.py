@@ -21,23 +21,23 @@ CHANGED = 1
 MOST_ROWS = 20
 """Affected points that are printed; a file holds all of them."""
 
-VARIANT = Column[Change]("variant", lambda change: change.first.variant, "engine:formulation:preset")
-FRICTION = Column[Change]("friction_ratio", lambda change: change.first.question["friction_ratio"], "friction")
-FREQUENCY = Column[Change]("frequency_ratio", lambda change: change.first.question.get("frequency_ratio"), "η_r")
-STEPS = Column[Change]("steps_per_period", lambda change: change.first.question.get("steps_per_period"), "steps")
-BEYOND = Column[Change]("beyond", lambda change: "; ".join(change.beyond), "what changed")
+VARIANT_COLUMN = Column[Change]("variant", lambda change: change.first.variant, "engine:formulation:preset")
+FRICTION_COLUMN = Column[Change]("friction_ratio", lambda change: change.first.task["friction_ratio"], "friction")
+FREQUENCY_COLUMN = Column[Change]("frequency_ratio", lambda change: change.first.task.get("frequency_ratio"), "η_r")
+STEPS_COLUMN = Column[Change]("steps_per_period", lambda change: change.first.task.get("steps_per_period"), "steps")
+BEYOND_COLUMN = Column[Change]("beyond", lambda change: "; ".join(change.beyond), "what changed")
 
-COLUMNS: tuple[Column[Change], ...] = (
-    VARIANT, FRICTION, FREQUENCY, STEPS,
-    Column("status_first", lambda change: change.first.answer.status),
-    Column("status_second", lambda change: change.second.answer.status),
-    Column("transmittance_db_first", lambda change: change.first.answer.transmittance_db),
-    Column("transmittance_db_second", lambda change: change.second.answer.transmittance_db),
+CHANGE_COLUMNS: tuple[Column[Change], ...] = (
+    VARIANT_COLUMN, FRICTION_COLUMN, FREQUENCY_COLUMN, STEPS_COLUMN,
+    Column("status_first", lambda change: change.first.result.status),
+    Column("status_second", lambda change: change.second.result.status),
+    Column("transmittance_db_first", lambda change: change.first.result.transmittance_db),
+    Column("transmittance_db_second", lambda change: change.second.result.transmittance_db),
     Column("transmittance_db_change", lambda change: change.transmittance_db),
     Column("stuck_fraction_change", lambda change: change.stuck_fraction),
     Column("transition_change", lambda change: change.transition),
     Column("unmatched_transitions", lambda change: change.unmatched),
-    BEYOND,
+    BEYOND_COLUMN,
 )  # fmt: skip
 
 
@@ -57,7 +57,7 @@ def compare(
 ) -> None:
     """Compare two stores point by point: two versions of an engine, two sets of options.
 
-    Points are matched by what was asked; version and options may differ, and differences of them are named.
+    Points are matched by their tasks; version and options may differ, and differences of them are named.
     Exit code 0: nothing passes its threshold; 1: something does; 2: wrong input, or no point in common.
 
     Example: python -m reports compare before/results.sqlite now/results.sqlite
@@ -66,27 +66,30 @@ def compare(
         if out.suffix != ".csv":
             raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: .csv")
         checked_output_file("--out", out)
-    found = compare_stores(first, second, Thresholds(decibel, stuck_fraction, transition))
-    if not found.changes:
-        raise ParameterError(f"{first} and {second} have no question in common; allowed: stores of the same points")
+    comparison = compare_stores(first, second, Thresholds(decibel, stuck_fraction, transition))
+    if not comparison.changes:
+        raise ParameterError(f"{first} and {second} have no task in common; allowed: stores of the same points")
     console = Console(width=max(Console().width, 120))
-    console.print(printed_table(_overview(found)))
-    for line in _identities(found.changes):
+    console.print(printed_table(_overview(comparison)))
+    for line in _identities(comparison.changes):
         console.print(escape(line))
-    if found.beyond:
-        shown = text_table((VARIANT, FRICTION, FREQUENCY, STEPS, BEYOND), found.beyond[:MOST_ROWS])
-        more = f", the {MOST_ROWS} largest" if len(found.beyond) > MOST_ROWS else ""
-        console.print(printed_table(shown, title=f"{len(found.beyond)} points beyond{more}"))
+    if comparison.beyond:
+        shown = text_table(
+            (VARIANT_COLUMN, FRICTION_COLUMN, FREQUENCY_COLUMN, STEPS_COLUMN, BEYOND_COLUMN),
+            comparison.beyond[:MOST_ROWS],
+        )
+        more = f", the {MOST_ROWS} largest" if len(comparison.beyond) > MOST_ROWS else ""
+        console.print(printed_table(shown, title=f"{len(comparison.beyond)} points beyond{more}"))
     if out is not None:
-        out.write_text(csv_text(full_table(COLUMNS, found.changes)), encoding="utf-8")
-    raise typer.Exit(CHANGED if found.beyond else 0)
+        out.write_text(csv_text(full_table(CHANGE_COLUMNS, comparison.changes)), encoding="utf-8")
+    raise typer.Exit(CHANGED if comparison.beyond else 0)
 
 
-def _overview(found: StoreComparison) -> pd.DataFrame:
+def _overview(comparison: StoreComparison) -> pd.DataFrame:
     """Give a row for each variant."""
     rows = []
-    by_variant = _by_variant(found.changes)
-    for variant in dict.fromkeys((*by_variant, *found.only_first, *found.only_second)):
+    by_variant = _by_variant(comparison.changes)
+    for variant in dict.fromkeys((*by_variant, *comparison.only_first, *comparison.only_second)):
         changes = by_variant.get(variant, [])
         sizes = [abs(change.transmittance_db) for change in changes if not math.isnan(change.transmittance_db)]
         row = {
@@ -94,8 +97,8 @@ def _overview(found: StoreComparison) -> pd.DataFrame:
             "compared": str(len(changes)),
             "beyond": str(sum(bool(change.beyond) for change in changes)),
             "largest change [dB]": f"{max(sizes):.4g}" if sizes else "–",
-            "only first": str(found.only_first.get(variant, 0)),
-            "only second": str(found.only_second.get(variant, 0)),
+            "only first": str(comparison.only_first.get(variant, 0)),
+            "only second": str(comparison.only_second.get(variant, 0)),
         }
         rows.append(row)
     return pd.DataFrame(rows)
@@ -104,12 +107,12 @@ def _overview(found: StoreComparison) -> pd.DataFrame:
 def _identities(changes: Iterable[Change]) -> list[str]:
     """Name every change of a version or an option once."""
     lines = []
-    for variant, found in _by_variant(changes).items():
-        pairs = {(change.first.version, change.second.version) for change in found}
+    for variant, own in _by_variant(changes).items():
+        pairs = {(change.first.version, change.second.version) for change in own}
         lines += [f"{variant}: version {old} → {new}" for old, new in sorted(pairs) if old != new]
         options = {
             (name, change.first.options.get(name, "not set"), change.second.options.get(name, "not set"))
-            for change in found
+            for change in own
             for name in {*change.first.options, *change.second.options}
         }
         lines += [f"{variant}: option {name} {old} → {new}" for name, old, new in sorted(options) if old != new]
@@ -117,7 +120,7 @@ def _identities(changes: Iterable[Change]) -> list[str]:
 
 
 def _by_variant(changes: Iterable[Change]) -> dict[str, list[Change]]:
-    found: dict[str, list[Change]] = {}
+    groups: dict[str, list[Change]] = {}
     for change in changes:
-        found.setdefault(change.first.variant, []).append(change)
-    return found
+        groups.setdefault(change.first.variant, []).append(change)
+    return groups

@@ -21,7 +21,7 @@ from scenarios.studies.friction_map import (
     map_sweep,
 )
 from scenarios.studies.work_precision import StepPoint, exact_step_tasks, step_study, step_tasks
-from scenarios.sweeps.compared import judged_points, run
+from scenarios.sweeps.compared import compare_sweep, judged_points
 from scenarios.sweeps.dataset_results import DatasetResults
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import grid, tasks_of
@@ -30,35 +30,35 @@ from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.pointwise import CONVERGED
 
-MOTION_PLACES = ((0.3, 0.9), (1.0, 0.9))
-"""Friction and frequency ratios at which the motion is kept in full: where contacts stick for part of the period."""
+RECORDED_POINTS = (OperatingPoint(0.3, 0.9), OperatingPoint(1.0, 0.9))
+"""Points whose period is recorded in full: where contacts stick for part of the period."""
 
 
-MOST_MOTIONS = 6
-"""Points at most at which the motion is kept in full; a sweep over more than friction holds any of them many times."""
+MOST_PERIODS = 6
+"""Most points whose period is recorded; a sweep over more than friction holds each of them many times."""
 
 
 @dataclass(frozen=True)
 class Scope:
-    """How much a report has beside the grid of its sweep.
+    """The parts of a report beside the grid of its sweep.
 
     Parameters
     ----------
-    places
-        Where motions are wanted.
+    recorded_points
+        Points whose period is recorded.
     map_friction_ratios, map_frequency_ratios
         Grid of the friction map.
     step_study
-        Whether every variant is simulated at several step sizes; if not, what the store knows of it is shown.
+        Whether every variant is simulated at several step sizes; if not, what the store holds of it is shown.
     """
 
-    places: tuple[OperatingPoint, ...] = MOTION_PLACES
+    recorded_points: tuple[OperatingPoint, ...] = RECORDED_POINTS
     map_friction_ratios: tuple[float, ...] = MAP_FRICTION_RATIOS
     map_frequency_ratios: tuple[float, ...] = MAP_FREQUENCY_RATIOS
     step_study: bool = True
 
 
-QUICK = Scope(MOTION_PLACES[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, step_study=False)
+QUICK = Scope(RECORDED_POINTS[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, step_study=False)
 
 
 def collect(
@@ -74,27 +74,27 @@ def collect(
     Parameters
     ----------
     sweep
-        What is asked for; the reference takes part, see `Sweep.with_reference`.
+        The sweep; the reference takes part, see `Sweep.with_reference`.
     store
         The store.
     evaluator
         Gives the results; one that only reads (`StoredResults`) gives a report of what there is.
     command
-        The command line that asks for the same.
+        The command line that gives the same numbers.
     scope
         What the report has beside the grid; everything without it.
     """
     scope = scope or Scope()
-    result = run(sweep, evaluator)
+    result = compare_sweep(sweep, evaluator)
     mapped = _map(sweep, scope)
-    tasks = _recorded_tasks(sweep, scope.places)
-    motions: dict[CasePoint, dict[Variant, RecordedPeriod]] = {}
-    for (place, variant), found in zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True):
-        motions.setdefault(place, {})[variant] = RecordedPeriod.of_result(found)
+    tasks = _recorded_tasks(sweep, scope.recorded_points)
+    periods: dict[CasePoint, dict[Variant, RecordedPeriod]] = {}
+    for (point, variant), recorded in zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True):
+        periods.setdefault(point, {})[variant] = RecordedPeriod.of_result(recorded)
     return Report(
         result,
         command,
-        motions,
+        periods,
         steps=_step_study(sweep, evaluator if scope.step_study else StoredResults(store)),
         friction_map=None if mapped is None else friction_map(mapped, evaluator),
     )
@@ -110,8 +110,8 @@ def collect_dataset(data: xr.Dataset, command: str) -> Report:
     """
     results = DatasetResults(data)
     recorded = json.loads(data.attrs["variants"])
-    places = sorted(results.places, key=lambda place: place[2])
-    result = judged_points(results.sweep.ascending(), places, results)
+    points = sorted(results.points, key=lambda point: point[2])
+    result = judged_points(results.sweep.ascending(), points, results)
     return Report(result, command, steps=None, recorded=recorded)
 
 
@@ -132,11 +132,11 @@ def _has_step_study(sweep: Sweep) -> bool:
 
 
 def _step_study(sweep: Sweep, evaluator: Evaluator) -> tuple[StepPoint, ...] | None:
-    """Give what the steps cost under the drive of the sweep; ``None`` for other chains."""
+    """Give error and cost of the step sizes under the drive of the sweep; ``None`` for other chains."""
     if not _has_step_study(sweep):
         return None
     study = step_study(sweep.variants, evaluator, sweep.excitation)
-    return tuple(one for one in study if one.answered or one.reason)
+    return tuple(point for point in study if point.evaluated or point.reason)
 
 
 def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
@@ -152,25 +152,25 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
                 *grid_tasks,
                 *(mapped.tasks() if mapped is not None else ()),
                 *steps,
-                *_recorded_tasks(sweep, scope.places).values(),
+                *_recorded_tasks(sweep, scope.recorded_points).values(),
             ]
         )
     )
 
 
 def _recorded_tasks(
-    sweep: Sweep, places: Sequence[OperatingPoint]
+    sweep: Sweep, points: Sequence[OperatingPoint]
 ) -> dict[tuple[CasePoint, Variant], RecordedPeriodTask]:
-    """Record every variant but the converged reference at the places that the grid holds."""
+    """Record every variant but the converged reference at those of the points that the grid holds."""
     held = [
         (case, eta)
-        for friction, eta in places
+        for friction, eta in points
         for case in sweep.cases
-        if friction == case.friction_ratio and any(math.isclose(eta, one) for one in sweep.frequency_ratios)
+        if friction == case.friction_ratio and any(math.isclose(eta, ratio) for ratio in sweep.frequency_ratios)
     ]
     return {
-        (place, variant): RecordedPeriodTask.of(sweep.task(variant, *place))
-        for place in held[:MOST_MOTIONS]
+        (point, variant): RecordedPeriodTask.of(sweep.task(variant, *point))
+        for point in held[:MOST_PERIODS]
         for variant in sweep.variants
         if variant != CONVERGED
     }

@@ -1,4 +1,4 @@
-"""What is read from a compared sweep in more than one place of the report."""
+"""Numbers and sentences that several parts of a report read from a compared sweep."""
 
 import math
 from collections import Counter
@@ -27,7 +27,7 @@ CasePoint = tuple[Case, float]
 
 @dataclass(frozen=True)
 class Extreme:
-    """The largest difference of its kind, with its sign and its place; NaN where nothing was compared."""
+    """The largest difference of its kind, with its sign and its point; NaN where nothing was compared."""
 
     difference: float = math.nan
     case: Case | None = None
@@ -78,8 +78,8 @@ def findings(result: ComparedSweep, variant: Variant) -> VariantFindings:
         verdicts={str(verdict): counted[str(verdict)] for verdict in Verdict},
         worst_difference=_worst_difference(result, points),
         worst_edge=_worst_edge(result, variant),
-        worst_residual=max((one.residual for one in converged), default=math.nan),
-        median_periods=float(median([one.periods for one in converged])) if converged else math.nan,
+        worst_residual=max((result.residual for result in converged), default=math.nan),
+        median_periods=float(median([result.periods for result in converged])) if converged else math.nan,
         seconds=sum(seconds) if seconds else math.nan,
     )
 
@@ -96,10 +96,10 @@ def drive_description(sweep: Sweep) -> str:
 def compared_with(variant: Variant, given: GivenTolerance | None = None) -> str:
     """Say what a variant is compared with, how closely, and why so."""
     if given is not None and given.judges(variant):
-        whom = "converged reference" if given.baseline == CONVERGED else "reference at equal time step"
-        return f"Compared with the {whom}; {given.transmittance_db:g} dB are allowed, as the file of the sweep says."
+        against = "converged reference" if given.baseline == CONVERGED else "reference at equal time step"
+        return f"Compared with the {against}; {given.transmittance_db:g} dB are allowed, the tolerance of the sweep."
     if variant == CONVERGED:
-        return "The ruler: the reference's scheme with a step so fine that its own error does not show."
+        return "The baseline: the reference's scheme with a step so fine that its own error does not show."
     if variant == REFERENCE:
         return (
             "Compared with the converged reference: the difference is the scheme's own first-order step error, and its "
@@ -130,16 +130,16 @@ def axis_name(name: str, *, plural: bool = False) -> str:
     return name.replace("_", " ") + ("s" if plural else "")
 
 
-def file_name(place: tuple[Case, *tuple[float, ...]]) -> str:
+def file_name(point: tuple[Case, *tuple[float, ...]]) -> str:
     """Give the values of a case, and what follows it, as part of the name of a file, such as ``0.3-0.9``."""
-    case, *rest = place
+    case, *rest = point
     return "-".join(f"{value:g}" for value in (*case.by_axis.values(), *rest))
 
 
 def baseline_curve(result: ComparedSweep, case: Case) -> dict[float, float]:
     """Transmittance [dB] by η_r of the converged reference, or of the reference where that takes no part."""
-    whose = baseline_of(result.sweep.variants)
-    curve = [] if whose is None else result.curve(whose, case)
+    reference = baseline_of(result.sweep.variants)
+    curve = [] if reference is None else result.curve(reference, case)
     return {point.frequency_ratio: point.result.transmittance_db for point in curve if point.result.converged}
 
 
@@ -151,8 +151,8 @@ def differences(result: ComparedSweep, variant: Variant, case: Case) -> tuple[Fl
         known = point.result.converged and baseline.get(point.frequency_ratio, -math.inf) > FLOOR_DB
         difference = point.result.transmittance_db - baseline[point.frequency_ratio] if known else math.nan
         pairs.append((point.frequency_ratio, difference))
-    eta, found = np.array(pairs).reshape(-1, 2).T
-    return eta, found
+    etas, all_differences = np.array(pairs).reshape(-1, 2).T
+    return etas, all_differences
 
 
 def reference_line(result: ComparedSweep, case: Case) -> tuple[FloatArray, FloatArray]:
@@ -162,17 +162,17 @@ def reference_line(result: ComparedSweep, case: Case) -> tuple[FloatArray, Float
     for point in result.curve(REFERENCE, case):
         known[point.frequency_ratio] = point.result.transmittance_db if point.result.converged else math.nan
     ascending = sorted(known.items())
-    return np.array([place for place, _ in ascending]), np.array([value for _, value in ascending])
+    return np.array([eta for eta, _ in ascending]), np.array([value for _, value in ascending])
 
 
 def converged_edges(result: ComparedSweep, case: Case) -> list[float]:
     """η_r of the edges of the converged reference that are known."""
-    found = [one.frequency_ratio for one in result.edges if (one.variant, one.case) == (CONVERGED, case)]
-    return [eta for eta in found if eta is not None and not math.isnan(eta)]
+    etas = [edge.frequency_ratio for edge in result.edges if (edge.variant, edge.case) == (CONVERGED, case)]
+    return [eta for eta in etas if eta is not None and not math.isnan(eta)]
 
 
 def blocked_reason(result: ComparedSweep, variant: Variant) -> str | None:
-    """Say why a variant has not a single result; ``None`` if it has one."""
+    """Give the reason why a variant has no result at all; ``None`` if it has one."""
     results = [point.result for point in result.points_of(variant)]
     if not results or any(one.status is not ResultStatus.BLOCKED for one in results):
         return None

@@ -22,7 +22,7 @@ PACKAGES = ("multibody-xval", "numpy", "scipy", "numba")
 
 
 def provenance(report: Report) -> dict[str, Any]:
-    """Give everything that a reader needs to reproduce the numbers, as plain data.
+    """Give all that a reader needs to reproduce the numbers, as plain data.
 
     Parameters
     ----------
@@ -54,14 +54,14 @@ def provenance(report: Report) -> dict[str, Any]:
         },
         "time_step": (
             f"dt = period / steps per period, with at least {sweep.fewest_steps} steps and as many as "
-            f"dt ω_max ≤ {LARGEST_PHASE_STEP:g} asks for, ω_max being the highest natural frequency of the linear chain"
+            f"dt ω_max ≤ {LARGEST_PHASE_STEP:g} needs, ω_max being the highest natural frequency of the linear chain"
         ),
         "tolerances": {
             "residual": DEFAULT_RESIDUAL,
             "floor_db": FLOOR_DB,
             "given": None
             if sweep.tolerance is None
-            else {"transmittance_db": sweep.tolerance.transmittance_db, "ruler": str(sweep.tolerance.baseline)},
+            else {"transmittance_db": sweep.tolerance.transmittance_db, "baseline": str(sweep.tolerance.baseline)},
         },
     }
 

@@ -1,4 +1,4 @@
-"""Everything that sections of a report are made from."""
+"""The content of a report, from which its sections are made."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -23,9 +23,9 @@ class Report:
     result
         The sweep, every variant compared with the reference.
     command
-        The command line that asks for the same numbers.
-    motions
-        One period of the reference and of every variant, by case and frequency ratio; unknown ones say why.
+        The command line that gives the same numbers.
+    periods
+        One period of the reference and of every variant, by case and frequency ratio; unknown ones have a reason.
     steps
         Error and cost at several step sizes; ``None`` if they are no part of the report.
     friction_map
@@ -36,7 +36,7 @@ class Report:
 
     result: ComparedSweep
     command: str
-    motions: Mapping[CasePoint, Mapping[Variant, RecordedPeriod]] = field(default_factory=dict)
+    periods: Mapping[CasePoint, Mapping[Variant, RecordedPeriod]] = field(default_factory=dict)
     steps: tuple[StepPoint, ...] | None = ()
     friction_map: FrictionMap | None = None
     recorded: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)

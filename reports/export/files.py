@@ -16,7 +16,7 @@ from reports.page.render import page, sections
 from reports.page.sections.stick_slip import stick_slip_rows
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.dataset import dataset
+from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.tables import csv_text
 
 TITLE = "Dry friction in multibody engines: a frictional mass-in-mass chain against its LCP reference"
@@ -63,24 +63,24 @@ def write_all(folder: Path, contents: Mapping[str, bytes]) -> None:
 def report_dataset(result: ComparedSweep) -> xr.Dataset:
     """Give the dataset of the sweep over the frequency ratios of all cases together, with the edges of the band.
 
-    Beside what `scenarios.sweeps.dataset.dataset` holds: ``band_edge`` and ``band_edge_difference`` in η_r, along
+    Beside what `scenarios.sweeps.dataset.sweep_dataset` holds: ``band_edge`` and ``band_edge_difference`` in η_r, along
     ``edge``; NaN where there is no number.
     """
     etas = tuple(sorted({point.frequency_ratio for point in result.points}))
     sweep = dataclasses.replace(result.sweep, axes={**result.sweep.axes, "frequency_ratio": etas})
-    data = dataset(sweep, result.table)
+    data = sweep_dataset(sweep, result.table)
     return data.assign(_edges(result)).assign_coords(edge=[str(edge) for edge in Edge]) if result.edges else data
 
 
 def _edges(result: ComparedSweep) -> dict[str, Any]:
     """Give the edges of all bands, and their differences."""
     sweep = result.sweep
-    found = [result.edge(variant, case, edge) for variant in sweep.variants for case in sweep.cases for edge in Edge]
+    edges = [result.edge(variant, case, edge) for variant in sweep.variants for case in sweep.cases for edge in Edge]
     dimensions = ("variant", *sweep.case_axes, "edge")
     sizes = (len(sweep.variants), *(len(sweep.axes[name]) for name in sweep.case_axes), len(Edge))
-    places = [math.nan if one.frequency_ratio is None else one.frequency_ratio for one in found]
-    differences = [one.comparison.difference for one in found]
+    etas = [math.nan if edge.frequency_ratio is None else edge.frequency_ratio for edge in edges]
+    differences = [edge.comparison.difference for edge in edges]
     return {
-        "band_edge": (dimensions, np.reshape(places, sizes), {"units": "1", "long_name": "η_r of the edge"}),
+        "band_edge": (dimensions, np.reshape(etas, sizes), {"units": "1", "long_name": "η_r of the edge"}),
         "band_edge_difference": (dimensions, np.reshape(differences, sizes), {"units": "1"}),
     }

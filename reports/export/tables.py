@@ -26,9 +26,9 @@ BAND_EDGE_COLUMNS: tuple[Column[BandEdge], ...] = (
     Column("verdict", lambda edge: str(edge.comparison.verdict)),
     Column("reason", lambda edge: edge.comparison.reason),
 )
-PLACE_COLUMNS: tuple[Column[Point], ...] = (Column("frequency_ratio", lambda point: point.frequency_ratio),)
+POINT_COLUMNS: tuple[Column[Point], ...] = (Column("frequency_ratio", lambda point: point.frequency_ratio),)
 TRANSMITTANCE_COLUMNS: tuple[Column[Point], ...] = (
-    *PLACE_COLUMNS,
+    *POINT_COLUMNS,
     Column("transmittance_db", lambda point: point.result.transmittance_db),
     Column("residual", lambda point: point.result.residual),
     Column("difference_db", lambda point: point.comparison.difference),
@@ -59,7 +59,7 @@ def transmittance_table(result: ComparedSweep) -> pd.DataFrame:
 
 def transition_table(result: ComparedSweep) -> pd.DataFrame:
     """Every change of mode at every point of every curve that has a steady state."""
-    columns = _of_curve(result, PLACE_COLUMNS)
+    columns = _of_curve(result, POINT_COLUMNS)
     rows = [
         (*(column.value(point) for column in columns), *transition)
         for point in result.points
@@ -83,12 +83,12 @@ def report_json(result: ComparedSweep, stick_slip: list[dict[str, Any]], provena
 
 
 def _summary(result: ComparedSweep, variant: Variant) -> dict[str, Any]:
-    found = vars(findings(result, variant))
-    worst = {name: _extreme(found[name]) for name in ("worst_difference", "worst_edge")}
-    return {**vars(variant), **{name: value for name, value in found.items() if name != "variant"}, **worst}
+    numbers = vars(findings(result, variant))
+    worst = {name: _extreme(numbers[name]) for name in ("worst_difference", "worst_edge")}
+    return {**vars(variant), **{name: value for name, value in numbers.items() if name != "variant"}, **worst}
 
 
-def _extreme(found: Extreme) -> dict[str, Any]:
-    """Give a difference and its place."""
-    place = {} if found.case is None else found.case.by_axis
-    return {"difference": found.difference, **place, "frequency_ratio": found.frequency_ratio}
+def _extreme(extreme: Extreme) -> dict[str, Any]:
+    """Give a difference and its point."""
+    case = {} if extreme.case is None else extreme.case.by_axis
+    return {"difference": extreme.difference, **case, "frequency_ratio": extreme.frequency_ratio}

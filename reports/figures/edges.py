@@ -21,12 +21,12 @@ LINEAR = EDGE_RESOLUTION
 TICKS = (0.001, 0.01, 0.1)
 
 DECIMALS = 7
-"""Of the differences that the page tells."""
+"""Of the differences on the page."""
 
-ROW = 0.32
+ROW_SPREAD = 0.32
 """Largest distance of a variant from the middle of a row, over the distance of rows."""
 
-Row = tuple[Case, Edge]
+EdgeRow = tuple[Case, Edge]
 
 
 def edge_forest(result: ComparedSweep) -> Figure:
@@ -49,27 +49,27 @@ def edge_forest(result: ComparedSweep) -> Figure:
     )
 
 
-def reference_error(result: ComparedSweep, row: Row) -> float:
+def reference_error(result: ComparedSweep, row: EdgeRow) -> float:
     """Error bar of the reference's edge in η_r: what is allowed of it; NaN where it was not compared."""
     return result.edge(REFERENCE, *row).comparison.tolerance
 
 
-def _rows(result: ComparedSweep) -> list[Row]:
+def _rows(result: ComparedSweep) -> list[EdgeRow]:
     """Edges that the converged reference has."""
     every = [(case, edge) for case in result.cases for edge in Edge]
-    places = [(row, result.edge(CONVERGED, *row).frequency_ratio) for row in every]
-    return [row for row, place in places if place is not None and not math.isnan(place)]
+    etas = [(row, result.edge(CONVERGED, *row).frequency_ratio) for row in every]
+    return [row for row, eta in etas if eta is not None and not math.isnan(eta)]
 
 
-def _values(result: ComparedSweep, variant: Variant, rows: list[Row]) -> list[float]:
+def _values(result: ComparedSweep, variant: Variant, rows: list[EdgeRow]) -> list[float]:
     return [result.edge(variant, *row).comparison.difference for row in rows]
 
 
-def _allowed(result: ComparedSweep, variant: Variant, rows: list[Row]) -> list[float]:
+def _allowed(result: ComparedSweep, variant: Variant, rows: list[EdgeRow]) -> list[float]:
     return [result.edge(variant, *row).comparison.tolerance for row in rows]
 
 
-def _limit(result: ComparedSweep, rows: list[Row]) -> float:
+def _limit(result: ComparedSweep, rows: list[EdgeRow]) -> float:
     every = [
         abs(value) + allowed
         for variant in result.sweep.variants
@@ -78,11 +78,11 @@ def _limit(result: ComparedSweep, rows: list[Row]) -> float:
     return 1.6 * max((value for value in every if not math.isnan(value)), default=TICKS[0])
 
 
-def _label(row: Row) -> str:
+def _label(row: EdgeRow) -> str:
     return f"{row[0]}, {row[1]}"
 
 
-def _marks(result: ComparedSweep, rows: list[Row]) -> list[Mark]:
+def _marks(result: ComparedSweep, rows: list[EdgeRow]) -> list[Mark]:
     """Give the reference's error bars, and every variant a little above or below the middle of each row."""
     errors = [reference_error(result, row) for row in rows]
     notes = [f"{_label(row)}\nerror bar ± {error:.4g}" for row, error in zip(rows, errors, strict=True)]
@@ -91,7 +91,7 @@ def _marks(result: ComparedSweep, rows: list[Row]) -> list[Mark]:
         "markers", "%{text}", notes, x_error=errors,
     )  # fmt: skip
     variants = compared_variants(result.sweep)
-    offsets = np.linspace(-ROW, ROW, len(variants)) if len(variants) > 1 else [0.0]
+    offsets = np.linspace(-ROW_SPREAD, ROW_SPREAD, len(variants)) if len(variants) > 1 else [0.0]
     return [
         bars,
         *(
@@ -102,11 +102,10 @@ def _marks(result: ComparedSweep, rows: list[Row]) -> list[Mark]:
     ]
 
 
-def _variant(result: ComparedSweep, variant: Variant, rows: list[Row], offset: float) -> Series:
-    places = [result.edge(variant, *row).frequency_ratio for row in rows]
+def _variant(result: ComparedSweep, variant: Variant, rows: list[EdgeRow], offset: float) -> Series:
+    etas = [result.edge(variant, *row).frequency_ratio for row in rows]
     notes = [
-        f"{_label(row)}: {'–' if place is None else format(place, '.4f')}"
-        for row, place in zip(rows, places, strict=True)
+        f"{_label(row)}: {'–' if eta is None else format(eta, '.4f')}" for row, eta in zip(rows, etas, strict=True)
     ]
     style = replace(style_of(result.sweep, variant), width=0.6)
     return Series(

@@ -1,4 +1,4 @@
-"""What a figure shows, as data: panels with axes and marks; `matplotlib_backend` and `plotly_backend` draw it.
+"""Figures as data: panels with axes and marks; `matplotlib_backend` and `plotly_backend` draw it.
 
 Labels and hover texts write an index as ``η_r``. Hover texts name the numbers of a point as plotly does, with a format
 of d3: ``%{x}``, ``%{y:.3f}``, and ``%{text}`` for its note; they break lines where the text does.
@@ -67,7 +67,7 @@ class Series:
     draw
         What is drawn of it.
     hover, notes
-        What a pointer is told, as the module says, and the text of each point in it; nothing without.
+        Text at the pointer, see the module, and the text of each point in it; nothing without.
     x_error
         Half the length of horizontal error bars, as wide as the line would be.
     """
@@ -129,7 +129,7 @@ class Panel:
     title
         Above the panel in print, below it on the page.
     names_at_right
-        Text by value of y, in print, where no pointer tells it.
+        Text by value of y, in print, where there is no pointer.
     """
 
     x: Axis
@@ -148,7 +148,7 @@ class Figure:
     name
         Name of its files, without the ending, and its identifier in the page; unique in a report.
     caption
-        What is seen, in a sentence.
+        Content, in a sentence.
     panels
         Row by row. Panels below each other in one column share x, side by side share y.
     height, pixels
@@ -160,7 +160,7 @@ class Figure:
     x_label, y_label
         What all panels share, in print.
     wide
-        It takes two columns of a journal, and the whole width of the page.
+        As wide as two columns of a journal, and the whole width of the page.
     dense
         It holds so much that the page has a still picture of pixels of it, which is smaller than the drawing, and that
         points are pixels in print too.

@@ -7,23 +7,23 @@ from reports.figures.transmittance import FREQUENCY_LABEL
 from scenarios.studies.friction_map import FrictionMap
 
 LOWEST_DB, HIGHEST_DB = -60.0, 20.0
-"""Range of the colours: beyond, curves tell more."""
+"""Range of the colours: beyond, curves show more."""
 
 
-def friction_map_figure(found: FrictionMap) -> Figure:
+def friction_map_figure(data: FrictionMap) -> Figure:
     """Draw the map, with both edges of the band over friction."""
     colours = HeatMap(
-        found.frequency_ratios, found.friction_ratios, found.transmittance_db, LOWEST_DB, HIGHEST_DB,
+        data.frequency_ratios, data.friction_ratios, data.transmittance_db, LOWEST_DB, HIGHEST_DB,
         "transmittance [dB]", "friction %{y}\nη_r %{x}\n%{z} dB",
     )  # fmt: skip
-    first, last = found.frequency_ratios[[0, -1]]
+    first, last = data.frequency_ratios[[0, -1]]
     panel = Panel(
         Axis(FREQUENCY_LABEL, (first, last), grid=False),
         Axis("friction ratio μλ̃_N [-]", grid=False),
         [
             colours,
-            *_edge(found, "lower edge", found.lower, SOLID),
-            *_edge(found, "upper edge", found.upper, DASHED),
+            *_edge(data, "lower edge", data.lower, SOLID),
+            *_edge(data, "upper edge", data.upper, DASHED),
         ],
     )
     return Figure(
@@ -37,9 +37,9 @@ def friction_map_figure(found: FrictionMap) -> Figure:
     )
 
 
-def _edge(found: FrictionMap, name: str, edge: FloatArray, dash: tuple[float, ...]) -> list[Series]:
+def _edge(data: FrictionMap, name: str, edge: FloatArray, dash: tuple[float, ...]) -> list[Series]:
     """Draw an edge in white on black, to be seen on every colour."""
-    friction = found.friction_ratios
+    friction = data.friction_ratios
     return [
         Series(edge, friction, Style("#000000", size=3.8, width=2.6), draw="lines+markers"),
         Series(edge, friction, Style("#ffffff", size=2.6, dash=dash, width=1.4), name, "lines+markers",

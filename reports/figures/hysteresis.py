@@ -22,31 +22,31 @@ CORNER = 0.003
 Over the width and height of the loop: a third of a pixel of a plot of a hundred pixels.
 """
 
-COLUMNS = 4
+PANELS_A_ROW = 4
 
 
-def hysteresis(sweep: Sweep, place: CasePoint, motions: Mapping[Variant, RecordedPeriod]) -> Figure:
+def hysteresis(sweep: Sweep, point: CasePoint, periods: Mapping[Variant, RecordedPeriod]) -> Figure:
     """Draw the loops of all contacts at one point.
 
     Parameters
     ----------
     sweep
-        Whose variants have their styles.
-    place
+        Its variants determine the styles.
+    point
         Case and frequency ratio.
-    motions
-        Known motions, the reference's first.
+    periods
+        Known periods, the reference's first.
     """
-    cells = max(motion.outer.shape[1] for motion in motions.values())
-    rows = -(-cells // COLUMNS)
+    cells = max(period.outer.shape[1] for period in periods.values())
+    rows = -(-cells // PANELS_A_ROW)
     return Figure(
-        f"hysteresis-{file_name(place)}",
-        f"Hysteresis loops at {place[0].title}, η_r = {ratio(place[1])}: "
+        f"hysteresis-{file_name(point)}",
+        f"Hysteresis loops at {point[0].title}, η_r = {ratio(point[1])}: "
         "friction over its bound, over relative displacement",
-        [_panel(sweep, motions, cell) for cell in range(cells)],
+        [_panel(sweep, periods, cell) for cell in range(cells)],
         height=0.6 + 1.55 * rows,
         pixels=60 + 230 * rows,
-        columns=COLUMNS,
+        columns=PANELS_A_ROW,
         legend_columns=4,
         x_label="relative displacement / U_0 [-]",
         y_label="friction / bound [-]",
@@ -54,30 +54,30 @@ def hysteresis(sweep: Sweep, place: CasePoint, motions: Mapping[Variant, Recorde
     )
 
 
-def _panel(sweep: Sweep, motions: Mapping[Variant, RecordedPeriod], cell: int) -> Panel:
+def _panel(sweep: Sweep, periods: Mapping[Variant, RecordedPeriod], cell: int) -> Panel:
     hover = f"cell {cell + 1}\n%{{x:.4f}} U_0\n%{{y:.3f}} of the bound"
     loops = [
         Series(
-            *_loop(motion, cell), replace(style_of(sweep, variant), width=1.6 if variant == REFERENCE else 0.9),
+            *_loop(period, cell), replace(style_of(sweep, variant), width=1.6 if variant == REFERENCE else 0.9),
             variant.title, hover=hover,
         )
-        for variant, motion in motions.items() if cell < motion.outer.shape[1]
+        for variant, period in periods.items() if cell < period.outer.shape[1]
     ]  # fmt: skip
     return Panel(
         Axis(most_ticks=4, decimals=7), Axis(range=(-1.15, 1.15), most_ticks=5), loops, title=f"cell {cell + 1}"
     )
 
 
-def _loop(motion: RecordedPeriod, cell: int) -> tuple[FloatArray, FloatArray]:
+def _loop(period: RecordedPeriod, cell: int) -> tuple[FloatArray, FloatArray]:
     """Relative displacement from the middle of the loop, and friction; closed, and only the points that it needs.
 
     The middle is taken out: stuck offsets are not unique, and a loop may lie anywhere.
     """
-    displacement, friction = motion.relative[:, cell], motion.friction[:, cell]
+    displacement, friction = period.relative[:, cell], period.friction[:, cell]
     displacement = displacement - (displacement.max() + displacement.min()) / 2
     displacement, friction = np.append(displacement, displacement[0]), np.append(friction, friction[0])
-    kept = corners(displacement, friction)
-    return displacement[kept], friction[kept]
+    indices = corners(displacement, friction)
+    return displacement[indices], friction[indices]
 
 
 def corners(x: FloatArray, y: FloatArray, tolerance: float = CORNER) -> NDArray[np.intp]:
@@ -91,7 +91,7 @@ def corners(x: FloatArray, y: FloatArray, tolerance: float = CORNER) -> NDArray[
         Largest distance of a point that is left out from the line that is drawn, over the extents of the curve.
     """
     scaled = np.column_stack([_unit(x), _unit(y)])
-    kept = {0, len(x) - 1}
+    indices = {0, len(x) - 1}
     waiting = [(0, len(x) - 1)]
     while waiting:
         first, last = waiting.pop()
@@ -100,14 +100,14 @@ def corners(x: FloatArray, y: FloatArray, tolerance: float = CORNER) -> NDArray[
         distance = _distance(scaled[first + 1 : last], scaled[first], scaled[last])
         worst = first + 1 + int(np.argmax(distance))
         if distance[worst - first - 1] > tolerance:
-            kept.add(worst)
+            indices.add(worst)
             waiting += [(first, worst), (worst, last)]
-    return np.array(sorted(kept))
+    return np.array(sorted(indices))
 
 
 def _unit(values: FloatArray) -> FloatArray:
-    scope = float(np.ptp(values))
-    return values / scope if scope > 0 else np.zeros_like(values)
+    extent = float(np.ptp(values))
+    return values / extent if extent > 0 else np.zeros_like(values)
 
 
 def _distance(points: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:

@@ -111,8 +111,8 @@ def drawn(figure: Figure) -> Canvas:
 def mathtext(label: str) -> str:
     """Set symbols with an index as matplotlib's mathematics: η_r, μλ̃_N."""
 
-    def symbol(found: re.Match[str]) -> str:
-        return "$" + re.sub("(.)\u0303", r"\\tilde{\1}", found[0]) + "$"
+    def symbol(match: re.Match[str]) -> str:
+        return "$" + re.sub("(.)\u0303", r"\\tilde{\1}", match[0]) + "$"
 
     return re.sub("[\\w/\u0303]+_\\w", symbol, label)
 
@@ -200,7 +200,7 @@ def _saved(canvas: Canvas, ending: str, metadata: dict[str, Any]) -> bytes:
 
 
 def _few_colours(png: bytes) -> bytes:
-    """Give a picture with a palette of its own: a fraction of its bytes, and nobody sees it in lines and markers."""
+    """Give a picture with a palette of its own: a fraction of its bytes, without visible loss in lines and markers."""
     file = io.BytesIO()
     Image.open(io.BytesIO(png)).convert("RGB").quantize(64).save(file, "png", optimize=True)
     return file.getvalue()

@@ -20,7 +20,7 @@ DASHES = 1.7
 COLOURS = "Cividis"
 """As in print."""
 
-GAP = 0.07
+PANEL_GAP = 0.07
 """Between panels below each other, over the height of all."""
 
 _AXIS = {
@@ -97,11 +97,11 @@ def _axes(figure: Figure) -> dict[str, Any]:
         return axes | {"grid": grid}
     last = _number(figure.rows - 1)
     shares = np.array(figure.heights or [1.0] * figure.rows)
-    heights = shares / shares.sum() * (1 - GAP * (figure.rows - 1))
+    heights = shares / shares.sum() * (1 - PANEL_GAP * (figure.rows - 1))
     top = 1.0
     for k, height in enumerate(heights.tolist()):
         axes[f"yaxis{_number(k)}"]["domain"] = [round(max(top - height, 0.0), 4), round(top, 4)]
-        top -= height + GAP
+        top -= height + PANEL_GAP
     shared = axes[f"xaxis{last}"] | {"anchor": f"y{last}"}
     return {name: axis for name, axis in axes.items() if name.startswith("y")} | {"xaxis": shared}
 
@@ -127,9 +127,9 @@ def _position(axis: Axis, values: ArrayLike) -> np.ndarray[Any, np.dtype[np.floa
 
 
 def _numbers(axis: Axis, values: ArrayLike) -> list[float | None]:
-    """Give values as the page holds them: with so many digits, and nothing where there is no number."""
+    """Give values as the page holds them: rounded; ``None`` for NaN."""
     if axis.scale == "log":
-        return [float(f"{one:.{axis.decimals}g}") if math.isfinite(one) else None for one in np.asarray(values)]
+        return [float(f"{value:.{axis.decimals}g}") if math.isfinite(value) else None for value in np.asarray(values)]
     return _rounded(_position(axis, values), axis.decimals)
 
 
@@ -175,17 +175,17 @@ def _error_bars(mark: Series, axis: Axis) -> dict[str, Any]:
 
 
 def _hover(mark: Series, panel: Panel) -> dict[str, Any]:
-    """Tell true values, also where others are drawn."""
+    """Give hover texts with true values, also on scaled axes."""
     if not mark.hover:
         return {"hoverinfo": "skip"}
-    told: dict[str, Any] = {"hovertemplate": _text(mark.hover)}
+    texts: dict[str, Any] = {"hovertemplate": _text(mark.hover)}
     if mark.notes:
-        told["text"] = [note.replace("\n", "<br>") for note in mark.notes]
+        texts["text"] = [note.replace("\n", "<br>") for note in mark.notes]
     for which, axis, values in (("x", panel.x, mark.x), ("y", panel.y, mark.y)):
         if axis.scale == "asinh":
-            told["customdata"] = _rounded(np.asarray(values, dtype=float), axis.decimals)
-            told["hovertemplate"] = told["hovertemplate"].replace(f"%{{{which}", "%{customdata")
-    return told
+            texts["customdata"] = _rounded(np.asarray(values, dtype=float), axis.decimals)
+            texts["hovertemplate"] = texts["hovertemplate"].replace(f"%{{{which}", "%{customdata")
+    return texts
 
 
 def _bars(mark: Bars, panel: Panel) -> dict[str, Any]:
@@ -200,10 +200,10 @@ def _bars(mark: Bars, panel: Panel) -> dict[str, Any]:
 def _shape(mark: Rule, panel: Panel, x: str, y: str) -> dict[str, Any]:
     """Draw a line across the panel, behind the traces."""
     along, over = ("x", "y") if mark.axis == "x" else ("y", "x")
-    place = float(_position(panel.x if mark.axis == "x" else panel.y, mark.at))
+    at = float(_position(panel.x if mark.axis == "x" else panel.y, mark.at))
     names = {"x": x, "y": y}
     return {
-        "type": "line", f"{along}ref": names[along], f"{along}0": place, f"{along}1": place,
+        "type": "line", f"{along}ref": names[along], f"{along}0": at, f"{along}1": at,
         f"{over}ref": f"{names[over]} domain", f"{over}0": 0, f"{over}1": 1,
         "line": _line(mark.style), "layer": "below",
     }  # fmt: skip

@@ -11,9 +11,9 @@ from reports.formatting import ratio
 from scenarios.tasks.result import Result
 
 MODE_COLOURS = {Mode.STICK: "#2b2b2b", Mode.FORWARD: "#F0E442", Mode.BACKWARD: "#0072B2"}
-"""Dark, light and middle: told apart in grey and by colour-blind readers."""
+"""Dark, light and middle: distinguishable in grey and by colour-blind readers."""
 
-CROWD = 16
+MOST_VECTOR_VARIANTS = 16
 """Variants beyond which the page holds a raster as a picture of pixels."""
 
 NAMED = 8
@@ -40,37 +40,37 @@ class Phase:
     mode: Mode
 
 
-def phases(answer: Result) -> list[Phase]:
-    """Give the phases of all contacts that an answer's transitions bound; a contact without any sticks throughout.
+def phases(result: Result) -> list[Phase]:
+    """Give the phases of all contacts that a result's transitions bound; a contact without any sticks throughout.
 
     A contact without friction has neither transitions nor a stuck fraction above zero, and no phases.
     """
-    found = []
-    for cell, stuck in enumerate(answer.stuck_fraction, 1):
+    bounded = []
+    for cell, stuck in enumerate(result.stuck_fraction, 1):
         changes = sorted(
-            (time / answer.period, Mode(kind)) for number, time, kind in answer.transitions if number == cell
+            (time / result.period, Mode(kind)) for number, time, kind in result.transitions if number == cell
         )
         if not changes and stuck > 0:
-            found.append(Phase(cell, 0.0, 1.0, Mode.STICK))
+            bounded.append(Phase(cell, 0.0, 1.0, Mode.STICK))
         if changes and changes[0][0] > 0:
-            found.append(Phase(cell, 0.0, changes[0][0], changes[-1][1]))
+            bounded.append(Phase(cell, 0.0, changes[0][0], changes[-1][1]))
         for (start, mode), (end, _) in itertools.pairwise([*changes, (1.0, Mode.STICK)]):
-            found.append(Phase(cell, start, end - start, mode))
-    return found
+            bounded.append(Phase(cell, start, end - start, mode))
+    return bounded
 
 
-def raster(place: CasePoint, answers: dict[Variant, Result]) -> Figure:
+def raster(point: CasePoint, results: dict[Variant, Result]) -> Figure:
     """Draw one point: cells over time, and within each cell a strip for each variant, the first on top.
 
     Parameters
     ----------
-    place
+    point
         Case and frequency ratio.
-    answers
-        Certified answers, the reference's first.
+    results
+        Certified results, the reference's first.
     """
-    rows = {variant: phases(answer) for variant, answer in answers.items()}
-    count, cells = len(rows), max(len(answer.stuck_fraction) for answer in answers.values())
+    rows = {variant: phases(result) for variant, result in results.items()}
+    count, cells = len(rows), max(len(result.stuck_fraction) for result in results.values())
     named = range(1, cells + 1 if count <= NAMED else 2)
     panel = Panel(
         Axis("time / period [-]", (0.0, 1.0), decimals=5),
@@ -79,15 +79,15 @@ def raster(place: CasePoint, answers: dict[Variant, Result]) -> Figure:
         names_at_right={_middle(count, strip, k): v.title for k in named for strip, v in enumerate(rows)},
     )
     return Figure(
-        f"stick-slip-{file_name(place)}",
-        f"Stick and slip at {place[0].title}, η_r = {ratio(place[1])}; in each cell, from top to "
+        f"stick-slip-{file_name(point)}",
+        f"Stick and slip at {point[0].title}, η_r = {ratio(point[1])}; in each cell, from top to "
         f"bottom: {'; '.join(variant.title for variant in rows)}",
         [panel],
         height=0.9 + cells * max(0.34, 0.085 * count),
         pixels=100 + round(cells * max(36, 9 * count)),
         legend_columns=3,
         wide=True,
-        dense=count > CROWD,
+        dense=count > MOST_VECTOR_VARIANTS,
     )
 
 
@@ -104,13 +104,13 @@ def _middle(count: int, strip: int, cell: int) -> float:
 def _bars(rows: dict[Variant, list[Phase]], mode: Mode) -> Bars:
     """Give the phases of one mode as bars."""
     count = len(rows)
-    found = [(strip, v, p) for strip, (v, phases) in enumerate(rows.items()) for p in phases if p.mode is mode]
+    drawn = [(strip, v, p) for strip, (v, phases) in enumerate(rows.items()) for p in phases if p.mode is mode]
     return Bars(
-        start=[phase.start for _, _, phase in found],
-        length=[phase.length for _, _, phase in found],
-        middle=[_middle(count, strip, phase.cell) for strip, _, phase in found],
+        start=[phase.start for _, _, phase in drawn],
+        length=[phase.length for _, _, phase in drawn],
+        middle=[_middle(count, strip, phase.cell) for strip, _, phase in drawn],
         height=0.92 * _height(count),
         colour=MODE_COLOURS[mode],
         name=str(mode),
-        notes=[f"cell {p.cell}, {v.title}\n{p.start:.4f} to {p.start + p.length:.4f}" for _, v, p in found],
+        notes=[f"cell {p.cell}, {v.title}\n{p.start:.4f} to {p.start + p.length:.4f}" for _, v, p in drawn],
     )

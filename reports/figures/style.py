@@ -8,7 +8,7 @@ from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import REFERENCE
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-"""Okabe and Ito's palette, which colour-blind readers can tell apart."""
+"""Okabe and Ito's palette, which colour-blind readers can distinguish."""
 
 SOLID: tuple[float, ...] = ()
 DASHED = (5.0, 4.0)
@@ -59,14 +59,14 @@ def style_of(sweep: Sweep, variant: Variant) -> Style:
     """Give a variant its style, the same in every figure; the reference is black and solid."""
     if variant.engine == REFERENCE.engine:
         return Style("#000000", "cross-thin" if variant == CONVERGED else "x-thin", 4.5)
-    place = compared_variants(sweep).index(variant)
+    number = compared_variants(sweep).index(variant)
     # one shape further each time that the colours are used up: 48 variants in a row differ
-    symbol, size = _SHAPES[(place + place // len(PALETTE)) % len(_SHAPES)]
-    return Style(PALETTE[place % len(PALETTE)], symbol, size, _DASHES[place % len(_DASHES)])
+    symbol, size = _SHAPES[(number + number // len(PALETTE)) % len(_SHAPES)]
+    return Style(PALETTE[number % len(PALETTE)], symbol, size, _DASHES[number % len(_DASHES)])
 
 
-def curve_style(place: int) -> Style:
-    """Give the curve at this place among the cases its style."""
-    if place == 0:
+def curve_style(number: int) -> Style:
+    """Give the style of the curve with this number among the cases, from 0."""
+    if number == 0:
         return Style("#000000")
-    return Style(PALETTE[(place - 1) % len(PALETTE)], dash=_DASHES[(place - 1) % len(_DASHES)])
+    return Style(PALETTE[(number - 1) % len(PALETTE)], dash=_DASHES[(number - 1) % len(_DASHES)])

@@ -21,15 +21,15 @@ LOWEST_DB = -80.0
 """Lowest transmittance that is drawn: beyond, the motion is less than the ten-thousandth part of the base's."""
 
 LINEAR_DB = SCHEME_TOLERANCE_DB / 2
-"""Differences below are drawn to scale, larger ones by their logarithm: the tightest tolerance is told from zero."""
+"""Differences below are drawn to scale, larger ones by their logarithm: the tightest tolerance is visible."""
 
 DIFFERENCE_TICKS = (SCHEME_TOLERANCE_DB, CONVERGED_TOLERANCE_DB, 2.0, 10.0, 50.0)
 
-CROWD = 2000
+MOST_VECTOR_MARKERS = 2000
 """Markers beyond which a printed panel holds them as a picture of pixels: its file stays small."""
 
-TOLERANCE = Style("#666666", dash=DASHED, width=0.6)
-EDGE = Style("#555555", dash=DOTTED, width=0.7)
+TOLERANCE_LINE = Style("#666666", dash=DASHED, width=0.6)
+EDGE_LINE = Style("#555555", dash=DOTTED, width=0.7)
 STEP_ERROR = Style("#8c8c8c", size=2.5, width=2.5)
 
 
@@ -37,10 +37,10 @@ def overview(result: ComparedSweep) -> Figure:
     """Draw the reference's curves of all cases: over friction alone, the paper's Figure 3."""
     curves = [
         Series(
-            *reference_line(result, case), curve_style(place), case.numbers,
+            *reference_line(result, case), curve_style(number), case.numbers,
             hover=f"{case}\nη_r %{{x}}\n%{{y:.2f}} dB",
         )
-        for place, case in enumerate(result.cases)
+        for number, case in enumerate(result.cases)
     ]  # fmt: skip
     return Figure(
         "figure3",
@@ -56,12 +56,12 @@ def overview(result: ComparedSweep) -> Figure:
 def panel(result: ComparedSweep, case: Case) -> Figure:
     """Draw one case: every variant over the reference, and below it their differences."""
     variants = compared_variants(result.sweep)
-    edges = [Rule("x", eta, EDGE) for eta in converged_edges(result, case)]
+    edges = [Rule("x", eta, EDGE_LINE) for eta in converged_edges(result, case)]
     reference = Series(*reference_line(result, case), Style("#000000"), REFERENCE.title, hover="η_r %{x}\n%{y:.3f} dB")
     drawn = [variant for variant in variants if _points(result, variant, case)]
     upper = [_variant(result, variant, case) for variant in drawn]
     lower = [_difference(result, variant, case) for variant in drawn]
-    tolerances = [Rule("y", sign * CONVERGED_TOLERANCE_DB, TOLERANCE) for sign in (-1, 1)]
+    tolerances = [Rule("y", sign * CONVERGED_TOLERANCE_DB, TOLERANCE_LINE) for sign in (-1, 1)]
     error = _step_error(result, case)
     limit = _largest_difference(result)
     return Figure(
@@ -81,7 +81,7 @@ def panel(result: ComparedSweep, case: Case) -> Figure:
         height=3.6 + 0.13 * math.ceil((len(variants) + 2) / 2),
         pixels=540,
         heights=(3, 2),
-        dense=sum(len(result.curve(variant, case)) for variant in variants) > CROWD,
+        dense=sum(len(result.curve(variant, case)) for variant in variants) > MOST_VECTOR_MARKERS,
     )  # fmt: skip
 
 
@@ -124,7 +124,7 @@ def _frequency_axis(result: ComparedSweep, label: str = "") -> Axis:
 
 
 def _transmittance_axis(result: ComparedSweep) -> Axis:
-    """Cut the axis off where nothing is to be seen, the same for all panels."""
+    """Give the axis of transmittance, from the lowest to the highest value, the same for all panels."""
     every = np.concatenate([reference_line(result, case)[1] for case in result.cases])
     known = np.append(every[np.isfinite(every)], result.sweep.band.threshold_db)
     return Axis("transmittance [dB]", (max(LOWEST_DB, float(known.min()) - 5), float(known.max()) + 5))
@@ -132,10 +132,10 @@ def _transmittance_axis(result: ComparedSweep) -> Axis:
 
 def _largest_difference(result: ComparedSweep) -> float:
     """Give the end of the axis of differences, the same for all panels [dB]."""
-    found: list[FloatArray] = [
+    curves: list[FloatArray] = [
         differences(result, variant, case)[1]
         for variant in (REFERENCE, *compared_variants(result.sweep))
         for case in result.cases
     ]
-    every = np.concatenate(found)
+    every = np.concatenate(curves)
     return max(1.4 * CONVERGED_TOLERANCE_DB, 1.3 * float(np.max(np.abs(every[np.isfinite(every)]), initial=0.0)))

@@ -1,4 +1,4 @@
-"""What accuracy costs, and how it grows with the number of steps: for every engine, formulation and preset."""
+"""Cost of accuracy, and error over the number of steps: for every engine, formulation and preset."""
 
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -21,18 +21,18 @@ Curves = dict[Variant, list[StepPoint]]
 
 
 def curves(points: Iterable[StepPoint]) -> Curves:
-    """Give the points of each variant whose error is over all six places, by number of steps.
+    """Give the points of each variant whose error is over all six points, by number of steps.
 
-    An error over fewer would be of other places, and a curve through it no convergence.
+    An error over fewer points is not comparable, and a curve through it shows no convergence.
     """
-    found: Curves = {}
+    complete: Curves = {}
     for point in points:
         if point.certified == len(STICK_SLIP_POINTS) and not math.isnan(point.error_db):
-            found.setdefault(point.variant, []).append(point)
-    return found
+            complete.setdefault(point.variant, []).append(point)
+    return complete
 
 
-def work_precision(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
+def work_precision_figure(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
     """Draw the error over the cost of a step and over the time to the steady state."""
     drawn = curves(points)
     return Figure(
@@ -57,10 +57,10 @@ def work_precision(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
     )  # fmt: skip
 
 
-def convergence(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
+def convergence_figure(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
     """Draw the error over the number of steps a period, with the slope of a first-order scheme."""
     drawn = curves(points)
-    steps = sorted({point.steps_per_period for found in drawn.values() for point in found})
+    steps = sorted({point.steps_per_period for own in drawn.values() for point in own})
     return Figure(
         "convergence",
         "Convergence in the time step",
@@ -80,25 +80,25 @@ def _series(sweep: Sweep, drawn: Curves, cost: Callable[[StepPoint], float]) -> 
     """Draw one curve a variant."""
     return [
         Series(
-            [cost(point) for point in found], _shown(found), style_of(sweep, variant), variant.title, "lines+markers",
+            [cost(point) for point in own], _shown(own), style_of(sweep, variant), variant.title, "lines+markers",
             "%{text} at %{x}",
-            [f"{point.steps_per_period} steps a period\nerror {point.error_db:.4g} dB" for point in found],
+            [f"{point.steps_per_period} steps a period\nerror {point.error_db:.4g} dB" for point in own],
         )
-        for variant, found in drawn.items()
+        for variant, own in drawn.items()
     ]  # fmt: skip
 
 
-def _shown(found: Iterable[StepPoint]) -> list[float]:
-    return [max(one.error_db, SMALLEST_DB) for one in found]
+def _shown(points: Iterable[StepPoint]) -> list[float]:
+    return [max(point.error_db, SMALLEST_DB) for point in points]
 
 
 def _first_order(drawn: Curves) -> list[Series]:
     """Give a line of slope −1 through the middle of all errors at the fewest steps."""
-    ends = [found[0] for found in drawn.values() if len(found) > 1]
+    ends = [own[0] for own in drawn.values() if len(own) > 1]
     if not ends:
         return []
-    first = min(one.steps_per_period for one in ends)
-    last = max(found[-1].steps_per_period for found in drawn.values())
-    start = float(np.median(_shown(one for one in ends if one.steps_per_period == first)))
+    first = min(point.steps_per_period for point in ends)
+    last = max(own[-1].steps_per_period for own in drawn.values())
+    start = float(np.median(_shown(point for point in ends if point.steps_per_period == first)))
     line = Style("#888888", dash=DOTTED, width=0.7)
     return [Series([first, last], [start, start * first / last], line, "first order")]

@@ -17,10 +17,10 @@ from reports.data.report import Report
 from reports.figures.figure import Figure
 from reports.figures.matplotlib_backend import print_files
 from reports.figures.plotly_backend import plot
-from reports.page.section import SUITE, Section, registered_sections
+from reports.page.section import SUITE_TEMPLATES, Section, registered_sections
 from reports.page.sections import (
     BandEdges,
-    FrictionMap,
+    FrictionMapSection,
     OpenPoints,
     Provenance,
     StickSlip,
@@ -32,7 +32,7 @@ from reports.page.sections import (
 LARGEST_PAGE = 5 * 2**20
 """Bytes that a page takes at most, so that it can be sent by mail and opens at once."""
 
-DEFAULT_SECTIONS = (Summary, BandEdges, Transmittance, FrictionMap, StickSlip, WorkPrecision, OpenPoints)
+DEFAULT_SECTIONS = (Summary, BandEdges, Transmittance, FrictionMapSection, StickSlip, WorkPrecision, OpenPoints)
 """Sections of every report, in order; those of other packages follow, and how the numbers were made comes last."""
 
 
@@ -74,7 +74,7 @@ def page(title: str, parts: Sequence[Section]) -> RenderedPage:
     """
     registry = _Registry()
     rendered = [_rendered(part, registry) for part in parts]
-    html = _environment(SUITE).get_template("page.html").render(
+    html = _environment(SUITE_TEMPLATES).get_template("page.html").render(
         title=title,
         sections=rendered,
         plots=_packed(json.dumps(registry.plots, allow_nan=False, separators=(",", ":"))),
@@ -98,7 +98,7 @@ class _Registry:
         files = print_files(figure)
         kind, image = ("png", files.pop("png")) if "png" in files else ("svg+xml", files["svg"])
         self.files |= {f"{figure.name}.{ending}": content for ending, content in files.items()}
-        template = _environment(SUITE).get_template("figure.html")
+        template = _environment(SUITE_TEMPLATES).get_template("figure.html")
         return Markup(template.render(figure=figure, kind=kind, image=base64.b64encode(image).decode("ascii")))
 
 
@@ -109,7 +109,7 @@ def _rendered(part: Section, registry: _Registry) -> RenderedSection:
         template = _environment(part.templates).get_template(f"{part.template}.html")
         html = template.render(**part.context(), figure=_chosen(drawn), figures=list(drawn.values()))
     except Exception as problem:
-        if part.templates == SUITE:
+        if part.templates == SUITE_TEMPLATES:
             raise
         print(f"section {part.title!r} failed: {type(problem).__name__}: {problem}", file=sys.stderr)
         html = Markup("<p class='blocked'>This section failed: {}: {}</p>").format(type(problem).__name__, problem)
@@ -123,7 +123,7 @@ def _chosen(drawn: dict[str, Markup]) -> Callable[[str], Markup]:
 def _environment(package: str) -> Environment:
     """Templates that escape what they print and refuse names that are not there."""
     environment = Environment(
-        loader=ChoiceLoader([PackageLoader(name) for name in dict.fromkeys((package, SUITE))]),
+        loader=ChoiceLoader([PackageLoader(name) for name in dict.fromkeys((package, SUITE_TEMPLATES))]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -1,4 +1,4 @@
-"""What a section of a report is: one class and one template, from the suite or from anybody else."""
+"""What a section of a report is: one class and one template, from the suite or from another package."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from reports.data.report import Report
 from reports.figures.figure import Figure
 
-SUITE = "reports.page"
+SUITE_TEMPLATES = "reports.page"
 """Package that holds the suite's own templates."""
 
 ENTRY_POINT_GROUP = "multibody_xval.sections"
@@ -24,14 +24,14 @@ class Section(ABC):
     Parameters
     ----------
     report
-        Everything that was gathered.
+        The collected results.
     """
 
     title: ClassVar[str]
     """The heading."""
     template: ClassVar[str]
     """Name of the template, without its ending; also the anchor of the section."""
-    templates: ClassVar[str] = SUITE
+    templates: ClassVar[str] = SUITE_TEMPLATES
     """Package that holds the template."""
 
     def __init__(self, report: Report):
@@ -49,7 +49,7 @@ class Section(ABC):
 
     @abstractmethod
     def context(self) -> dict[str, Any]:
-        """What the template is given, beside its figures."""
+        """Variables of the template, beside its figures."""
 
 
 def registered_sections() -> list[Callable[[Report], Section]]:

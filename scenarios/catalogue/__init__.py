@@ -34,5 +34,8 @@ SCENARIOS: tuple[Scenario, ...] = (
     ModulatedNormalForce(),
 )
 
+ALL_SCENARIOS = "all"
+"""Name of all scenarios together."""
+
 CATALOGUE: Mapping[str, Scenario] = MappingProxyType({scenario.name: scenario for scenario in SCENARIOS})
 """Every scenario by its name, in the order in which they are listed and run."""

@@ -1,4 +1,4 @@
-"""What a scenario is: a physical question with a known kind of answer, that is put to every variant."""
+"""The base class of scenarios: a physical question whose answer is known, checked with every variant."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -15,31 +15,31 @@ class Scenario(ABC):
     name: ClassVar[str]
     """As the command line knows it: lower case, hyphens."""
     question: ClassVar[str]
-    """What is asked, in one sentence."""
+    """The physical question, in one sentence."""
     source: ClassVar[str]
     """Where the case is from: paper, equation, book."""
     expects: ClassVar[str]
-    """What an answer is compared with: closed form, event-driven solution, reference with its error bar."""
+    """What results are compared with: closed form, event-driven solution, reference with its error bar."""
     metrics: ClassVar[tuple[Metric, ...]]
     """What is compared."""
 
     def parameters(self) -> list[str]:
-        """Give what the cases are made of beyond their names (numbers cell by cell, say), in lines."""
+        """Give the parameters of the cases that their names leave out (numbers cell by cell, for example), in lines."""
         return []
 
     @abstractmethod
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
-        """Put the question to every variant.
+        """Run every case with every variant, and judge the results.
 
         Parameters
         ----------
         variants
-            Who is asked. One that cannot be asked gets findings with the verdict ``blocked`` and the reason.
+            Variants to be compared. One that cannot be used gets findings with the verdict ``blocked`` and the reason.
         evaluator
-            Who answers; everything that is known from the start goes to it at once.
+            Runs the tasks; all that are known from the start go to it at once.
 
         Returns
         -------
         list of Finding
-            For every variant and case one a metric, in this order.
+            One for every variant, case and metric, in this order.
         """

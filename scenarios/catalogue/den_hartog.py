@@ -19,7 +19,7 @@ STIFFNESS_RATIO = 1.0
 POINTS = ((0.8, 0.3), (1.3, 0.4), (0.6, 0.2))
 """Frequency over the oscillator's own, and friction over the amplitude of the force; the mass never stops."""
 
-OSCILLATOR = ChainRatios(
+OSCILLATOR_RATIOS = ChainRatios(
     cells=1, mass_ratio=STANDING_RATIO, stiffness_ratio=STIFFNESS_RATIO, damping_ratio=0.0, inner_damping_ratio=0.0
 )
 
@@ -31,7 +31,7 @@ def _case(frequency_ratio: float, force_ratio: float) -> SteadyCase:
         label=f"r {frequency_ratio:g}, F/P0 {force_ratio:g}",
         friction_ratio=force_ratio,
         frequency_ratio=frequency_ratio * unit,
-        ratios=OSCILLATOR,
+        ratios=OSCILLATOR_RATIOS,
     )
 
 
@@ -53,7 +53,7 @@ class DenHartog(SteadyScenario):
         """A closed form needs no task."""
         return []
 
-    def expected(self, case: SteadyCase, answers: Mapping[SteadyStateTask, Result]) -> Expected:
+    def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
         """Give the closed form."""
         return expected_motion(*POINTS[self.cases.index(case)])
 

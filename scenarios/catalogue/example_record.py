@@ -14,7 +14,7 @@ SPACING, SAMPLES, PEAK = 0.02, 600, 0.01
 GROUND_FREQUENCY, GROUND_DAMPING = 2 * np.pi * 4.0, 0.6
 """ω_g [rad/s] and ζ_g of the ground, a firm soil in Kanai's and Tajimi's model."""
 
-SEED = 20
+PHASE_SEED = 20
 
 
 def example_samples() -> tuple[FloatArray, FloatArray]:
@@ -30,7 +30,7 @@ def example_samples() -> tuple[FloatArray, FloatArray]:
     r = omega / GROUND_FREQUENCY
     ground = (2 * GROUND_DAMPING * r) ** 2
     amplitude = np.sqrt((1 + ground) / ((1 - r**2) ** 2 + ground))
-    phase = 2 * np.pi * np.random.Generator(np.random.PCG64(SEED)).random(omega.size)
+    phase = 2 * np.pi * np.random.Generator(np.random.PCG64(PHASE_SEED)).random(omega.size)
     envelope = time / 2 * np.exp(1 - time / 2) * (1 - (time / time[-1]) ** 4) ** 2
     shaking = envelope * (np.sin(np.outer(time, omega) + phase) @ amplitude)
     return np.round(time, 2), np.round(PEAK * shaking / np.max(np.abs(shaking)), 8)

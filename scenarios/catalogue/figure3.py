@@ -12,7 +12,7 @@ from scenarios.verdicts.judge import Steps, judge
 from scenarios.verdicts.steady_case import Evidence, Expected, SteadyCase
 from scenarios.verdicts.verdict import Comparison, Verdict
 
-EDGE = Metric(
+LOWER_EDGE = Metric(
     "lower edge",
     "η_r",
     f"of the low-frequency attenuation band ({BandDefinition()}): where the straight line through two points of the "
@@ -23,8 +23,8 @@ HALF_WIDTH = 0.004
 """Distance in η_r of the two points from the edge: the line between them crosses the threshold within 0.0003 of
 where the exact curve does."""
 
-FARTHEST = 0.05
-"""Distance in η_r up to which the line through the two points tells where the edge is."""
+LONGEST_EXTRAPOLATION = 0.05
+"""Distance in η_r from the two points up to which the line through them is extrapolated."""
 
 LOWER_EDGES = {0.3: 0.637, 1.0: 0.999}
 """Friction ratios of the widest band and of cells that nearly lock; its lower edges, to three digits."""
@@ -50,42 +50,42 @@ class Figure3Points(SteadyScenario):
     source = "Sethi, Banerjee, Manna, figure 3: mass and stiffness ratio 1, ζ = 0.01, seven cells"
     expects = "the event-driven solver, exact to round-off"
     cases = (*(case for pair in EDGE_CASES.values() for case in pair), _case(0.6, 0.9), _case(0.1, 0.6))
-    metrics = (TRANSMITTANCE, SAME_STEP, EDGE)
+    metrics = (TRANSMITTANCE, SAME_STEP, LOWER_EDGE)
 
-    def judged(self, found: Mapping[SteadyCase, Evidence]) -> list[Finding]:
+    def judged(self, by_case: Mapping[SteadyCase, Evidence]) -> list[Finding]:
         """Judge transmittance point by point, then the edges."""
         edges = [
-            edge_finding(f"friction {friction:g}", found[below], found[above])
+            edge_finding(f"friction {friction:g}", by_case[below], by_case[above])
             for friction, (below, above) in EDGE_CASES.items()
         ]
-        return [*super().judged(found), *edges]
+        return [*super().judged(by_case), *edges]
 
 
 def edge_finding(label: str, below: Evidence, above: Evidence) -> Finding:
     """Compare a lower edge, from the evidence at a point on either side of it."""
     missing = below.missing or above.missing
     if missing is not None:
-        return Finding(below.variant, label, EDGE, math.nan, math.nan, missing)
+        return Finding(below.variant, label, LOWER_EDGE, math.nan, math.nan, missing)
     expected, coarse, fine = (
         crossing(below.case, above.case, getattr(below, name), getattr(above, name))
         for name in ("expected", "coarse", "fine")
     )
     if math.isnan(fine):
-        reason = f"no edge within {FARTHEST:g} of {expected:.3f} in η_r"
-        return Finding(below.variant, label, EDGE, math.nan, expected, Comparison(Verdict.DISAGREE, reason))
+        reason = f"no edge within {LONGEST_EXTRAPOLATION:g} of {expected:.3f} in η_r"
+        return Finding(below.variant, label, LOWER_EDGE, math.nan, expected, Comparison(Verdict.DISAGREE, reason))
     scheme = {
         low.steps_per_period: crossing(below.case, above.case, low, high)
         for low, high in zip(below.scheme, above.scheme, strict=True)
     }
     shifted = crossing(below.case, above.case, *(_shifted(side) for side in (below, above)))
     comparison = judge(
-        EDGE,
+        LOWER_EDGE,
         Steps({below.coarse.steps_per_period: coarse, below.fine.steps_per_period: fine}),
         expected,
         scheme=Steps(scheme, below.scheme[1].steps_per_period),
         resolution=abs(shifted - expected),
     )
-    return Finding(below.variant, label, EDGE, fine, expected, comparison)
+    return Finding(below.variant, label, LOWER_EDGE, fine, expected, comparison)
 
 
 def crossing(below: SteadyCase, above: SteadyCase, low: Result | Expected, high: Result | Expected) -> float:
@@ -95,12 +95,12 @@ def crossing(below: SteadyCase, above: SteadyCase, low: Result | Expected, high:
     if fall <= 0:
         return math.nan
     width = above.frequency_ratio - below.frequency_ratio
-    place = below.frequency_ratio + width * (low.transmittance_db - threshold) / fall
+    eta = below.frequency_ratio + width * (low.transmittance_db - threshold) / fall
     middle = (below.frequency_ratio + above.frequency_ratio) / 2
-    return place if abs(place - middle) <= FARTHEST else math.nan
+    return eta if abs(eta - middle) <= LONGEST_EXTRAPOLATION else math.nan
 
 
-def _shifted(found: Evidence) -> Expected:
+def _shifted(evidence: Evidence) -> Expected:
     """Give what is expected, raised by what the engine cannot resolve."""
-    rise = found.resolution_db(found.expected.transmittance_db)
-    return dataclasses.replace(found.expected, transmittance_db=found.expected.transmittance_db + rise)
+    rise = evidence.resolution_db(evidence.expected.transmittance_db)
+    return dataclasses.replace(evidence.expected, transmittance_db=evidence.expected.transmittance_db + rise)

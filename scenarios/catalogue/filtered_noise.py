@@ -12,7 +12,7 @@ PERIODS = 300
 """Length of the noise in periods 2π / ω_r; it does not repeat before."""
 
 RISE, STARTED = 10, 50
-"""Periods in which the noise comes up, and after which the chain's beginning is forgotten and spectra begin."""
+"""Periods in which the noise comes up, and after which the initial transient has died out and spectra begin."""
 
 SEGMENT = 80
 """Periods in a segment of Welch's average: lines of η_r are 1/80 apart, and there are five half overlapping segments.

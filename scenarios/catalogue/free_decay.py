@@ -15,20 +15,20 @@ from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.transient_base import with_refined_steps
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.parameters import ChainRatios
-from scenarios.tasks.result import Result, Series
+from scenarios.tasks.result import NamedNumbers, Result
 from scenarios.tasks.transient import TransientTask
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.judge import Number, Steps, judge, missing
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from scenarios.verdicts.verdict import Comparison
 
-STEPS_PER_PERIOD = 100
+DECAY_STEPS = 100
 """Coarsest steps to a period 2π / ω_r; the finest of the three step sizes takes four times as many."""
 
 EXACT_REFINEMENT = 8
 """Rows of the exact motion to the coarsest step: heat of dashpots is a sum over them, good to 3e-7 of the energy."""
 
-LENGTH = 0.01
+DISPLACEMENT_SCALE = 0.01
 """Displacement scale [m]: the U0 of the friction ratio."""
 
 REST_TIME = Metric(
@@ -74,32 +74,32 @@ class Decay:
     @property
     def half_width(self) -> float:
         """F / k_i of cell 1, over the displacement scale: half of the dead band."""
-        return float(self.chain.friction_bound[0] / self.chain.inner_stiffness[0]) / LENGTH
+        return float(self.chain.friction_bound[0] / self.chain.inner_stiffness[0]) / DISPLACEMENT_SCALE
 
     @property
     def period(self) -> float:
         """2π / ω_r [s]."""
         return 2 * math.pi / self.chain.resonator_frequency
 
-    def motion(self, variant: Variant) -> TransientTask:
-        """Ask a variant, with its coarsest step."""
+    def task(self, variant: Variant) -> TransientTask:
+        """Give the task of a variant, with its coarsest step."""
         return TransientTask(
             variant=variant,
             ratios=self.ratios,
             friction_ratio=self.friction_ratio,
-            base=StillBase(LENGTH),
-            time_step=self.period / STEPS_PER_PERIOD,
-            steps=self.periods * STEPS_PER_PERIOD,
+            base=StillBase(DISPLACEMENT_SCALE),
+            time_step=self.period / DECAY_STEPS,
+            steps=self.periods * DECAY_STEPS,
             shape=self.shape,
             recorded="decay",
         )
 
-    def exact_motion(self) -> TransientTask:
-        """Ask for the exact motion, at the rows of every variant; heat is added up in finer rows."""
-        return self.motion(EXACT).refined(EXACT_REFINEMENT)
+    def exact_task(self) -> TransientTask:
+        """Give the task of the exact motion, at the rows of every variant; heat is added up in finer rows."""
+        return self.task(EXACT).refined(EXACT_REFINEMENT)
 
 
-OSCILLATOR = Decay(
+OSCILLATOR_DECAY = Decay(
     "friction oscillator",
     # an outer mass of 10,000 inner ones on a spring of 40,000 inner ones: it moves by less than 1e-4
     ChainRatios(cells=1, mass_ratio=1e-4, stiffness_ratio=0.25e-4, damping_ratio=0.0),
@@ -108,7 +108,7 @@ OSCILLATOR = Decay(
     8,
 )
 DECAYS = (
-    OSCILLATOR,
+    OSCILLATOR_DECAY,
     Decay("inner masses let go", ChainRatios(), 0.1, "inner masses displaced", 30),
     Decay("stretched chain let go", ChainRatios(), 0.02, "stretched", 80),
 )
@@ -131,7 +131,7 @@ class FreeDecay(Scenario):
 
     def parameters(self) -> list[str]:
         """Give each chain and where it starts; see `Scenario.parameters`."""
-        steps = ", ".join(str(STEPS_PER_PERIOD * factor) for factor in REFINEMENTS)
+        steps = ", ".join(str(DECAY_STEPS * factor) for factor in REFINEMENTS)
         return [
             f"{decay.title}: {decay.shape}, {decay.ratios}, friction_ratio={decay.friction_ratio:g}; "
             f"{decay.periods} periods 2π / ω_r, in {steps} steps each"
@@ -139,9 +139,9 @@ class FreeDecay(Scenario):
         ]
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
-        """Put the question to every variant; see `Scenario.run`. The loss a cycle is the oscillator's only."""
-        evaluator.evaluate(self.questions(variants))
-        exact = dict(zip(DECAYS, evaluator.evaluate([decay.exact_motion() for decay in DECAYS]), strict=True))
+        """Run every decay with every variant; see `Scenario.run`. The loss a cycle is the oscillator's only."""
+        evaluator.evaluate(self.tasks(variants))
+        exact = dict(zip(DECAYS, evaluator.evaluate([decay.exact_task() for decay in DECAYS]), strict=True))
         return [
             finding
             for variant in variants
@@ -149,16 +149,16 @@ class FreeDecay(Scenario):
             for finding in _findings(variant, decay, exact[decay], evaluator)
         ]
 
-    def questions(self, variants: Sequence[Variant]) -> list[TransientTask]:
-        """Everything that `run` asks."""
+    def tasks(self, variants: Sequence[Variant]) -> list[TransientTask]:
+        """Give all tasks of `run`."""
         every = dict.fromkeys((REFERENCE, *variants))
-        compared = [one for variant in every for decay in DECAYS for one in with_refined_steps(decay.motion(variant))]
-        return [*(decay.exact_motion() for decay in DECAYS), *compared]
+        compared = [task for variant in every for decay in DECAYS for task in with_refined_steps(decay.task(variant))]
+        return [*(decay.exact_task() for decay in DECAYS), *compared]
 
 
 def _findings(variant: Variant, decay: Decay, exact: Result, evaluator: Evaluator) -> list[Finding]:
     """Compare one decay with the exact one, and its error with that of the reference in the same steps."""
-    metrics = [metric for metric in FreeDecay.metrics if metric is not LOSS or decay is OSCILLATOR]
+    metrics = [metric for metric in FreeDecay.metrics if metric is not LOSS or decay is OSCILLATOR_DECAY]
     own, scheme = (_read(decay, simulated, evaluator) for simulated in (variant, REFERENCE))
     gap = missing("exact motion", [exact])
     if isinstance(own, Comparison) or isinstance(scheme, Comparison) or gap is not None:
@@ -182,8 +182,8 @@ def _findings(variant: Variant, decay: Decay, exact: Result, evaluator: Evaluato
 
 
 def _read(decay: Decay, variant: Variant, evaluator: Evaluator) -> dict[Metric, Steps] | Comparison:
-    """Read what is compared of a motion with three step sizes, or say why there is nothing to read."""
-    tasks = with_refined_steps(decay.motion(variant))
+    """Read the compared numbers of a motion with three step sizes, or give the reason why there are none."""
+    tasks = with_refined_steps(decay.task(variant))
     results = evaluator.evaluate(tasks)
     gap = missing("", results)
     if gap is not None:
@@ -197,7 +197,7 @@ def _shared_error(read: Mapping[Metric, Steps]) -> float:
     return max(read[metric].error(metric) for metric in SHARES)
 
 
-def _numbers(decay: Decay, series: Series) -> dict[Metric, Number]:
+def _numbers(decay: Decay, series: NamedNumbers) -> dict[Metric, Number]:
     """Read what is compared; of offsets those of all cells."""
     left, dashpots, contacts, growth = series["energy"]
     offsets = np.array(series["offsets"]) / decay.half_width
@@ -213,8 +213,8 @@ def _numbers(decay: Decay, series: Series) -> dict[Metric, Number]:
     }
 
 
-def _expected(decay: Decay, exact: Series) -> dict[Metric, Number]:
-    """Give the exact numbers, and the laws."""
+def _expected(decay: Decay, exact: NamedNumbers) -> dict[Metric, Number]:
+    """Give the exact numbers, and those of closed forms."""
     # contacts' heat is what energy and dashpots leave: dashpots are smooth, friction jumps between the rows
     heat = 1 - exact["energy"][0] - exact["energy"][1]
     return {**_numbers(decay, exact), HEAT: heat, BALANCE: 0.0, GROWTH: 0.0, DEAD_BAND: 0.0, LOSS: 1.0}
@@ -223,7 +223,7 @@ def _expected(decay: Decay, exact: Series) -> dict[Metric, Number]:
 def _resolution(metric: Metric) -> float:
     """Give what a number leaves open beside the step: of times, the rows; of the loss, the motion of the outer mass."""
     if metric is REST_TIME:
-        return 1 / STEPS_PER_PERIOD
+        return 1 / DECAY_STEPS
     return _OUTER_MOTION if metric is LOSS else _ROUND_OFF
 
 

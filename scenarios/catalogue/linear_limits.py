@@ -38,7 +38,7 @@ class FrictionlessLimit(SteadyScenario):
         """A closed form needs no task."""
         return []
 
-    def expected(self, case: SteadyCase, answers: Mapping[SteadyStateTask, Result]) -> Expected:
+    def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
         """Solve the linear chain."""
         return Expected(transmittance_db=decibel(frictionless_transmittance(*case.setting())))
 
@@ -56,6 +56,6 @@ class LockedLimit(SteadyScenario):
         """A closed form needs no task."""
         return []
 
-    def expected(self, case: SteadyCase, answers: Mapping[SteadyStateTask, Result]) -> Expected:
+    def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
         """Solve the linear chain of locked cells."""
         return Expected(transmittance_db=decibel(stuck_transmittance(*case.setting())))

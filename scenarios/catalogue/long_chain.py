@@ -12,14 +12,14 @@ from scenarios.verdicts.judge import Steps
 from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import COARSE, FINE, FINEST, Expected, SteadyCase
 
-LENGTHS = (7, 15, 30, 50)
+CHAIN_LENGTHS = (7, 15, 30, 50)
 
 FRICTION_RATIO, FREQUENCY_RATIO = 0.1, 0.5
 """In the pass band, where friction takes most of the motion from the longest chain and hardly any from the shortest."""
 
 RESIDUAL_GROWTH = 2.0
-"""Power of the length by which seconds grow: a step costs as much more as there are more cells, and the longer a
-chain is, the more periods its steady state takes."""
+"""Power of the length by which seconds grow: a step costs in proportion to the cells, and so
+do the periods that a steady state takes."""
 
 
 def _case(cells: int) -> SteadyCase:
@@ -38,24 +38,24 @@ class LongChain(SteadyScenario):
     question = "How many cells can an engine take, and is it as right with fifty as with seven?"
     source = "the canonical case with more cells, at friction ratio 0.1 and η_r 0.5"
     expects = "the reference with 32 times the steps, and its error bar"
-    cases = tuple(_case(cells) for cells in LENGTHS)
+    cases = tuple(_case(cells) for cells in CHAIN_LENGTHS)
 
     def stages(self) -> list[tuple[SteadyCase, ...]]:
-        """Ask length after length."""
+        """Run length after length."""
         return [(case,) for case in self.cases]
 
     def growth(self, case: SteadyCase) -> float:
         """Give by how much longer this length takes than the one before."""
-        place = self.cases.index(case)
-        return (case.ratios.cells / self.cases[max(place - 1, 0)].ratios.cells) ** RESIDUAL_GROWTH
+        index = self.cases.index(case)
+        return (case.ratios.cells / self.cases[max(index - 1, 0)].ratios.cells) ** RESIDUAL_GROWTH
 
     def expected_by(self, case: SteadyCase) -> list[SteadyStateTask]:
         """Give the tasks of the converged reference, with three step sizes."""
-        return [case.question(CONVERGED, refinement) for refinement in (COARSE, FINE, FINEST)]
+        return [case.task(CONVERGED, refinement) for refinement in (COARSE, FINE, FINEST)]
 
-    def expected(self, case: SteadyCase, answers: Mapping[SteadyStateTask, Result]) -> Expected:
+    def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
         """Give the converged reference and its error bar."""
-        return expected_of([answers[question] for question in self.expected_by(case)])
+        return expected_of([results[task] for task in self.expected_by(case)])
 
 
 def expected_of(refined: Sequence[Result]) -> Expected:

@@ -25,8 +25,8 @@ from scenarios.verdicts.judge import Steps, decide, judge, missing
 from scenarios.verdicts.steady_case import amplitude_in_db
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
-STEPS = (400, 800, 1600)
-"""Steps a period of three answers to every case; compared are those with 800.
+CASE_STEPS = (400, 800, 1600)
+"""Steps a period of the three results of every case; those with 800 are compared.
 
 An impact falls anywhere in a step, so that the difference of two steps may vanish where the error does not: it takes
 a third one, see `reference_lcp.accuracy.richardson`.
@@ -38,8 +38,10 @@ FRICTION_RATIO = 0.3
 STUCK = Metric("stuck fraction", "", "part of the period that a contact sticks, of the cell that is furthest off")
 UNMATCHED = Metric("unmatched transitions", "", "transitions between stick and slip that only one of the two has")
 TIMES = Metric("transition time error", "", "largest distance of matching transitions over the period")
-AIR = Metric("time in the air", "", "part of the period that a contact is open, of the cell that is furthest off")
-GAP = Metric("largest gap", "U0", "highest point of an inner mass's flight, of the cell that is furthest off")
+OPEN_FRACTION = Metric(
+    "time in the air", "", "part of the period that a contact is open, of the cell that is furthest off"
+)
+LARGEST_GAP = Metric("largest gap", "U0", "highest point of an inner mass's flight, of the cell that is furthest off")
 
 
 @dataclass(frozen=True)
@@ -61,8 +63,8 @@ class ModulatedCase:
     def __str__(self) -> str:
         return f"a = {self.modulation:g}, Ω = {self.multiple} ω, η_r = {self.frequency_ratio:g}"
 
-    def question(self, variant: Variant, steps: int) -> SteadyStateTask:
-        """Ask a variant."""
+    def task(self, variant: Variant, steps: int) -> SteadyStateTask:
+        """Give the task of a variant."""
         return SteadyStateTask(
             variant=variant,
             friction_ratio=FRICTION_RATIO,
@@ -78,7 +80,7 @@ class ModulatedCase:
         """
         if self.modulation <= 1:
             return None
-        lane, _ = self.question(variant, STEPS[1]).lane()
+        lane, _ = self.task(variant, CASE_STEPS[1]).lane()
         assert lane.preload is not None
         flight, chain = Flight.of(lane.preload), lane.chain
         length = float(chain.normal_force[0] / chain.inner_mass[0]) / lane.drive.displacement_scale(chain)
@@ -105,38 +107,40 @@ class ModulatedNormalForce(Scenario):
     question: ClassVar[str] = "Does friction follow a normal force that changes in time, until contacts open and land?"
     source: ClassVar[str] = "equation (7) with a given preload, Sethi, Banerjee and Manna; the flight in closed form"
     expects: ClassVar[str] = "the reference at the same step with its error bar; of flights the closed form"
-    metrics: ClassVar[tuple[Metric, ...]] = (TRANSMITTANCE, STUCK, UNMATCHED, TIMES, AIR, GAP)
+    metrics: ClassVar[tuple[Metric, ...]] = (TRANSMITTANCE, STUCK, UNMATCHED, TIMES, OPEN_FRACTION, LARGEST_GAP)
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
-        """Put every case to every variant; see `Scenario.run`."""
+        """Run every case with every variant; see `Scenario.run`."""
         reference = Variant("reference")
-        asked = [case.question(one, steps) for one in (reference, *variants) for case in CASES for steps in STEPS]
-        answers = dict(zip(asked, evaluator.evaluate(asked), strict=True))
+        tasks = [
+            case.task(variant, steps) for variant in (reference, *variants) for case in CASES for steps in CASE_STEPS
+        ]
+        results = dict(zip(tasks, evaluator.evaluate(tasks), strict=True))
         findings = []
         for variant in variants:
             for case in CASES:
-                own = [answers[case.question(variant, steps)] for steps in STEPS]
-                expected = [answers[case.question(reference, steps)] for steps in STEPS]
+                own = [results[case.task(variant, steps)] for steps in CASE_STEPS]
+                expected = [results[case.task(reference, steps)] for steps in CASE_STEPS]
                 findings += _findings(variant, case, own, expected)
         return findings
 
 
 def _findings(variant: Variant, case: ModulatedCase, own: list[Result], expected: list[Result]) -> list[Finding]:
     """Compare the results of one variant in one case with the reference's."""
-    metrics = [TRANSMITTANCE, STUCK, UNMATCHED, TIMES, *([] if case.modulation <= 1 else [AIR, GAP])]
+    metrics = [TRANSMITTANCE, STUCK, UNMATCHED, TIMES, *([] if case.modulation <= 1 else [OPEN_FRACTION, LARGEST_GAP])]
     gap = _missing("engine", own) or _missing("reference", expected)
     if gap is not None:
         return [Finding(variant, str(case), metric, math.nan, math.nan, gap) for metric in metrics]
-    readings = [_transmittance(own, expected), _stuck_fraction(own, expected), _unmatched(own, expected),
+    judged = [_transmittance(own, expected), _stuck_fraction(own, expected), _unmatched(own, expected),
                 _transition_times(own, expected), *_flights(case.flight(variant), case.multiple, own)]  # fmt: skip
     return [
         Finding(variant, str(case), metric, value, right, _explained(comparison, variant))
-        for metric, (value, right, comparison) in zip(metrics, readings, strict=True)
+        for metric, (value, right, comparison) in zip(metrics, judged, strict=True)
     ]
 
 
-Reading = tuple[float, float, Comparison]
-"""A number, what it should be, and whether it is."""
+Judged = tuple[float, float, Comparison]
+"""A number, its expected value, and their comparison."""
 
 
 def _explained(comparison: Comparison, variant: Variant) -> Comparison:
@@ -149,40 +153,42 @@ def _explained(comparison: Comparison, variant: Variant) -> Comparison:
 
 def _missing(whose: str, results: Sequence[Result]) -> Comparison | None:
     """Say what is missing for a comparison, if anything is."""
-    gaps = (missing(f"{whose} at {steps} steps a period", [one]) for steps, one in zip(STEPS, results, strict=True))
+    gaps = (
+        missing(f"{whose} at {steps} steps a period", [one]) for steps, one in zip(CASE_STEPS, results, strict=True)
+    )
     return next((gap for gap in gaps if gap is not None), None)
 
 
 def _steps(values: Iterable[float]) -> Steps:
     """Give numbers of the three steps; the middle one's is judged."""
-    return Steps(dict(zip(STEPS, values, strict=True)), STEPS[1])
+    return Steps(dict(zip(CASE_STEPS, values, strict=True)), CASE_STEPS[1])
 
 
-def _beside(metric: Metric, own: Iterable[float], expected: Iterable[float], resolution: float) -> Reading:
+def _judged_beside(metric: Metric, own: Iterable[float], expected: Iterable[float], resolution: float) -> Judged:
     """Judge a number beside the reference's at the same step, whose error bar is its own."""
     steps, right = _steps(own), _steps(expected)
     value, wanted = float(steps.judged), float(right.judged)
     return value, wanted, judge(metric, steps, wanted, bar=right.error(metric), resolution=resolution)
 
 
-def _transmittance(own: list[Result], expected: list[Result]) -> Reading:
+def _transmittance(own: list[Result], expected: list[Result]) -> Judged:
     # Either amplitude is known to the residual of its steady state.
     resolution = amplitude_in_db(own[1].residual + expected[1].residual, expected[1].transmittance_db)
     values, wanted = ([result.transmittance_db for result in results] for results in (own, expected))
-    return _beside(TRANSMITTANCE, values, wanted, resolution)
+    return _judged_beside(TRANSMITTANCE, values, wanted, resolution)
 
 
-def _stuck_fraction(own: list[Result], expected: list[Result]) -> Reading:
-    readings = []
+def _stuck_fraction(own: list[Result], expected: list[Result]) -> Judged:
+    judged = []
     for cell in range(len(own[1].stuck_fraction)):
         values, wanted = ([result.stuck_fraction[cell] for result in results] for results in (own, expected))
         # A stick begins and ends to a step.
         changes = sum(number == cell + 1 for number, _, _ in expected[1].transitions)
-        readings.append(_beside(STUCK, values, wanted, (changes + 1) / STEPS[1]))
-    return _worst(readings)
+        judged.append(_judged_beside(STUCK, values, wanted, (changes + 1) / CASE_STEPS[1]))
+    return _worst(judged)
 
 
-def _unmatched(own: list[Result], expected: list[Result]) -> Reading:
+def _unmatched(own: list[Result], expected: list[Result]) -> Judged:
     """Those that only one has; the reference misses some of its own at another step, and so may an engine."""
     reference, engine = (max(_apart(*pair) for pair in pairwise(results)) for results in (expected, own))
     count = _apart(own[1], expected[1])
@@ -195,13 +201,13 @@ def _apart(one: Result, other: Result) -> int:
     return len(match.missed) + len(match.spurious)
 
 
-def _transition_times(own: list[Result], expected: list[Result]) -> Reading:
+def _transition_times(own: list[Result], expected: list[Result]) -> Judged:
     """Judge the largest distance of matching transitions; its error is the largest of theirs."""
     baseline = expected[1].transitions
     times, scheme = ([_time_errors(result, baseline) for result in results] for results in (own, expected))
     size = max(map(abs, times[1].values()), default=0.0)
     engine, reference = (_largest_error(errors) for errors in (times, scheme))
-    tolerance = Tolerance(reference=reference, engine=engine, resolution=1 / STEPS[1])
+    tolerance = Tolerance(reference=reference, engine=engine, resolution=1 / CASE_STEPS[1])
     return size, 0.0, decide(TIMES, size, 0.0, tolerance)
 
 
@@ -217,14 +223,14 @@ def _largest_error(errors: Sequence[Mapping[TimedTransition, float]]) -> float:
     return max((_steps(one[each] for one in errors).error(TIMES) for each in common), default=0.0)
 
 
-def _flights(flight: tuple[float, float, float] | None, multiple: int, own: Sequence[Result]) -> list[Reading]:
+def _flights(flight: tuple[float, float, float] | None, multiple: int, own: Sequence[Result]) -> list[Judged]:
     """Compare time in the air and largest gap with the exact flight, which is that of every cell."""
     if flight is None:
         return []
     air, highest, fall = flight
     # Lift-off and landing are each met to a step, in every cycle of the preload.
-    parts = [(AIR, [result.open_fraction for result in own], air, 2 * multiple / STEPS[1]),
-             (GAP, [result.largest_gap for result in own], highest, fall)]  # fmt: skip
+    parts = [(OPEN_FRACTION, [result.open_fraction for result in own], air, 2 * multiple / CASE_STEPS[1]),
+             (LARGEST_GAP, [result.largest_gap for result in own], highest, fall)]  # fmt: skip
     return [
         _worst([
             (values[1], exact, judge(metric, _steps(values), exact, resolution=resolution))
@@ -234,6 +240,6 @@ def _flights(flight: tuple[float, float, float] | None, multiple: int, own: Sequ
     ]  # fmt: skip
 
 
-def _worst(readings: Sequence[Reading]) -> Reading:
-    """Give the one that is furthest off for what is allowed."""
-    return max(readings, key=lambda reading: reading[2].excess)
+def _worst(judged: Sequence[Judged]) -> Judged:
+    """Give the one with the largest difference over what is allowed."""
+    return max(judged, key=lambda each: each[2].excess)

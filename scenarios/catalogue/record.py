@@ -1,4 +1,4 @@
-"""A base that moves as a record says: the example that ships with the suite, or the user's own."""
+"""A base that follows a record: the example that ships with the suite, or the user's own."""
 
 import math
 from functools import cached_property
@@ -11,9 +11,9 @@ from reference_lcp.validation import FloatArray
 from scenarios.catalogue.example_record import FILE
 from scenarios.catalogue.transient_base import (
     BANDS,
+    BROADBAND_STEPS,
     RATIOS,
     ROWS_PER_PERIOD,
-    STEPS_PER_PERIOD,
     Broadband,
     TransientCase,
 )
@@ -57,7 +57,7 @@ class Record(Broadband):
         return base
 
     def check(self) -> None:
-        """Read the record, before anybody is asked.
+        """Read the record, before anything is run.
 
         Raises
         ------
@@ -70,7 +70,7 @@ class Record(Broadband):
         """Follow the record, then wait; no step is so long that it leaves out samples."""
         period = 2 * math.pi / RATIOS.chain(friction_ratio).resonator_frequency
         rows = math.ceil(period / self.base.shortest_spacing / ROWS_PER_PERIOD - 1e-9)
-        steps = max(STEPS_PER_PERIOD, ROWS_PER_PERIOD * rows)
+        steps = max(BROADBAND_STEPS, ROWS_PER_PERIOD * rows)
         return TransientCase(friction_ratio, self.base, math.ceil(self.base.duration / period) + REST, steps)
 
     def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:

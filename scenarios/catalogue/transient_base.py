@@ -31,7 +31,7 @@ from scenarios.verdicts.verdict import Comparison, Verdict
 RATIOS = ChainRatios(damping_ratio=0.05, inner_damping_ratio=0.02)
 """The canonical chain with dashpots that let a transient die out: to 1 % of its peak in 300 periods 2π / ω_r."""
 
-STEPS_PER_PERIOD = 50
+BROADBAND_STEPS = 50
 """Coarsest steps to a period 2π / ω_r; the finest of the three step sizes takes four times as many."""
 
 ROWS_PER_PERIOD = 10
@@ -93,10 +93,10 @@ class TransientCase:
     friction_ratio: float
     base: MovingBase
     periods: int
-    steps_per_period: int = STEPS_PER_PERIOD
+    steps_per_period: int = BROADBAND_STEPS
 
-    def motion(self, variant: Variant) -> TransientTask:
-        """Ask a variant, with its coarsest step."""
+    def task(self, variant: Variant) -> TransientTask:
+        """Give the task of a variant, with its coarsest step."""
         period = 2 * math.pi / RATIOS.chain(self.friction_ratio).resonator_frequency
         return TransientTask(
             variant=variant,
@@ -110,7 +110,7 @@ class TransientCase:
 
     def base_rows(self) -> FloatArray:
         """Displacement of the base at the rows of every motion, over its scale, shape (rows,)."""
-        return self.base.displacement(self.motion(REFERENCE).row_times()) / self.base.amplitude
+        return self.base.displacement(self.task(REFERENCE).row_times()) / self.base.amplitude
 
     @property
     def title(self) -> str:
@@ -118,7 +118,7 @@ class TransientCase:
         return f"μλ_N/(k_c U0) = {self.friction_ratio:g}"
 
 
-Reading = Mapping[Metric, Steps]
+Readings = Mapping[Metric, Steps]
 """What is compared, by step size; the response itself, at each row over the base's scale, is under `DIFFERENCE`."""
 
 
@@ -158,15 +158,15 @@ class Broadband(Scenario):
         ]
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
-        """Put the question to every variant; see `Scenario.run`."""
-        evaluator.evaluate(self.questions(variants))
+        """Run every case with every variant; see `Scenario.run`."""
+        evaluator.evaluate(self.tasks(variants))
         cases = [self.case(ratio) for ratio in self.friction_ratios]
         exact = {case: self._read(case, self.baseline_task(case), evaluator) for case in cases}
-        scheme = {case: self._read(case, case.motion(REFERENCE), evaluator) for case in cases}
+        scheme = {case: self._read(case, case.task(REFERENCE), evaluator) for case in cases}
         findings = []
         for variant in variants:
             for case in cases:
-                own = self._read(case, case.motion(variant), evaluator)
+                own = self._read(case, case.task(variant), evaluator)
                 judged = self._findings(variant, case, own, exact[case], scheme[case])
                 if needs_step_refinement(judged):
                     judged = self._with_refined_steps(variant, case, exact[case], evaluator) or judged
@@ -174,40 +174,40 @@ class Broadband(Scenario):
         return findings
 
     def _with_refined_steps(
-        self, variant: Variant, case: TransientCase, exact: Reading | Comparison, evaluator: Evaluator
+        self, variant: Variant, case: TransientCase, exact: Readings | Comparison, evaluator: Evaluator
     ) -> list[Finding]:
         """Compare with finer steps; nothing where there is no result with them."""
-        finer = (case.motion(simulated).refined(STEP_REFINEMENT) for simulated in (variant, REFERENCE))
-        own, scheme = (self._read(case, motion, evaluator) for motion in finer)
+        finer = (case.task(simulated).refined(STEP_REFINEMENT) for simulated in (variant, REFERENCE))
+        own, scheme = (self._read(case, task, evaluator) for task in finer)
         if isinstance(own, Comparison):
             return []
         return [_annotated(finding) for finding in self._findings(variant, case, own, exact, scheme)]
 
-    def questions(self, variants: Sequence[Variant]) -> list[TransientTask]:
-        """Everything that `run` asks."""
+    def tasks(self, variants: Sequence[Variant]) -> list[TransientTask]:
+        """Give all tasks of `run`."""
         cases = [self.case(ratio) for ratio in self.friction_ratios]
         coarse = [self.baseline_task(case) for case in cases]
-        coarse += [case.motion(variant) for variant in dict.fromkeys((REFERENCE, *variants)) for case in cases]
-        return [motion for one in coarse for motion in with_refined_steps(one)]
+        coarse += [case.task(variant) for variant in dict.fromkeys((REFERENCE, *variants)) for case in cases]
+        return [task for coarsest in coarse for task in with_refined_steps(coarsest)]
 
     def baseline_task(self, case: TransientCase) -> TransientTask:
-        """Ask the reference, with the coarsest of its three steps."""
-        return case.motion(REFERENCE).refined(REFERENCE_REFINEMENT)
+        """Give the task of the reference, with the coarsest of its three steps."""
+        return case.task(REFERENCE).refined(REFERENCE_REFINEMENT)
 
     def numbers(self, case: TransientCase, response: FloatArray) -> dict[Metric, float]:
         """Read what is compared, but for the series itself, from the rows of a response."""
         chain = RATIOS.chain(case.friction_ratio)
         base, omega = case.base_rows(), chain.resonator_frequency
-        found = self.spectrum(base, response, 2 * math.pi / omega / ROWS_PER_PERIOD)
+        spectrum = self.spectrum(base, response, 2 * math.pi / omega / ROWS_PER_PERIOD)
         bands = {
-            metric: decibel(found.in_band(*(omega * edge for edge in BANDS[name])))
+            metric: decibel(spectrum.in_band(*(omega * edge for edge in BANDS[name])))
             for name, metric in BAND_METRICS.items()
         }
         rms = float(np.sqrt(np.mean(response**2) / np.mean(base**2)))
         return {**bands, RMS: rms, PEAK: float(np.max(np.abs(response)))}
 
-    def _read(self, case: TransientCase, coarsest: TransientTask, evaluator: Evaluator) -> Reading | Comparison:
-        """Read a motion with three step sizes, or say why there is nothing to read."""
+    def _read(self, case: TransientCase, coarsest: TransientTask, evaluator: Evaluator) -> Readings | Comparison:
+        """Read a motion with three step sizes, or give the reason why there is none."""
         tasks = with_refined_steps(coarsest)
         results = evaluator.evaluate(tasks)
         gap = missing("reference" if coarsest.variant.engine == REFERENCE.engine else "", results)
@@ -223,9 +223,9 @@ class Broadband(Scenario):
         self,
         variant: Variant,
         case: TransientCase,
-        own: Reading | Comparison,
-        exact: Reading | Comparison,
-        scheme: Reading | Comparison,
+        own: Readings | Comparison,
+        exact: Readings | Comparison,
+        scheme: Readings | Comparison,
     ) -> list[Finding]:
         """Compare a variant's reading with the reference's, in finer steps and in the same ones."""
         if isinstance(own, Comparison) or isinstance(exact, Comparison) or isinstance(scheme, Comparison):
@@ -236,21 +236,23 @@ class Broadband(Scenario):
             expected = exact[metric]
             comparison = judge(metric, own[metric], expected.judged, bar=expected.error(metric), scheme=scheme[metric])
             numbers = (own[metric].judged, expected.judged)
-            value, right = (comparison.difference, 0.0) if metric is DIFFERENCE else (float(one) for one in numbers)
+            value, right = (
+                (comparison.difference, 0.0) if metric is DIFFERENCE else (float(number) for number in numbers)
+            )
             findings.append(Finding(variant, case.title, metric, value, right, comparison))
         return findings
 
 
 def _annotated(finding: Finding) -> Finding:
     """Say in the reason that it is of refined steps."""
-    reason = f"{finding.comparison.reason}; with {STEP_REFINEMENT} times the usual steps"
+    reason = f"{finding.comparison.reason}; with {STEP_REFINEMENT} times the default steps"
     return dataclasses.replace(finding, comparison=dataclasses.replace(finding.comparison, reason=reason))
 
 
 def needs_step_refinement(findings: Sequence[Finding]) -> bool:
     """Say whether there is a disagreement that may be chance: without a known deviation, or not by far."""
     wrong = [finding for finding in findings if finding.comparison.verdict is Verdict.DISAGREE]
-    return any(not each.variant.preset.known_deviation or each.comparison.excess <= BY_FAR for each in wrong)
+    return any(not finding.variant.preset.known_deviation or finding.comparison.excess <= BY_FAR for finding in wrong)
 
 
 def with_refined_steps(coarsest: TransientTask) -> list[TransientTask]:

@@ -9,13 +9,13 @@ from scenarios.catalogue.steady_base import SteadyScenario
 from scenarios.tasks.parameters import ChainRatios, Ratio
 from scenarios.verdicts.steady_case import SteadyCase
 
-SEED = 3
+DISORDER_SEED = 3
 """Of the disordered chain: five of its seven contacts slip at η_r = 0.6, in 22 transitions a period; six at 0.9."""
 
 SPREAD = (0.7, 1.3)
 """Range of all masses and springs, as ratios, 30 % to either side of the canonical case."""
 
-FRICTION = (0.1, 0.5)
+FRICTION_SPAN = (0.1, 0.5)
 """Range of the friction ratios, around the one with the widest band."""
 
 CELLS = 7
@@ -23,8 +23,8 @@ CELLS = 7
 
 def disordered() -> tuple[ChainRatios, Ratio]:
     """Draw both masses, both springs, dashpot and friction of each cell, to two digits."""
-    draw = np.random.default_rng(SEED)
-    mass, stiffness, friction = (_numbers(draw.uniform(*span, CELLS)) for span in (SPREAD, SPREAD, FRICTION))
+    draw = np.random.default_rng(DISORDER_SEED)
+    mass, stiffness, friction = (_numbers(draw.uniform(*span, CELLS)) for span in (SPREAD, SPREAD, FRICTION_SPAN))
     damping = _numbers(draw.uniform(0.5, 1.5, CELLS), 0.01)
     outer, springs = (_numbers(draw.uniform(*SPREAD, CELLS)) for _ in range(2))
     ratios = ChainRatios(
@@ -43,7 +43,7 @@ def graded() -> tuple[ChainRatios, Ratio]:
     low, high = SPREAD
     mass, stiffness = _numbers(np.linspace(low, high, CELLS)), _numbers(np.linspace(high, low, CELLS))
     ratios = ChainRatios(cells=CELLS, mass_ratio=mass, stiffness_ratio=stiffness)
-    return ratios, _numbers(np.linspace(*FRICTION, CELLS))
+    return ratios, _numbers(np.linspace(*FRICTION_SPAN, CELLS))
 
 
 def _numbers(values: np.ndarray, scale: float = 1.0) -> tuple[float, ...]:
@@ -79,7 +79,7 @@ class DisorderedChain(UnequalCells):
 
     name = "disordered-chain"
     question = "Does each cell have its own parameters, and its own stick and slip?"
-    source = f"ratios drawn from even distributions, seed {SEED}"
+    source = f"ratios drawn from even distributions, seed {DISORDER_SEED}"
     cases = _cases(*disordered(), (0.6, 0.9))
 
 

@@ -4,39 +4,40 @@ import math
 import platform
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 
 import pandas as pd
 
-from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario
 from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records, text_table
+from scenarios.tasks.versions import versions_of
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.verdict import Verdict
 
 Results = Mapping[Scenario, Sequence[Finding]]
 """Findings by scenario, in the order in which they were run."""
 
-LEGEND = """\
+VERDICT_LEGEND = """\
 A number *agrees* if it is within what is allowed of what is expected: the error bar of the expected number, plus the
 error of the engine's own time step, estimated from two step sizes (and taken to be no less than the reference's at the
-same step), plus what neither can resolve. A disagreement is *explained* where the preset names a law of the engine by
-which it departs from Coulomb's, and *unexplained* otherwise. *Inconclusive*: there is no certified steady state,
-nothing to compare, or no answer so far (too slow to be asked, or left out by --no-ask). *Blocked*: the engine is not
+same step), plus what neither can resolve. A disagreement is *explained* where the preset names a known deviation from
+Coulomb's law, and *unexplained* otherwise. *Inconclusive*: there is no certified steady state,
+nothing to compare, or no result so far (skipped as too slow, or left out by --no-ask). *Blocked*: the engine is not
 installed, or has failed. *Worst*: the largest difference over what is
 allowed for it.
 """
 
 
 def explained(finding: Finding) -> bool:
-    """Say whether a disagreement has a law of the engine for its reason."""
+    """Say whether a disagreement is explained by a known deviation of the preset."""
     return finding.comparison.verdict is Verdict.DISAGREE and bool(finding.variant.preset.known_deviation)
 
 
 def unexplained(findings: Sequence[Finding]) -> list[Finding]:
-    """Give the disagreements without a reason."""
-    return [one for one in findings if one.comparison.verdict is Verdict.DISAGREE and not explained(one)]
+    """Give the disagreements that no known deviation explains."""
+    return [
+        finding for finding in findings if finding.comparison.verdict is Verdict.DISAGREE and not explained(finding)
+    ]
 
 
 @dataclass(frozen=True)
@@ -48,12 +49,12 @@ class VariantRow:
 
     def count(self, verdict: Verdict) -> int:
         """How many findings have this verdict."""
-        return sum(1 for one in self.findings if one.comparison.verdict is verdict)
+        return sum(1 for finding in self.findings if finding.comparison.verdict is verdict)
 
     @property
     def worst(self) -> Finding | None:
         """The finding whose difference is largest beside what is allowed; ``None`` where none has a number."""
-        known = [one for one in self.findings if not math.isnan(one.comparison.excess)]
+        known = [finding for finding in self.findings if not math.isnan(finding.comparison.excess)]
         return max(known, key=lambda finding: finding.comparison.excess, default=None)
 
     @property
@@ -82,7 +83,7 @@ def _count(verdict: Verdict) -> Column[VariantRow]:
     return Column(str(verdict), lambda row: row.count(verdict))
 
 
-COLUMNS: tuple[Column[VariantRow], ...] = (
+VERDICT_COLUMNS: tuple[Column[VariantRow], ...] = (
     Column("variant", lambda row: str(row.variant), "engine:formulation:preset"),
     *(_count(verdict) for verdict in Verdict),
     Column(
@@ -95,18 +96,24 @@ COLUMNS: tuple[Column[VariantRow], ...] = (
 
 def rows_of(findings: Sequence[Finding]) -> list[VariantRow]:
     """Give a row a variant, in their order."""
-    variants = dict.fromkeys(one.variant for one in findings)
-    return [VariantRow(variant, tuple(one for one in findings if one.variant == variant)) for variant in variants]
+    variants = dict.fromkeys(finding.variant for finding in findings)
+    return [
+        VariantRow(variant, tuple(finding for finding in findings if finding.variant == variant))
+        for variant in variants
+    ]
 
 
 def verdict_table(findings: Sequence[Finding]) -> pd.DataFrame:
     """Give a table for people: a row a variant, with its verdicts counted and the worst of them."""
-    return text_table(COLUMNS, rows_of(findings))
+    return text_table(VERDICT_COLUMNS, rows_of(findings))
 
 
 def matrix(results: Results) -> pd.DataFrame:
     """Give variants × scenarios, with the outcome of each variant in each scenario."""
-    outcomes = {one.name: {str(row.variant): row.outcome for row in rows_of(found)} for one, found in results.items()}
+    outcomes = {
+        scenario.name: {str(row.variant): row.outcome for row in rows_of(findings)}
+        for scenario, findings in results.items()
+    }
     variants = list(dict.fromkeys(variant for column in outcomes.values() for variant in column))
     table = pd.DataFrame(outcomes, index=variants, dtype=object).fillna("–")
     return table.rename_axis("engine:formulation:preset").reset_index()
@@ -115,11 +122,11 @@ def matrix(results: Results) -> pd.DataFrame:
 def details(findings: Sequence[Finding]) -> Iterator[tuple[Variant, list[str]]]:
     """Give the variants that do not agree throughout, each with a line for every metric and verdict but agreement."""
     for row in rows_of(findings):
-        wrong = [one for one in row.findings if one.comparison.verdict is not Verdict.AGREE]
+        wrong = [finding for finding in row.findings if finding.comparison.verdict is not Verdict.AGREE]
         if wrong:
             order: dict[tuple[Metric, Verdict], list[Finding]] = {}
-            for one in wrong:
-                order.setdefault((one.metric, one.comparison.verdict), []).append(one)
+            for finding in wrong:
+                order.setdefault((finding.metric, finding.comparison.verdict), []).append(finding)
             yield row.variant, [_detail(group) for group in order.values()]
 
 
@@ -130,20 +137,16 @@ def _detail(group: Sequence[Finding]) -> str:
     return f"{worst.comparison.verdict}, {worst.metric.name}, {worst.case}: {worst.comparison.reason}{more}"
 
 
-def law(variant: Variant) -> str:
-    """Give the law by which a variant departs from Coulomb's; empty where there is none."""
-    return variant.preset.known_deviation
-
-
-def markdown(results: Results, command: str) -> str:
+def verdict_document(results: Results, command: str) -> str:
     """Give everything as a document, with how it was made."""
-    lines = ["# Verdicts", "", LEGEND, f"Made by `{command}`.", ""]
-    lines += [*markdown_lines(matrix(results)), "", "## Laws of the engines that explain disagreements", ""]
-    findings = [one for found in results.values() for one in found]
+    lines = ["# Verdicts", "", VERDICT_LEGEND, f"Made by `{command}`.", ""]
+    lines += [*markdown_lines(matrix(results)), "", "## Known deviations that explain disagreements", ""]
+    findings = [finding for own in results.values() for finding in own]
     lines += [
-        f"- {variant}: {law(variant)}" for variant in dict.fromkeys(one.variant for one in findings if explained(one))
+        f"- {variant}: {variant.preset.known_deviation}"
+        for variant in dict.fromkeys(finding.variant for finding in findings if explained(finding))
     ]
-    for scenario, found in results.items():
+    for scenario, own in results.items():
         lines += ["", f"## {scenario.name}", "", scenario.question, ""]
         lines += [f"- from: {scenario.source}", f"- compared with: {scenario.expects}"]
         lines += [
@@ -151,13 +154,14 @@ def markdown(results: Results, command: str) -> str:
             for metric in scenario.metrics
         ]
         lines += [f"- {line}" for line in scenario.parameters()]
-        lines += ["", *markdown_lines(verdict_table(found))]
-        wrong = list(details(found))
+        lines += ["", *markdown_lines(verdict_table(own))]
+        wrong = list(details(own))
         if wrong:
             lines += ["", "What does not agree:", ""]
         for variant, remarks in wrong:
             lines += [f"- {variant}", *(f"  - {remark}" for remark in remarks)]
-    return "\n".join([*lines, "", f"Versions: {versions(findings)}; Python {platform.python_version()}.", ""])
+    names = sorted({finding.variant.engine for finding in findings})
+    return "\n".join([*lines, "", f"Versions: {versions_of(names)}; Python {platform.python_version()}.", ""])
 
 
 FINDING_COLUMNS: tuple[Column[tuple[Scenario, Finding]], ...] = (
@@ -180,36 +184,31 @@ FINDING_COLUMNS: tuple[Column[tuple[Scenario, Finding]], ...] = (
 
 def finding_table(results: Results) -> pd.DataFrame:
     """Give every finding, with full precision."""
-    return full_table(FINDING_COLUMNS, [(scenario, one) for scenario, found in results.items() for one in found])
+    return full_table(FINDING_COLUMNS, [(scenario, finding) for scenario, own in results.items() for finding in own])
 
 
 def verdicts_text(results: Results, command: str, ending: str) -> str:
     """Give the verdicts in the format of a file: ``.md``, ``.csv`` or ``.json``."""
     if ending == ".md":
-        return markdown(results, command)
+        return verdict_document(results, command)
     if ending == ".csv":
         return csv_text(finding_table(results), missing="")
     return json_text(_content(results, command), indent=1)
 
 
 def _content(results: Results, command: str) -> dict[str, object]:
-    """Give every finding, what was asked and the versions."""
-    findings = [one for found in results.values() for one in found]
+    """Give every finding, the scenarios and the versions."""
+    findings = [finding for own in results.values() for finding in own]
     return {
         "command": command,
-        "versions": versions(findings),
+        "versions": versions_of(sorted({finding.variant.engine for finding in findings})),
         "scenarios": [
-            {"name": one.name, "question": one.question, "source": one.source, "expects": one.expects,
-             "parameters": one.parameters()}
-            for one in results
+            {"name": scenario.name, "question": scenario.question, "source": scenario.source,
+             "expects": scenario.expects, "parameters": scenario.parameters()}
+            for scenario in results
         ],
         "findings": records(finding_table(results)),
-        "laws": {str(one.variant): law(one.variant) for one in findings if explained(one)},
+        "known_deviations": {
+            str(finding.variant): finding.variant.preset.known_deviation for finding in findings if explained(finding)
+        },
     }  # fmt: skip
-
-
-def versions(findings: Sequence[Finding]) -> str:
-    """Name every engine's version once."""
-    names = [name for name, _ in groupby(sorted(one.variant.engine for one in findings))]
-    installed = [engine(name) for name in names if engine(name).unavailable_reason() is None]
-    return ", ".join(f"{one.name} {one.version()}" for one in installed)

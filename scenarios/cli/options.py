@@ -25,7 +25,7 @@ Chosen = Annotated[
     ),
 ]
 Store = Annotated[
-    Path | None, typer.Option(help="File that keeps every answer, so that a stopped run goes on; none without it.")
+    Path | None, typer.Option(help="File that keeps every result, so that a stopped run goes on; none without it.")
 ]
 Workers = Annotated[int | None, typer.Option(help="Worker processes; without it, one a processor.")]
 Limit = Annotated[
@@ -37,7 +37,7 @@ Scheduler = Annotated[
 
 
 def chosen_variants(chosen: list[str] | None) -> list[Variant]:
-    """Read what is to be run: whole engines by name, or single variants.
+    """Give the variants of the chosen names: whole engines, or single variants.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def check_out(out: Path | None, endings: tuple[str, ...]) -> None:
 
 @contextmanager
 def store_of_run(store: Path | None) -> Iterator[ResultStore]:
-    """Open the store of a run, one that goes with it if none is named; Ctrl-C says what is kept and ends the command.
+    """Open the store of a run, a temporary one if none is named; Ctrl-C prints what is kept and ends the command.
 
     Raises
     ------
@@ -74,13 +74,13 @@ def store_of_run(store: Path | None) -> Iterator[ResultStore]:
     """
     with (
         TemporaryDirectory() if store is None else nullcontext(store.parent) as folder,
-        ResultStore(Path(folder) / ("results.sqlite" if store is None else store.name)) as kept,
+        ResultStore(Path(folder) / ("results.sqlite" if store is None else store.name)) as stored,
     ):
         try:
-            yield kept
+            yield stored
         except KeyboardInterrupt:
             where = "nothing is kept without --store"
             if store is not None:
-                where = f"answers are kept in {store}; the same command goes on from there"
+                where = f"results are kept in {store}; the same command goes on from there"
             print(f"interrupted: {where}", file=sys.stderr)
             raise typer.Exit(INTERRUPTED) from None

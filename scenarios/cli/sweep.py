@@ -1,4 +1,4 @@
-"""What the command ``sweep`` does: evaluate what is missing, print how it ended, write what the store knows."""
+"""What the command ``sweep`` does: run what is missing, and print summaries."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,7 @@ import pandas as pd
 from engines.interface.variant import Variant
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import Executor
-from scenarios.execution.progress import Bars, CountingEvaluator
+from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.dataset import STATUSES
 from scenarios.sweeps.refinement import ForTheAccuracy
@@ -23,12 +23,12 @@ PARTS = (0.5, 0.99, 1.0)
 
 
 def evaluate_sweep(sweep: Sweep, store: ResultStore, executor: Executor) -> SweepSummary:
-    """Evaluate what the store does not know, with bars on the way."""
+    """Run what the store does not hold, with progress bars."""
     if sweep.frequencies is not None:
-        start = [sweep.task(*place) for place in ForTheAccuracy(sweep).due()]
-        with Bars(sweep.variants) as bars, CountingEvaluator(store, executor, start, bars) as counting:
+        start = [sweep.task(*point) for point in ForTheAccuracy(sweep).due()]
+        with ProgressBars(sweep.variants) as bars, CountingEvaluator(store, executor, start, bars) as counting:
             return run_sweep(sweep, counting)
-    with Bars(sweep.variants) as bars, Evaluator(store, executor) as evaluator:
+    with ProgressBars(sweep.variants) as bars, Evaluator(store, executor) as evaluator:
         for variant in sweep.variants:
             bars.expect(variant, sweep.points // len(sweep.variants))
         evaluator.progress, evaluator.recalled = bars.advance, bars.recall
@@ -54,20 +54,20 @@ def print_verdicts(sweep: Sweep, points: Sequence[Point]) -> None:
     """Print how every variant compares with the reference, if the file has a tolerance for it."""
     if sweep.tolerance is None:
         return
-    place = ", ".join([*(name.removesuffix("_ratio").replace("_", " ") for name in sweep.case_axes), "frequency"])
+    axes = ", ".join([*(name.removesuffix("_ratio").replace("_", " ") for name in sweep.case_axes), "frequency"])
     rows = [
-        [str(variant), *(str(found.counts[verdict]) for verdict in Verdict), *_worst(found)]
-        for variant, found in verdict_summaries(sweep, points).items()
+        [str(variant), *(str(summary.counts[verdict]) for verdict in Verdict), *_worst(summary)]
+        for variant, summary in verdict_summaries(sweep, points).items()
     ]
-    headings = ["engine:formulation:preset", *map(str, Verdict), "largest [dB]", f"at {place}"]
+    headings = ["engine:formulation:preset", *map(str, Verdict), "largest [dB]", f"at {axes}"]
     print_table(pd.DataFrame(rows, columns=headings))
 
 
-def _worst(found: VerdictSummary) -> list[str]:
-    """Largest difference and its place, as text."""
-    if found.largest is None:
+def _worst(summary: VerdictSummary) -> list[str]:
+    """Largest difference and its axes, as text."""
+    if summary.largest is None:
         return ["–", "–"]
-    point = found.largest
+    point = summary.largest
     return [f"{abs(point.comparison.difference):.3g}", f"{point.case.numbers}, {point.frequency_ratio:.4g}"]
 
 

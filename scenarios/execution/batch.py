@@ -13,7 +13,7 @@ from scenarios.tasks.task import SteadyStateTask, Task
 from scenarios.tasks.transient import TransientTask
 
 Batch = list[Task]
-"""Tasks of one kind, for one variant, about chains of one length."""
+"""Tasks of one kind, for one variant, on chains of one length."""
 
 _RUN: dict[type[Task], Callable[[Any], list[Result]]] = {
     SteadyStateTask: run_steady_states,

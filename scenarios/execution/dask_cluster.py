@@ -12,7 +12,7 @@ from scenarios.execution.worker import run_on_cluster
 from scenarios.tasks.result import Result
 
 CONNECT_SECONDS = 15
-"""How long a scheduler may take to answer."""
+"""How long connecting to a scheduler may take."""
 
 
 def executor_for(workers: int | None, time_limit: float, scheduler: str | None) -> "LocalExecutor | DaskExecutor":
@@ -46,7 +46,7 @@ class DaskExecutor(WorkerExecutor["Future[list[Result]]"]):
     Raises
     ------
     ParameterError
-        If dask.distributed is not installed, nobody answers at the address, or the scheduler has no workers.
+        If dask.distributed is not installed, there is no scheduler at the address, or the scheduler has no workers.
     """
 
     def __init__(self, address: str, time_limit: float = TIME_LIMIT):
@@ -59,7 +59,7 @@ class DaskExecutor(WorkerExecutor["Future[list[Result]]"]):
         self._futures = self._client.get_executor(pure=False, retries=0)
 
     def close(self) -> None:
-        """Take back what is not begun, and leave the cluster; it goes on without us."""
+        """Cancel what is not begun, and disconnect; the cluster goes on."""
         self._futures.shutdown(wait=False)
         self._client.close()
 

@@ -52,7 +52,7 @@ class Evaluator(Closing):
         self.recalled: Progress = _no_progress
 
     def evaluate(self, tasks: Sequence[Task]) -> list[Result]:
-        """Give the result of every task, in order; one that comes again has it from memory, blocked or not."""
+        """Give the result of every task, in order; that of a repeated task comes from memory, blocked or not."""
         missing = []
         for task, stored in self._stored(self.new_tasks(tasks), self._store.results):
             if stored is None:
@@ -64,7 +64,7 @@ class Evaluator(Closing):
         return [self._results[task] for task in tasks]
 
     def complete(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, ResultSummary]]:
-        """Run whatever the store does not know, and forget it once it is kept; gives how each task ended.
+        """Run what the store does not hold, and release each result once it is stored; gives how each task ended.
 
         However many tasks there are, neither they nor their results are in memory together.
         """
@@ -113,7 +113,7 @@ class Evaluator(Closing):
 
 
 class StoredResults(Evaluator):
-    """What a store knows: nothing is computed, and what it does not know is missing.
+    """The results of a store: nothing is computed, and what it does not hold is missing.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ class StoredResults(Evaluator):
     """
 
     def __init__(self, store: ResultStore):
-        super().__init__(store, InProcessExecutor())  # which is given nothing to run
+        super().__init__(store, InProcessExecutor())  # it gets no tasks
 
     def _stored(
         self, tasks: Sequence[Task], look_up: Callable[[Iterable[Task]], Iterator[_Stored | None]]

@@ -12,7 +12,7 @@ from scenarios.tasks.result import Result
 from scenarios.tasks.task import Task
 
 TIME_LIMIT = 300.0
-"""Seconds that a batch of tasks may take: a hundred times what the slowest engine needs for the usual one."""
+"""Seconds that a batch of tasks may take: a hundred times what the slowest engine needs for a typical one."""
 
 MOST_FAILURES = 3
 """Points at which an engine may end its process; after as many, its other points are not run any more."""
@@ -52,7 +52,7 @@ class WorkerDied(RuntimeError):
 
 
 Run = TypeVar("Run")
-"""A batch that is running, as an executor knows it."""
+"""Handle of a running batch."""
 
 
 class WorkerExecutor(Closing, Generic[Run]):
@@ -119,7 +119,7 @@ class WorkerExecutor(Closing, Generic[Run]):
 
     @abstractmethod
     def _abandon(self, run: Run) -> None:
-        """Stop what nobody waits for any more."""
+        """Stop a batch whose results are not needed any more."""
 
 
 class BatchQueue:

@@ -16,7 +16,7 @@ def results_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]], 
     """Run items at once; if that fails, one by one; one that fails alone is blocked.
 
     Whatever an engine raises is its result, an end of the program (`SystemExit`) too. An interrupt is the user's in
-    the process that the user has started, and the engine's in a worker, which none from outside reaches.
+    the process that the user has started, and the engine's in a worker, which no interrupt from outside reaches.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def results_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]], 
 
 
 def text_of(problem: BaseException) -> str:
-    """Give the message of an exception, also of one that fails when it is asked for it."""
+    """Give the message of an exception, also of one whose own ``__str__`` fails."""
     try:
         return str(problem)
     except BaseException as failure:  # an engine's own class

@@ -23,10 +23,10 @@ START_SECONDS = 60.0
 """What a process has to start and to import the suite, on a machine that is busy."""
 
 GRACE_SECONDS = 1.0
-"""By how much a process may pass the time limit, in which it writes down where it was."""
+"""By how much a process may pass the time limit, in which it writes its crash log."""
 
-LOOK_SECONDS = 1.0
-"""How often processes are looked at that have ended while a child of theirs holds the connection open."""
+CHECK_SECONDS = 1.0
+"""Interval of the check for processes that have ended while a child process holds the connection open."""
 
 IDLE_WORKERS = 8
 """Idle processes that are kept for their engine beside the busy ones: starting one takes seconds."""
@@ -85,7 +85,7 @@ class LocalExecutor(WorkerExecutor["LocalWorker"]):
             if finished:
                 return finished
             first = min(worker.deadline for worker in running) - time.monotonic()
-            wait([worker.connection for worker in running], max(0.0, min(first, LOOK_SECONDS)))
+            wait([worker.connection for worker in running], max(0.0, min(first, CHECK_SECONDS)))
 
     def _results(self, run: "LocalWorker") -> list[Result]:
         try:
@@ -127,7 +127,7 @@ class LocalWorker:
     Parameters
     ----------
     engine
-        The only one whose batches it is given: what an engine does to its process is felt by no other.
+        The only one whose batches it is given: what an engine does to its process affects no other engine.
     crash_log
         File into which it writes where it crashed.
     """

@@ -28,10 +28,10 @@ PACE_SECONDS = 3600.0
 """Time over which the pace is averaged: points of slow engines take minutes."""
 
 
-class Bars:
+class ProgressBars:
     """A bar for each variant, on standard error: computed points, out of all that have to be computed.
 
-    What a store knows is counted beside the bar: it takes no time, and would spoil the estimate of what remains.
+    Results from the store are counted beside the bar: it takes no time, and would spoil the estimate of what remains.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class Bars:
         self.progress.update(bar, known=known, total=(self.progress.tasks[bar].total or 0) - count)
 
     def _bar(self, variant: Variant) -> TaskID:
-        """Give the bar of a variant; one that is run for the sake of others gets its own when it is."""
+        """Give the bar of a variant; a variant that is added later gets its bar then."""
         if variant not in self._bars:
             self._bars[variant] = self.progress.add_task(variant.title, total=0, known=0)
         return self._bars[variant]
@@ -89,7 +89,7 @@ class Bars:
 
 
 class CountingEvaluator(Evaluator):
-    """An evaluator that shows how far it is: a bar's total is what is known to be run, each task once.
+    """An evaluator that shows how far it is: a bar's total is the tasks that are known so far, each once.
 
     What is expected is known from the start. Points that are added where a curve needs them, and those that
     refine an edge, are added to the total when they come.
@@ -104,7 +104,7 @@ class CountingEvaluator(Evaluator):
         Where progress is shown.
     """
 
-    def __init__(self, store: ResultStore, executor: Executor, expected: Sequence[Task], bars: Bars):
+    def __init__(self, store: ResultStore, executor: Executor, expected: Sequence[Task], bars: ProgressBars):
         super().__init__(store, executor)
         self._bars = bars
         self._expected: set[Task] = set()

@@ -20,7 +20,7 @@ from scenarios.tasks.task import SteadyStateTask
 
 
 def run_steady_states(tasks: Sequence[SteadyStateTask]) -> list[Result]:
-    """Find the steady states of tasks of one kind, for one variant, about chains of one length, in order."""
+    """Find the steady states of tasks of one kind, for one variant, on chains of one length, in order."""
     by_steps: dict[int, list[int]] = defaultdict(list)
     lanes = []
     for index, task in enumerate(tasks):

@@ -12,7 +12,7 @@ from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.observables.energy import mechanical_energy
 from reference_lcp.validation import FloatArray
 from scenarios.execution.failures import results_together
-from scenarios.tasks.result import Result, ResultStatus, Series
+from scenarios.tasks.result import NamedNumbers, Result, ResultStatus
 from scenarios.tasks.transient import TransientTask
 
 STRETCH = 4096
@@ -21,7 +21,7 @@ STRETCH = 4096
 AT_REST = 0.01
 """A contact has come to rest when the two masses stay this near to where they end, over F / k_i.
 
-What an engine's stuck contact may creep, and a slip that nobody could call motion, is below.
+The creep of a stuck contact, and slip too small to matter, are below.
 """
 
 
@@ -73,9 +73,9 @@ class _Heat:
 class _Record:
     """Recorded rows of one motion, and what is added up over all of its steps."""
 
-    def __init__(self, lane: Lane, motion: TransientTask):
-        self._lane, self._motion = lane, motion
-        initial = motion.initial_state()
+    def __init__(self, lane: Lane, task: TransientTask):
+        self._lane, self._task = lane, task
+        initial = task.initial_state()
         self._last_positions, self._last_velocities = initial.positions, initial.velocities
         self._rows: list[FloatArray] = []
         self._heat = _Heat()
@@ -83,17 +83,17 @@ class _Record:
         self._least_energy, self._growth = self._initial_energy, 0.0
 
     def append(self, run: Trajectory) -> None:
-        """Take the next stretch."""
+        """Add the next stretch."""
         finite = np.all(np.isfinite(run.positions) & np.isfinite(run.velocities), axis=1)
         if not np.all(finite):
             raise MotionNotFinite(f"the engine's numbers are not finite at {run.time[np.argmin(finite)]:g} s")
-        every = self._motion.every
+        every = self._task.every
         self._rows.append(run.positions[every - 1 :: every].copy())
-        if self._motion.recorded == "decay":
+        if self._task.recorded == "decay":
             self._add_energies(run)
         self._last_positions, self._last_velocities = run.positions[-1:].copy(), run.velocities[-1:].copy()
 
-    def series(self) -> Series:
+    def series(self) -> NamedNumbers:
         """Give what the task names, displacements over the displacement scale and energies over the initial one.
 
         ``response``: the last outer mass at each kept row. ``decay``: see `_decay`.
@@ -101,11 +101,11 @@ class _Record:
         rows = np.concatenate(self._rows)
         chain = self._lane.chain
         rows /= self._lane.drive.displacement_scale(chain)
-        if self._motion.recorded == "decay":
+        if self._task.recorded == "decay":
             return self._decay(rows)
         return {"response": tuple(rows[:, chain.cells - 1].tolist())}
 
-    def _decay(self, rows: FloatArray) -> Series:
+    def _decay(self, rows: FloatArray) -> NamedNumbers:
         """``rest`` [s]: when the last contact came to rest. ``offsets``: v − u of each cell at the end.
 
         ``swing``: v − u of cell 1 at each kept row. ``energy``: left in the chain, taken by dashpots, taken by
@@ -120,14 +120,14 @@ class _Record:
         left = float(mechanical_energy(chain, self._last_positions, self._last_velocities)[0])
         energies = np.array([left, self._heat.dashpots, self._heat.contacts, self._growth]) / self._initial_energy
         return {
-            "rest": (float(self._motion.row_times()[min(last, slip.shape[0] - 1)]),),
+            "rest": (float(self._task.row_times()[min(last, slip.shape[0] - 1)]),),
             "offsets": tuple(slip[-1].tolist()),
             "swing": tuple(slip[:, 0].tolist()),
             "energy": tuple(energies.tolist()),
         }
 
     def _add_energies(self, run: Trajectory) -> None:
-        """Add up heat, velocities taken as the mean of both ends of a step, and look for energy that grows."""
+        """Add up heat, velocities taken as the mean of both ends of a step, and find energy that grows."""
         chain, dt = self._lane.chain, self._lane.time_step
         positions = np.vstack([self._last_positions, run.positions])
         velocities = np.vstack([self._last_velocities, run.velocities])

@@ -18,10 +18,10 @@ from scenarios.execution.failures import WORKER_MARK
 from scenarios.tasks.result import Result
 
 END_SECONDS = 1.0
-"""What a worker has for its own end once its client has gone; its whole process group is killed after it."""
+"""Time that a worker has to end by itself once its client has gone; its whole process group is killed after it."""
 
 BEGUN = "begun"
-"""What a worker says when it begins with a batch: from then on the time limit counts."""
+"""Message of a worker that begins a batch: from then on the time limit counts."""
 
 
 def serve(descriptor: int, crash_log: str) -> None:

@@ -1,4 +1,4 @@
-"""How wrong the friction of an engine is: one row of numbers for every variant, against the exact motion."""
+"""Errors of the friction of engines: one row of numbers for every variant, against the exact motion."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,18 +18,21 @@ from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.judge import metric_difference
 from scenarios.verdicts.steady_case import EXACT
 
-MAP_FRICTION_RATIOS = (0.1, 0.3, 0.6, 1.0)
-MAP_FREQUENCY_RATIOS = tuple(round(0.3 + 0.1 * k, 1) for k in range(14))
+ACCURACY_FRICTION_RATIOS = (0.1, 0.3, 0.6, 1.0)
+ACCURACY_FREQUENCY_RATIOS = tuple(round(0.3 + 0.1 * k, 1) for k in range(14))
 """Where the map of an engine's error is taken: friction ratios of figure 3, frequency ratios from 0.3 to 1.6."""
 
-MAP: tuple[OperatingPoint, ...] = tuple(
-    (friction, eta) for friction in MAP_FRICTION_RATIOS for eta in MAP_FREQUENCY_RATIOS
+ACCURACY_MAP: tuple[OperatingPoint, ...] = tuple(
+    OperatingPoint(friction, eta) for friction in ACCURACY_FRICTION_RATIOS for eta in ACCURACY_FREQUENCY_RATIOS
 )
 
-PLACES: tuple[OperatingPoint, ...] = tuple(dict.fromkeys((*STICK_SLIP_POINTS, *MAP)))
-"""Every place at which engines are compared with the exact motion."""
+SIX_POINTS = tuple(OperatingPoint(*point) for point in STICK_SLIP_POINTS)
+"""Points at which contacts stick and slip; the order in the time step is fitted there."""
 
-MAP_STEPS = 800
+ACCURACY_POINTS: tuple[OperatingPoint, ...] = tuple(dict.fromkeys((*SIX_POINTS, *ACCURACY_MAP)))
+"""Every point at which engines are compared with the exact motion."""
+
+ACCURACY_MAP_STEPS = 800
 """Steps a period of the map."""
 
 ORDER_STEPS = (400, 800, 1600)
@@ -38,7 +41,7 @@ ORDER_STEPS = (400, 800, 1600)
 
 @dataclass(frozen=True)
 class Accuracy:
-    """What is wrong with a variant; worst values over all certified points, NaN where there is none.
+    """Errors of a variant; worst values over all certified points, NaN where there is none.
 
     Parameters
     ----------
@@ -46,20 +49,20 @@ class Accuracy:
         Which one.
     points_db
         Largest transmittance error over the six stick–slip points [dB], by steps a period.
-    map_db, worst_place
+    map_db, worst_point
         Largest transmittance error over the map [dB] and where, as (friction ratio, frequency ratio).
     stuck_fraction
         Largest error of a contact's stuck fraction on the map.
     median_transition, largest_transition
         |Time error| of matched transitions on the map, over the period.
     transitions, missed, spurious
-        Transitions of the exact motion on the map; those not found, and found ones that are none.
+        Transitions of the exact motion on the map; those that the variant misses, and those that it has beside them.
     creep
         Largest |ġ_T| within a stick, over ω U0.
     order
         In the time step: −slope of the root mean square error at the six points; NaN unless all are certified.
     points, certified
-        How many points there are, and how many have a certified steady state.
+        Number of points, and of those with a certified steady state.
     blocked
         Reason of the first blocked point; empty if there is none.
     """
@@ -67,7 +70,7 @@ class Accuracy:
     variant: Variant
     points_db: Mapping[int, float]
     map_db: float
-    worst_place: tuple[float, float] | None
+    worst_point: OperatingPoint | None
     stuck_fraction: float
     median_transition: float
     largest_transition: float
@@ -83,18 +86,18 @@ class Accuracy:
 
 def accuracy_tasks(variant: Variant) -> list[SteadyStateTask]:
     """Give the tasks of a variant: the six points at three steps, and the map."""
-    points = [(place, steps) for steps in ORDER_STEPS for place in STICK_SLIP_POINTS]
-    points += [(place, MAP_STEPS) for place in MAP]
-    return [_task(variant, place, steps) for place, steps in dict.fromkeys(points)]
+    runs = [(point, steps) for steps in ORDER_STEPS for point in SIX_POINTS]
+    runs += [(point, ACCURACY_MAP_STEPS) for point in ACCURACY_MAP]
+    return [_task(variant, point, steps) for point, steps in dict.fromkeys(runs)]
 
 
 def exact_tasks() -> dict[OperatingPoint, SteadyStateTask]:
-    """Give the tasks of the exact motion at every place."""
-    return {place: _task(EXACT, place, MINIMUM_STEPS_PER_PERIOD) for place in PLACES}
+    """Give the tasks of the exact motion at every point."""
+    return {point: _task(EXACT, point, MINIMUM_STEPS_PER_PERIOD) for point in ACCURACY_POINTS}
 
 
-def _task(variant: Variant, place: OperatingPoint, steps: int) -> SteadyStateTask:
-    friction, eta = place
+def _task(variant: Variant, point: OperatingPoint, steps: int) -> SteadyStateTask:
+    friction, eta = point
     return SteadyStateTask(variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=steps)
 
 
@@ -116,22 +119,26 @@ def accuracies(variants: Sequence[Variant], evaluator: Evaluator) -> list[Accura
     tasks = {variant: accuracy_tasks(variant) for variant in variants}
     every = [*exact_tasks().values(), *(task for own in tasks.values() for task in own)]
     results = dict(zip(every, evaluator.evaluate(every), strict=True))
-    exact = {place: results[task] for place, task in exact_tasks().items()}
-    return [accuracy(variant, {task: results[task] for task in own}, exact) for variant, own in tasks.items()]
+    exact = {point: results[task] for point, task in exact_tasks().items()}
+    return [accuracy_of(variant, {task: results[task] for task in own}, exact) for variant, own in tasks.items()]
 
 
-def accuracy(
+def accuracy_of(
     variant: Variant, results: Mapping[SteadyStateTask, Result], exact: Mapping[OperatingPoint, Result]
 ) -> Accuracy:
     """Compare one variant's results of `accuracy_tasks` with the exact motion, where that is certified."""
-    certified = {task: one for task, one in results.items() if one.converged and exact[place_of(task)].converged}
-    places = {
-        place: a for q, a in certified.items() if (place := place_of(q)) in MAP and q.steps_per_period == MAP_STEPS
+    certified = {
+        task: result for task, result in results.items() if result.converged and exact[point_of(task)].converged
     }
-    errors = {place: transmittance_error_db(result, exact[place]) for place, result in places.items()}
+    mapped = {
+        point: result
+        for task, result in certified.items()
+        if (point := point_of(task)) in ACCURACY_MAP and task.steps_per_period == ACCURACY_MAP_STEPS
+    }
+    errors = {point: transmittance_error_db(result, exact[point]) for point, result in mapped.items()}
     matches = [
-        match_transitions(result.transitions, exact[place].transitions, result.period)
-        for place, result in places.items()
+        match_transitions(result.transitions, exact[point].transitions, result.period)
+        for point, result in mapped.items()
     ]
     times = [abs(error) for match in matches for error in match.time_errors]
     blocked = [result.reason for result in results.values() if result.status is ResultStatus.BLOCKED]
@@ -139,11 +146,11 @@ def accuracy(
         variant=variant,
         points_db={steps: _largest(_point_errors(certified, exact, steps)) for steps in ORDER_STEPS},
         map_db=_largest(errors.values()),
-        worst_place=max(errors, key=lambda place: errors[place], default=None),
-        stuck_fraction=_largest(_stuck_error(result, exact[place]) for place, result in places.items()),
+        worst_point=max(errors, key=lambda point: errors[point], default=None),
+        stuck_fraction=_largest(_stuck_error(result, exact[point]) for point, result in mapped.items()),
         median_transition=float(np.median(times)) if times else math.nan,
         largest_transition=_largest(times),
-        transitions=sum(len(exact[place].transitions) for place in places),
+        transitions=sum(len(exact[point].transitions) for point in mapped),
         missed=sum(len(match.missed) for match in matches),
         spurious=sum(len(match.spurious) for match in matches),
         creep=_largest(max(result.creep) for result in certified.values()),
@@ -159,10 +166,10 @@ def transmittance_error_db(result: Result, exact: Result) -> float:
     return abs(metric_difference(TRANSMITTANCE, result.transmittance_db, exact.transmittance_db))
 
 
-def place_of(task: SteadyStateTask) -> OperatingPoint:
+def point_of(task: SteadyStateTask) -> OperatingPoint:
     """Give the friction and the frequency ratio of a task about a chain of equal friction."""
     assert isinstance(task.friction_ratio, float)
-    return task.friction_ratio, task.frequency_ratio
+    return OperatingPoint(task.friction_ratio, task.frequency_ratio)
 
 
 def _point_errors(
@@ -170,18 +177,18 @@ def _point_errors(
 ) -> list[float]:
     """Transmittance errors at those of the six points that are certified at so many steps [dB]."""
     return [
-        transmittance_error_db(result, exact[place_of(task)])
+        transmittance_error_db(result, exact[point_of(task)])
         for task, result in certified.items()
-        if task.steps_per_period == steps and place_of(task) in STICK_SLIP_POINTS
+        if task.steps_per_period == steps and point_of(task) in SIX_POINTS
     ]
 
 
 def _order(certified: Mapping[SteadyStateTask, Result], exact: Mapping[OperatingPoint, Result]) -> float:
     """Fit the order in the time step."""
     errors = [_point_errors(certified, exact, steps) for steps in ORDER_STEPS]
-    if any(len(one) < len(STICK_SLIP_POINTS) for one in errors):
+    if any(len(own) < len(SIX_POINTS) for own in errors):
         return math.nan
-    size = [math.sqrt(np.mean(np.square(one))) for one in errors]
+    size = [math.sqrt(np.mean(np.square(own))) for own in errors]
     if min(size) == 0:
         return math.nan
     return float(-np.polyfit(np.log(ORDER_STEPS), np.log(size), 1)[0])

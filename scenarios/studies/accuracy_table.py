@@ -4,29 +4,29 @@ import math
 import platform
 from collections.abc import Callable, Sequence
 
-from engines.interface.registry import engine
 from engines.shared.step_cost import StepCost
-from scenarios.studies.accuracy import MAP_STEPS, ORDER_STEPS, Accuracy
+from scenarios.studies.accuracy import ACCURACY_MAP_STEPS, ORDER_STEPS, Accuracy
 from scenarios.tables import Column, csv_text, full_table, markdown_lines, text_table
+from scenarios.tasks.versions import versions_of
 
-Row = tuple[Accuracy, StepCost | None]
+AccuracyRow = tuple[Accuracy, StepCost | None]
 """A variant's accuracy, and what its step costs if that was measured."""
 
 
-def _points(steps: int) -> Callable[[Row], float]:
+def _points(steps: int) -> Callable[[AccuracyRow], float]:
     return lambda row: row[0].points_db[steps]
 
 
-def _cost(name: str, scale: float) -> Callable[[Row], float]:
+def _cost(name: str, scale: float) -> Callable[[AccuracyRow], float]:
     return lambda row: math.nan if row[1] is None else scale * getattr(row[1], name)
 
 
-COLUMNS: tuple[Column[Row], ...] = (
+ACCURACY_COLUMNS: tuple[Column[AccuracyRow], ...] = (
     Column("engine", lambda row: row[0].variant.engine),
     Column("formulation", lambda row: row[0].variant.formulation),
     Column("preset", lambda row: row[0].variant.preset_name),
     *(Column(f"points_{n}_db", _points(n), f"six points, {n} [dB]", "{:.3f}") for n in ORDER_STEPS[:2]),
-    Column("map_db", lambda row: row[0].map_db, f"map, {MAP_STEPS} [dB]", "{:.3f}"),
+    Column("map_db", lambda row: row[0].map_db, f"map, {ACCURACY_MAP_STEPS} [dB]", "{:.3f}"),
     Column("stuck_fraction_error", lambda row: row[0].stuck_fraction, "stuck fraction", "{:.3f}"),
     Column("median_transition_percent", lambda row: 100 * row[0].median_transition, "median [% T]", "{:.3f}"),
     Column("largest_transition_percent", lambda row: 100 * row[0].largest_transition, "max [% T]", "{:.2f}"),
@@ -40,11 +40,11 @@ COLUMNS: tuple[Column[Row], ...] = (
     Column("times_bare", _cost("ratio", 1), "× bare", "{:.2f}"),
 )
 
-LEGEND = f"""\
+ACCURACY_LEGEND = f"""\
 Errors are worst absolute differences from the exact, event-driven motion, over the points with a certified steady
 state: *six points* at 400 and {ORDER_STEPS[1]} steps a period; *map*: 4 friction ratios (0.1 … 1) × 14 frequency ratios
-(0.3 … 1.6) at {MAP_STEPS}. On the map too: the error of a contact's stuck fraction; the median and the largest time
-error of its transitions between stick and slip, in percent of the period; transitions that are *missed* and those
+(0.3 … 1.6) at {ACCURACY_MAP_STEPS}. On the map too: the error of a contact's stuck fraction; the median and the largest
+time error of its transitions between stick and slip, in percent of the period; transitions that are *missed* and those
 that are *spurious*, out of how many. *Creep* is the largest velocity within a stick. *Order* is that of the error in
 the time step, from {", ".join(map(str, ORDER_STEPS))} steps. *Certified*: points whose steady state repeats to the
 engine's residual. *µs a step*: of a chain of seven cells on one core, without a record, in the batch that the suite
@@ -52,35 +52,32 @@ runs; *× bare*: over the engine's own loop in the same run.
 """
 
 
-def markdown(rows: Sequence[Row], command: str) -> str:
+def accuracy_document(rows: Sequence[AccuracyRow], command: str) -> str:
     """Give the table as a document, with how it was made."""
-    lines = ["# Accuracy of the engines", "", LEGEND, f"Made by `{command}`.", ""]
-    lines += markdown_lines(text_table(COLUMNS, rows))
+    lines = ["# Accuracy of the engines", "", ACCURACY_LEGEND, f"Made by `{command}`.", ""]
+    lines += markdown_lines(text_table(ACCURACY_COLUMNS, rows))
     lines += ["", "Where the largest error on the map is, and what has no certified steady state:", ""]
-    lines += [f"- {note}" for row in rows if (note := remark(row[0]))]
-    lines += ["", f"Versions: {versions(rows)}; Python {platform.python_version()}.", ""]
+    lines += [f"- {text}" for row in rows if (text := remark(row[0]))]
+    lines += [
+        "",
+        f"Versions: {versions_of(row[0].variant.engine for row in rows)}; Python {platform.python_version()}.",
+        "",
+    ]
     return "\n".join(lines)
 
 
-def csv_table(rows: Sequence[Row]) -> str:
+def csv_table(rows: Sequence[AccuracyRow]) -> str:
     """Give the table as CSV, with full precision."""
-    return csv_text(full_table(COLUMNS, rows))
+    return csv_text(full_table(ACCURACY_COLUMNS, rows))
 
 
-def remark(found: Accuracy) -> str:
+def remark(accuracy: Accuracy) -> str:
     """Say of a variant what its numbers leave out."""
     parts = []
-    if found.worst_place is not None:
-        parts.append(f"worst at ({found.worst_place[0]:g}, {found.worst_place[1]:g})")
-    if found.certified < found.points:
-        parts.append(f"{found.points - found.certified} of {found.points} points are not certified")
-    if found.blocked:
-        parts.append(f"blocked: {found.blocked}")
-    return f"{found.variant}: {'; '.join(parts)}" if parts else ""
-
-
-def versions(rows: Sequence[Row]) -> str:
-    """Name every engine's version once."""
-    names = dict.fromkeys(row[0].variant.engine for row in rows)
-    installed = [engine(name) for name in names if engine(name).unavailable_reason() is None]
-    return ", ".join(f"{one.name} {one.version()}" for one in installed)
+    if accuracy.worst_point is not None:
+        parts.append(f"worst at ({accuracy.worst_point[0]:g}, {accuracy.worst_point[1]:g})")
+    if accuracy.certified < accuracy.points:
+        parts.append(f"{accuracy.points - accuracy.certified} of {accuracy.points} points are not certified")
+    if accuracy.blocked:
+        parts.append(f"blocked: {accuracy.blocked}")
+    return f"{accuracy.variant}: {'; '.join(parts)}" if parts else ""

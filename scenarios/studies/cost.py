@@ -1,4 +1,4 @@
-"""What engines cost side by side: a step, a steady state, and what a second worker process gives."""
+"""Cost of engines side by side: a step, a steady state, and what a second worker process gives."""
 
 import math
 import time
@@ -74,7 +74,7 @@ def cost(variant: Variant, seconds: float = SECONDS) -> Cost:
     Parameters
     ----------
     variant
-        Who is measured; installed.
+        The variant that is measured; installed.
     seconds
         Length of a measurement with one worker that is aimed at, > 0.
     """
@@ -94,9 +94,9 @@ def _batches(variant: Variant, point: float, seconds: float) -> list[Batch]:
     count = 2 * round(seconds / point / lanes / 2)
     count = min(max(count, LEAST_BATCHES), MOST_BATCHES)
     # a golden-section sequence spreads any number of points evenly, and hard ones over the batches
-    places = np.arange(lanes * count)
-    friction, eta = 0.1 + 0.9 * (places + 0.5) / places.size, 0.3 + 1.3 * (places * (np.sqrt(5) - 1) / 2 % 1)
-    order = places.reshape(lanes, count).T
+    numbers = np.arange(lanes * count)
+    friction, eta = 0.1 + 0.9 * (numbers + 0.5) / numbers.size, 0.3 + 1.3 * (numbers * (np.sqrt(5) - 1) / 2 % 1)
+    order = numbers.reshape(lanes, count).T
     return [
         [
             SteadyStateTask(variant=variant, friction_ratio=float(friction[k]), frequency_ratio=float(eta[k]))
@@ -116,10 +116,10 @@ def _timed(batches: Sequence[Batch], workers: int) -> tuple[float, list[Result]]
         return time.perf_counter() - begin, every
 
 
-Row = tuple[Cost, Cost]
+CostRow = tuple[Cost, Cost]
 """A cost, and that of the reference."""
 
-COLUMNS: tuple[Column[Row], ...] = (
+COST_COLUMNS: tuple[Column[CostRow], ...] = (
     Column("variant", lambda row: str(row[0].step.variant), "engine:formulation:preset"),
     Column("advance [µs]", lambda row: 1e6 * row[0].step.advance, pattern="{:.2f}"),
     Column("run [µs]", lambda row: 1e6 * row[0].step.run, pattern="{:.2f}"),

@@ -55,7 +55,7 @@ def map_sweep(sweep: Sweep, friction_ratios: Sequence[float], frequency_ratios: 
 
 def friction_map(sweep: Sweep, evaluator: GivesResults) -> FrictionMap:
     """Evaluate a `map_sweep`; where a curve runs close to the threshold, it gets more points for its edges' sake."""
-    table = refined(sweep, list(sweep.places()), for_the_band(sweep), evaluator)
+    table = refined(sweep, list(sweep.grid_points()), for_the_band(sweep), evaluator)
     grid = [result.transmittance_db if result.converged else math.nan for result in table["result"][: sweep.points]]
     curves = curves_of(table)
     every = [curves[REFERENCE, case] for case in sweep.cases]
@@ -73,5 +73,5 @@ def _edge(band: BandDefinition, eta: FloatArray, curve: FloatArray, edge: Edge) 
     bracket = edge_brackets(eta, curve, band).get(edge)
     if bracket is None:
         return math.nan
-    left, right = (float(curve[np.searchsorted(eta, one)]) - band.threshold_db for one in bracket)
+    left, right = (float(curve[np.searchsorted(eta, end)]) - band.threshold_db for end in bracket)
     return float(interpolated_crossing(*np.array([*bracket, left, right])))

@@ -1,4 +1,4 @@
-"""What accuracy costs: error, cost of a step and time to the steady state, at several step sizes."""
+"""Cost of accuracy: error, cost of a step and time to the steady state, at several step sizes."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -8,10 +8,10 @@ from statistics import median
 from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from scenarios.execution.evaluator import Evaluator
-from scenarios.studies.accuracy import ORDER_STEPS, place_of, transmittance_error_db
+from scenarios.studies.accuracy import ORDER_STEPS, point_of, transmittance_error_db
 from scenarios.tasks.parameters import Excitation, OperatingPoint
 from scenarios.tasks.result import Result, ResultStatus
-from scenarios.tasks.task import USUAL_EXCITATION, SteadyStateTask
+from scenarios.tasks.task import DEFAULT_EXCITATION, SteadyStateTask
 from scenarios.verdicts.steady_case import EXACT
 
 
@@ -32,7 +32,7 @@ class StepPoint:
         Wall-clock time to the certified steady state [s], the median of the points.
     certified
         Points whose steady state was found.
-    answered
+    evaluated
         Points that have a result at all, with a steady state or without.
     reason
         Why the first point that is blocked has no result; empty if there is none.
@@ -44,11 +44,11 @@ class StepPoint:
     step_seconds: float
     seconds: float
     certified: int
-    answered: int
+    evaluated: int
     reason: str
 
 
-def step_tasks(variant: Variant, excitation: Excitation = USUAL_EXCITATION) -> list[SteadyStateTask]:
+def step_tasks(variant: Variant, excitation: Excitation = DEFAULT_EXCITATION) -> list[SteadyStateTask]:
     """Give the tasks of a variant: the six points at every number of steps."""
     return [
         SteadyStateTask(
@@ -60,13 +60,13 @@ def step_tasks(variant: Variant, excitation: Excitation = USUAL_EXCITATION) -> l
     ]  # fmt: skip
 
 
-def exact_step_tasks(excitation: Excitation = USUAL_EXCITATION) -> list[SteadyStateTask]:
+def exact_step_tasks(excitation: Excitation = DEFAULT_EXCITATION) -> list[SteadyStateTask]:
     """Give the tasks of the exact motion at the six points; it has no steps."""
     return step_tasks(EXACT, excitation)[: len(STICK_SLIP_POINTS)]
 
 
 def step_study(
-    variants: Sequence[Variant], evaluator: Evaluator, excitation: Excitation = USUAL_EXCITATION
+    variants: Sequence[Variant], evaluator: Evaluator, excitation: Excitation = DEFAULT_EXCITATION
 ) -> tuple[StepPoint, ...]:
     """Compare every variant at the six points, at every number of steps, with the exact motion.
 
@@ -75,20 +75,20 @@ def step_study(
     variants
         Which ones.
     evaluator
-        Gives the results, those of the exact motion too; a place where that is not there has no error.
+        Gives the results, those of the exact motion too; a point without it has no error.
     excitation
         What drives the chain, here and in the exact motion.
 
     Returns
     -------
     tuple of StepPoint
-        By variant, then by number of steps; what has no result at all is there with ``answered`` zero.
+        By variant, then by number of steps; what has no result at all is there with ``evaluated`` zero.
     """
     exact_tasks = exact_step_tasks(excitation)
     tasks = {variant: step_tasks(variant, excitation) for variant in variants}
     every = [*exact_tasks, *(task for own in tasks.values() for task in own)]
     results = dict(zip(every, evaluator.evaluate(every), strict=True))
-    exact = {place_of(task): results[task] for task in exact_tasks if results[task].converged}
+    exact = {point_of(task): results[task] for task in exact_tasks if results[task].converged}
     return tuple(
         _step_point(variant, steps, [(task, results[task]) for task in own if task.steps_per_period == steps], exact)
         for variant, own in tasks.items()
@@ -103,8 +103,8 @@ def _step_point(
     exact: Mapping[OperatingPoint, Result],
 ) -> StepPoint:
     """Sum up one number of steps."""
-    certified = [(place_of(task), result) for task, result in results if result.converged]
-    errors = [transmittance_error_db(result, exact[place]) for place, result in certified if place in exact]
+    certified = [(point_of(task), result) for task, result in results if result.converged]
+    errors = [transmittance_error_db(result, exact[point]) for point, result in certified if point in exact]
     timed = [result for _, result in certified if not math.isnan(result.seconds)]
     return StepPoint(
         variant=variant,
@@ -113,7 +113,7 @@ def _step_point(
         step_seconds=_median(result.seconds / (result.periods * result.steps_per_period) for result in timed),
         seconds=_median(result.seconds for result in timed),
         certified=len(certified),
-        answered=sum(result.status not in (ResultStatus.MISSING, ResultStatus.BLOCKED) for _, result in results),
+        evaluated=sum(result.status not in (ResultStatus.MISSING, ResultStatus.BLOCKED) for _, result in results),
         reason=next((result.reason for _, result in results if result.status is ResultStatus.BLOCKED), ""),
     )
 

@@ -1,8 +1,8 @@
 """Frequency grids that put their points where the curve bends: at resonances and at the edges of bands.
 
 A curve begins with even points and the natural frequencies of its chain. Then the middle of each interval is
-predicted from the points there are, by monotone cubic interpolation, and asked: where the prediction is wrong by
-more than the accuracy, both halves are looked at in the same way. So each part of the curve ends with points that
+predicted from the points there are, by monotone cubic interpolation, and evaluated: where the prediction is wrong by
+more than the accuracy, both halves are refined in the same way. So each part of the curve ends with points that
 were predicted right before they were added.
 """
 
@@ -40,14 +40,14 @@ the accuracy at 0.5 and 2 dB.
 
 @dataclass(frozen=True, kw_only=True)
 class AdaptiveAxis:
-    """Frequency ratios from the first to the last, as many as the accuracy asks for.
+    """Frequency ratios from the first to the last, as many as the accuracy needs.
 
     Parameters
     ----------
     first, last
         Ends of the axis in η_r, 0 < first < last.
     accuracy_db
-        Error of the interpolated curve that is asked for [dB], > 0, of `level` as a function of η_r.
+        Largest error of the interpolated curve [dB], > 0, of `level` as a function of η_r.
     least_spacing
         Smallest distance of neighbours in η_r, > 0; what is sharper is left unresolved.
     most_points
@@ -96,7 +96,7 @@ class AdaptiveCurve:
     Parameters
     ----------
     axis
-        What is asked for.
+        Ends, accuracy and limits.
     peaks
         Frequencies of narrow peaks that are known beforehand.
     """
@@ -110,35 +110,35 @@ class AdaptiveCurve:
 
     @property
     def due(self) -> tuple[float, ...]:
-        """Frequencies to be asked now; none when the curve is done."""
+        """Frequencies to be evaluated now; none when the curve is done."""
         return self._due
 
     @property
-    def asked(self) -> tuple[float, ...]:
-        """Frequencies asked so far, ascending."""
+    def evaluated(self) -> tuple[float, ...]:
+        """Frequencies evaluated so far, ascending."""
         return tuple(sorted(self._values))
 
     @property
     def points(self) -> tuple[FloatArray, FloatArray]:
-        """Frequencies asked so far, ascending, and the `level` [dB] there; NaN without a steady state."""
-        eta = np.array(self.asked)
-        return eta, np.array([self._values[one] for one in eta.tolist()])
+        """Frequencies evaluated so far, ascending, and the `level` [dB] there; NaN without a steady state."""
+        eta = np.array(self.evaluated)
+        return eta, np.array([self._values[ratio] for ratio in eta.tolist()])
 
-    def add(self, found: Mapping[float, float]) -> None:
+    def add(self, transmittance_db: Mapping[float, float]) -> None:
         """Take the transmittance [dB] at every frequency that was due; NaN where there is none.
 
-        Halves of an interval whose middle has no steady state are not looked at.
+        Halves of an interval whose middle has no steady state are not refined.
         """
         if self._values:
             predicted = self._interpolant()
-            levels = {eta: level(found[eta]) for eta in self._due}
+            levels = {eta: level(transmittance_db[eta]) for eta in self._due}
             wrong = {eta for eta in levels if abs(predicted(eta) - levels[eta]) > MARGIN * self._axis.accuracy_db}
             bends = [(a, b) for a, b in self._open if (a + b) / 2 in wrong]
             halves = [half for a, b in bends for half in ((a, (a + b) / 2), ((a + b) / 2, b))]
         else:
-            known = sorted(eta for eta in self._due if not math.isnan(found[eta]))
+            known = sorted(eta for eta in self._due if not math.isnan(transmittance_db[eta]))
             halves = list(itertools.pairwise(known))
-        self._values.update((eta, level(found[eta])) for eta in self._due)
+        self._values.update((eta, level(transmittance_db[eta])) for eta in self._due)
         self._choose(halves)
 
     def _interpolant(self) -> PchipInterpolator:
@@ -148,8 +148,8 @@ class AdaptiveCurve:
 
     def _choose(self, intervals: list[tuple[float, float]]) -> None:
         """Take the intervals that may be halved; the widest first where points run short."""
-        wide = [one for one in intervals if one[1] - one[0] >= 2 * self._axis.least_spacing]
+        wide = [(a, b) for a, b in intervals if b - a >= 2 * self._axis.least_spacing]
         room = self._axis.most_points - len(self._values)
-        self._open = sorted(sorted(wide, key=lambda one: one[0] - one[1])[: max(room, 0)])
+        self._open = sorted(sorted(wide, key=lambda interval: interval[0] - interval[1])[: max(room, 0)])
         self.resolved = self.resolved and len(self._open) == len(intervals)
         self._due = tuple((a + b) / 2 for a, b in self._open)

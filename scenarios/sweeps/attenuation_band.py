@@ -151,19 +151,19 @@ def refined_crossings(
         return np.reshape(transmittance_db(index, flat) - definition.threshold_db, np.shape(eta))
 
     low, high = np.array(brackets).T
-    found = elementwise.find_root(
+    root = elementwise.find_root(
         above_threshold,
         (low, high),
         args=(np.arange(len(brackets), dtype=np.float64),),
         tolerances={"xatol": resolution, "xrtol": 0.0, "fatol": 0.0, "frtol": 0.0},
     )
-    (left, right), (f_left, f_right) = found.bracket, found.f_bracket
-    place = np.where(found.success, interpolated_crossing(left, right, f_left, f_right), np.nan)
+    (left, right), (f_left, f_right) = root.bracket, root.f_bracket
+    eta = np.where(root.success, interpolated_crossing(left, right, f_left, f_right), np.nan)
     with np.errstate(invalid="ignore", divide="ignore"):
         slope = (f_right - f_left) / (right - left)
     # a simulation that meets the threshold exactly ends the search, however wide the bracket is
     width = np.where((f_left == 0) | (f_right == 0), 0.0, np.abs(right - left))
-    return [Crossing(*map(float, numbers)) for numbers in zip(place, slope, width, strict=True)]
+    return [Crossing(*map(float, numbers)) for numbers in zip(eta, slope, width, strict=True)]
 
 
 def interpolated_crossing(left: FloatArray, right: FloatArray, f_left: FloatArray, f_right: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ from scenarios.sweeps.refinement import chosen_frequencies, decided_db, for_the_
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.sweeps.table import (
     GivesResults,
-    Place,
+    GridPoint,
     Point,
     grid,
     judged,
@@ -34,15 +34,15 @@ Curve = tuple[FloatArray, FloatArray]
 
 @dataclass(frozen=True)
 class ComparedSweep:
-    """What came of a sweep.
+    """The results of a sweep, judged.
 
     Parameters
     ----------
     sweep
-        What was asked for.
+        The sweep.
     table
         Every point of every variant, by variant, case and frequency, judged; see `scenarios.sweeps.table`. The grid of
-        each case is the one asked for, resolved where a curve needs more points.
+        each case is that of the sweep, resolved where a curve needs more points.
     edges
         Both edges of every curve; empty where nothing could refine them.
     dense_reference
@@ -79,40 +79,40 @@ class ComparedSweep:
 
     @cached_property
     def _curves(self) -> dict[tuple[Variant, Case], list[Point]]:
-        found: dict[tuple[Variant, Case], list[Point]] = {}
+        curves: dict[tuple[Variant, Case], list[Point]] = {}
         for point in self.points:
-            found.setdefault((point.variant, point.case), []).append(point)
-        return found
+            curves.setdefault((point.variant, point.case), []).append(point)
+        return curves
 
     @cached_property
     def _edges(self) -> dict[tuple[Variant, Case, Edge], BandEdge]:
-        return {(one.variant, one.case, one.edge): one for one in self.edges}
+        return {(edge.variant, edge.case, edge.edge): edge for edge in self.edges}
 
 
-def run(sweep: Sweep, evaluator: GivesResults) -> ComparedSweep:
+def compare_sweep(sweep: Sweep, evaluator: GivesResults) -> ComparedSweep:
     """Evaluate the grid, resolve it, judge every point, and refine the edges of every curve.
 
     Parameters
     ----------
     sweep
-        What is asked for; the converged reference is among its variants, see `Sweep.with_reference`.
+        The sweep; the converged reference is among its variants, see `Sweep.with_reference`.
     evaluator
-        What gives the results.
+        Gives the results.
     """
     table = judged(sweep, with_results(sweep, resolved_grid(sweep, evaluator), evaluator))
     return ComparedSweep(sweep, table, band_edges(sweep, table, evaluator), _dense_reference(sweep, evaluator))
 
 
-def judged_points(sweep: Sweep, places: Iterable[Place], evaluator: GivesResults) -> ComparedSweep:
+def judged_points(sweep: Sweep, points: Iterable[GridPoint], evaluator: GivesResults) -> ComparedSweep:
     """Evaluate and judge points as they are: nothing is added, and no edge is refined."""
-    return ComparedSweep(sweep, judged(sweep, with_results(sweep, table_of(places), evaluator)))
+    return ComparedSweep(sweep, judged(sweep, with_results(sweep, table_of(points), evaluator)))
 
 
 def resolved_grid(sweep: Sweep, evaluator: GivesResults) -> pd.DataFrame:
     """Give every variant at every point of a grid that is as fine in each case as its curves need.
 
     On an adaptive axis, every variant's curve chooses points, and all variants take all of them, so that they can be
-    compared; then points are added until the converged reference shows no place where a crossing could hide.
+    compared; then points are added until the converged reference shows no interval in which a crossing could hide.
     """
     etas = chosen_frequencies(sweep, evaluator)
     guide = [(CONVERGED, case, eta) for case in etas for eta in etas[case]]
@@ -125,7 +125,7 @@ def _dense_reference(sweep: Sweep, evaluator: GivesResults) -> dict[Case, Curve]
         return {}
     low, high = min(sweep.frequency_ratios), max(sweep.frequency_ratios)
     eta = np.array([ratio for ratio in DENSE_FREQUENCY_RATIOS if low <= ratio <= high])
-    tasks = [sweep.task(REFERENCE, case, one) for case in sweep.cases for one in eta.tolist()]
-    found = [decided_db(result) for result in evaluator.evaluate(tasks)]
-    curves = np.reshape(found, (len(sweep.cases), eta.size))
+    tasks = [sweep.task(REFERENCE, case, ratio) for case in sweep.cases for ratio in eta.tolist()]
+    levels = [decided_db(result) for result in evaluator.evaluate(tasks)]
+    curves = np.reshape(levels, (len(sweep.cases), eta.size))
     return {case: (eta, curve) for case, curve in zip(sweep.cases, curves, strict=True)}

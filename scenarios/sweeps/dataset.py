@@ -1,4 +1,4 @@
-"""A sweep as labelled arrays that say by themselves what they are: units, options, versions, and the sweep itself."""
+"""A sweep as labelled arrays with units, options, versions, and the sweep itself."""
 
 import itertools
 import json
@@ -18,13 +18,13 @@ from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import Mode
 from reference_lcp.validation import FloatArray
 from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.table import Point, known_at, points_of
+from scenarios.sweeps.table import Point, points_of, results_at
 from scenarios.tables import csv_text
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.verdicts.pointwise import own_error_db, refinements
 from scenarios.verdicts.verdict import Verdict
 
-SUITE = "multibody-xval"
+DISTRIBUTION = "multibody-xval"
 
 STATUSES = (
     ResultStatus.CONVERGED, ResultStatus.PERIOD_LIMIT, ResultStatus.DIVERGED, ResultStatus.BLOCKED,
@@ -36,7 +36,7 @@ VERDICTS = tuple(Verdict)
 MODES = tuple(Mode)
 
 SWEEP = TypeAdapter(Sweep)
-"""Reads and writes what a sweep asks for as JSON."""
+"""Reads and writes a sweep as JSON."""
 
 _AXES = {
     "friction_ratio": "friction bound over k_c U0, μ λ_N / (k_c U0)",
@@ -72,33 +72,33 @@ _NUMBERS: dict[str, tuple[Callable[[Point], float], str, str]] = {
 }  # fmt: skip
 
 
-def dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) -> xr.Dataset:
+def sweep_dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) -> xr.Dataset:
     """Give a judged table as labelled arrays.
 
     Parameters
     ----------
     sweep
-        What was asked for; its frequency ratios are those of the table.
+        The sweep; its frequency ratios are those of the table.
     table
         See `scenarios.sweeps.table`.
     store
-        Where the results are kept; its name is noted.
+        File of the results; its name becomes an attribute.
 
     Returns
     -------
     xarray.Dataset
         Dimensions ``variant`` and the axes of the sweep. ``transmittance_db`` [dB] and its estimated error where other
-        numbers of steps tell it, ``difference_db`` from the baseline, ``status`` and ``verdict`` (numbers, see their
-        attributes; a verdict of −1 where no result was asked for), ``reason``, ``residual``, ``periods``, ``multiple``,
+        numbers of steps give it, ``difference_db`` from the baseline, ``status`` and ``verdict`` (numbers, see their
+        attributes; a verdict of −1 where the sweep has no point), ``reason``, ``residual``, ``periods``, ``multiple``,
         ``steps_per_period``, ``period`` [s], ``stuck_fraction`` of each contact along ``cell`` and its mean, ``creep``,
         ``seconds``; changes of mode along ``transition``, results with other numbers of steps along ``refinement``. NaN
         where there is no number; points that are not evaluated have the status ``missing``. Attributes: the fixed
         ratios, the drive, versions and options of every variant, and the sweep as JSON.
     """
-    index = {place: number for number, place in enumerate(sweep.places())}
+    index = {point: number for number, point in enumerate(sweep.grid_points())}
     points: list[Point | None] = [None] * len(index)
     errors = np.full(len(index), math.nan)
-    for point, known in zip(points_of(table), known_at(sweep, table).values(), strict=True):
+    for point, known in zip(points_of(table), results_at(sweep, table).values(), strict=True):
         number = index[point[:3]]
         points[number], errors[number] = point, own_error_db(known)
     arrays = {
@@ -117,7 +117,7 @@ def dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) -> xr.
 
 
 Arrays = dict[str, tuple[tuple[str, ...], np.ndarray[Any, Any], dict[str, Any]]]
-"""Further dimensions, values with one row a point, and attributes by name."""
+"""Dimensions beside the grid, values with one row a point, and attributes by name."""
 
 
 def _of_points(points: Sequence[Point | None]) -> Arrays:
@@ -160,7 +160,7 @@ def _of_contacts(points: Sequence[Point | None]) -> Arrays:
 
 
 def _of_steps(sweep: Sweep, points: Sequence[Point | None]) -> Arrays:
-    """Give results with other numbers of steps, where any were asked for."""
+    """Give results with other numbers of steps, where there are any."""
     factors = factors_of(sweep)
     if not factors:
         return {}
@@ -202,7 +202,7 @@ def _numbers(values: Sequence[str | None], every: Sequence[str]) -> Any:
 
 def _meaning(every: Sequence[str], text: str, kind: type = np.int8) -> dict[str, Any]:
     """Say what the numbers of a variable mean, as the CF conventions do."""
-    meanings = " ".join(str(one).replace(" ", "_") for one in every)
+    meanings = " ".join(str(member).replace(" ", "_") for member in every)
     return {"long_name": text, "flag_values": np.arange(len(every), dtype=kind), "flag_meanings": meanings}
 
 
@@ -225,7 +225,7 @@ def _attributes(sweep: Sweep, store: Path | None) -> dict[str, Any]:
     return {
         "Conventions": "CF-1.11",
         "title": "Steady states of a frictional mass-in-mass chain",
-        "source": f"{SUITE} {version(SUITE)}",
+        "source": f"{DISTRIBUTION} {version(DISTRIBUTION)}",
         **{name: list(value) if isinstance(value, tuple) else value for name, value in ratios.items()},
         **steps,
         "drive_kind": sweep.excitation.kind,

@@ -26,15 +26,15 @@ def sweep_of(data: xr.Dataset) -> Sweep:
         If the dataset is none of a sweep.
     """
     try:
-        asked = SWEEP.validate_json(data.attrs["sweep"])
+        whole = SWEEP.validate_json(data.attrs["sweep"])
     except (KeyError, ValidationError):
         raise ParameterError("the dataset has no attribute 'sweep'; allowed: the dataset of a sweep") from None
-    for name in ("variant", *asked.axes):
+    for name in ("variant", *whole.axes):
         if name not in data.coords:
             raise ParameterError(f"the dataset has no coordinate {name!r}; allowed: all those of its sweep")
     variants = tuple(Variant.parse(name) for name in np.atleast_1d(data["variant"].values).tolist())
-    axes = {name: tuple(np.atleast_1d(data[name].values).tolist()) for name in asked.axes}
-    return dataclasses.replace(asked, variants=variants, axes=axes)
+    axes = {name: tuple(np.atleast_1d(data[name].values).tolist()) for name in whole.axes}
+    return dataclasses.replace(whole, variants=variants, axes=axes)
 
 
 class DatasetResults:
@@ -43,15 +43,15 @@ class DatasetResults:
     Parameters
     ----------
     data
-        The dataset of a sweep, see `scenarios.sweeps.dataset.dataset`; also one that has been read back from a file, or
-        a part of one.
+        The dataset of a sweep, see `scenarios.sweeps.dataset.sweep_dataset`; also one that has been read back from
+        a file, or a part of one.
 
     Attributes
     ----------
     sweep
-        What was asked for.
-    places
-        Where results were asked for.
+        The sweep.
+    points
+        Points of the sweep for which the dataset has a result or a status.
 
     Raises
     ------
@@ -63,8 +63,8 @@ class DatasetResults:
         self.sweep = sweep_of(data)
         whole = data.expand_dims([name for name in ("variant", *self.sweep.axes) if name not in data.dims])
         self._results = _results(self.sweep, whole)
-        asked = _rows(whole["verdict"], ("variant", *self.sweep.axes)) >= 0
-        self.places = [place for place, known in zip(self.sweep.places(), asked, strict=True) if known]
+        judged = _rows(whole["verdict"], ("variant", *self.sweep.axes)) >= 0
+        self.points = [point for point, known in zip(self.sweep.grid_points(), judged, strict=True) if known]
 
     def evaluate(self, tasks: Sequence[SteadyStateTask]) -> list[Result]:
         """Give the result of every task, in order."""
@@ -78,18 +78,18 @@ def _results(sweep: Sweep, whole: xr.Dataset) -> dict[SteadyStateTask, Result]:
         str(name): _rows(values, grid) for name, values in whole.data_vars.items() if set(grid) <= set(values.dims)
     }
     factors = [float(factor) for factor in whole["refinement"].values] if "refinement" in whole.dims else []
-    found = {}
-    for number, place in enumerate(sweep.places()):
+    results = {}
+    for number, point in enumerate(sweep.grid_points()):
         row = {name: values[number] for name, values in columns.items()}
-        found[sweep.task(*place)] = _result(row)
+        results[sweep.task(*point)] = _result(row)
         for k, factor in enumerate(factors):
             if not math.isnan(row["refined_transmittance_db"][k]):
-                found[sweep.task(*place, factor)] = _refined(row, k)
-    return found
+                results[sweep.task(*point, factor)] = _refined(row, k)
+    return results
 
 
 def _rows(values: xr.DataArray, grid: Sequence[str]) -> Any:
-    """Give a variable with one row a point, in the order of `Sweep.places`."""
+    """Give a variable with one row a point, in the order of `Sweep.grid_points`."""
     rest = [name for name in values.dims if name not in grid]
     array = values.transpose(*grid, *rest).values
     return array.reshape(-1, *array.shape[len(grid) :])
@@ -114,12 +114,12 @@ def _result(row: dict[str, Any]) -> Result:
     )
 
 
-def _refined(row: dict[str, Any], place: int) -> Result:
+def _refined(row: dict[str, Any], index: int) -> Result:
     """Rebuild a steady state with another number of steps."""
     return Result(
         status=ResultStatus.CONVERGED,
-        transmittance_db=float(row["refined_transmittance_db"][place]),
-        steps_per_period=_whole(row["refined_steps_per_period"][place]),
+        transmittance_db=float(row["refined_transmittance_db"][index]),
+        steps_per_period=_whole(row["refined_steps_per_period"][index]),
     )
 
 

@@ -14,7 +14,7 @@ from reference_lcp.validation import FloatArray
 from scenarios.sweeps.attenuation_band import Edge, edge_brackets, refined_crossings
 from scenarios.sweeps.refinement import EDGE_RESIDUAL, CurveKey, curves_of, decided_db
 from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.sweeps.table import GivesResults, Place, known_at
+from scenarios.sweeps.table import GivesResults, GridPoint, results_at
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.verdicts.band_edge import Crossing, compare_edge
 from scenarios.verdicts.pointwise import CONVERGED, PointResults
@@ -35,7 +35,7 @@ class BandEdge:
 
 @dataclass(frozen=True)
 class _Refined:
-    """What the refinement of all edges has found.
+    """The refined edges of all curves.
 
     Parameters
     ----------
@@ -43,13 +43,13 @@ class _Refined:
         Neighbouring frequency ratios of the grid between which each edge lies.
     crossings
         Where each edge is.
-    unanswered
+    incomplete
         Curves that lack a result, on the grid or on the way.
     """
 
     brackets: dict[tuple[CurveKey, Edge], tuple[float, float]]
     crossings: dict[tuple[CurveKey, Edge], Crossing]
-    unanswered: set[CurveKey]
+    incomplete: set[CurveKey]
 
 
 def band_edges(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> tuple[BandEdge, ...]:
@@ -58,9 +58,9 @@ def band_edges(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> tu
     for variant, case, result in zip(table["variant"], table["case"], table["result"], strict=True):
         results.setdefault((variant, case), []).append(result)
     refined = _refined(sweep, table, evaluator)
-    lacking = {key for key, found in results.items() if any(one.status is ResultStatus.MISSING for one in found)}
-    refined.unanswered.update(lacking)
-    known = known_at(sweep, table)
+    lacking = {key for key, own in results.items() if any(result.status is ResultStatus.MISSING for result in own)}
+    refined.incomplete.update(lacking)
+    known = results_at(sweep, table)
     return tuple(_judged(key, edge, results[key], refined, known) for key in results for edge in Edge)
 
 
@@ -72,48 +72,48 @@ def _refined(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> _Ref
         for edge, bracket in edge_brackets(*curve, sweep.band).items()
     }
     owners = [key for key, _ in brackets]
-    unanswered: set[CurveKey] = set()
+    incomplete: set[CurveKey] = set()
     open_db: dict[int, float] = defaultdict(float)
 
     def transmittance_db(index: NDArray[np.intp], eta: FloatArray) -> FloatArray:
-        places = [(*owners[k], one) for k, one in zip(index, eta.tolist(), strict=True)]
-        found = evaluator.evaluate([sweep.task(*place) for place in places])
-        for k, place, result in zip(index, places, found, strict=True):
+        points = [(*owners[k], ratio) for k, ratio in zip(index, eta.tolist(), strict=True)]
+        results = evaluator.evaluate([sweep.task(*point) for point in points])
+        for k, point, result in zip(index, points, results, strict=True):
             if result.status is ResultStatus.MISSING:
-                unanswered.add(place[:2])
-            open_db[k] = max(open_db[k], _left_open_db(sweep, place, result))
-        return np.array([decided_db(result) for result in found])
+                incomplete.add(point[:2])
+            open_db[k] = max(open_db[k], _left_open_db(sweep, point, result))
+        return np.array([decided_db(result) for result in results])
 
-    found = refined_crossings(list(brackets.values()), transmittance_db, sweep.band)
+    refined = refined_crossings(list(brackets.values()), transmittance_db, sweep.band)
     crossings = {
         edge: replace(crossing, residual_db=open_db[k])
-        for k, (edge, crossing) in enumerate(zip(brackets, found, strict=True))
+        for k, (edge, crossing) in enumerate(zip(brackets, refined, strict=True))
     }
-    return _Refined(brackets, crossings, unanswered)
+    return _Refined(brackets, crossings, incomplete)
 
 
-def _left_open_db(sweep: Sweep, place: Place, result: Result) -> float:
+def _left_open_db(sweep: Sweep, point: GridPoint, result: Result) -> float:
     """What a motion that decides a side without being certified leaves open of its transmittance [dB]."""
     if result.converged or not result.residual <= EDGE_RESIDUAL:
         return 0.0
-    _, case, eta = place
+    _, case, eta = point
     return amplitude_in_db(result.residual * amplification(sweep.ratios_of(case), eta), sweep.band.threshold_db)
 
 
 def _judged(
-    key: CurveKey, edge: Edge, results: Sequence[Result], refined: _Refined, known: Mapping[Place, PointResults]
+    key: CurveKey, edge: Edge, results: Sequence[Result], refined: _Refined, known: Mapping[GridPoint, PointResults]
 ) -> BandEdge:
     """Compare one edge with the converged reference's."""
     variant, case = key
     baseline = (CONVERGED, case), edge
     crossing, expected = refined.crossings.get((key, edge)), refined.crossings.get(baseline)
-    found = None if crossing is None else crossing.frequency_ratio
-    lacking = [one for one in dict.fromkeys((variant, CONVERGED)) if (one, case) in refined.unanswered]
+    eta = None if crossing is None else crossing.frequency_ratio
+    lacking = [owner for owner in dict.fromkeys((variant, CONVERGED)) if (owner, case) in refined.incomplete]
     if all(result.status is ResultStatus.BLOCKED for result in results):
-        return BandEdge(variant, case, edge, found, Comparison(Verdict.BLOCKED, results[0].reason))
+        return BandEdge(variant, case, edge, eta, Comparison(Verdict.BLOCKED, results[0].reason))
     if lacking:
-        whose = " and ".join(f"{one.title}'s curve" for one in lacking)
-        comparison = Comparison(Verdict.INCONCLUSIVE, f"{whose}: points are not answered so far")
-        return BandEdge(variant, case, edge, math.nan if variant in lacking else found, comparison)
-    around = [known[variant, case, eta] for eta in refined.brackets.get(baseline, ())]
-    return BandEdge(variant, case, edge, found, compare_edge(crossing, expected, around))
+        whose = " and ".join(f"{owner.title}'s curve" for owner in lacking)
+        comparison = Comparison(Verdict.INCONCLUSIVE, f"{whose}: points are not evaluated so far")
+        return BandEdge(variant, case, edge, math.nan if variant in lacking else eta, comparison)
+    around = [known[variant, case, end] for end in refined.brackets.get(baseline, ())]
+    return BandEdge(variant, case, edge, eta, compare_edge(crossing, expected, around))

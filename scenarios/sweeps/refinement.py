@@ -13,10 +13,10 @@ from scenarios.sweeps.adaptive_grid import AdaptiveCurve
 from scenarios.sweeps.attenuation_band import unresolved
 from scenarios.sweeps.resonances import resonances
 from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.sweeps.table import GivesResults, Place, places_of, table_of, with_columns
+from scenarios.sweeps.table import GivesResults, GridPoint, grid_points_of, table_of, with_columns
 from scenarios.tasks.result import Result
 
-Propose = Callable[[pd.DataFrame], Sequence[Place]]
+Propose = Callable[[pd.DataFrame], Sequence[GridPoint]]
 """Gives the points that a table still needs; none when it is done."""
 
 CurveKey = tuple[Variant, Case]
@@ -30,26 +30,26 @@ fall by more than 10 dB in 0.1: what such a residual leaves open is below the re
 """
 
 
-def refined(sweep: Sweep, places: Sequence[Place], propose: Propose, evaluator: GivesResults) -> pd.DataFrame:
-    """Give the results at `places`, and at what is proposed from them, and from those, until nothing is.
+def refined(sweep: Sweep, points: Sequence[GridPoint], propose: Propose, evaluator: GivesResults) -> pd.DataFrame:
+    """Give the results at `points`, and at all points that are proposed from the results so far.
 
     What is added depends on nothing but the results: the same ones lead to the same points.
     """
     table = table_of(())
-    while places:
-        results = evaluator.evaluate([sweep.task(*place) for place in places])
-        added = with_columns(table_of(places), result=results)
+    while points:
+        results = evaluator.evaluate([sweep.task(*point) for point in points])
+        added = with_columns(table_of(points), result=results)
         table = added if table.empty else pd.concat([table, added], ignore_index=True)
-        places = propose(table)
+        points = propose(table)
     return table
 
 
 def curves_of(table: pd.DataFrame) -> dict[CurveKey, tuple[FloatArray, FloatArray]]:
     """Give η_r, ascending, and the transmittance [dB] of every curve, by variant and case; NaN where undecided."""
     pairs: dict[CurveKey, list[tuple[float, float]]] = defaultdict(list)
-    for (variant, case, eta), result in zip(places_of(table), table["result"], strict=True):
+    for (variant, case, eta), result in zip(grid_points_of(table), table["result"], strict=True):
         pairs[variant, case].append((eta, decided_db(result)))
-    return {key: tuple(np.array(sorted(found)).T) for key, found in pairs.items()}
+    return {key: tuple(np.array(sorted(own)).T) for key, own in pairs.items()}
 
 
 def decided_db(result: Result) -> float:
@@ -60,7 +60,7 @@ def decided_db(result: Result) -> float:
 def for_the_band(sweep: Sweep) -> Propose:
     """Propose points until no curve runs so close to the threshold that a crossing could hide between them."""
 
-    def propose(table: pd.DataFrame) -> list[Place]:
+    def propose(table: pd.DataFrame) -> list[GridPoint]:
         return [
             (*key, eta)
             for key, curve in curves_of(table).items()
@@ -71,7 +71,7 @@ def for_the_band(sweep: Sweep) -> Propose:
 
 
 class ForTheAccuracy:
-    """Proposes points until every curve can be interpolated as accurately as an adaptive axis asks.
+    """Proposes points until every curve can be interpolated with the accuracy of an adaptive axis.
 
     Parameters
     ----------
@@ -85,23 +85,23 @@ class ForTheAccuracy:
         peaks = {case: resonances(sweep.ratios_of(case)).tolist() for case in sweep.cases}
         self.curves = {(v, case): AdaptiveCurve(axis, peaks[case]) for v in sweep.variants for case in sweep.cases}
 
-    def due(self) -> list[Place]:
+    def due(self) -> list[GridPoint]:
         """Give the points that the curves need now."""
         return [(*key, eta) for key, curve in self.curves.items() for eta in curve.due]
 
-    def __call__(self, table: pd.DataFrame) -> list[Place]:
+    def __call__(self, table: pd.DataFrame) -> list[GridPoint]:
         """Take the results of what was due, and give what is due next."""
-        found: dict[CurveKey, dict[float, float]] = defaultdict(dict)
-        for (variant, case, eta), result in zip(places_of(table), table["result"], strict=True):
-            found[variant, case][eta] = result.transmittance_db if result.converged else math.nan
+        levels: dict[CurveKey, dict[float, float]] = defaultdict(dict)
+        for (variant, case, eta), result in zip(grid_points_of(table), table["result"], strict=True):
+            levels[variant, case][eta] = result.transmittance_db if result.converged else math.nan
         for key, curve in self.curves.items():
             if curve.due:
-                curve.add({eta: found[key][eta] for eta in curve.due})
+                curve.add({eta: levels[key][eta] for eta in curve.due})
         return self.due()
 
 
 def chosen_frequencies(sweep: Sweep, evaluator: GivesResults) -> dict[Case, list[float]]:
-    """Give the frequency ratios of every case: those asked for, or those of all curves on an adaptive axis."""
+    """Give the frequency ratios of every case: those of the sweep, or those of all curves on an adaptive axis."""
     if sweep.frequencies is None:
         return {case: sorted(sweep.frequency_ratios) for case in sweep.cases}
     accuracy = ForTheAccuracy(sweep)
@@ -111,6 +111,6 @@ def chosen_frequencies(sweep: Sweep, evaluator: GivesResults) -> dict[Case, list
 def frequencies_of(table: pd.DataFrame) -> dict[Case, list[float]]:
     """Give the frequency ratios of every case of a table, ascending."""
     etas: dict[Case, set[float]] = {}
-    for _, case, eta in places_of(table):
+    for _, case, eta in grid_points_of(table):
         etas.setdefault(case, set()).add(eta)
-    return {case: sorted(found) for case, found in etas.items()}
+    return {case: sorted(own) for case, own in etas.items()}

@@ -1,4 +1,4 @@
-"""Sweeps as they are asked for: every variant at its own points, nothing beside them."""
+"""Sweeps as they are: every variant at its own points, nothing beside them."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ from scenarios.tasks.result import ResultSummary
 
 
 def run_sweep(sweep: Sweep, evaluator: Evaluator) -> SweepSummary:
-    """Evaluate whatever the store does not know yet; every result is on disk the moment it is there.
+    """Evaluate what the store does not hold yet; every result is on disk the moment it is there.
 
     On an adaptive axis, every curve chooses its own points, a curve being one variant in one case.
     """
@@ -33,7 +33,7 @@ def run_sweep(sweep: Sweep, evaluator: Evaluator) -> SweepSummary:
 
 
 def stored_table(sweep: Sweep, store: ResultStore) -> tuple[Sweep, pd.DataFrame]:
-    """Give what a store knows of a sweep as a judged table, and the sweep with all frequency ratios of the table.
+    """Give the results of a sweep in a store as a judged table, and the sweep with all frequency ratios of the table.
 
     On an adaptive axis, the table has the points of every curve, as far as the results that are known choose them.
     """

@@ -24,13 +24,13 @@ EXAMPLE = """\
 #   python -m scenarios example > sweep.toml
 #   python -m scenarios sweep sweep.toml --store sweep.sqlite --out sweep.nc
 
-# Who is asked: ENGINE (all its formulations and presets), ENGINE:FORMULATION (tuned) or ENGINE:FORMULATION:PRESET.
+# Engines: ENGINE (all its formulations and presets), ENGINE:FORMULATION (tuned) or ENGINE:FORMULATION:PRESET.
 engines = ["reference:joint", "mujoco:joint", "mujoco:contact"]
 
 # Presets of the engines above whose presets are not named, instead of all, or of the tuned one:
 # presets = ["default", "tuned"]
 
-# Fewest steps a period; more are taken where the stability of the step asks for them. At least 3.
+# Fewest steps a period; more are taken where the stability of the step needs them. At least 3.
 steps_per_period = 400
 
 [grid]
@@ -52,7 +52,7 @@ inner_damping_ratio = 0.0    # c_i / (2 sqrt(k_i m_i)), >= 0
 # Each of these may be a list with a number for every cell, from the base on. Where cells differ, so may:
 # outer_mass_ratio = [1.0, 0.9, 1.1, 1.0, 1.2, 0.8, 1.0]    # outer mass over the unit of mass, > 0
 # chain_stiffness_ratio = 1.0                               # chain stiffness over its unit, > 0
-# friction_profile = 1.0                                    # friction bound over what friction_ratio says, >= 0
+# friction_profile = 1.0                                    # friction bound over that of friction_ratio, >= 0
 
 [drive]
 kind = "base"                # the base moves; "force": a force acts on the outer mass of cell 1
@@ -84,7 +84,7 @@ class _Tolerances(_Table):
 
 
 def _kind_of_axis(values: object) -> str:
-    """Tell how the values of an axis are written."""
+    """Give the form in which the values of an axis are written."""
     if isinstance(values, dict):
         return "adaptive" if "accuracy_db" in values else "range"
     return "values"
@@ -99,12 +99,12 @@ _WHOLE = ("cells", "steps_per_period")
 
 
 class SweepFile(_Table):
-    """What a file asks for, as `EXAMPLE` shows it.
+    """The content of a sweep file, as `EXAMPLE` shows it.
 
     Parameters
     ----------
     engines, presets
-        Who is asked, by name.
+        Names of engines and presets.
     grid
         Values by parameter.
     chain, drive, steps_per_period
@@ -140,7 +140,7 @@ class SweepFile(_Table):
         return self
 
     def _check_lists(self) -> None:
-        """Refuse lists that have not a number for every cell of every chain that is asked for."""
+        """Refuse lists that have not a number for every cell of every chain of the sweep."""
         lists = {name: values for name, values in vars(self.chain).items() if isinstance(values, tuple)}
         for name in lists.keys() - self.sweep.axes.keys():
             for cells in self.sweep.axes.get("cells", (self.chain.cells,)):
@@ -184,7 +184,7 @@ def read_sweep(file: Path) -> Sweep:
     Raises
     ------
     ParameterError
-        If the file cannot be read, is no TOML, or says something that is not allowed; the message names the file,
+        If the file cannot be read, is no TOML, or contains something that is not allowed; the message names the file,
         the key, the value and what is allowed.
     """
     try:
@@ -207,7 +207,7 @@ def _values(written: list[float] | _Range | AdaptiveAxis) -> Sequence[float]:
 
 
 def _variants(engines: Sequence[str], presets: Sequence[str] | None) -> tuple[Variant, ...]:
-    """Give every variant that is named, in the presets that are asked for."""
+    """Give every variant that is named, in the presets that are named."""
     return tuple(dict.fromkeys(variant for name in engines for variant in _variants_of(name, presets)))
 
 

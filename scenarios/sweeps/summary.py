@@ -61,7 +61,7 @@ def reason_of(ended: ResultSummary) -> str:
 
 @dataclass
 class VerdictSummary:
-    """How one variant compares.
+    """The verdicts of one variant, counted.
 
     Parameters
     ----------
@@ -89,8 +89,8 @@ def verdict_summaries(sweep: Sweep, points: Iterable[Point]) -> dict[Variant, Ve
         return {}
     every = list(points)
     evaluated = {point[:3] for point in every if point.result.status is not ResultStatus.MISSING}
-    found = {variant: VerdictSummary() for variant in sweep.variants if variant != baseline}
+    summaries = {variant: VerdictSummary() for variant in sweep.variants if variant != baseline}
     for point in every:
         if point.variant != baseline and {point[:3], (baseline, *point[1:3])} <= evaluated:
-            found[point.variant].add(point)
-    return found
+            summaries[point.variant].add(point)
+    return summaries

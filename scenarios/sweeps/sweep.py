@@ -1,4 +1,4 @@
-"""What a sweep asks for: every combination of values of any parameters, by every variant."""
+"""Sweeps: every combination of values of any parameters, by every variant."""
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
@@ -73,7 +73,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Sweep:
-    """What is asked for.
+    """Every combination of values of some parameters, by some variants.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ class Sweep:
         """Number of tasks."""
         return len(self.variants) * int(np.prod([len(values) for values in self.axes.values()]))
 
-    def places(self) -> Iterator[tuple[Variant, Case, float]]:
+    def grid_points(self) -> Iterator[tuple[Variant, Case, float]]:
         """Give variant, case and frequency ratio of every combination, the last axis fastest, variants slowest."""
         names = list(self.axes)
         eta = names.index("frequency_ratio")
@@ -161,9 +161,9 @@ class Sweep:
                 yield variant, Case(pairs[:eta] + pairs[eta + 1 :]), values[eta]
 
     def tasks(self) -> Iterator[SteadyStateTask]:
-        """Give the task of every combination, in the order of `places`."""
-        for place in self.places():
-            yield self.task(*place)
+        """Give the task of every combination, in the order of `grid_points`."""
+        for point in self.grid_points():
+            yield self.task(*point)
 
     def ratios_of(self, case: Case) -> ChainRatios:
         """Give the chain of a case but for its friction."""

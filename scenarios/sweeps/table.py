@@ -17,7 +17,8 @@ from scenarios.verdicts.pointwise import CONVERGED, PointResults, compare_point,
 from scenarios.verdicts.steady_case import REFERENCE, amplification
 from scenarios.verdicts.verdict import Comparison
 
-Place = tuple[Variant, Case, float]
+GridPoint = tuple[Variant, Case, float]
+"""Variant, case and frequency ratio."""
 
 
 class GivesResults(Protocol):
@@ -33,13 +34,13 @@ class Point(NamedTuple):
     Parameters
     ----------
     variant, case, frequency_ratio
-        Where it is.
+        Its point of the grid.
     result
-        What came out.
+        Its result.
     others
-        What came out with other numbers of steps; empty where they were not asked for.
+        Results with other numbers of steps; empty where there are none.
     comparison
-        What came of comparing it with its baseline.
+        The comparison with its baseline.
     """
 
     variant: Variant
@@ -50,25 +51,25 @@ class Point(NamedTuple):
     comparison: Comparison
 
 
-def table_of(places: Iterable[Place]) -> pd.DataFrame:
-    """Give a table of places: a column an axis, beside the variant and the case."""
-    rows = list(places)
+def table_of(points: Iterable[GridPoint]) -> pd.DataFrame:
+    """Give a table of grid points: a column an axis, beside the variant and the case."""
+    rows = list(points)
     axes = {name: [case.by_axis[name] for _, case, _ in rows] for name in (rows[0][1].by_axis if rows else ())}
     variants, cases, etas = zip(*rows, strict=True) if rows else ((), (), ())
     return pd.DataFrame({"variant": variants, "case": cases, **axes, "frequency_ratio": etas})
 
 
-def places_of(table: pd.DataFrame) -> list[Place]:
-    """Give where the rows of a table are, in order."""
+def grid_points_of(table: pd.DataFrame) -> list[GridPoint]:
+    """Give the grid points of the rows of a table, in order."""
     return list(zip(table["variant"], table["case"], table["frequency_ratio"].tolist(), strict=True))
 
 
 def points_of(table: pd.DataFrame) -> list[Point]:
     """Give the rows of a judged table, in order."""
     return [
-        Point(*place, *found)
-        for place, found in zip(
-            places_of(table), zip(table["result"], table["others"], table["comparison"], strict=True), strict=True
+        Point(*point, *columns)
+        for point, columns in zip(
+            grid_points_of(table), zip(table["result"], table["others"], table["comparison"], strict=True), strict=True
         )
     ]
 
@@ -94,31 +95,31 @@ def grid(sweep: Sweep, etas: Mapping[Case, Sequence[float]] | None = None) -> pd
 
 def tasks_of(sweep: Sweep, table: pd.DataFrame) -> list[SteadyStateTask]:
     """Give the tasks of all rows: first one a row, then those with other numbers of steps."""
-    places = places_of(table)
+    points = grid_points_of(table)
     return [
-        *(sweep.task(*place) for place in places),
-        *(sweep.task(*place, factor) for place in places for factor in refinements(place[0], sweep.tolerance)),
+        *(sweep.task(*point) for point in points),
+        *(sweep.task(*point, factor) for point in points for factor in refinements(point[0], sweep.tolerance)),
     ]
 
 
 def with_results(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> pd.DataFrame:
     """Evaluate all rows at once, and add the columns ``result`` and ``others``."""
-    found = iter(evaluator.evaluate(tasks_of(sweep, table)))
-    results = [next(found) for _ in range(len(table))]
-    others = [tuple(next(found) for _ in refinements(variant, sweep.tolerance)) for variant in table["variant"]]
+    evaluated = iter(evaluator.evaluate(tasks_of(sweep, table)))
+    results = [next(evaluated) for _ in range(len(table))]
+    others = [tuple(next(evaluated) for _ in refinements(variant, sweep.tolerance)) for variant in table["variant"]]
     return with_columns(table, result=results, others=others)
 
 
-def known_at(sweep: Sweep, table: pd.DataFrame) -> dict[Place, PointResults]:
-    """Give what is known at every row, beside the reference's results at the same point."""
-    known = dict(zip(places_of(table), zip(table["result"], table["others"], strict=True), strict=True))
+def results_at(sweep: Sweep, table: pd.DataFrame) -> dict[GridPoint, PointResults]:
+    """Give the results at every row, beside the reference's results at the same point."""
+    known = dict(zip(grid_points_of(table), zip(table["result"], table["others"], strict=True), strict=True))
     missing = Result.missing(), ()
-    found = {}
+    at_points = {}
     for (variant, case, eta), (result, others) in known.items():
         reference, refined = known.get((REFERENCE, case, eta), missing)
-        found[variant, case, eta] = PointResults(
+        at_points[variant, case, eta] = PointResults(
             variant=variant,
-            answer=result,
+            result=result,
             others=others,
             reference=reference,
             converged=known.get((CONVERGED, case, eta), missing)[0],
@@ -126,9 +127,9 @@ def known_at(sweep: Sweep, table: pd.DataFrame) -> dict[Place, PointResults]:
             refined=refined,
             given=sweep.tolerance,
         )
-    return found
+    return at_points
 
 
 def judged(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
     """Compare every row with its baseline at the same point, and add the column ``comparison``."""
-    return with_columns(table, comparison=[compare_point(known) for known in known_at(sweep, table).values()])
+    return with_columns(table, comparison=[compare_point(known) for known in results_at(sweep, table).values()])

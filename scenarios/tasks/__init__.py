@@ -1,1 +1,1 @@
-"""What is asked and what came out, as data."""
+"""Tasks and their results, as data."""

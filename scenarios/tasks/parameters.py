@@ -1,7 +1,7 @@
-"""What a task is about: the chain in ratios, its excitation, the modulation of its normal force."""
+"""Parameters of a task: the chain in ratios, its excitation, the modulation of its normal force."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 from pydantic import ConfigDict, Discriminator, Field, Tag, TypeAdapter
 
@@ -16,7 +16,7 @@ NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, strict=True)]
 
 
 def _kind_of_ratio(value: object) -> str:
-    """Tell whether cells are alike."""
+    """Give whether a ratio is one number, or one a cell."""
     return "one a cell" if isinstance(value, list | tuple) else "one for all"
 
 
@@ -30,15 +30,20 @@ Ratio = Annotated[
 ]  # fmt: skip
 """One number for all cells, or one a cell."""
 
-OperatingPoint = tuple[float, float]
-"""Friction ratio and frequency ratio."""
+
+class OperatingPoint(NamedTuple):
+    """Friction and frequency ratio of one steady state of a chain whose cells have equal friction."""
+
+    friction_ratio: float
+    frequency_ratio: float
+
 
 _LeftOutOfEqualCells = Field(exclude_if=lambda value: value == 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Excitation:
-    """What drives the chain at the frequency of a question.
+    """What drives the chain at the frequency of a task.
 
     Parameters
     ----------
@@ -86,7 +91,7 @@ class ChainRatios:
     Parameters
     ----------
     friction_profile
-        μ λ_N of each cell over that which a friction ratio asks for, where cells differ.
+        μ λ_N of each cell over that of the friction ratio, where cells differ.
     """
 
     __pydantic_config__ = ConfigDict(extra="forbid")

@@ -1,4 +1,4 @@
-"""One period of a steady state in full: what other results leave out, at the few places where it is drawn."""
+"""One period of a steady state in full, for the few points at which it is drawn."""
 
 from dataclasses import dataclass, field
 from typing import Any, Self
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from reference_lcp.observables.stick_slip import contact_modes
 from reference_lcp.steady.orbits import PeriodicOrbit
 from reference_lcp.validation import FloatArray
-from scenarios.tasks.result import Result, ResultStatus, Series
+from scenarios.tasks.result import NamedNumbers, Result, ResultStatus
 from scenarios.tasks.task import SteadyStateTask
 
 _EMPTY = np.empty((0, 0))
@@ -30,7 +30,7 @@ class RecordedPeriodTask(SteadyStateTask):
         return cls(**vars(task))
 
     def as_data(self) -> dict[str, Any]:
-        """Give the task as plain data, told from that without a record."""
+        """Give the task as plain data, distinguished from that without a record."""
         return super().as_data() | {"recorded": "period"}
 
 
@@ -98,6 +98,6 @@ class RecordedPeriod:
         outer, inner, friction, modes = (np.reshape(result.series[name], shape) for name in _ARRAYS)
         return cls("", outer, inner, friction, modes.astype(np.int8))
 
-    def to_series(self) -> Series:
+    def to_series(self) -> NamedNumbers:
         """Give the arrays as numbers by name, row after row."""
         return {name: tuple(getattr(self, name).ravel().tolist()) for name in _ARRAYS}

@@ -1,4 +1,4 @@
-"""What came of a task, as plain data."""
+"""The result of a task, as plain data."""
 
 import math
 from collections.abc import Mapping
@@ -13,12 +13,12 @@ from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE
 from reference_lcp.validation import ParameterError
 from scenarios.tasks.validation_message import first_error
 
-Series = Mapping[str, tuple[float, ...]]
+NamedNumbers = Mapping[str, tuple[float, ...]]
 """Numbers by name."""
 
 
 class ResultStatus(StrEnum):
-    """How a question ended."""
+    """How a task ended."""
 
     CONVERGED = OrbitStatus.CONVERGED.value
     """A certified steady state."""
@@ -29,9 +29,9 @@ class ResultStatus(StrEnum):
     FINISHED = "finished"
     """A motion was simulated to its end."""
     BLOCKED = "blocked"
-    """The engine cannot answer; the reason says why."""
+    """The engine cannot run the task; see the reason."""
     MISSING = "missing"
-    """There is no answer so far, because the question was not put to the engine."""
+    """There is no result so far: the task has not been run."""
 
     @classmethod
     def parse(cls, text: str) -> Self:
@@ -45,24 +45,24 @@ class ResultStatus(StrEnum):
         try:
             return cls(text)
         except ValueError:
-            raise ParameterError(f"status of an answer = {text!r}; allowed: {', '.join(cls)}") from None
+            raise ParameterError(f"status of a result = {text!r}; allowed: {', '.join(cls)}") from None
 
 
 _Status = Annotated[ResultStatus, BeforeValidator(ResultStatus.parse)]
 _Number = Annotated[float, BeforeValidator(lambda value: math.nan if value is None else value)]
 """NaN is written as null."""
 _Multiple = Annotated[int, BeforeValidator(lambda value: 1 if value is None else value)]
-"""Kept answers may have none."""
+"""Stored results may have none."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Result:
-    """What came of a question.
+    """The result of a task.
 
     Parameters
     ----------
     status
-        How the question ended.
+        How the task ended.
     reason
         Why it is blocked or missing; empty otherwise.
     transmittance_db
@@ -72,7 +72,7 @@ class Result:
     periods
         Periods simulated.
     multiple
-        Periods of the drive after which the motion repeats, where one was looked for: more than one for a
+        Periods of the drive after which the motion repeats, where repetition was searched for: more than one for a
         subharmonic response, 0 where no repetition was found.
     steps_per_period
         Steps a period that were taken.
@@ -91,7 +91,7 @@ class Result:
     seconds
         Wall-clock time that the point took, an even share of its batch.
     series
-        Further numbers by name: what a `TransientTask` or a `RecordedPeriodTask` records; ``travels`` of an exact
+        Other numbers by name: what a `TransientTask` or a `RecordedPeriodTask` records; ``travels`` of an exact
         steady state, the distance over the displacement scale that a contact slips after each transition.
 
     Raises
@@ -116,7 +116,7 @@ class Result:
     open_fraction: tuple[float, ...] = ()
     largest_gap: tuple[float, ...] = ()
     seconds: _Number = math.nan
-    series: Series = field(default_factory=dict)
+    series: NamedNumbers = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "status", ResultStatus.parse(self.status))
@@ -128,16 +128,16 @@ class Result:
 
     @classmethod
     def blocked(cls, reason: str) -> Self:
-        """Say why there is no answer."""
+        """Give a result without numbers, with the reason."""
         return cls(status=ResultStatus.BLOCKED, reason=" ".join(reason.split()))
 
     @classmethod
     def missing(cls) -> Self:
-        """Stand for an answer that nobody has given so far."""
-        return cls(status=ResultStatus.MISSING, reason="not answered so far")
+        """Give the result of a task that has not been run."""
+        return cls(status=ResultStatus.MISSING, reason="not evaluated so far")
 
     def to_json(self) -> str:
-        """Give the answer as JSON; NaN becomes null."""
+        """Give the result as JSON; NaN becomes null."""
         return _RESULT.dump_json(self).decode()
 
     @staticmethod
@@ -153,7 +153,7 @@ class Result:
 
 
 class ResultSummary(NamedTuple):
-    """How a question ended: its answer without the numbers.
+    """How a task ended: its result without the numbers.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ _Read = TypeVar("_Read")
 
 
 def _read(schema: TypeAdapter[_Read], text: str) -> _Read:
-    """Read what a store has kept; an error names the first field that is wrong."""
+    """Read the text of a store; an error names the first field that is wrong."""
     try:
         return schema.validate_json(text)
     except ValidationError as problem:
@@ -190,7 +190,7 @@ def _read(schema: TypeAdapter[_Read], text: str) -> _Read:
 
 
 def repetition(multiple: int) -> str:
-    """Say after how many periods a motion without a steady state repeats; empty if nobody has looked."""
+    """Say after how many periods a motion without a steady state repeats; empty if that is unknown."""
     if multiple == 0:
         return f", no period up to {LONGEST_MULTIPLE}"
     return f", period {multiple}" if multiple > 1 else ""

@@ -1,4 +1,4 @@
-"""Tasks that engines are given, as plain data."""
+"""Tasks that engines run, as plain data."""
 
 import hashlib
 from dataclasses import dataclass, field
@@ -17,22 +17,22 @@ from reference_lcp.observables.stick_slip import STICK_MARGIN
 from scenarios.tasks.parameters import ChainRatios, Excitation, Modulation, Ratio
 
 RESULT_FORMAT = 3
-"""Raised when the meaning of an answer changes: answers of other formats are not taken from a store."""
+"""Increased when the meaning of a result changes: results of other formats are not taken from a store."""
 
 
 def key_of(text: str) -> str:
-    """Hash of a question's text, under which its answer is kept."""
+    """Hash of a task's text, under which its result is stored."""
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
-    """What every question says: who is asked, and about which chain.
+    """What all tasks have in common: the variant that runs it, and the chain.
 
     Parameters
     ----------
     variant
-        Who is asked.
+        The variant that runs it.
     ratios
         The chain but for its friction.
     friction_ratio
@@ -49,15 +49,15 @@ class Task:
         return self.ratios.chain(self.friction_ratio)
 
     def unsupported_reason(self) -> str | None:
-        """Say why the variant cannot represent the case, as far as that is known without asking it."""
+        """Say why the variant cannot represent the case, as far as that is known without running it."""
         return None
 
     def content(self) -> dict[str, Any]:
-        """Everything that the answer depends on: the question, the engine's version and its options."""
+        """Everything that the result depends on: the task, the engine's version and its options."""
         return {"format": RESULT_FORMAT, "task": self.as_data(), **_identity(self.variant)}
 
     def as_data(self) -> dict[str, Any]:
-        """Give the question as plain data, ready for JSON; what is usual and came later is left out."""
+        """Give the task as plain data, ready for JSON; later parameters with their default are left out."""
         return self._schema().dump_python(self, mode="json")
 
     @classmethod
@@ -67,7 +67,7 @@ class Task:
         return TypeAdapter(cls)
 
     def key(self) -> str:
-        """Hash of the content: equal for equal questions to equal engines."""
+        """Hash of the content: equal for equal tasks with equal engines."""
         return key_of(self.text())
 
     def text(self) -> str:
@@ -86,7 +86,7 @@ class SteadyStateTask(Task):
     frequency_ratio
         ω / ω_r, with ω_r of the first cell.
     steps_per_period
-        Fewest steps a period; more are taken where dt ω_max <= 0.4 asks for them.
+        Fewest steps a period; more are taken where dt ω_max <= 0.4 needs them.
     excitation
         What drives the chain; a moving base unless something else is given.
     modulation
@@ -95,7 +95,7 @@ class SteadyStateTask(Task):
 
     frequency_ratio: float
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
-    excitation: Annotated[Excitation, Field(exclude_if=lambda value: value == USUAL_EXCITATION)] = field(
+    excitation: Annotated[Excitation, Field(exclude_if=lambda value: value == DEFAULT_EXCITATION)] = field(
         default_factory=Excitation
     )
     modulation: Annotated[Modulation | None, Field(exclude_if=lambda value: value is None)] = None
@@ -124,7 +124,7 @@ class SteadyStateTask(Task):
         return Lane.periodic(chain, drive, steps, preload), steps
 
     def content(self) -> dict[str, Any]:
-        """Everything that the answer depends on: under a modulated normal force, the options for it."""
+        """Everything that the result depends on: under a modulated normal force, the options for it."""
         content = super().content()
         if self.modulation is None:
             return content
@@ -132,7 +132,7 @@ class SteadyStateTask(Task):
         return content | {"options": {name: repr(option.value) for name, option in sorted(options.items())}}
 
 
-USUAL_EXCITATION = Excitation()
+DEFAULT_EXCITATION = Excitation()
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Motions that engines are asked for: a chain, what moves its base, where it starts, how long."""
+"""Tasks with a transient: a chain, the motion of its base, its initial state, its length."""
 
 import dataclasses
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ scale, inner springs unstretched. ``inner masses displaced``: all of them by the
 """
 
 RECORDED = ("response", "decay")
-"""What may be kept of a motion: see `scenarios.execution.transient`."""
+"""What may be recorded of a motion: see `scenarios.execution.transient`."""
 
 
 _Base = Annotated[
@@ -90,7 +90,7 @@ class TransientTask(Task):
         return State(positions[None], np.zeros((1, positions.size)))
 
     def refined(self, factor: int) -> "TransientTask":
-        """Ask for the same motion with `factor` times as many steps; rows stay at the same times."""
+        """Give the task of the same motion with `factor` times as many steps; rows stay at the same times."""
         return dataclasses.replace(
             self, time_step=self.time_step / factor, steps=self.steps * factor, every=self.every * factor
         )

@@ -11,23 +11,23 @@ TAGS = ("values", "range", "adaptive", "one for all", "one a cell")
 
 
 def first_error(problem: ValidationError, known: str) -> ParameterError:
-    """Say what is wrong first, in one line: its place, its value and what is allowed.
+    """Give the first error in one line: its key, its value and what is allowed.
 
     Parameters
     ----------
     problem
-        What pydantic found.
+        The error of pydantic.
     known
-        What is allowed in place of an unknown name.
+        The names that are allowed where one is unknown.
     """
     error: Any = problem.errors()[0]
-    place = ".".join(str(part) for part in error["loc"] if part not in TAGS)
+    key = ".".join(str(part) for part in error["loc"] if part not in TAGS)
     kind = error["type"]
     if kind == "value_error":
         return ParameterError(str(error["ctx"]["error"]))
     if kind in ("extra_forbidden", "unexpected_keyword_argument"):
-        return ParameterError(f"{place} is unknown; allowed: {known}")
+        return ParameterError(f"{key} is unknown; allowed: {known}")
     if kind == "missing":
-        return ParameterError(f"{place} is missing")
+        return ParameterError(f"{key} is missing")
     message = f"{error['msg'][0].lower()}{error['msg'][1:]}"
-    return ParameterError(f"{place} = {error['input']!r}; {message}" if place else message)
+    return ParameterError(f"{key} = {error['input']!r}; {message}" if key else message)

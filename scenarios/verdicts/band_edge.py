@@ -15,12 +15,12 @@ from scenarios.verdicts.judge import decide
 from scenarios.verdicts.pointwise import CONVERGED, PointResults, point_tolerance, unless_own_error_is_unknown
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
-EDGE = Metric("band edge", "in η_r", "where the transmittance crosses the threshold of the attenuation band")
+BAND_EDGE = Metric("band edge", "in η_r", "where the transmittance crosses the threshold of the attenuation band")
 
 
 @dataclass(frozen=True)
 class Crossing:
-    """Where a curve crosses the threshold, as a refinement by simulations has found it.
+    """Where a curve crosses the threshold, found by refinement with simulations.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def compare_edge(edge: Crossing | None, converged: Crossing | None, around: Sequ
     edge, converged
         Of the variant and of the converged reference; ``None`` is an edge outside the grid.
     around
-        What is known at the points of the grid on either side of the converged edge.
+        Results at the points of the grid on either side of the converged edge.
     """
     if edge is None and converged is None:
         return Comparison(Verdict.AGREE, "no such edge on the grid, for the reference neither")
@@ -57,9 +57,9 @@ def compare_edge(edge: Crossing | None, converged: Crossing | None, around: Sequ
         return Comparison(Verdict.DISAGREE, f"only the {which} has this edge on the grid")
     if math.isnan(edge.frequency_ratio) or math.isnan(converged.frequency_ratio):
         return Comparison(Verdict.INCONCLUSIVE, "the refinement met a point without a steady state")
-    known = [point for point in around if point.answer.converged and point.converged.converged]
+    known = [point for point in around if point.result.converged and point.converged.converged]
     tolerance = _edge_tolerance(edge, converged, known)
-    comparison = decide(EDGE, edge.frequency_ratio, converged.frequency_ratio, tolerance)
+    comparison = decide(BAND_EDGE, edge.frequency_ratio, converged.frequency_ratio, tolerance)
     if comparison.verdict is Verdict.DISAGREE and not known:
         reason = f"{comparison.reason}; no steady state beside it tells its own error"
         return dataclasses.replace(comparison, verdict=Verdict.INCONCLUSIVE, reason=reason)
@@ -73,5 +73,5 @@ def _edge_tolerance(edge: Crossing, converged: Crossing, known: Sequence[PointRe
     sides = [dataclasses.asdict(point_tolerance(point, CONVERGED)) for point in known]
     largest = {part: max((side[part] for side in sides), default=0.0) for part in dataclasses.asdict(Tolerance())}
     largest["resolution"] += edge.residual_db + converged.residual_db
-    found = Tolerance(**largest).over(converged.slope)
-    return dataclasses.replace(found, resolution=found.resolution + edge.width + converged.width)
+    tolerance = Tolerance(**largest).over(converged.slope)
+    return dataclasses.replace(tolerance, resolution=tolerance.resolution + edge.width + converged.width)

@@ -61,13 +61,13 @@ def refinements(variant: Variant, given: GivenTolerance | None = None) -> tuple[
 
 @dataclass(frozen=True, kw_only=True)
 class PointResults:
-    """What is known at one point of the grid.
+    """Results at one point of the grid.
 
     Parameters
     ----------
     variant
-        Whose point it is.
-    answer
+        The one that is compared.
+    result
         Its result.
     others
         Its results with other numbers of steps, see `refinements`.
@@ -82,7 +82,7 @@ class PointResults:
     """
 
     variant: Variant
-    answer: Result
+    result: Result
     others: tuple[Result, ...]
     reference: Result
     converged: Result
@@ -93,41 +93,41 @@ class PointResults:
 
 def compare_point(known: PointResults) -> Comparison:
     """Compare a point with its baseline."""
-    whom = baseline(known.variant, known.given)
-    expected = known.reference if whom == REFERENCE else known.converged
-    gap = missing("engine", [known.answer]) or missing("reference", [expected])
+    against = baseline(known.variant, known.given)
+    expected = known.reference if against == REFERENCE else known.converged
+    gap = missing("engine", [known.result]) or missing("reference", [expected])
     if gap is not None:
         return gap
-    tolerance = point_tolerance(known, whom)
-    comparison = decide(TRANSMITTANCE, known.answer.transmittance_db, expected.transmittance_db, tolerance)
+    tolerance = point_tolerance(known, against)
+    comparison = decide(TRANSMITTANCE, known.result.transmittance_db, expected.transmittance_db, tolerance)
     return unless_own_error_is_unknown(known, comparison)
 
 
 def unless_own_error_is_unknown(known: PointResults, comparison: Comparison) -> Comparison:
-    """Leave a disagreement open where no steady state with other steps tells the variant's own error."""
+    """Leave a disagreement open where the variant's own error is unknown: no steady state with other steps."""
     if comparison.verdict is not Verdict.DISAGREE or all(other.converged for other in known.others):
         return comparison
     reason = f"{comparison.reason}; no steady state with other steps tells its own error"
     return Comparison(Verdict.INCONCLUSIVE, reason, comparison.difference, comparison.tolerance)
 
 
-def point_tolerance(known: PointResults, whom: Variant) -> Tolerance:
+def point_tolerance(known: PointResults, against: Variant) -> Tolerance:
     """Derive how far the transmittance of a point may be from that of the reference or of its converged preset [dB]."""
     if known.given is not None and known.given.judges(known.variant):
         return Tolerance(given=known.given.transmittance_db)
-    expected = known.reference if whom == REFERENCE else known.converged
+    expected = known.reference if against == REFERENCE else known.converged
     level = max(expected.transmittance_db, FLOOR_DB)
-    resolution = resolution_db(known.variant, known.answer, level, known.amplified)
-    if whom == REFERENCE:
+    resolution = resolution_db(known.variant, known.result, level, known.amplified)
+    if against == REFERENCE:
         return Tolerance(resolution=resolution)
     scheme = _by_steps(known.reference, *known.refined)
     finest = known.converged.steps_per_period * CONVERGED_SUBSTEPS
     scheme[finest] = known.converged.transmittance_db
-    own = _by_steps(known.answer, *known.others)
+    own = _by_steps(known.result, *known.others)
     at = known.reference.steps_per_period if known.reference.converged else finest
     return Tolerance(
         reference=Steps(scheme, finest).error(TRANSMITTANCE),
-        engine=Steps(own, known.answer.steps_per_period).error(TRANSMITTANCE),
+        engine=Steps(own, known.result.steps_per_period).error(TRANSMITTANCE),
         resolution=resolution,
         # the reference itself is judged by its own steps alone: its error cannot excuse itself
         scheme=0.0 if known.variant == REFERENCE else Steps(scheme, at).error(TRANSMITTANCE),
@@ -136,10 +136,10 @@ def point_tolerance(known: PointResults, whom: Variant) -> Tolerance:
 
 def own_error_db(known: PointResults) -> float:
     """Estimate the error of a point from its own steps [dB]; NaN where it is known with one number of steps only."""
-    own = _by_steps(known.answer, *known.others)
-    if not known.answer.converged or len(own) < 2:
+    own = _by_steps(known.result, *known.others)
+    if not known.result.converged or len(own) < 2:
         return math.nan
-    return Steps(own, known.answer.steps_per_period).error(TRANSMITTANCE)
+    return Steps(own, known.result.steps_per_period).error(TRANSMITTANCE)
 
 
 def _by_steps(*results: Result) -> dict[int, float]:

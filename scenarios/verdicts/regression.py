@@ -51,38 +51,38 @@ class Thresholds:
 
 
 @dataclass(frozen=True)
-class Kept:
-    """One answer of a store, with what it depends on.
+class StoredResult:
+    """One result of a store, with what it depends on.
 
     Parameters
     ----------
-    question
-        What was asked, as plain data: the same for every version and every options.
+    task
+        The task as plain data: the same for every version and every set of options.
     version, options
-        Of the engine that answered; options by name, as text.
-    answer
-        What came of it.
+        Of the engine that ran it; options by name, as text.
+    result
+        Its result.
     """
 
-    question: Mapping[str, Any]
+    task: Mapping[str, Any]
     version: str
     options: Mapping[str, str]
-    answer: Result
+    result: Result
 
     @property
     def variant(self) -> str:
         """Engine, formulation and preset, joined by colons."""
-        return ":".join(self.question["variant"][name] for name in ("engine", "formulation", "preset_name"))
+        return ":".join(self.task["variant"][name] for name in ("engine", "formulation", "preset_name"))
 
 
 @dataclass(frozen=True)
 class Change:
-    """One question that both stores answer.
+    """One task whose result both stores hold.
 
     Parameters
     ----------
     first, second
-        The answers.
+        The results.
     transmittance_db
         Second less first [dB]; NaN unless both have a steady state. So are the others.
     stuck_fraction
@@ -95,8 +95,8 @@ class Change:
         What passes its threshold, in words; empty where nothing does.
     """
 
-    first: Kept
-    second: Kept
+    first: StoredResult
+    second: StoredResult
     transmittance_db: float = math.nan
     stuck_fraction: float = math.nan
     transition: float = math.nan
@@ -106,14 +106,14 @@ class Change:
 
 @dataclass(frozen=True)
 class StoreComparison:
-    """Everything that two stores have to say to each other.
+    """The differences of two stores.
 
     Parameters
     ----------
     changes
-        Questions that both answer, in the order of the first store.
+        Tasks whose results both hold, in the order of the first store.
     only_first, only_second
-        Number of questions that one of them answers, by variant.
+        Number of tasks whose results only this one holds, by variant.
     """
 
     changes: tuple[Change, ...]
@@ -123,14 +123,15 @@ class StoreComparison:
     @property
     def beyond(self) -> list[Change]:
         """Changes that pass a threshold, the largest difference of transmittance first."""
-        found = [change for change in self.changes if change.beyond]
+        beyond = [change for change in self.changes if change.beyond]
         return sorted(
-            found, key=lambda one: -math.inf if math.isnan(one.transmittance_db) else -abs(one.transmittance_db)
+            beyond,
+            key=lambda change: -math.inf if math.isnan(change.transmittance_db) else -abs(change.transmittance_db),
         )
 
 
-def read_all(file: Path) -> dict[str, Kept]:
-    """Give every answer of a store by what was asked, without version and options; of several the latest.
+def read_all(file: Path) -> dict[str, StoredResult]:
+    """Give every result of a store by its task, without version and options; of several the latest.
 
     Raises
     ------
@@ -138,7 +139,7 @@ def read_all(file: Path) -> dict[str, Kept]:
         If the file is missing, is no store, or is damaged.
     """
     if not file.is_file():
-        raise ParameterError(f"store {file} does not exist; allowed: a store of answers")
+        raise ParameterError(f"store {file} does not exist; allowed: a store of results")
     ResultStore(file).close()
     try:
         return dict(_rows(file))
@@ -146,16 +147,16 @@ def read_all(file: Path) -> dict[str, Kept]:
         raise ParameterError(f"store {file} is damaged: {type(problem).__name__}: {problem}") from None
 
 
-def _rows(file: Path) -> Iterator[tuple[str, Kept]]:
+def _rows(file: Path) -> Iterator[tuple[str, StoredResult]]:
     with closing(sqlite3.connect(file)) as connection:
-        for content, answer in connection.execute("SELECT content, answer FROM answers ORDER BY rowid"):
-            asked = json.loads(content)
-            kept = Kept(asked["task"], asked["version"], asked["options"], Result.from_json(answer))
-            yield json.dumps(asked["task"], sort_keys=True), kept
+        for content, result in connection.execute("SELECT content, answer FROM answers ORDER BY rowid"):
+            read = json.loads(content)
+            stored = StoredResult(read["task"], read["version"], read["options"], Result.from_json(result))
+            yield json.dumps(read["task"], sort_keys=True), stored
 
 
 def compare_stores(first: Path, second: Path, thresholds: Thresholds | None = None) -> StoreComparison:
-    """Compare two stores, question by question.
+    """Compare two stores, task by task.
 
     Raises
     ------
@@ -165,22 +166,22 @@ def compare_stores(first: Path, second: Path, thresholds: Thresholds | None = No
     a, b = read_all(first), read_all(second)
     limits = thresholds or Thresholds()
     return StoreComparison(
-        changes=tuple(change(a[question], b[question], limits) for question in a if question in b),
-        only_first=Counter(kept.variant for question, kept in a.items() if question not in b),
-        only_second=Counter(kept.variant for question, kept in b.items() if question not in a),
+        changes=tuple(change(a[task], b[task], limits) for task in a if task in b),
+        only_first=Counter(stored.variant for task, stored in a.items() if task not in b),
+        only_second=Counter(stored.variant for task, stored in b.items() if task not in a),
     )
 
 
-def change(first: Kept, second: Kept, thresholds: Thresholds) -> Change:
-    """Compare two answers to the same question."""
-    one, other = first.answer, second.answer
-    if not (one.converged and other.converged):
-        beyond = () if one.status == other.status else (f"{one.status} before, {other.status} now",)
+def change(first: StoredResult, second: StoredResult, thresholds: Thresholds) -> Change:
+    """Compare two results of the same task."""
+    old, new = first.result, second.result
+    if not (old.converged and new.converged):
+        beyond = () if old.status == new.status else (f"{old.status} before, {new.status} now",)
         return Change(first, second, beyond=beyond)
-    difference = metric_difference(TRANSMITTANCE, other.transmittance_db, one.transmittance_db)
-    pairs = zip(other.stuck_fraction, one.stuck_fraction, strict=True)
-    stuck = max((abs(new - old) for new, old in pairs), default=0.0)
-    match = match_transitions(other.transitions, one.transitions, one.period)
+    difference = metric_difference(TRANSMITTANCE, new.transmittance_db, old.transmittance_db)
+    pairs = zip(new.stuck_fraction, old.stuck_fraction, strict=True)
+    stuck = max((abs(after - before) for after, before in pairs), default=0.0)
+    match = match_transitions(new.transitions, old.transitions, old.period)
     late = max((abs(error) for error in match.time_errors), default=0.0)
     unmatched = len(match.missed) + len(match.spurious)
     passed = {

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 from engines.interface.tolerances import CREEP, STEPS, TRAJECTORY_TOLERANCE
@@ -26,8 +26,8 @@ EXACT = Variant("reference", preset_name="exact")
 COARSE, FINE, FINEST = 1, 2, 4
 """Steps a period over the fewest that the case allows.
 
-Engines answer the first two, and the second is judged: the fewest are as few as the suite compares at, so that half
-of them would say little of the error. The reference answers the third too, which costs it next to nothing.
+Engines run with the first two, and the second is judged: the fewest are as few as the suite compares at, so that half
+of them would say little of the error. The reference runs with the third too, which costs it next to nothing.
 """
 
 
@@ -54,24 +54,18 @@ class SteadyCase:
 
     def setting(self) -> tuple[Chain, PeriodicDrive]:
         """Build the chain and its drive."""
-        return self.question(REFERENCE).setting()
+        return self.task(REFERENCE).setting()
 
-    def question(self, variant: Variant, refinement: int = COARSE) -> SteadyStateTask:
-        """Ask a variant, with `refinement` times the fewest steps that the case allows."""
-        asked = SteadyStateTask(
+    def task(self, variant: Variant, refinement: int = COARSE) -> SteadyStateTask:
+        """Give the task of a variant, with `refinement` times the fewest steps that the case allows."""
+        fewest = SteadyStateTask(
             variant=variant,
             friction_ratio=self.friction_ratio,
             frequency_ratio=self.frequency_ratio,
             ratios=self.ratios,
         )
-        steps = steps_per_period_for(*asked.setting(), asked.steps_per_period)
-        return SteadyStateTask(
-            variant=variant,
-            friction_ratio=self.friction_ratio,
-            frequency_ratio=self.frequency_ratio,
-            ratios=self.ratios,
-            steps_per_period=steps * refinement,
-        )
+        steps = steps_per_period_for(*fewest.setting(), fewest.steps_per_period)
+        return replace(fewest, steps_per_period=steps * refinement)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,12 +111,12 @@ def exact_expected(result: Result) -> Expected:
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
-    """What is known of one variant in one case.
+    """The results of one variant in one case, and what is expected.
 
     Parameters
     ----------
     variant, case
-        What was simulated, and where.
+        Variant and case.
     coarse, fine
         Its results with the fewest steps and with twice as many; the second is judged.
     scheme
@@ -171,17 +165,17 @@ class Evidence:
         return Steps(values, self.scheme[1].steps_per_period)
 
 
-def resolution_db(variant: Variant, answer: Result, transmittance_db: float, amplified: float) -> float:
-    """What a variant's answer leaves open of a transmittance near this one [dB].
+def resolution_db(variant: Variant, result: Result, transmittance_db: float, amplified: float) -> float:
+    """What a result leaves open of a transmittance near this one [dB].
 
     It is certified to repeat within the engine's residual, and is `amplified` times that from its steady state. A
-    contact that the engine cannot be told to make harder gives way by up to `CREEP` times its softness. Round-off adds
-    up as the contract derives it for forty periods of `STEPS` steps of a motion as large as the base's: in proportion
-    to the motion, and to the root of the number of steps, of all the periods that were simulated.
+    contact that the engine cannot make harder gives way by up to `CREEP` times its residual slip compliance. Round-off
+    adds up as the contract derives it for forty periods of `STEPS` steps of a motion as large as the base's: in
+    proportion to the motion, and to the root of the number of steps, of all the periods that were simulated.
     """
     capabilities, residual_slip_compliance = variant.capabilities, variant.preset.residual_slip_compliance
     motion = max(1.0, 10 ** (transmittance_db / 20))
-    steps = max(answer.periods, 1) * answer.steps_per_period
+    steps = max(result.periods, 1) * result.steps_per_period
     round_off = TRAJECTORY_TOLERANCE[capabilities.precision] * math.sqrt(steps / (40 * STEPS)) * motion
     return amplitude_in_db(
         capabilities.residual * amplified + CREEP * residual_slip_compliance + round_off, transmittance_db
@@ -200,25 +194,25 @@ def amplitude_in_db(amplitude: float, transmittance_db: float) -> float:
     return 20 * math.log10(1 + amplitude * 10 ** (-transmittance_db / 20))
 
 
-def questions_of(variant: Variant, case: SteadyCase) -> list[SteadyStateTask]:
-    """Give everything that is asked of a variant in a case."""
+def case_tasks(variant: Variant, case: SteadyCase) -> list[SteadyStateTask]:
+    """Give the tasks of a variant in a case."""
     refinements = (COARSE, FINE, FINEST) if variant == REFERENCE else (COARSE, FINE)
-    return [case.question(variant, refinement) for refinement in refinements]
+    return [case.task(variant, refinement) for refinement in refinements]
 
 
-def evidence(
+def collect_evidence(
     variant: Variant,
     case: SteadyCase,
     expected: Expected,
-    answers: Mapping[SteadyStateTask, Result],
+    results: Mapping[SteadyStateTask, Result],
     skip_reason: Comparison | None = None,
 ) -> Evidence:
-    """Collect what is known of a variant in a case, from the answers to `questions_of` it and of the reference.
+    """Collect what is known of a variant in a case, from the results of its `case_tasks` and of those of the reference.
 
-    What a refused variant was not asked is `missing`.
+    Tasks that were skipped are `missing`.
     """
-    own = [answers.get(question, Result.missing()) for question in questions_of(variant, case)]
-    coarse, middle, finest = (answers[question] for question in questions_of(REFERENCE, case))
+    own = [results.get(task, Result.missing()) for task in case_tasks(variant, case)]
+    coarse, middle, finest = (results[task] for task in case_tasks(REFERENCE, case))
     return Evidence(
         variant=variant,
         case=case,

@@ -13,7 +13,7 @@ where the step does not decide on it: an expected one if the reference has it wi
 is not expected if the reference has it with none of them. Others are left out and counted as undecided.
 
 A slip of the expected motion that travels less than four residuals of the engine is read as stick, as it is in the
-engine's own motion: single precision does not tell it from one.
+engine's own motion: single precision does not distinguish it from one.
 
 *Missed, spurious.* Expected transitions that the engine does not have, and others that it has, beyond the dead band.
 If the engine itself has them with one of its two steps only, its step is too coarse to tell: inconclusive.
@@ -24,7 +24,7 @@ reference's at the same step; and one step, the resolution of a sampled motion.
 *Stuck fraction*: of each contact, with the same three parts; the resolution is one step a stick.
 
 *Creep* is the largest relative velocity within a stick, over ω U0. Expected is none. What a slip too short to be
-counted makes in one step is allowed, and what a preset's stated softness leaves to a contact.
+counted makes in one step is allowed, and what a preset's residual slip compliance leaves to a contact.
 """
 
 import dataclasses
@@ -70,70 +70,75 @@ class TimeError:
         return self.size / self.tolerance.allowed
 
 
-def stick_slip_findings(found: Evidence) -> list[Finding]:
+def stick_slip_findings(evidence: Evidence) -> list[Finding]:
     """Compare stick and slip: a finding for each of `STICK_SLIP_METRICS`, in their order."""
-    if found.missing is not None:
+    if evidence.missing is not None:
         return [
-            Finding(found.variant, found.case.label, metric, math.nan, math.nan, found.missing)
+            Finding(evidence.variant, evidence.case.label, metric, math.nan, math.nan, evidence.missing)
             for metric in STICK_SLIP_METRICS
         ]
-    found = dataclasses.replace(found, expected=as_resolved(found))
+    evidence = dataclasses.replace(evidence, expected=as_resolved(evidence))
     return [
-        _counted(found, MISSED, *_missed(found)),
-        _counted(found, SPURIOUS, *_spurious(found)),
-        *_times(found),
-        _stuck(found),
-        _creep(found),
+        _counted(evidence, MISSED, *_missed(evidence)),
+        _counted(evidence, SPURIOUS, *_spurious(evidence)),
+        *_times(evidence),
+        _stuck(evidence),
+        _creep(evidence),
     ]
 
 
-def as_resolved(found: Evidence) -> Expected:
+def as_resolved(evidence: Evidence) -> Expected:
     """Read the expected motion as the engine's residual lets its own be read: slips too short for it as stick."""
-    expected, period = found.expected, found.fine.period
-    shortest = UNREPEATED_SLIP * found.variant.capabilities.residual
+    expected, period = evidence.expected, evidence.fine.period
+    shortest = UNREPEATED_SLIP * evidence.variant.capabilities.residual
     travels = expected.travels or (math.inf,) * len(expected.transitions)
-    stuck, kept = list(expected.stuck_fraction), []
-    for cell in dict.fromkeys(one[0] for one in expected.transitions):
-        own = [(one, way) for one, way in zip(expected.transitions, travels, strict=True) if one[0] == cell]
-        kinds = [_STICK if way < shortest else one[2] for one, way in own]
-        for place, ((_, time, kind), _) in enumerate(own):
-            if kind != kinds[place]:
-                following = own[(place + 1) % len(own)][0][1]
+    stuck, transitions = list(expected.stuck_fraction), []
+    for cell in dict.fromkeys(change[0] for change in expected.transitions):
+        pairs = zip(expected.transitions, travels, strict=True)
+        own = [(change, travel) for change, travel in pairs if change[0] == cell]
+        kinds = [_STICK if travel < shortest else change[2] for change, travel in own]
+        for index, ((_, time, kind), _) in enumerate(own):
+            if kind != kinds[index]:
+                following = own[(index + 1) % len(own)][0][1]
                 stuck[cell - 1] += (following - time) / period % 1.0
-            if kinds[place] != kinds[place - 1]:
-                kept.append((cell, time, kinds[place]))
-    return dataclasses.replace(expected, transitions=tuple(kept), stuck_fraction=tuple(stuck), travels=())
+            if kinds[index] != kinds[index - 1]:
+                transitions.append((cell, time, kinds[index]))
+    return dataclasses.replace(expected, transitions=tuple(transitions), stuck_fraction=tuple(stuck), travels=())
 
 
-def _errors(answer: Result, expected: Sequence[TimedTransition]) -> dict[TimedTransition, float]:
-    """Time error of every expected transition that an answer has, over the period."""
-    match = match_transitions(answer.transitions, expected, answer.period)
+def _errors(result: Result, expected: Sequence[TimedTransition]) -> dict[TimedTransition, float]:
+    """Time error of every expected transition that an result has, over the period."""
+    match = match_transitions(result.transitions, expected, result.period)
     return {pair[1]: error for pair, error in zip(match.pairs, match.time_errors, strict=True)}
 
 
-def _missed(found: Evidence) -> tuple[list[TimedTransition], list[TimedTransition], int]:
-    """Give the missed transitions, those of them that the coarse answer has, and how many are undecided."""
-    expected = found.expected.transitions
-    decided = [one for one in expected if all(one in _errors(answer, expected) for answer in found.scheme)]
-    missed = [one for one in decided if one not in _errors(found.fine, expected)]
-    step_dependent = [one for one in missed if one in _errors(found.coarse, expected)]
+def _missed(evidence: Evidence) -> tuple[list[TimedTransition], list[TimedTransition], int]:
+    """Give the missed transitions, those of them that the coarse result has, and how many are undecided."""
+    expected = evidence.expected.transitions
+    decided = [change for change in expected if all(change in _errors(result, expected) for result in evidence.scheme)]
+    missed = [change for change in decided if change not in _errors(evidence.fine, expected)]
+    step_dependent = [change for change in missed if change in _errors(evidence.coarse, expected)]
     return missed, step_dependent, len(expected) - len(decided)
 
 
-def _spurious(found: Evidence) -> tuple[list[TimedTransition], list[TimedTransition], int]:
-    """Give the spurious transitions, those of them that the coarse answer lacks, and how many are undecided."""
-    extra = match_transitions(found.fine.transitions, found.expected.transitions, found.fine.period).spurious
-    grazing = [one for one in extra if any(one in _errors(answer, extra) for answer in found.scheme)]
-    spurious = [one for one in extra if one not in grazing]
-    step_dependent = [one for one in spurious if one not in _errors(found.coarse, spurious)]
+def _spurious(evidence: Evidence) -> tuple[list[TimedTransition], list[TimedTransition], int]:
+    """Give the spurious transitions, those of them that the coarse result lacks, and how many are undecided."""
+    extra = match_transitions(evidence.fine.transitions, evidence.expected.transitions, evidence.fine.period).spurious
+    grazing = [change for change in extra if any(change in _errors(result, extra) for result in evidence.scheme)]
+    spurious = [change for change in extra if change not in grazing]
+    step_dependent = [change for change in spurious if change not in _errors(evidence.coarse, spurious)]
     return spurious, step_dependent, len(grazing)
 
 
 def _counted(
-    found: Evidence, metric: Metric, wrong: list[TimedTransition], step_dependent: list[TimedTransition], undecided: int
+    evidence: Evidence,
+    metric: Metric,
+    wrong: list[TimedTransition],
+    step_dependent: list[TimedTransition],
+    undecided: int,
 ) -> Finding:
     """Judge a number of transitions, none of which is expected."""
-    total = len(found.expected.transitions)
+    total = len(evidence.expected.transitions)
     aside = f"; {undecided} grazing ones left out" if undecided else ""
     if not wrong:
         comparison = Comparison(Verdict.AGREE, f"none, of {total}{aside}", 0.0, 0.0)
@@ -141,40 +146,41 @@ def _counted(
         reason = f"{len(wrong)} of {total}, none of them with both of the engine's steps{aside}"
         comparison = Comparison(Verdict.INCONCLUSIVE, reason, float(len(wrong)), 0.0)
     else:
-        cell, time, kind = next(one for one in wrong if one not in step_dependent)
-        first = f"cell {cell} to {kind} at {100 * time / found.fine.period:.1f} % of the period"
+        cell, time, kind = next(change for change in wrong if change not in step_dependent)
+        first = f"cell {cell} to {kind} at {100 * time / evidence.fine.period:.1f} % of the period"
         comparison = Comparison(Verdict.DISAGREE, f"{len(wrong)} of {total}: {first}{aside}", float(len(wrong)), 0.0)
-    return Finding(found.variant, found.case.label, metric, float(len(wrong)), 0.0, comparison)
+    return Finding(evidence.variant, evidence.case.label, metric, float(len(wrong)), 0.0, comparison)
 
 
-def time_errors(found: Evidence) -> list[TimeError]:
+def time_errors(evidence: Evidence) -> list[TimeError]:
     """Give the errors of all matched transitions that the dead band does not leave out."""
-    expected = found.expected.transitions
-    coarse, fine = _errors(found.coarse, expected), _errors(found.fine, expected)
-    scheme = [_errors(answer, expected) for answer in found.scheme]
+    expected = evidence.expected.transitions
+    coarse, fine = _errors(evidence.coarse, expected), _errors(evidence.fine, expected)
+    scheme = [_errors(result, expected) for result in evidence.scheme]
     errors = []
-    for one, error in fine.items():
-        if not all(one in answer for answer in scheme):
+    for change, error in fine.items():
+        if not all(change in result for result in scheme):
             continue
-        own = {found.fine.steps_per_period: 100 * error}
-        if one in coarse:
-            own[found.coarse.steps_per_period] = 100 * coarse[one]
+        own = {evidence.fine.steps_per_period: 100 * error}
+        if change in coarse:
+            own[evidence.coarse.steps_per_period] = 100 * coarse[change]
         steps = {
-            result.steps_per_period: 100 * answer[one] for result, answer in zip(found.scheme, scheme, strict=True)
+            result.steps_per_period: 100 * by_transition[change]
+            for result, by_transition in zip(evidence.scheme, scheme, strict=True)
         }
         tolerance = Tolerance(
             engine=Steps(own).error(LARGEST_TIME),
-            scheme=Steps(steps, found.scheme[1].steps_per_period).error(LARGEST_TIME),
-            resolution=100 / found.fine.steps_per_period,
+            scheme=Steps(steps, evidence.scheme[1].steps_per_period).error(LARGEST_TIME),
+            resolution=100 / evidence.fine.steps_per_period,
         )
-        errors.append(TimeError(one, 100 * abs(error), tolerance))
+        errors.append(TimeError(change, 100 * abs(error), tolerance))
     return errors
 
 
-def _times(found: Evidence) -> tuple[Finding, Finding]:
+def _times(evidence: Evidence) -> tuple[Finding, Finding]:
     """Judge the median and the worst time error."""
-    errors = time_errors(found)
-    variant, label = found.variant, found.case.label
+    errors = time_errors(evidence)
+    variant, label = evidence.variant, evidence.case.label
     if not errors:
         nothing = Comparison(Verdict.INCONCLUSIVE, "no transition matches an expected one")
         median, largest = (
@@ -191,34 +197,34 @@ def _times(found: Evidence) -> tuple[Finding, Finding]:
     )
 
 
-def _stuck(found: Evidence) -> Finding:
+def _stuck(evidence: Evidence) -> Finding:
     """Judge the stuck fraction of the contact that is worst beside what is allowed for it."""
     judged = []
-    for cell, expected in enumerate(found.expected.stuck_fraction):
-        sticks = sum(1 for change in found.expected.transitions if (change[0], change[2]) == (cell + 1, _STICK))
+    for cell, expected in enumerate(evidence.expected.stuck_fraction):
+        sticks = sum(1 for change in evidence.expected.transitions if (change[0], change[2]) == (cell + 1, _STICK))
         read = partial(_stuck_fraction, cell)
-        resolution = max(sticks, 1) / found.fine.steps_per_period
+        resolution = max(sticks, 1) / evidence.fine.steps_per_period
         comparison = judge(
-            STUCK_FRACTION, found.steps(read), expected, scheme=found.scheme_steps(read), resolution=resolution
+            STUCK_FRACTION, evidence.steps(read), expected, scheme=evidence.scheme_steps(read), resolution=resolution
         )
-        judged.append((found.fine.stuck_fraction[cell], expected, comparison))
+        judged.append((evidence.fine.stuck_fraction[cell], expected, comparison))
     fine, expected, comparison = max(judged, key=lambda one: one[2].excess)
-    return Finding(found.variant, found.case.label, STUCK_FRACTION, fine, expected, comparison)
+    return Finding(evidence.variant, evidence.case.label, STUCK_FRACTION, fine, expected, comparison)
 
 
 def _stuck_fraction(cell: int, result: Result) -> float:
     return result.stuck_fraction[cell]
 
 
-def _creep(found: Evidence) -> Finding:
+def _creep(evidence: Evidence) -> Finding:
     """Judge the creep of the contact that creeps most; there is none in Coulomb's law."""
-    residual, steps = found.variant.capabilities.residual, found.fine.steps_per_period
+    residual, steps = evidence.variant.capabilities.residual, evidence.fine.steps_per_period
     comparison = judge(
         CREEP_VELOCITY,
-        found.steps(lambda result: max(result.creep)),
+        evidence.steps(lambda result: max(result.creep)),
         0.0,
         # a slip of so many residuals, all of it in one step of 2π / (ω steps)
         resolution=UNREPEATED_SLIP * residual * steps / (2 * math.pi)
-        + CREEP * found.variant.preset.residual_slip_compliance,
+        + CREEP * evidence.variant.preset.residual_slip_compliance,
     )
-    return Finding(found.variant, found.case.label, CREEP_VELOCITY, max(found.fine.creep), 0.0, comparison)
+    return Finding(evidence.variant, evidence.case.label, CREEP_VELOCITY, max(evidence.fine.creep), 0.0, comparison)

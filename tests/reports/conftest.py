@@ -83,7 +83,7 @@ def known(variant: Variant, friction_ratio: float, frequency_ratio: float) -> Po
     place = friction_ratio, frequency_ratio
     return PointResults(
         variant=variant,
-        answer=answer(variant, *place),
+        result=answer(variant, *place),
         others=tuple(answer(variant, *place, times) for times in refinements(variant)),
         reference=answer(REFERENCE, *place),
         converged=answer(CONVERGED, *place),
@@ -132,7 +132,7 @@ def step_points(variant: Variant, error: float) -> tuple[StepPoint, ...]:
     return tuple(
         StepPoint(
             variant=variant, steps_per_period=steps, error_db=error * 400 / steps, step_seconds=5e-6,
-            seconds=1e-4 * steps, certified=6, answered=6, reason="",
+            seconds=1e-4 * steps, certified=6, evaluated=6, reason="",
         )
         for steps in (400, 800, 1600)
     )  # fmt: skip

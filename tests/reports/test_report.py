@@ -15,8 +15,8 @@ from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
-from scenarios.sweeps.compared import ComparedSweep, run
-from scenarios.sweeps.dataset import dataset
+from scenarios.sweeps.compared import ComparedSweep, compare_sweep
+from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.dataset_results import DatasetResults
 from scenarios.sweeps.noted import note_sweep, noted_sweep
 from scenarios.sweeps.run import stored_table
@@ -59,13 +59,13 @@ def store(sweep: Sweep, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def data(sweep: Sweep, store: Path) -> xr.Dataset:
     with ResultStore(store) as kept:
-        return dataset(*stored_table(sweep, kept), store)
+        return sweep_dataset(*stored_table(sweep, kept), store)
 
 
 @pytest.fixture(scope="module")
 def result(sweep: Sweep, store: Path) -> ComparedSweep:
     with ResultStore(store) as kept:
-        return run(sweep.with_reference(), StoredResults(kept))
+        return compare_sweep(sweep.with_reference(), StoredResults(kept))
 
 
 def test_dataset_says_what_its_numbers_are(data: xr.Dataset, sweep: Sweep) -> None:

@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from scenarios.tables import (
-    WIDEST,
+    MEASURING_WIDTH,
     Column,
     csv_text,
     full_table,
@@ -61,7 +61,7 @@ def test_markdown_has_headings_rounded_numbers_and_no_column_too_many() -> None:
 
 @pytest.mark.parametrize("rows", [ROWS, []])
 def test_terminal_shows_texts_as_they_are(rows) -> None:
-    console = Console(width=WIDEST, file=io.StringIO())
+    console = Console(width=MEASURING_WIDTH, file=io.StringIO())
     console.print(printed_table(text_table(COLUMNS, rows)))
     printed = console.file.getvalue()
     for heading in ("name", "error [dB]", "of"):

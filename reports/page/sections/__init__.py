@@ -1,7 +1,7 @@
 """Sections of reports: one module, one class and one template each."""
 
 from reports.page.sections.band_edges import BandEdges
-from reports.page.sections.friction_map import FrictionMap
+from reports.page.sections.friction_map import FrictionMapSection
 from reports.page.sections.open_points import OpenPoints
 from reports.page.sections.provenance import Provenance
 from reports.page.sections.stick_slip import StickSlip
@@ -11,7 +11,7 @@ from reports.page.sections.work_precision import WorkPrecision
 
 __all__ = [
     "BandEdges",
-    "FrictionMap",
+    "FrictionMapSection",
     "OpenPoints",
     "Provenance",
     "StickSlip",

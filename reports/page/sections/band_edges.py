@@ -49,13 +49,13 @@ class BandEdges(Section):
         }
 
     def _cell(self, variant: Variant, case: Case, edge: Edge) -> dict[str, Any]:
-        found = self.result.edge(variant, case, edge)
-        comparison = found.comparison
+        band_edge = self.result.edge(variant, case, edge)
+        comparison = band_edge.comparison
         return {
-            "frequency_ratio": found.frequency_ratio,
-            "absent": absent_edge(self.result, found),
+            "frequency_ratio": band_edge.frequency_ratio,
+            "absent": absent_edge(self.result, band_edge),
             "difference": comparison.difference,
             "allowed": comparison.tolerance,
             "verdict": str(comparison.verdict),
-            "is_ruler": variant == CONVERGED,
+            "is_baseline": variant == CONVERGED,
         }

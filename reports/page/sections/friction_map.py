@@ -8,7 +8,7 @@ from reports.figures.friction_map import HIGHEST_DB, LOWEST_DB, friction_map_fig
 from reports.page.section import Section
 
 
-class FrictionMap(Section):
+class FrictionMapSection(Section):
     """The map of the reference, with the contour of the band."""
 
     title = "Friction and frequency"
@@ -20,17 +20,17 @@ class FrictionMap(Section):
         return self.report.friction_map is not None
 
     def figures(self) -> list[Figure]:
-        """The map, if anybody answered."""
-        found = self.report.friction_map
-        return [friction_map_figure(found)] if found is not None and found.known else []
+        """The map, if any of its points is known."""
+        data = self.report.friction_map
+        return [friction_map_figure(data)] if data is not None and data.known else []
 
     def context(self) -> dict[str, Any]:
         """What the caption names, and how much is missing."""
-        found = self.report.friction_map
+        data = self.report.friction_map
         return {
             "band": band_definition(self.result),
             "lowest": LOWEST_DB,
             "highest": HIGHEST_DB,
-            "points": 0 if found is None else found.transmittance_db.size,
-            "known": 0 if found is None else found.known,
+            "points": 0 if data is None else data.transmittance_db.size,
+            "known": 0 if data is None else data.known,
         }

@@ -31,8 +31,8 @@ class OpenPoints(Section):
             if rows:
                 of = engine(variant.engine)
                 known_deviation = of.preset(variant.formulation, variant.preset_name).known_deviation
-                law = f"What explains a disagreement: {known_deviation}." if known_deviation else ""
-                notes = " ".join(note for note in (of.capabilities.notes, law) if note)
+                explanation = f"What explains a disagreement: {known_deviation}." if known_deviation else ""
+                notes = " ".join(note for note in (of.capabilities.notes, explanation) if note)
                 left_out = max(len(rows) - LONGEST, 0)
                 open_ones.append({"title": variant.title, "notes": notes, "rows": rows[:LONGEST], "left_out": left_out})
         return {"variants": open_ones}
@@ -46,11 +46,11 @@ class OpenPoints(Section):
         return sorted(rows, key=lambda row: 0.0 if math.isnan(row["size"]) else -row["size"])
 
     def _points(self, variant: Variant) -> list[dict[str, Any]]:
-        places: dict[tuple[Case, Verdict, str], list[Point]] = defaultdict(list)
+        groups: dict[tuple[Case, Verdict, str], list[Point]] = defaultdict(list)
         for point in self.result.points_of(variant):
             verdict = point.comparison.verdict
             if verdict is not Verdict.AGREE:
-                places[point.case, verdict, point.comparison.reason].append(point)
+                groups[point.case, verdict, point.comparison.reason].append(point)
         return [
             {
                 "places": f"{case}, η_r = {', '.join(f'{point.frequency_ratio:g}' for point in points)}",
@@ -58,7 +58,7 @@ class OpenPoints(Section):
                 "size": self._times_allowed(points[0]),
                 "reason": reason,
             }
-            for (case, verdict, reason), points in places.items()
+            for (case, verdict, reason), points in groups.items()
         ]
 
     def _edges(self, variant: Variant) -> list[dict[str, Any]]:
@@ -77,6 +77,6 @@ class OpenPoints(Section):
         ]
 
     @staticmethod
-    def _times_allowed(found: Point | BandEdge) -> float:
+    def _times_allowed(judged: Point | BandEdge) -> float:
         """Difference over what is allowed."""
-        return abs(found.comparison.difference) / found.comparison.tolerance
+        return abs(judged.comparison.difference) / judged.comparison.tolerance

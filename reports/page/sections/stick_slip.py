@@ -21,7 +21,7 @@ from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import REFERENCE
 
 MOST_RASTERS = 12
-"""Points that are drawn; a sweep over more than friction holds any of them many times."""
+"""Most points that are drawn; a sweep over more than friction holds each of them many times."""
 
 
 class StickSlip(Section):
@@ -32,20 +32,20 @@ class StickSlip(Section):
 
     @property
     def shown(self) -> bool:
-        """Whether the grid holds any of the points that are compared, or motions are known."""
-        return bool(self.report.motions) or bool(stick_slip_rows(self.result))
+        """Whether the grid holds any of the points that are compared, or a period is recorded."""
+        return bool(self.report.periods) or bool(stick_slip_rows(self.result))
 
     def figures(self) -> list[Figure]:
-        """A raster for every point, then the loops of those whose motion is known."""
+        """A raster for every point, then the loops of those whose period is known."""
         return [*self._rasters(), *self._loops()]
 
     def context(self) -> dict[str, Any]:
-        """The rows, and what is missing among the motions."""
+        """The rows, and the periods that are missing."""
         unknown = [
-            {"place": (case.title, eta), "title": variant.title, "reason": motion.reason}
-            for (case, eta), motions in self.report.motions.items()
-            for variant, motion in motions.items()
-            if not motion.known
+            {"point": (case.title, eta), "title": variant.title, "reason": period.reason}
+            for (case, eta), periods in self.report.periods.items()
+            for variant, period in periods.items()
+            if not period.known
         ]
         axes = self.result.sweep.case_axes
         rows = [
@@ -62,26 +62,26 @@ class StickSlip(Section):
 
     def _results(self) -> dict[CasePoint, dict[Variant, Result]]:
         """Certified results of every variant but the converged reference, at the points that the grid holds."""
-        found: dict[CasePoint, dict[Variant, Result]] = {}
-        for place in compared_places(self.result)[:MOST_RASTERS]:
-            points = [_at(self.result, v, *place) for v in self.result.sweep.variants if v != CONVERGED]
+        by_point: dict[CasePoint, dict[Variant, Result]] = {}
+        for point in compared_points(self.result)[:MOST_RASTERS]:
+            points = [_at(self.result, v, *point) for v in self.result.sweep.variants if v != CONVERGED]
             results = {p.variant: p.result for p in points if p is not None and p.result.converged}
             if REFERENCE in results:
-                found[place] = results
-        return found
+                by_point[point] = results
+        return by_point
 
     def _rasters(self) -> list[Figure]:
-        return [raster(place, results) for place, results in self._results().items()]
+        return [raster(point, results) for point, results in self._results().items()]
 
     def _loops(self) -> list[Figure]:
         known = {
-            place: {variant: motion for variant, motion in motions.items() if motion.known}
-            for place, motions in self.report.motions.items()
+            point: {variant: period for variant, period in periods.items() if period.known}
+            for point, periods in self.report.periods.items()
         }
-        return [hysteresis(self.result.sweep, place, motions) for place, motions in known.items() if motions]
+        return [hysteresis(self.result.sweep, point, periods) for point, periods in known.items() if periods]
 
 
-def compared_places(result: ComparedSweep) -> list[CasePoint]:
+def compared_points(result: ComparedSweep) -> list[CasePoint]:
     """Give the `STICK_SLIP_POINTS` in every case of their friction ratio."""
     return [
         (case, eta) for friction, eta in STICK_SLIP_POINTS for case in result.cases if case.friction_ratio == friction
@@ -89,18 +89,18 @@ def compared_places(result: ComparedSweep) -> list[CasePoint]:
 
 
 def stick_slip_rows(result: ComparedSweep) -> list[dict[str, Any]]:
-    """Compare modes of every variant with the reference's at the `compared_places` that the grid holds.
+    """Compare modes of every variant with the reference's at the `compared_points` that the grid holds.
 
     Fractions are parts of a period: `stuck_fraction` is the mean over the cells, `stuck_fraction_error`
     the largest of a cell, time errors are absolute values.
     """
     rows = []
-    for place in compared_places(result):
-        expected = _at(result, REFERENCE, *place)
+    for compared in compared_points(result):
+        expected = _at(result, REFERENCE, *compared)
         if expected is None or not expected.result.converged:
             continue
         for variant in dict.fromkeys((REFERENCE, *result.sweep.variants)):
-            point = _at(result, variant, *place)
+            point = _at(result, variant, *compared)
             if point is not None:
                 rows.append(_row(point, expected.result))
     return rows
@@ -114,7 +114,7 @@ def _at(result: ComparedSweep, variant: Variant, case: Case, frequency_ratio: fl
 
 def _row(point: Point, expected: Result) -> dict[str, Any]:
     """Compare one point; without a steady state there is only its status."""
-    found = point.result
+    result = point.result
     row: dict[str, Any] = {
         "engine": point.variant.engine,
         "formulation": point.variant.formulation,
@@ -122,19 +122,19 @@ def _row(point: Point, expected: Result) -> dict[str, Any]:
         "title": point.variant.title,
         **point.case.by_axis,
         "frequency_ratio": point.frequency_ratio,
-        "status": found.status,
+        "status": result.status,
     }
-    return {**row, **(_compared(found, expected) if found.converged else _nothing())}
+    return {**row, **(_compared(result, expected) if result.converged else _nothing())}
 
 
-def _compared(found: Result, expected: Result) -> dict[str, Any]:
-    match = match_transitions(found.transitions, expected.transitions, expected.period)
+def _compared(result: Result, expected: Result) -> dict[str, Any]:
+    match = match_transitions(result.transitions, expected.transitions, expected.period)
     errors = [abs(error) for error in match.time_errors]
-    pairs = zip(found.stuck_fraction, expected.stuck_fraction, strict=True)
+    pairs = zip(result.stuck_fraction, expected.stuck_fraction, strict=True)
     return {
-        "stuck_fraction": mean(found.stuck_fraction),
+        "stuck_fraction": mean(result.stuck_fraction),
         "stuck_fraction_error": max(abs(ours - theirs) for ours, theirs in pairs),
-        "transitions": len(found.transitions),
+        "transitions": len(result.transitions),
         "missed": len(match.missed),
         "spurious": len(match.spurious),
         "median_time_error": median(errors) if errors else math.nan,

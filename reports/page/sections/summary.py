@@ -22,11 +22,11 @@ class Summary(Section):
         """Rows, the headline and the definitions that they need."""
         sweep = self.result.sweep
         rows = [self._row(variant) for variant in sweep.variants]
-        compared = [row for row in rows if not row["is_ruler"]]
+        compared = [row for row in rows if not row["is_baseline"]]
         verdicts = [str(verdict) for verdict in Verdict]
         return {
             "rows": rows,
-            "headline": {verdict: sum(row["found"].verdicts[verdict] for row in compared) for verdict in verdicts},
+            "headline": {verdict: sum(row["findings"].verdicts[verdict] for row in compared) for verdict in verdicts},
             "missing": sum(row["missing"] for row in rows),
             "sentences": self._sentences(compared),
             "band": band_definition(self.result),
@@ -34,7 +34,7 @@ class Summary(Section):
             "axes": [
                 (axis_name(name, plural=True), [ratio(value) for value in sweep.axes[name]]) for name in sweep.case_axes
             ],
-            "place": ", ".join(axis_name(name) for name in sweep.case_axes),
+            "axes_of_points": ", ".join(axis_name(name) for name in sweep.case_axes),
             "has_edges": bool(self.result.edges),
             "complete_by_command": not self.report.recorded,
             "first": sweep.frequency_ratios[0],
@@ -47,23 +47,23 @@ class Summary(Section):
     def _row(self, variant: Variant) -> dict[str, Any]:
         return {
             "variant": variant,
-            "found": findings(self.result, variant),
+            "findings": findings(self.result, variant),
             "points": len(self.result.points_of(variant)),
             "missing": self.report.missing.get(variant, 0),
             "friction_law": str(engine(variant.engine).capabilities.friction_law),
             "compared_with": compared_with(variant, self.result.sweep.tolerance),
             "blocked": blocked_reason(self.result, variant),
-            "is_ruler": variant == CONVERGED,
+            "is_baseline": variant == CONVERGED,
         }
 
     @staticmethod
     def _sentences(rows: list[dict[str, Any]]) -> dict[str, list[str]]:
-        """Sort engines by how they fared: all points agree, most do, few do, none were answered."""
+        """Group variants: all points agree, some do, or the variant is blocked."""
         sorted_rows: dict[str, list[str]] = {"all": [], "some": [], "blocked": []}
         for row in rows:
             if row["variant"].engine == CONVERGED.engine:
                 continue
-            title, agreed, points = row["variant"].title, row["found"].verdicts["agree"], row["points"]
+            title, agreed, points = row["variant"].title, row["findings"].verdicts["agree"], row["points"]
             if row["blocked"] is not None:
                 sorted_rows["blocked"].append(title)
             elif agreed == points:

@@ -4,7 +4,7 @@ from typing import Any
 
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from reports.figures.figure import Figure
-from reports.figures.work_precision import convergence, curves, work_precision
+from reports.figures.work_precision import convergence_figure, curves, work_precision_figure
 from reports.page.section import Section
 from scenarios.studies.accuracy import ORDER_STEPS
 
@@ -24,26 +24,24 @@ class WorkPrecision(Section):
         """The diagrams, if any variant was simulated at these steps."""
         steps = self.report.steps or ()
         return (
-            [work_precision(self.result.sweep, steps), convergence(self.result.sweep, steps)] if curves(steps) else []
+            [work_precision_figure(self.result.sweep, steps), convergence_figure(self.result.sweep, steps)]
+            if curves(steps)
+            else []
         )
 
     def context(self) -> dict[str, Any]:
-        """Rows, one a variant and number of steps, and who is left out."""
+        """Rows, one a variant and number of steps, and the variants that are left out."""
         steps = self.report.steps or ()
         drawn = curves(steps)
         reasons = {point.variant: point.reason for point in steps if point.reason}
         absent: dict[str, list[str]] = {}
         for variant in self.result.sweep.variants:
             if variant not in drawn:
-                answered = any(point.variant == variant and point.answered for point in steps)
-                usual = (
-                    "not all six points are answered with a steady state"
-                    if answered
-                    else "not asked at these steps so far"
-                )
-                absent.setdefault(reasons.get(variant, usual), []).append(variant.title)
+                evaluated = any(point.variant == variant and point.evaluated for point in steps)
+                default = "not all six points have a steady state" if evaluated else "not run at these steps so far"
+                absent.setdefault(reasons.get(variant, default), []).append(variant.title)
         return {
-            "rows": [point for point in steps if point.answered],
+            "rows": [point for point in steps if point.evaluated],
             "points": STICK_SLIP_POINTS,
             "steps": ORDER_STEPS,
             "absent": absent,

@@ -48,7 +48,7 @@ def test_boxes_are_where_the_masses_are_and_have_the_colours_of_their_modes() ->
     drawing = ChainDrawing(QUESTION, found, 80)
     for frame in (0, 19, 60):
         drawing.draw(frame)
-        displacement = np.array([box.get_x() + box.get_width() / 2 for box in drawing._inner]) - drawing._places
+        displacement = np.array([box.get_x() + box.get_width() / 2 for box in drawing._inner]) - drawing._centres
         np.testing.assert_allclose(displacement, drawing._scale * found.inner[frame])
         mode = Mode.BACKWARD if found.modes[frame, 0] < 0 else Mode.FORWARD
         colours = [to_hex(box.get_facecolor()).upper() for box in drawing._inner]

@@ -182,10 +182,10 @@ def test_a_sweep_that_was_stopped_is_shown_as_far_as_it_went(
     before = (tmp_path / "sweep.sqlite").read_bytes()
     assert run_command(command.app, [*stopped, "--no-ask"]) == 0
     page = (tmp_path / "out" / "index.html").read_text()
-    assert "16 points of the grid are not answered so far" in page  # 4 of MuJoCo, 6 of the reference, 6 converged
-    assert "engine: not answered so far" in page
-    assert "reference: not answered so far" in page
-    assert "No point of the map is answered so far" in page
+    assert "16 points of the grid are not evaluated so far" in page  # 4 of MuJoCo, 6 of the reference, 6 converged
+    assert "engine: not evaluated so far" in page
+    assert "reference: not evaluated so far" in page
+    assert "No point of the map is evaluated so far" in page
     table = (tmp_path / "out" / "transmittance.csv").read_text()
     assert table.count("mujoco,joint,tuned,0.3,0.6,-1.0") == 1
     assert (tmp_path / "sweep.sqlite").read_bytes() == before
@@ -238,7 +238,7 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
     assert {str(verdict) for one in expected.values() for verdict in one.counts} == {"agree", "disagree"}
     origin = written["provenance"]
     assert (origin["drive"]["kind"], origin["drive"]["amplitude"]) == ("force", 10.0)
-    assert origin["tolerances"]["given"] == {"transmittance_db": 0.1, "ruler": "reference"}
+    assert origin["tolerances"]["given"] == {"transmittance_db": 0.1, "baseline": "reference"}
     page = (tmp_path / "out" / "index.html").read_text()
     assert "driven by a harmonic force on the outer mass of cell 1 (P<sub>0</sub> = 10 N" in page
     assert "0.1 dB of transmittance from reference, as the file of the sweep says" in page

@@ -17,7 +17,7 @@ from scenarios.execution.store import ResultStore
 from scenarios.tasks import task
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.regression import Kept, Thresholds, change, compare_stores
+from scenarios.verdicts.regression import StoredResult, Thresholds, change, compare_stores
 
 SOFT, HARD = Option(1, 5, "soft"), Option(100, 5, "hard")
 
@@ -130,7 +130,7 @@ def test_points_of_one_store_alone_are_counted(before: Path, tmp_path: Path) -> 
 def test_every_kind_of_change_passes_its_threshold(now: dict[str, object], beyond: str) -> None:
     question = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
     old = answered(question, 0.0)
-    kept = [Kept({}, "1", {}, answer) for answer in (old, dataclasses.replace(old, **now))]
+    kept = [StoredResult({}, "1", {}, answer) for answer in (old, dataclasses.replace(old, **now))]
     assert beyond in change(*kept, Thresholds()).beyond
     assert change(kept[0], kept[0], Thresholds()).beyond == ()
 

@@ -14,7 +14,7 @@ from engines.interface.variant import Variant, variants_of
 from reports.page.render import LARGEST_PAGE
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.store import ResultStore
-from scenarios.sweeps.compared import run
+from scenarios.sweeps.compared import compare_sweep
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
@@ -79,7 +79,7 @@ def test_twenty_thousand_points_are_a_page_of_less_than_five_mebibytes(tmp_path:
     asked = _sweep(sweep, None, quick=False)
     assert len(read_sweep(sweep).variants) == len(variants)
     with ResultStore(store) as kept:
-        result = run(asked, Inventor(kept))
+        result = compare_sweep(asked, Inventor(kept))
     assert len(result.points) >= POINTS
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     command = [

@@ -168,7 +168,7 @@ def test_what_shares_the_scheme_is_compared_at_equal_step() -> None:
     assert "at equal time step; nothing is allowed but what neither can resolve" in compared_with(RUNS)
     assert "converged reference; its own error is allowed" in compared_with(Variant("exudyn-bristle"))
     assert "step error" in compared_with(REFERENCE)
-    assert "ruler" in compared_with(CONVERGED)
+    assert "baseline" in compared_with(CONVERGED)
 
 
 def test_an_edge_that_the_grid_does_not_hold_is_said_to_be_beyond_its_end(result: ComparedSweep) -> None:
@@ -208,7 +208,7 @@ def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
     )
     page = files_of(Report(result, ""))["index.html"].decode()
     assert "period limit after 400 periods" in page
-    assert "not asked at these steps so far" in page
+    assert "not run at these steps so far" in page
     assert "unknown" in page
     assert "2 cells, mass ratio (1, 0.5), stiffness ratio 1," in page
     assert "outer mass ratio (1, 2)" in page

@@ -18,11 +18,11 @@ from scenarios.catalogue.swept_sine import SweptSineScenario
 from scenarios.catalogue.transient_base import (
     BAND_METRICS,
     BANDS,
+    BROADBAND_STEPS,
     DIFFERENCE,
     PEAK,
     RATIOS,
     ROWS_PER_PERIOD,
-    STEPS_PER_PERIOD,
 )
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
@@ -49,7 +49,7 @@ class ShortPulse(RickerPulseScenario):
 def numbers(scenario, friction_ratio):
     """What the scenario reads from the reference."""
     case = dataclasses.replace(scenario.case(friction_ratio), steps_per_period=100)
-    response = run_transients([case.motion(REFERENCE)])[0].series["response"]
+    response = run_transients([case.task(REFERENCE)])[0].series["response"]
     return scenario.numbers(case, np.array(response))
 
 
@@ -95,7 +95,7 @@ def test_response_is_in_proportion_to_the_base_where_friction_is_too(tmp_path) -
 def test_transients_have_died_out_at_their_end() -> None:
     for name in ("ricker-pulse", "swept-sine", "record"):
         case = CATALOGUE[name].case(0.0)
-        response = np.abs(run_transients([case.motion(REFERENCE)])[0].series["response"])
+        response = np.abs(run_transients([case.task(REFERENCE)])[0].series["response"])
         assert np.max(response[-ROWS_PER_PERIOD * 10 :]) < 0.02 * np.max(response), name
         assert np.max(np.abs(case.base_rows()[-ROWS_PER_PERIOD * 90 :])) < 1e-9, name
 
@@ -133,7 +133,7 @@ class OffBy(InProcessExecutor):
     def moved(self, motion, answer):
         if motion.variant == REFERENCE:
             return answer
-        refinement = motion.every * ROWS_PER_PERIOD // STEPS_PER_PERIOD
+        refinement = motion.every * ROWS_PER_PERIOD // BROADBAND_STEPS
         response = np.array(answer.series["response"]) + self.error[refinement]
         return dataclasses.replace(answer, series={"response": tuple(response.tolist())})
 
@@ -175,7 +175,7 @@ def test_everything_that_is_asked_is_known_beforehand(tmp_path) -> None:
     with ResultStore(tmp_path / "store.sqlite") as store, evaluator(store) as asked:
         asked.progress = lambda _variant, count: told.append(count)
         scenario.run([REFERENCE], asked)
-    assert sum(told) == len(set(scenario.questions([REFERENCE]))) == 6
+    assert sum(told) == len(set(scenario.tasks([REFERENCE]))) == 6
 
 
 def test_example_record_is_its_formula_and_small(tmp_path) -> None:
@@ -207,7 +207,7 @@ def written(tmp_path, spacing):
 
 def test_own_record_too_coarse_for_the_bands_is_refused(tmp_path) -> None:
     with pytest.raises(ParameterError, match=r"too coarse: samples are up to 0\.06 s apart; allowed: <= 0\.0496"):
-        Record(written(tmp_path, 0.06)).questions([REFERENCE])
+        Record(written(tmp_path, 0.06)).tasks([REFERENCE])
 
 
 @pytest.mark.parametrize(("spacing", "steps"), [(0.02, 50), (0.003, 70), (0.001, 200)])
@@ -215,14 +215,14 @@ def test_steps_are_as_short_as_the_samples_of_a_record_are_near(tmp_path, spacin
     """A period 2π / ω_r takes 0.1987 s; ten rows of it are kept."""
     case = Record(written(tmp_path, spacing)).case(0.1)
     assert case.steps_per_period == steps
-    assert case.motion(REFERENCE).time_step <= spacing
+    assert case.task(REFERENCE).time_step <= spacing
 
 
 def test_missing_record_is_named_before_any_work() -> None:
     from pathlib import Path
 
     with pytest.raises(ParameterError, match=r"record nowhere\.csv cannot be read"):
-        Record(Path("nowhere.csv")).questions([REFERENCE])
+        Record(Path("nowhere.csv")).tasks([REFERENCE])
 
 
 def frictionless_db(ratios: ChainRatios, eta: np.ndarray) -> np.ndarray:

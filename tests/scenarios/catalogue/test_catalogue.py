@@ -12,7 +12,7 @@ from reference_lcp.chain.canonical import CHAIN_STIFFNESS
 from reference_lcp.chain.linear_response import stuck_response
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.den_hartog import POINTS, expected_motion
-from scenarios.catalogue.figure3 import EDGE, LOWER_EDGES
+from scenarios.catalogue.figure3 import LOWER_EDGE, LOWER_EDGES
 from scenarios.catalogue.linear_limits import LOCKING_FRICTION
 from scenarios.catalogue.steady_base import LONGEST_SECONDS, SAME_STEP, SteadyScenario
 from scenarios.catalogue.unequal_cells import SEED
@@ -126,7 +126,7 @@ def test_bound_of_the_locked_chain_is_four_times_the_force_that_holds() -> None:
 
 @pytest.mark.slow
 def test_edges_of_figure_3_are_where_the_exact_curve_has_them(verdicts) -> None:
-    edges = [one for one in verdicts(CATALOGUE["figure3"]) if one.metric == EDGE]
+    edges = [one for one in verdicts(CATALOGUE["figure3"]) if one.metric == LOWER_EDGE]
     assert [one.expected for one in edges] == pytest.approx(list(LOWER_EDGES.values()), abs=5e-4)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.catalogue.free_decay import DECAYS, OSCILLATOR, FreeDecay, loss_a_cycle
+from scenarios.catalogue.free_decay import DECAYS, OSCILLATOR_DECAY, FreeDecay, loss_a_cycle
 from scenarios.execution.batch import run_batch
 from scenarios.execution.store import ResultStore
 from scenarios.verdicts.verdict import Verdict
@@ -12,7 +12,7 @@ from tests.scenarios.in_process import evaluator, rub_harder
 
 
 def exact_series(decay):
-    return run_batch([decay.exact_motion()])[0].series
+    return run_batch([decay.exact_task()])[0].series
 
 
 def findings(tmp_path, *names):
@@ -22,9 +22,9 @@ def findings(tmp_path, *names):
 
 def test_oscillator_of_the_scenario_decays_by_the_closed_form() -> None:
     """Let go at 1, with F / k = 0.06: turns at 0.88, 0.76, … 0.04, where it stays, after eight half cycles."""
-    exact = exact_series(OSCILLATOR)
+    exact = exact_series(OSCILLATOR_DECAY)
     assert exact["offsets"][0] == pytest.approx(0.04, abs=1e-4)
-    assert exact["rest"][0] / OSCILLATOR.period == pytest.approx(4, abs=0.03)
+    assert exact["rest"][0] / OSCILLATOR_DECAY.period == pytest.approx(4, abs=0.03)
     assert loss_a_cycle(np.array(exact["swing"])) == pytest.approx(4 * 0.06, rel=1e-4)
     # springs of the rest state hold (1/25)² of the energy
     assert exact["energy"][0] == pytest.approx(0.04**2, abs=2e-4)

@@ -7,7 +7,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp.validation import ParameterError
-from scenarios.catalogue.modulated_normal_force import AIR, CASES, GAP, ModulatedNormalForce
+from scenarios.catalogue.modulated_normal_force import CASES, LARGEST_GAP, OPEN_FRACTION, ModulatedNormalForce
 from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
@@ -59,15 +59,15 @@ def test_who_moves_as_the_reference_does_agrees_in_every_case() -> None:
     assert {finding.comparison.verdict for finding in findings} == {Verdict.AGREE}
     lifting = [case for case in CASES if case.modulation > 1]
     assert len(findings) == 4 * len(CASES) + 2 * len(lifting)
-    flown = [finding for finding in findings if finding.metric == AIR]
+    flown = [finding for finding in findings if finding.metric == OPEN_FRACTION]
     assert [finding.expected for finding in flown] == [pytest.approx(0.56758, abs=1e-5)] * len(lifting)
-    assert all(finding.value > 0 for finding in findings if finding.metric == GAP)
+    assert all(finding.value > 0 for finding in findings if finding.metric == LARGEST_GAP)
 
 
 def test_friction_under_another_normal_force_disagrees() -> None:
     """A tenth less of modulation, and every flight is lower and shorter."""
     findings = ModulatedNormalForce().run([OTHER], Answering(lambda question: with_modulation(question, 0.9)))
-    for metric in (AIR, GAP):
+    for metric in (OPEN_FRACTION, LARGEST_GAP):
         assert {one.comparison.verdict for one in findings if one.metric == metric} == {Verdict.DISAGREE}
     off = [one for one in findings if one.metric == TRANSMITTANCE and one.comparison.verdict is Verdict.DISAGREE]
     assert len(off) >= 6

@@ -10,7 +10,7 @@ FINISHED = Result(status="finished")
 def test_a_motion_that_nobody_has_asked_for_is_no_failure() -> None:
     found = missing("", [FINISHED, Result.missing()])
     assert found is not None
-    assert (found.verdict, found.reason) == (Verdict.INCONCLUSIVE, "not answered so far")
+    assert (found.verdict, found.reason) == (Verdict.INCONCLUSIVE, "not evaluated so far")
 
 
 def test_an_engine_that_fails_is_blocked_with_its_reason() -> None:

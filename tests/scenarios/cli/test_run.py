@@ -16,10 +16,10 @@ from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.verdict_table import (
     FINDING_COLUMNS,
     details,
-    markdown,
     matrix,
     rows_of,
     unexplained,
+    verdict_document,
     verdict_table,
     verdicts_text,
 )
@@ -95,7 +95,7 @@ def test_a_disagreement_with_a_law_of_the_engine_is_explained_and_one_without_is
 
 
 @pytest.mark.parametrize(
-    ("options", "kept"), [((), "nothing is kept without --store"), (("--store", "s.sqlite"), "answers are kept in ")]
+    ("options", "kept"), [((), "nothing is kept without --store"), (("--store", "s.sqlite"), "results are kept in ")]
 )
 def test_an_interrupted_run_says_what_is_kept(run, capsys, tmp_path, monkeypatch, options, kept) -> None:
     monkeypatch.chdir(tmp_path)
@@ -150,7 +150,7 @@ def test_matrix_has_variants_as_rows_and_scenarios_as_columns() -> None:
 
 
 def test_document_has_how_it_was_made_laws_parameters_and_reasons() -> None:
-    text = markdown(RESULTS, "python -m scenarios run by-hand")
+    text = verdict_document(RESULTS, "python -m scenarios run by-hand")
     assert "`python -m scenarios run by-hand`" in text
     assert "- mujoco:joint:default: friction has a time constant" in text
     assert "- length = 0.12" in text
@@ -181,7 +181,7 @@ def test_mujoco_agrees_in_the_limits_and_writes_its_verdicts(tmp_path: Path, cap
     assert run_command(app, ["run", "locked-limit", *options]) == 0
     again = list(csv.DictReader(out.read_text().splitlines()))
     assert [row for row in again if (row["formulation"], row["preset"]) == ("joint", "tuned")] == rows
-    assert {row["reason"] for row in again if row["formulation"] == "contact"} == {"engine: not answered so far"}
+    assert {row["reason"] for row in again if row["formulation"] == "contact"} == {"engine: not evaluated so far"}
 
 
 @pytest.mark.slow

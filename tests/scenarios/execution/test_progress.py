@@ -6,7 +6,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.progress import Bars, CountingEvaluator
+from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.sweep import Case
@@ -16,8 +16,8 @@ from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import REFERENCE
 
 
-class CountedBars(Bars):
-    """Bars that only count."""
+class CountedBars(ProgressBars):
+    """ProgressBars that only count."""
 
     def __init__(self) -> None:
         self.total: dict[Variant, int] = {}
@@ -70,7 +70,7 @@ class Clock:
 def test_remaining_time_is_that_of_the_points_computed_in_this_run() -> None:
     """Ten points in five seconds; the thousand that the store knew do not count, nor does the time before the first."""
     clock, variant = Clock(), Variant("reference")
-    bars = Bars([variant], clock)
+    bars = ProgressBars([variant], clock)
     bars.expect(variant, 1054)
     bars.recall(variant, 1000)
     (bar,) = bars.progress.tasks
@@ -85,7 +85,7 @@ def test_remaining_time_is_that_of_the_points_computed_in_this_run() -> None:
 
 def test_each_variant_has_a_bar_and_a_pace_of_its_own() -> None:
     clock, first, second = Clock(), Variant("reference"), Variant("mujoco")
-    bars = Bars([first], clock)
+    bars = ProgressBars([first], clock)
     for variant in (first, second):
         bars.expect(variant, 10)
     for now, variant in ((101.0, first), (102.0, first), (103.0, second), (108.0, second)):

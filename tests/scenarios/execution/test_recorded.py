@@ -72,7 +72,7 @@ def test_what_is_known_is_not_computed_again(store, monkeypatch) -> None:
 
 def test_what_is_not_known_is_missing_where_nothing_may_be_computed(store) -> None:
     (result,) = StoredResults(store).evaluate([recorded()])
-    assert RecordedPeriod.of_result(result).reason == "not answered so far"
+    assert RecordedPeriod.of_result(result).reason == "not evaluated so far"
 
 
 def test_a_search_without_a_steady_state_says_how_it_ended() -> None:

@@ -132,7 +132,7 @@ def test_stored_answers_complete_with_what_is_kept_and_say_what_is_missing(store
         found = list(stored.complete([kept, unknown, absent]))
     assert found == [
         (kept, ResultSummary(ResultStatus.PERIOD_LIMIT, 400, 0)),
-        (unknown, ResultSummary(ResultStatus.MISSING, reason="not answered so far")),
+        (unknown, ResultSummary(ResultStatus.MISSING, reason="not evaluated so far")),
         (absent, ResultSummary(ResultStatus.BLOCKED, reason="not installed: no wheel")),
     ]
     assert counted == [(asked.variant, 1) for asked in (kept, unknown, absent)]
@@ -161,7 +161,7 @@ def test_complete_takes_tasks_and_gives_their_ends_a_part_at_a_time(store, monke
 
 
 def test_a_status_that_there_is_not_is_refused() -> None:
-    with pytest.raises(ParameterError, match="status of an answer = 'not asked'; allowed: converged, period limit, "):
+    with pytest.raises(ParameterError, match="status of a result = 'not asked'; allowed: converged, period limit, "):
         Result(status="not asked")
     assert {str(status) for status in OrbitStatus} < set(ResultStatus)
 
@@ -181,7 +181,7 @@ def test_a_store_with_an_unknown_status_says_which_file_and_which_status(tmp_pat
             lambda: list(store.results([question()])),
             lambda: list(store.summaries([question()])),
         ):
-            with pytest.raises(ParameterError, match=r"results\.sqlite: status of an answer = 'solved'; allowed: "):
+            with pytest.raises(ParameterError, match=r"results\.sqlite: status of a result = 'solved'; allowed: "):
                 read()
 
 

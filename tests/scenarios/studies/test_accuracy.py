@@ -8,8 +8,8 @@ import math
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.studies.accuracy import PLACES, Accuracy, accuracy, accuracy_tasks, transmittance_error_db
-from scenarios.studies.accuracy_table import COLUMNS, csv_table, markdown, remark
+from scenarios.studies.accuracy import ACCURACY_POINTS, Accuracy, accuracy_of, accuracy_tasks, transmittance_error_db
+from scenarios.studies.accuracy_table import ACCURACY_COLUMNS, accuracy_document, csv_table, remark
 from scenarios.tasks.result import Result
 
 VARIANT = Variant("mujoco")
@@ -22,7 +22,7 @@ EXACT = Result(
 def found(**changes) -> Accuracy:
     """The exact motion but for `changes`, at every question."""
     wrong = dataclasses.replace(EXACT, **changes)
-    return accuracy(VARIANT, dict.fromkeys(accuracy_tasks(VARIANT), wrong), dict.fromkeys(PLACES, EXACT))
+    return accuracy_of(VARIANT, dict.fromkeys(accuracy_tasks(VARIANT), wrong), dict.fromkeys(ACCURACY_POINTS, EXACT))
 
 
 def test_exact_motion_has_no_error() -> None:
@@ -64,27 +64,29 @@ def test_order_is_that_of_the_error_in_the_time_step(order) -> None:
         q: dataclasses.replace(EXACT, transmittance_db=-3 + 50 / q.steps_per_period**order)
         for q in accuracy_tasks(VARIANT)
     }
-    assert accuracy(VARIANT, answers, dict.fromkeys(PLACES, EXACT)).order == pytest.approx(order, abs=1e-9)
+    assert accuracy_of(VARIANT, answers, dict.fromkeys(ACCURACY_POINTS, EXACT)).order == pytest.approx(order, abs=1e-9)
 
 
 def test_points_without_a_steady_state_are_counted_and_give_no_numbers() -> None:
     answers = {q: Result.blocked("crashed") if q.frequency_ratio == 0.9 else EXACT for q in accuracy_tasks(VARIANT)}
-    row = accuracy(VARIANT, answers, dict.fromkeys(PLACES, EXACT))
+    row = accuracy_of(VARIANT, answers, dict.fromkeys(ACCURACY_POINTS, EXACT))
     assert row.certified < row.points
     assert math.isnan(row.order)
     assert row.map_db == 0
     assert "points are not certified; blocked: crashed" in remark(row)
-    nothing = accuracy(VARIANT, dict.fromkeys(answers, Result.blocked("gone")), dict.fromkeys(PLACES, EXACT))
-    assert all(column.text((nothing, None)) for column in COLUMNS)
-    assert "–" in markdown([(nothing, None)], "command")
+    nothing = accuracy_of(
+        VARIANT, dict.fromkeys(answers, Result.blocked("gone")), dict.fromkeys(ACCURACY_POINTS, EXACT)
+    )
+    assert all(column.text((nothing, None)) for column in ACCURACY_COLUMNS)
+    assert "–" in accuracy_document([(nothing, None)], "command")
 
 
 def test_tables_hold_every_column_and_name_the_command_and_the_versions() -> None:
     rows = [(found(transmittance_db=-3.25), None)]
-    document = markdown(rows, "python -m scenarios run accuracy")
+    document = accuracy_document(rows, "python -m scenarios run accuracy")
     assert "| mujoco | joint | tuned | 0.250 | 0.250 | 0.250 |" in document
     assert "`python -m scenarios run accuracy`" in document
     assert "Versions: mujoco" in document
     read = list(csv.DictReader(io.StringIO(csv_table(rows))))
     assert float(read[0]["map_db"]) == pytest.approx(0.25)
-    assert list(read[0]) == [column.key for column in COLUMNS]
+    assert list(read[0]) == [column.key for column in ACCURACY_COLUMNS]

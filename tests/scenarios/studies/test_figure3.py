@@ -14,7 +14,7 @@ from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.store import ResultStore
 from scenarios.studies.figure3 import default_frequency_ratios, figure3, quick_frequency_ratios
 from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.compared import run
+from scenarios.sweeps.compared import compare_sweep
 from scenarios.sweeps.resonances import resonances
 from scenarios.sweeps.sweep import Case
 from scenarios.tasks.parameters import ChainRatios
@@ -48,7 +48,7 @@ def edges(tmp_path_factory):
     ):
         for friction, support in SUPPORT.items():
             asked = figure3([Variant(name) for name in INSTALLED], (friction,), support)
-            for edge in run(asked, evaluator).edges:
+            for edge in compare_sweep(asked, evaluator).edges:
                 found[edge.variant, friction, edge.edge] = edge
     return found
 
@@ -123,7 +123,7 @@ def test_grid_holds_every_resonance_and_the_ends() -> None:
 def test_every_point_is_compared_and_reports_its_residual(tmp_path) -> None:
     asked = figure3((Variant("mujoco"),), (0.3,), (0.6, 0.9, 1.6))
     with ResultStore(tmp_path / "results.sqlite") as store, Evaluator(store, LocalExecutor(1)) as evaluator:
-        result = run(asked, evaluator)
+        result = compare_sweep(asked, evaluator)
     for variant in (CONVERGED, REFERENCE, Variant("mujoco")):
         curve = result.curve(variant, Case.of(friction_ratio=0.3))
         assert [point.comparison.verdict for point in curve] == [Verdict.AGREE] * len(curve)

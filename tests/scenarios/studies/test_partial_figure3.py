@@ -10,7 +10,7 @@ from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.store import ResultStore
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.compared import ComparedSweep, run
+from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import REFERENCE
@@ -29,7 +29,7 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> ComparedSweep:
         for variant, etas in ((CONVERGED, GRID), (REFERENCE, GRID), (STOPPED, GRID[:4])):
             questions = [ASKED.task(variant, RUBBING, eta) for eta in etas]
             store.keep(zip(questions, run_batch(questions), strict=True))
-        return run(ASKED, StoredResults(store))
+        return compare_sweep(ASKED, StoredResults(store))
 
 
 def test_points_that_are_not_answered_are_inconclusive_with_that_reason(result: ComparedSweep) -> None:
@@ -40,7 +40,7 @@ def test_points_that_are_not_answered_are_inconclusive_with_that_reason(result: 
             assert point.comparison.verdict is Verdict.AGREE
         else:
             assert point.comparison.verdict is Verdict.INCONCLUSIVE
-            assert point.comparison.reason == "engine: not answered so far"
+            assert point.comparison.reason == "engine: not evaluated so far"
 
 
 def test_edges_of_a_curve_with_gaps_are_not_judged(result: ComparedSweep) -> None:
@@ -48,12 +48,12 @@ def test_edges_of_a_curve_with_gaps_are_not_judged(result: ComparedSweep) -> Non
         found = result.edge(STOPPED, RUBBING, edge)
         assert found.comparison.verdict is Verdict.INCONCLUSIVE
         assert "MuJoCo's curve" in found.comparison.reason
-        assert "points are not answered so far" in found.comparison.reason
+        assert "points are not evaluated so far" in found.comparison.reason
 
 
 def test_an_empty_store_gives_a_result_without_a_single_number(tmp_path: Path) -> None:
     with ResultStore(tmp_path / "results.sqlite") as store:
-        result = run(ASKED, StoredResults(store))
+        result = compare_sweep(ASKED, StoredResults(store))
     assert {point.result.status for point in result.points} == {"missing"}
     assert {point.comparison.verdict for point in result.points} == {Verdict.INCONCLUSIVE}
     assert {edge.comparison.verdict for edge in result.edges} == {Verdict.INCONCLUSIVE}

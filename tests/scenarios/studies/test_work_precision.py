@@ -45,7 +45,7 @@ def test_error_and_cost_are_read_from_the_answers(store: ResultStore) -> None:
         assert point.error_db == pytest.approx(4 / point.steps_per_period)
         assert point.step_seconds == pytest.approx(3e-6)
         assert point.seconds == pytest.approx(point.steps_per_period * 20 * 3e-6)
-        assert (point.certified, point.answered) == (6, 6)
+        assert (point.certified, point.evaluated) == (6, 6)
 
 
 def test_points_without_a_steady_state_and_missing_ones_are_counted(store: ResultStore) -> None:
@@ -53,8 +53,8 @@ def test_points_without_a_steady_state_and_missing_ones_are_counted(store: Resul
     statuses = ["converged", "period limit", "diverged"]
     store.keep((q, answer(400, status=status)) for q, status in zip(questions, statuses, strict=False))
     coarse, *finer = step_study([REFERENCE], StoredResults(with_exact(store)))
-    assert (coarse.certified, coarse.answered) == (1, 3)
-    assert [point.answered for point in finer] == [0, 0]
+    assert (coarse.certified, coarse.evaluated) == (1, 3)
+    assert [point.evaluated for point in finer] == [0, 0]
     assert all(math.isnan(point.error_db) for point in finer)
 
 
@@ -77,8 +77,8 @@ def test_another_drive_has_other_tasks_and_an_exact_motion_of_its_own(store: Res
     tasks = [*step_tasks(REFERENCE, force), *exact_step_tasks(force)]
     assert {task.excitation for task in tasks} == {force}
     store.keep((task, answer(task.steps_per_period)) for task in tasks)
-    assert {point.answered for point in step_study([REFERENCE], StoredResults(store))} == {0}
-    assert {point.answered for point in step_study([REFERENCE], StoredResults(store), force)} == {6}
+    assert {point.evaluated for point in step_study([REFERENCE], StoredResults(store))} == {0}
+    assert {point.evaluated for point in step_study([REFERENCE], StoredResults(store), force)} == {6}
     moved, pushed = run_batch([exact_step_tasks()[0], exact_step_tasks(force)[0]])
     assert pushed.transmittance_db == pytest.approx(
         exact_steady_state(*exact_step_tasks(force)[0].setting()).transmittance_db, abs=1e-12

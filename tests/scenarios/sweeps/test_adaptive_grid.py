@@ -68,7 +68,7 @@ def share_at_resonances(ratios: ChainRatios, eta: np.ndarray) -> float:
 
 def added(curve: AdaptiveCurve, axis: AdaptiveAxis, ratios: ChainRatios) -> np.ndarray:
     """Points that refinement has added; the first ones lie at the resonances anyway."""
-    return np.setdiff1d(curve.asked, axis.start(resonances(ratios).tolist()))
+    return np.setdiff1d(curve.evaluated, axis.start(resonances(ratios).tolist()))
 
 
 def test_points_crowd_at_resonances(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -79,9 +79,9 @@ def test_points_crowd_at_resonances(monkeypatch: pytest.MonkeyPatch) -> None:
     least = 3 * share_at_resonances(ratios, even)
     assert share_at_resonances(ratios, added(curve, AXIS, ratios)) > least
     monkeypatch.setattr(adaptive_grid, "MARGIN", -1.0)
-    blind_axis = dataclasses.replace(AXIS, most_points=len(curve.asked))
+    blind_axis = dataclasses.replace(AXIS, most_points=len(curve.evaluated))
     blind = curve_of(ratios, blind_axis)
-    assert len(blind.asked) == len(curve.asked)
+    assert len(blind.evaluated) == len(curve.evaluated)
     assert share_at_resonances(ratios, added(blind, blind_axis, ratios)) < least / 2
 
 
@@ -92,7 +92,7 @@ def test_straight_line_needs_one_halving() -> None:
         curve.add({eta: 10 * eta for eta in curve.due})
         stages += 1
     assert stages == 2
-    assert len(curve.asked) == 2 * START_POINTS - 1
+    assert len(curve.evaluated) == 2 * START_POINTS - 1
 
 
 @pytest.mark.parametrize("guard", [{"least_spacing": 0.01}, {"most_points": 40}])
@@ -100,7 +100,7 @@ def test_guards_end_the_refinement_and_say_that_the_curve_is_not_resolved(guard:
     axis = dataclasses.replace(AXIS, **guard)
     curve = curve_of(ChainRatios(), axis)
     assert not curve.resolved
-    assert len(curve.asked) <= axis.most_points
+    assert len(curve.evaluated) <= axis.most_points
 
 
 def test_least_spacing_holds_for_every_point_that_is_added() -> None:
@@ -108,7 +108,7 @@ def test_least_spacing_holds_for_every_point_that_is_added() -> None:
     curve = AdaptiveCurve(axis)
     while curve.due:
         curve.add({eta: closed_form(ChainRatios(), eta) for eta in curve.due})
-    assert np.min(np.diff(curve.asked)) >= 0.01 * (1 - 1e-12)
+    assert np.min(np.diff(curve.evaluated)) >= 0.01 * (1 - 1e-12)
 
 
 def test_places_without_a_steady_state_do_not_hold_up_the_rest() -> None:

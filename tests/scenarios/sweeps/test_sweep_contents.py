@@ -18,7 +18,7 @@ from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.adaptive_grid import level
-from scenarios.sweeps.dataset import STATUSES, dataset
+from scenarios.sweeps.dataset import STATUSES, sweep_dataset
 from scenarios.sweeps.refinement import ForTheAccuracy
 from scenarios.sweeps.run import stored_table
 from scenarios.sweeps.spec_file import read_sweep
@@ -64,7 +64,7 @@ def test_adaptive_curves_of_the_command_are_right_between_their_points(file: Pat
     asked = read_sweep(file)
     with ResultStore(store) as kept:
         whole, table = stored_table(asked, kept)
-    found = dataset(whole, table)
+    found = sweep_dataset(whole, table)
     counts = verdict_summaries(whole, points_of(table))[Variant("mujoco")].counts
     curve = found.transmittance_db.sel(variant="reference", friction_ratio=0.0).dropna("frequency_ratio")
     eta = np.linspace(0.52, 1.48, 25)
@@ -84,12 +84,12 @@ def test_adaptive_curves_of_the_command_are_right_between_their_points(file: Pat
 def test_each_curve_has_points_of_its_own_and_interruption_changes_none(file: Path) -> None:
     asked = read_sweep(written(file.parent, CONTENT.replace(', "mujoco:joint"', "")))
     with ResultStore(file.with_suffix(".sqlite")) as store:
-        assert dataset(*stored_table(asked, store)).sizes["frequency_ratio"] > 0
+        assert sweep_dataset(*stored_table(asked, store)).sizes["frequency_ratio"] > 0
         with Evaluator(store, InProcessExecutor()) as evaluator:
             evaluator.evaluate([asked.task(*place) for place in ForTheAccuracy(asked).due()])
         summary = evaluate_sweep(asked, store, InProcessExecutor())
         whole, table = stored_table(asked, store)
-        found = dataset(whole, table)
+        found = sweep_dataset(whole, table)
     free, rubbing = (sorted(table["frequency_ratio"][[one == case for one in table["case"]]]) for case in asked.cases)
     assert free != rubbing
     assert summary.statuses == {(Variant("reference"), "converged"): len(free) + len(rubbing)}

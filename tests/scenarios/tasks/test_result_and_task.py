@@ -17,7 +17,7 @@ TASK = SteadyStateTask(variant=Variant("reference"), friction_ratio=1.0, frequen
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('{"status": "solved"}', "status of an answer = 'solved'; allowed: converged, "),
+        ('{"status": "solved"}', "status of a result = 'solved'; allowed: converged, "),
         ("{}", "status is missing"),
         ('{"status": "converged", "mood": 1}', "mood is unknown; allowed: status, reason, "),
         ('{"status": "converged", "residual": "small"}', "residual = 'small'; input should be a valid number"),

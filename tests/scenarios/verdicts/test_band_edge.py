@@ -24,7 +24,7 @@ def point(level, own, **changes) -> PointResults:
     """A point whose own error halves with the step, `own` dB at the judged one; the reference's is 0.01 dB."""
     known = PointResults(
         variant=Variant("exudyn-regularised"),
-        answer=result(level + own, 400),
+        result=result(level + own, 400),
         others=(result(level + 2 * own, 200),),
         reference=result(level + 0.01, 400),
         converged=result(level + 0.01 / 32, 400),
@@ -67,7 +67,7 @@ def test_a_motion_that_is_not_certified_leaves_its_residual_open() -> None:
 
 
 def test_without_a_steady_state_beside_it_a_difference_is_inconclusive() -> None:
-    lost = point(3.0, 0.0, answer=result(3.0, 400, "period limit"))
+    lost = point(3.0, 0.0, result=result(3.0, 400, "period limit"))
     coarse_lost = point(3.0, 0.0, others=(result(3.0, 200, "period limit"),))
     for around in ([lost], [], [coarse_lost]):
         assert compare_edge(Crossing(PLACE + 0.1, SLOPE, WIDTH), TRUE, around).verdict is Verdict.INCONCLUSIVE

@@ -26,7 +26,7 @@ def answer(db, steps=400, status="converged") -> Result:
 def judged(variant, db, *others, reference=-10.02, converged=-10.0, amplified=1.0, given=None):
     known = PointResults(
         variant=variant,
-        answer=answer(db),
+        result=answer(db),
         others=others,
         reference=answer(reference),
         converged=answer(converged),
