@@ -42,7 +42,7 @@ def ratio(value: float) -> str:
 
 def per_cell(value: float | Sequence[float]) -> str:
     """Give a ratio of the chain: one number, or as many as there are cells, from the base on."""
-    return f"({', '.join(ratio(one) for one in value)})" if isinstance(value, Sequence) else ratio(value)
+    return f"({', '.join(ratio(cell) for cell in value)})" if isinstance(value, Sequence) else ratio(value)
 
 
 def span(values: list[int]) -> str:

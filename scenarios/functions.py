@@ -100,20 +100,15 @@ def sweep(
     ParameterError
         If something is outside its range; before anything is computed.
     """
-    content: dict[str, Any] = {
+    axes = {"friction_ratio": friction_ratio, "frequency_ratio": frequency_ratio, **(vary or {})}
+    planned = _validated({
         "engines": [_full_name(Variant.parse(name)) for name in _names(engines)],
-        "grid": {
-            name: _axis(values)
-            for name, values in {
-                "friction_ratio": friction_ratio, "frequency_ratio": frequency_ratio, **(vary or {})
-            }.items()
-        },
+        "grid": {name: _axis(values) for name, values in axes.items()},
         "chain": {name: _numbers(value) for name, value in (chain or {}).items()},
         "drive": {"kind": drive, **({} if amplitude is None else {"amplitude": amplitude})},
         "steps_per_period": steps_per_period,
         **({} if tolerance_db is None else {"tolerances": {"transmittance_db": tolerance_db}}),
-    }  # fmt: skip
-    planned = _validated(content)
+    })  # fmt: skip
     with _store(store) as (stored, file), executor_for(workers, time_limit, scheduler) as executor:
         note_sweep(file, planned)
         evaluate_sweep(planned, stored, executor)

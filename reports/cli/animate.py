@@ -65,11 +65,11 @@ def animate(
     if out.suffix not in ENDINGS:
         raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(ENDINGS)}")
     checked_output_file("--out", out)
-    motion = period_of(task, time_limit)
-    if not motion.known:
-        print(f"{variant.title}: {motion.reason}", file=sys.stderr)
+    period = period_of(task, time_limit)
+    if not period.known:
+        print(f"{variant.title}: {period.reason}", file=sys.stderr)
         raise typer.Exit(1)
-    write_animation(task, motion, frames, out)
+    write_animation(task, period, frames, out)
     print(out)
 
 
@@ -79,9 +79,9 @@ def period_of(task: SteadyStateTask, time_limit: float) -> RecordedPeriod:
         return RecordedPeriod.of_result(evaluator.evaluate([RecordedPeriodTask.of(task)])[0])
 
 
-def write_animation(task: SteadyStateTask, motion: RecordedPeriod, frames: int, file: Path) -> None:
-    """Draw a known motion of the task's chain into `file`, in the format of its ending."""
-    drawing = ChainDrawing(task, motion, frames)
+def write_animation(task: SteadyStateTask, period: RecordedPeriod, frames: int, file: Path) -> None:
+    """Draw a recorded period of the task's chain into `file`, in the format of its ending."""
+    drawing = ChainDrawing(task, period, frames)
     animation = FuncAnimation(drawing.figure, drawing.draw, frames=frames, interval=50, blit=False)
     if file.suffix == ".gif":
         animation.save(file, writer=PillowWriter(fps=20), dpi=100)
@@ -96,18 +96,18 @@ class ChainDrawing:
 
     Parameters
     ----------
-    task, motion
+    task, period
         The task, and its recorded period.
     frames
         Pictures of one period.
     """
 
-    def __init__(self, task: SteadyStateTask, motion: RecordedPeriod, frames: int):
-        self._motion = motion
-        self._rows = np.round(np.linspace(0, motion.outer.shape[0], frames, endpoint=False)).astype(int)
-        largest = max(1.0, float(np.max(np.abs(motion.outer))), float(np.max(np.abs(motion.inner))))
-        self._scale = min(REACH / largest, INNER_REACH / max(float(np.max(np.abs(motion.relative))), INNER_REACH))
-        cells = motion.outer.shape[1]
+    def __init__(self, task: SteadyStateTask, period: RecordedPeriod, frames: int):
+        self._period = period
+        self._rows = np.round(np.linspace(0, period.outer.shape[0], frames, endpoint=False)).astype(int)
+        largest = max(1.0, float(np.max(np.abs(period.outer))), float(np.max(np.abs(period.inner))))
+        self._scale = min(REACH / largest, INNER_REACH / max(float(np.max(np.abs(period.relative))), INNER_REACH))
+        cells = period.outer.shape[1]
         self.figure = Figure(figsize=(9, 3), layout="constrained")
         self._axes: Axes = self.figure.subplots()
         self._centres: FloatArray = SPACING * np.arange(1, cells + 1)
@@ -123,16 +123,16 @@ class ChainDrawing:
     def draw(self, frame: int) -> list[Any]:
         """Move everything to one instant; gives what has moved."""
         row = int(self._rows[frame])
-        phase = float(self._motion.phase[row])
-        outer = self._centres + self._scale * self._motion.outer[row]
-        inner = self._centres + self._scale * self._motion.inner[row]
+        phase = float(self._period.phase[row])
+        outer = self._centres + self._scale * self._period.outer[row]
+        inner = self._centres + self._scale * self._period.inner[row]
         base = self._scale * float(np.sin(2 * np.pi * phase))
         self._base.set_x(base - 0.15)
         ends = [base + 0.15, *(outer[:-1] + 0.5)]
         for cell, (box, mass, spring) in enumerate(zip(self._outer, self._inner, self._springs, strict=True)):
             box.set_x(outer[cell] - 0.5)
             mass.set_x(inner[cell] - 0.21)
-            mode = int(self._motion.modes[row, cell])
+            mode = int(self._period.modes[row, cell])
             mass.set_facecolor(MODE_COLOURS[MODE_OF_SIGN[mode]])
             mass.set_hatch(HATCHES[mode])
             spring.set_data(*_zigzag(ends[cell], float(outer[cell]) - 0.5))

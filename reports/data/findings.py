@@ -174,7 +174,7 @@ def converged_edges(result: ComparedSweep, case: Case) -> list[float]:
 def blocked_reason(result: ComparedSweep, variant: Variant) -> str | None:
     """Give the reason why a variant has no result at all; ``None`` if it has one."""
     results = [point.result for point in result.points_of(variant)]
-    if not results or any(one.status is not ResultStatus.BLOCKED for one in results):
+    if not results or any(own.status is not ResultStatus.BLOCKED for own in results):
         return None
     return results[0].reason
 

@@ -82,7 +82,7 @@ def _variant(report: Report, variant: Variant) -> dict[str, Any]:
         "notes": of.capabilities.notes,
         "compared_with": compared_with(variant, result.sweep.tolerance),
         **(report.recorded.get(str(variant)) or description_of(variant)),
-        "steps_per_period": sorted({one.steps_per_period for one in results}),
+        "steps_per_period": sorted({own.steps_per_period for own in results}),
         "worst_residual": findings(result, variant).worst_residual,
     }
 

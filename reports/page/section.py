@@ -54,5 +54,5 @@ class Section(ABC):
 
 def registered_sections() -> list[Callable[[Report], Section]]:
     """Give the sections that installed distributions register, by name."""
-    found = sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda entry: entry.name)
-    return [entry.load() for entry in found]
+    entries = sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda entry: entry.name)
+    return [entry.load() for entry in entries]

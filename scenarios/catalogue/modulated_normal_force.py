@@ -2,7 +2,7 @@
 
 An actuator presses the masses of every cell together with N(t) = N0 (1 + a sin Ωt), Ω a multiple of the drive's ω.
 Across the row nothing else acts, so that λ_N(t) does not depend on the motion along it: friction stays monotone, and
-the steady state is unique. For a < 1 contacts stay closed, and every formulation can follow whose bound may change.
+the steady state is unique. For a < 1 contacts stay closed, and every formulation with a variable bound can follow.
 For a > 1 they open: the inner mass flies, lands without rebound, and its impact rubs.
 """
 
@@ -151,10 +151,11 @@ def _explained(comparison: Comparison, variant: Variant) -> Comparison:
     return replace(comparison, reason=f"{comparison.reason}; {known_deviation}")
 
 
-def _missing(whose: str, results: Sequence[Result]) -> Comparison | None:
+def _missing(source: str, results: Sequence[Result]) -> Comparison | None:
     """Say what is missing for a comparison, if anything is."""
     gaps = (
-        missing(f"{whose} at {steps} steps a period", [one]) for steps, one in zip(CASE_STEPS, results, strict=True)
+        missing(f"{source} at {steps} steps a period", [result])
+        for steps, result in zip(CASE_STEPS, results, strict=True)
     )
     return next((gap for gap in gaps if gap is not None), None)
 
@@ -189,15 +190,15 @@ def _stuck_fraction(own: list[Result], expected: list[Result]) -> Judged:
 
 
 def _unmatched(own: list[Result], expected: list[Result]) -> Judged:
-    """Those that only one has; the reference misses some of its own at another step, and so may an engine."""
+    """Judge transitions that only one has; the reference misses some of its own at another step, and so may an engine."""
     reference, engine = (max(_apart(*pair) for pair in pairwise(results)) for results in (expected, own))
     count = _apart(own[1], expected[1])
     return count, 0.0, decide(UNMATCHED, count, 0.0, Tolerance(reference=reference, engine=engine))
 
 
-def _apart(one: Result, other: Result) -> int:
-    """Count the transitions that only one has."""
-    match = match_transitions(one.transitions, other.transitions, other.period)
+def _apart(first: Result, second: Result) -> int:
+    """Count the transitions that only one of two results has."""
+    match = match_transitions(first.transitions, second.transitions, second.period)
     return len(match.missed) + len(match.spurious)
 
 
@@ -219,8 +220,8 @@ def _time_errors(result: Result, baseline: Sequence[TimedTransition]) -> dict[Ti
 
 def _largest_error(errors: Sequence[Mapping[TimedTransition, float]]) -> float:
     """Largest error of the step over the transitions that all three steps have."""
-    common = [transition for transition in errors[1] if all(transition in one for one in errors)]
-    return max((_steps(one[each] for one in errors).error(TIMES) for each in common), default=0.0)
+    common = [transition for transition in errors[1] if all(transition in own for own in errors)]
+    return max((_steps(own[transition] for own in errors).error(TIMES) for transition in common), default=0.0)
 
 
 def _flights(flight: tuple[float, float, float] | None, multiple: int, own: Sequence[Result]) -> list[Judged]:
@@ -242,4 +243,4 @@ def _flights(flight: tuple[float, float, float] | None, multiple: int, own: Sequ
 
 def _worst(judged: Sequence[Judged]) -> Judged:
     """Give the one with the largest difference over what is allowed."""
-    return max(judged, key=lambda each: each[2].excess)
+    return max(judged, key=lambda judged_number: judged_number[2].excess)

@@ -13,7 +13,7 @@ SWEEP, REST = 250, 100
 
 
 class SweptSineScenario(Broadband):
-    """The sweep passes a band while the chain answers it alone: friction ratios mean what they do in figure 3.
+    """The sweep passes each band so slowly that the chain responds to one frequency at a time, as in figure 3.
 
     Without friction the band 0.65–0.82 lets −2.2 dB pass; at the ratio 0.1 it is −7.8 dB, at 0.3 −4.7 dB.
     """

@@ -130,9 +130,14 @@ def details(findings: Sequence[Finding]) -> Iterator[tuple[Variant, list[str]]]:
             yield row.variant, [_detail(group) for group in order.values()]
 
 
+def _excess(finding: Finding) -> float:
+    """Give the difference over what is allowed; −1 where there is none."""
+    return -1.0 if math.isnan(finding.comparison.excess) else finding.comparison.excess
+
+
 def _detail(group: Sequence[Finding]) -> str:
     """One line for findings of one metric and verdict: the worst of them, and how many there are."""
-    worst = max(group, key=lambda one: -1.0 if math.isnan(one.comparison.excess) else one.comparison.excess)
+    worst = max(group, key=_excess)
     more = f" (and {len(group) - 1} more)" if len(group) > 1 else ""
     return f"{worst.comparison.verdict}, {worst.metric.name}, {worst.case}: {worst.comparison.reason}{more}"
 

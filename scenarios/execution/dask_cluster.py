@@ -95,5 +95,5 @@ def _connected(address: str) -> Any:
         return Client(address, timeout=CONNECT_SECONDS)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as problem:
         raise ParameterError(
-            f"scheduler = {address!r} does not answer: {problem}; allowed: the address of a dask scheduler"
+            f"scheduler = {address!r} cannot be reached: {problem}; allowed: the address of a dask scheduler"
         ) from None

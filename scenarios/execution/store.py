@@ -47,7 +47,7 @@ class ResultStore(Closing):
             raise ParameterError(f"store {file} cannot be used: {problem}") from None
 
     def _open(self) -> None:
-        """Check whose file it is, then make the table in a new one."""
+        """Check that the file is a store, then make the table in a new one."""
         owner = self._connection.execute("PRAGMA application_id").fetchone()[0]
         tables = self._connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
         if tables and owner != APPLICATION_ID:

@@ -89,8 +89,8 @@ def _receive(connection: Connection, inbox: "SimpleQueue[bytes | None]") -> None
 def reason_of_death(crash_log: str, limit: float) -> str | None:
     """Read from its crash log why a worker has ended; ``None`` if it has left nothing."""
     # of several threads, the one that began first, and does the work, comes last
-    place = re.search(r'File "([^"]+)", line (\d+) in (\S+)', crash_log.rsplit("Thread 0x", 1)[-1])
-    where = f", in {place[3]} ({Path(place[1]).name}:{place[2]})" if place else ""
+    frame = re.search(r'File "([^"]+)", line (\d+) in (\S+)', crash_log.rsplit("Thread 0x", 1)[-1])
+    where = f", in {frame[3]} ({Path(frame[1]).name}:{frame[2]})" if frame else ""
     if crash_log.startswith("Timeout"):
         return f"{limit_reached(limit)}{where}"
     fault = re.search(r"Fatal Python error: (.+)", crash_log)

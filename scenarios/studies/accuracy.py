@@ -46,7 +46,7 @@ class Accuracy:
     Parameters
     ----------
     variant
-        Which one.
+        The variant.
     points_db
         Largest transmittance error over the six stick–slip points [dB], by steps a period.
     map_db, worst_point

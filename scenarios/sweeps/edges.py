@@ -112,8 +112,8 @@ def _judged(
     if all(result.status is ResultStatus.BLOCKED for result in results):
         return BandEdge(variant, case, edge, eta, Comparison(Verdict.BLOCKED, results[0].reason))
     if lacking:
-        whose = " and ".join(f"{owner.title}'s curve" for owner in lacking)
-        comparison = Comparison(Verdict.INCONCLUSIVE, f"{whose}: points are not evaluated so far")
+        curves = " and ".join(f"{owner.title}'s curve" for owner in lacking)
+        comparison = Comparison(Verdict.INCONCLUSIVE, f"{curves}: points are not evaluated so far")
         return BandEdge(variant, case, edge, math.nan if variant in lacking else eta, comparison)
     around = [known[variant, case, end] for end in refined.brackets.get(baseline, ())]
     return BandEdge(variant, case, edge, eta, compare_edge(crossing, expected, around))

@@ -61,7 +61,7 @@ def compare_edge(edge: Crossing | None, converged: Crossing | None, around: Sequ
     tolerance = _edge_tolerance(edge, converged, known)
     comparison = decide(BAND_EDGE, edge.frequency_ratio, converged.frequency_ratio, tolerance)
     if comparison.verdict is Verdict.DISAGREE and not known:
-        reason = f"{comparison.reason}; no steady state beside it tells its own error"
+        reason = f"{comparison.reason}; no steady state beside it gives its own error"
         return dataclasses.replace(comparison, verdict=Verdict.INCONCLUSIVE, reason=reason)
     for point in known:
         comparison = unless_own_error_is_unknown(point, comparison)

@@ -1,4 +1,4 @@
-"""What is compared, and one number of one variant with its verdict."""
+"""Metrics, and findings: one number of one variant with its verdict."""
 
 import math
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ class Finding:
     variant
         Whose number it is.
     case
-        The parameters that tell this case from the others of the scenario, as tables print them.
+        The parameters that distinguish this case from the others of the scenario, as tables print them.
     metric
         What was compared.
     value, expected

@@ -77,7 +77,7 @@ def judge(
     resolution
         What neither can resolve, >= 0.
     own
-        Least error that the variant's own value has, where something else than its steps tells.
+        Least error that the variant's own value has, where it is known from something else than its steps.
     """
     if isinstance(values, Comparison):
         return values
@@ -107,12 +107,12 @@ def metric_difference(metric: Metric, value: Number, expected: Number) -> float:
     return float(difference) if difference.ndim == 0 else float(np.max(np.abs(difference)))
 
 
-def missing(whose: str, results: Iterable[Result]) -> Comparison | None:
+def missing(source: str, results: Iterable[Result]) -> Comparison | None:
     """Say why there is nothing to compare; ``None`` where every steady state is certified, every motion finished.
 
     Parameters
     ----------
-    whose
+    source
         Begins the reason of what is inconclusive; empty for nothing.
     results
         What is needed for a comparison; the first that is not there counts.
@@ -123,11 +123,11 @@ def missing(whose: str, results: Iterable[Result]) -> Comparison | None:
         if result.status is ResultStatus.BLOCKED:
             return Comparison(Verdict.BLOCKED, result.reason)
         if result.status is ResultStatus.MISSING:
-            whose, reason = whose.partition(" at ")[0], result.reason
+            source, reason = source.partition(" at ")[0], result.reason
         else:
             reason = f"{result.status} after {result.periods} periods, residual {result.residual:.1e}"
             reason += repetition(result.multiple)
-        return Comparison(Verdict.INCONCLUSIVE, f"{whose}: {reason}" if whose else reason)
+        return Comparison(Verdict.INCONCLUSIVE, f"{source}: {reason}" if source else reason)
     return None
 
 

@@ -107,7 +107,7 @@ def unless_own_error_is_unknown(known: PointResults, comparison: Comparison) -> 
     """Leave a disagreement open where the variant's own error is unknown: no steady state with other steps."""
     if comparison.verdict is not Verdict.DISAGREE or all(other.converged for other in known.others):
         return comparison
-    reason = f"{comparison.reason}; no steady state with other steps tells its own error"
+    reason = f"{comparison.reason}; no steady state with other steps gives its own error"
     return Comparison(Verdict.INCONCLUSIVE, reason, comparison.difference, comparison.tolerance)
 
 

@@ -38,7 +38,7 @@ class SteadyCase:
     Parameters
     ----------
     label
-        What tells it from the other cases of its scenario.
+        Name that distinguishes it from the other cases of its scenario.
     friction_ratio
         μ λ_N / (k_c U0), a number or one a cell.
     frequency_ratio
@@ -140,9 +140,9 @@ class Evidence:
         """Say why nothing can be compared; ``None`` where every steady state is certified."""
         if self.skip_reason is not None:
             return self.skip_reason
-        for whose, results in (("engine", (self.fine, self.coarse)), ("reference", self.scheme)):
+        for source, results in (("engine", (self.fine, self.coarse)), ("reference", self.scheme)):
             for result in results:
-                gap = missing(f"{whose} at {result.steps_per_period} steps a period", [result])
+                gap = missing(f"{source} at {result.steps_per_period} steps a period", [result])
                 if gap is not None:
                     return gap
         if self.coarse.steps_per_period >= self.fine.steps_per_period:

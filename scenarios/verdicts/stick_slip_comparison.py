@@ -16,7 +16,7 @@ A slip of the expected motion that travels less than four residuals of the engin
 engine's own motion: single precision does not distinguish it from one.
 
 *Missed, spurious.* Expected transitions that the engine does not have, and others that it has, beyond the dead band.
-If the engine itself has them with one of its two steps only, its step is too coarse to tell: inconclusive.
+If the engine itself has them with one of its two steps only, its step is too coarse to decide: inconclusive.
 
 *Time errors* are allowed, transition by transition: the engine's own error, from its two steps; no less than the
 reference's at the same step; and one step, the resolution of a sampled motion.
@@ -187,10 +187,10 @@ def _times(evidence: Evidence) -> tuple[Finding, Finding]:
             Finding(variant, label, metric, math.nan, 0.0, nothing) for metric in (MEDIAN_TIME, LARGEST_TIME)
         )
         return median, largest
-    parts = [dataclasses.asdict(one.tolerance) for one in errors]
-    middle = Tolerance(**{part: float(np.median([one[part] for one in parts])) for part in parts[0]})
-    size = float(np.median([one.size for one in errors]))
-    worst = max(errors, key=lambda one: one.ratio)
+    parts = [dataclasses.asdict(error.tolerance) for error in errors]
+    middle = Tolerance(**{part: float(np.median([tolerance[part] for tolerance in parts])) for part in parts[0]})
+    size = float(np.median([error.size for error in errors]))
+    worst = max(errors, key=lambda error: error.ratio)
     return (
         Finding(variant, label, MEDIAN_TIME, size, 0.0, decide(MEDIAN_TIME, size, 0.0, middle)),
         Finding(variant, label, LARGEST_TIME, worst.size, 0.0, decide(LARGEST_TIME, worst.size, 0.0, worst.tolerance)),
@@ -208,7 +208,7 @@ def _stuck(evidence: Evidence) -> Finding:
             STUCK_FRACTION, evidence.steps(read), expected, scheme=evidence.scheme_steps(read), resolution=resolution
         )
         judged.append((evidence.fine.stuck_fraction[cell], expected, comparison))
-    fine, expected, comparison = max(judged, key=lambda one: one[2].excess)
+    fine, expected, comparison = max(judged, key=lambda contact: contact[2].excess)
     return Finding(evidence.variant, evidence.case.label, STUCK_FRACTION, fine, expected, comparison)
 
 

@@ -20,24 +20,24 @@ class InProcess:
         self.falsified = falsified
         self.known = {}
 
-    def evaluate(self, questions):
-        missing = [question for question in dict.fromkeys(questions) if question not in self.known]
+    def evaluate(self, tasks):
+        missing = [task for task in dict.fromkeys(tasks) if task not in self.known]
         for _, group in itertools.groupby(missing, key=lambda q: (q.variant, q.ratios.cells)):
             asked = list(group)
-            self.known.update(zip(asked, run_batch([self.really(question) for question in asked]), strict=True))
-        return [self.known[question] for question in questions]
+            self.known.update(zip(asked, run_batch([self.really(task) for task in asked]), strict=True))
+        return [self.known[task] for task in tasks]
 
-    def really(self, question: SteadyStateTask) -> SteadyStateTask:
-        if question.variant != WRONG:
-            return question
-        return dataclasses.replace(self.falsified(question), variant=Variant("reference"))
+    def really(self, task: SteadyStateTask) -> SteadyStateTask:
+        if task.variant != WRONG:
+            return task
+        return dataclasses.replace(self.falsified(task), variant=Variant("reference"))
 
 
 @pytest.fixture
 def verdicts():
     """Run a scenario on an engine that is right but for what `falsified` makes of its questions."""
 
-    def run(scenario, falsified=lambda question: question, variant=WRONG):
+    def run(scenario, falsified=lambda task: task, variant=WRONG):
         return scenario.run([variant], InProcess(falsified))
 
     return run

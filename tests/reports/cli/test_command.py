@@ -160,8 +160,8 @@ def stopped(tmp_path: Path) -> list[str]:
     (tmp_path / "sweep.toml").write_text(SWEEP)
     asked = command._sweep(tmp_path / "sweep.toml", None, quick=False)
     with ResultStore(tmp_path / "sweep.sqlite") as store:
-        questions = [asked.task(command.Variant("mujoco"), Case.of(friction_ratio=0.3), eta) for eta in (0.6, 0.9)]
-        store.keep((question, Result(status="converged", transmittance_db=-1.0)) for question in questions)
+        tasks = [asked.task(command.Variant("mujoco"), Case.of(friction_ratio=0.3), eta) for eta in (0.6, 0.9)]
+        store.keep((task, Result(status="converged", transmittance_db=-1.0)) for task in tasks)
     return [
         "--sweep",
         str(tmp_path / "sweep.toml"),
@@ -217,7 +217,7 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
     read = read_sweep(file)
     with ResultStore(store) as kept:
         asked = {(q.variant, q.frequency_ratio): q for q in read.tasks()}
-        found = {place: kept.find(question) for place, question in asked.items()}
+        found = {place: kept.find(task) for place, task in asked.items()}
         whole, table = stored_table(read, kept)
         expected = verdict_summaries(whole, points_of(table))
     with sqlite3.connect(store) as connection:
@@ -249,8 +249,8 @@ def test_the_step_study_of_a_report_is_about_the_drive_of_its_sweep(tmp_path: Pa
     (tmp_path / "sweep.toml").write_text(PUSHED)
     asked = command._sweep(tmp_path / "sweep.toml", None, quick=False)
     expected = expected_tasks(asked, Scope())
-    assert {question.steps_per_period for question in expected} >= {400, 800, 1600}
-    assert {question.excitation for question in expected} == {Excitation(kind="force", amplitude=10.0)}
+    assert {task.steps_per_period for task in expected} >= {400, 800, 1600}
+    assert {task.excitation for task in expected} == {Excitation(kind="force", amplitude=10.0)}
 
 
 @pytest.mark.usefixtures("no_computation")

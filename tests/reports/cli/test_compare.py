@@ -44,9 +44,9 @@ class Softening(Engine):
         raise NotImplementedError
 
 
-def answered(question: SteadyStateTask, residual_slip_compliance: float) -> Result:
+def answered(task: SteadyStateTask, residual_slip_compliance: float) -> Result:
     """Only where contacts slip is the transmittance changed by their softness."""
-    slip = residual_slip_compliance * (question.frequency_ratio > 0.5)
+    slip = residual_slip_compliance * (task.frequency_ratio > 0.5)
     return Result(
         status="converged", transmittance_db=-5.0 + slip, residual=1e-9, periods=30, steps_per_period=400,
         period=1.0, stuck_fraction=(0.5, 1.0), transitions=((1, 0.2 + slip / 1000, "stick"),),
@@ -63,7 +63,7 @@ def fill(file: Path, option: Option, residual_slip_compliance: float, monkeypatc
             SteadyStateTask(variant=Variant("softening"), friction_ratio=0.3, frequency_ratio=eta)
             for eta in (0.3, 0.6, 0.9)
         ]
-        store.keep((question, answered(question, residual_slip_compliance)) for question in asked)
+        store.keep((task, answered(task, residual_slip_compliance)) for task in asked)
     task._identity.cache_clear()
     return file
 
@@ -128,8 +128,8 @@ def test_points_of_one_store_alone_are_counted(before: Path, tmp_path: Path) -> 
     ],
 )
 def test_every_kind_of_change_passes_its_threshold(now: dict[str, object], beyond: str) -> None:
-    question = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
-    old = answered(question, 0.0)
+    task = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
+    old = answered(task, 0.0)
     kept = [StoredResult({}, "1", {}, answer) for answer in (old, dataclasses.replace(old, **now))]
     assert beyond in change(*kept, Thresholds()).beyond
     assert change(kept[0], kept[0], Thresholds()).beyond == ()

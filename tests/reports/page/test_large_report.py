@@ -30,16 +30,16 @@ FRICTION_RATIOS = (0.0, 0.1, 0.3, 0.6, 1.0, 5.0)
 class Inventor(StoredResults):
     """Makes answers up, and keeps them: curves that fall through the band, with an error of each variant's own."""
 
-    def evaluate(self, questions: Sequence[SteadyStateTask]) -> list[Result]:
-        new = {question: invented(question) for question in self.new_tasks(questions)}
+    def evaluate(self, tasks: Sequence[SteadyStateTask]) -> list[Result]:
+        new = {task: invented(task) for task in self.new_tasks(tasks)}
         self._store.keep(new.items())
         self._results |= new
-        return [self._results[question] for question in questions]
+        return [self._results[task] for task in tasks]
 
 
-def invented(question: SteadyStateTask) -> Result:
-    edge = 0.6 + abs(question.friction_ratio - 0.3) / 4
-    error = 1e-3 * (sum(map(ord, str(question.variant))) % 700)
+def invented(task: SteadyStateTask) -> Result:
+    edge = 0.6 + abs(task.friction_ratio - 0.3) / 4
+    error = 1e-3 * (sum(map(ord, str(task.variant))) % 700)
     changes = [
         (cell, (0.07 * cell + 0.25 * k + error / 100) % 1.0, ("stick", "forward slip", "stick", "backward slip")[k])
         for cell in range(1, 6)
@@ -47,11 +47,10 @@ def invented(question: SteadyStateTask) -> Result:
     ]
     return Result(
         status="converged",
-        transmittance_db=6 * (1 - (question.frequency_ratio / edge) ** 4)
-        + error * math.sin(9 * question.frequency_ratio),
+        transmittance_db=6 * (1 - (task.frequency_ratio / edge) ** 4) + error * math.sin(9 * task.frequency_ratio),
         residual=3e-9,
         periods=33,
-        steps_per_period=question.steps_per_period,
+        steps_per_period=task.steps_per_period,
         period=1.0,
         stuck_fraction=(0.5,) * 5 + (1.0, 1.0),
         transitions=tuple(changes),

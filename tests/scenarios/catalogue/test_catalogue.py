@@ -37,9 +37,9 @@ def wrong(findings, metric=None):
 
 
 def with_friction(factor):
-    def falsified(question):
-        friction = tuple(np.multiply(question.friction_ratio, factor).ravel().tolist())
-        return dataclasses.replace(question, friction_ratio=friction if len(friction) > 1 else friction[0])
+    def falsified(task):
+        friction = tuple(np.multiply(task.friction_ratio, factor).ravel().tolist())
+        return dataclasses.replace(task, friction_ratio=friction if len(friction) > 1 else friction[0])
 
     return falsified
 
@@ -48,7 +48,7 @@ def test_every_scenario_says_what_it_asks_and_is_found_under_its_name() -> None:
     for name, scenario in CATALOGUE.items():
         assert scenario.name == name
         assert re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name)
-        assert scenario.question.endswith("?")
+        assert scenario.task.endswith("?")
         assert scenario.source
         assert scenario.expects
         assert scenario.metrics
@@ -82,17 +82,15 @@ def test_friction_that_is_a_thousandth_too_strong_is_found_at_equal_step(verdict
 
 
 def test_friction_where_there_should_be_none_and_a_contact_that_gives_way_disagree(verdicts) -> None:
-    rubs = verdicts(
-        CATALOGUE["frictionless-limit"], lambda question: dataclasses.replace(question, friction_ratio=0.01)
-    )
+    rubs = verdicts(CATALOGUE["frictionless-limit"], lambda task: dataclasses.replace(task, friction_ratio=0.01))
     gives_way = verdicts(CATALOGUE["locked-limit"], with_friction(0.1))
     assert wrong(rubs, TRANSMITTANCE)
     assert wrong(gives_way, TRANSMITTANCE)
 
 
 def test_cells_in_the_wrong_order_disagree_on_the_graded_chain(verdicts) -> None:
-    def reversed_friction(question):
-        return dataclasses.replace(question, friction_ratio=question.friction_ratio[::-1])
+    def reversed_friction(task):
+        return dataclasses.replace(task, friction_ratio=task.friction_ratio[::-1])
 
     findings = verdicts(CATALOGUE["graded-chain"], reversed_friction)
     assert wrong(findings, TRANSMITTANCE)
@@ -154,10 +152,10 @@ class Answering:
         self.answer = answer
         self.asked = []
 
-    def evaluate(self, questions):
-        self.asked += [question for question in questions if question.variant != REFERENCE]
+    def evaluate(self, tasks):
+        self.asked += [task for task in tasks if task.variant != REFERENCE]
         found = Result(status="converged", transmittance_db=0.0, steps_per_period=400)
-        return [found if question.variant.engine == "reference" else self.answer for question in questions]
+        return [found if task.variant.engine == "reference" else self.answer for task in tasks]
 
 
 def test_a_slow_engine_is_asked_the_first_case_only(verdicts) -> None:
@@ -165,7 +163,7 @@ def test_a_slow_engine_is_asked_the_first_case_only(verdicts) -> None:
     evaluator = Answering(verdicts, slow)
     scenario = CATALOGUE["frictionless-limit"]
     findings = scenario.run([Variant("mujoco")], evaluator)
-    assert {question.frequency_ratio for question in evaluator.asked} == {scenario.cases[0].frequency_ratio}
+    assert {task.frequency_ratio for task in evaluator.asked} == {scenario.cases[0].frequency_ratio}
     later = [one for one in findings if one.case == scenario.cases[1].label]
     assert {one.comparison.verdict for one in later} == {Verdict.INCONCLUSIVE}
     assert later[0].comparison.reason == "not asked: η_r 0.9 took 180 s, this would take some 180 s, allowed 150 s"

@@ -27,18 +27,18 @@ KNOWN: dict[SteadyStateTask, Result] = {}
 class Answering:
     """Answers by the reference alone; what it is asked of another variant it answers from a changed question."""
 
-    def __init__(self, change=lambda question: question):
+    def __init__(self, change=lambda task: task):
         self.change = change
 
-    def evaluate(self, questions):
+    def evaluate(self, tasks):
         asked = [
-            question if question.variant == REFERENCE else dataclasses.replace(self.change(question), variant=REFERENCE)
-            for question in questions
+            task if task.variant == REFERENCE else dataclasses.replace(self.change(task), variant=REFERENCE)
+            for task in tasks
         ]
-        missing = [question for question in dict.fromkeys(asked) if question not in KNOWN]
+        missing = [task for task in dict.fromkeys(asked) if task not in KNOWN]
         if missing:
             KNOWN.update(zip(missing, run_batch(missing), strict=True))
-        return [KNOWN[question] for question in asked]
+        return [KNOWN[task] for task in asked]
 
 
 class NothingRuns(InProcessExecutor):
@@ -49,9 +49,9 @@ class NothingRuns(InProcessExecutor):
         return iter(())
 
 
-def with_modulation(question, factor):
-    changed = dataclasses.replace(question.modulation, modulation=factor * question.modulation.modulation)
-    return dataclasses.replace(question, modulation=changed)
+def with_modulation(task, factor):
+    changed = dataclasses.replace(task.modulation, modulation=factor * task.modulation.modulation)
+    return dataclasses.replace(task, modulation=changed)
 
 
 def test_who_moves_as_the_reference_does_agrees_in_every_case() -> None:
@@ -66,7 +66,7 @@ def test_who_moves_as_the_reference_does_agrees_in_every_case() -> None:
 
 def test_friction_under_another_normal_force_disagrees() -> None:
     """A tenth less of modulation, and every flight is lower and shorter."""
-    findings = ModulatedNormalForce().run([OTHER], Answering(lambda question: with_modulation(question, 0.9)))
+    findings = ModulatedNormalForce().run([OTHER], Answering(lambda task: with_modulation(task, 0.9)))
     for metric in (OPEN_FRACTION, LARGEST_GAP):
         assert {one.comparison.verdict for one in findings if one.metric == metric} == {Verdict.DISAGREE}
     off = [one for one in findings if one.metric == TRANSMITTANCE and one.comparison.verdict is Verdict.DISAGREE]
@@ -75,10 +75,10 @@ def test_friction_under_another_normal_force_disagrees() -> None:
 
 def test_what_cannot_be_represented_is_blocked_with_its_reason() -> None:
     class Refusing(Answering):
-        def evaluate(self, questions):
+        def evaluate(self, tasks):
             return [
-                Result.blocked("contacts stay closed") if question.variant != REFERENCE else answer
-                for question, answer in zip(questions, super().evaluate(questions), strict=True)
+                Result.blocked("contacts stay closed") if task.variant != REFERENCE else answer
+                for task, answer in zip(tasks, super().evaluate(tasks), strict=True)
             ]
 
     findings = ModulatedNormalForce().run([OTHER], Refusing())
@@ -114,22 +114,22 @@ def test_question_under_a_constant_normal_force_keeps_its_stored_key() -> None:
 
 
 def test_key_of_a_modulated_question_holds_the_options_of_that_case() -> None:
-    question = SteadyStateTask(
+    task = SteadyStateTask(
         variant=OTHER, friction_ratio=0.3, frequency_ratio=0.6, modulation=Modulation(modulation=1.5)
     )
-    assert "solimp" in question.content()["options"]
-    assert "solimp" not in dataclasses.replace(question, modulation=None).content()["options"]
+    assert "solimp" in task.content()["options"]
+    assert "solimp" not in dataclasses.replace(task, modulation=None).content()["options"]
 
 
 def test_answer_keeps_time_in_the_air_and_largest_gap() -> None:
-    question = SteadyStateTask(
+    task = SteadyStateTask(
         variant=REFERENCE, friction_ratio=0.3, frequency_ratio=0.5, modulation=Modulation(modulation=1.5, multiple=2)
     )
-    (answer,) = run_batch([question])
+    (answer,) = run_batch([task])
     assert Result.from_json(answer.to_json()) == answer
     assert min(answer.open_fraction) > 0.5
     assert min(answer.largest_gap) > 0
-    (plain,) = run_batch([dataclasses.replace(question, modulation=None)])
+    (plain,) = run_batch([dataclasses.replace(task, modulation=None)])
     assert (plain.open_fraction, plain.largest_gap) == ((), ())
 
 

@@ -55,12 +55,12 @@ def scheduler(install) -> Iterator[str]:
             yield address
 
 
-def question(eta: float, name: str = "mujoco") -> SteadyStateTask:
+def task(eta: float, name: str = "mujoco") -> SteadyStateTask:
     return SteadyStateTask(variant=Variant(name), friction_ratio=0.3, frequency_ratio=eta, ratios=ChainRatios(cells=2))
 
 
 def test_cluster_and_local_processes_give_the_same_table(scheduler, tmp_path) -> None:
-    asked = [question(eta, name) for eta in (0.4, 0.6, 0.9) for name in ("mujoco", "reference")]
+    asked = [task(eta, name) for eta in (0.4, 0.6, 0.9) for name in ("mujoco", "reference")]
     tables = []
     for name, executor in (("local", LocalExecutor(2)), ("cluster", DaskExecutor(scheduler))):
         with ResultStore(tmp_path / f"{name}.sqlite") as store, Evaluator(store, executor) as evaluator:

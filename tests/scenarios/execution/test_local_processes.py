@@ -20,12 +20,12 @@ from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.execution.store import ResultStore
 
-def question(name, eta):
+def task(name, eta):
     return SteadyStateTask(variant=Variant(name), friction_ratio=0.3, frequency_ratio=eta, ratios=ChainRatios(cells=2))
 
 if __name__ == "__main__":
     names, file = sys.argv[1].split(","), Path(sys.argv[2])
-    asked = [question(name, eta) for name in names for eta in json.loads(sys.argv[3])]
+    asked = [task(name, eta) for name in names for eta in json.loads(sys.argv[3])]
     with ResultStore(file) as store, Evaluator(store, LocalExecutor(2, 4.0)) as evaluator:
         found = evaluator.evaluate(asked)
     rows = [(q.variant.engine, q.frequency_ratio, a.status, a.reason, a.transmittance_db) for q, a in zip(asked, found)]

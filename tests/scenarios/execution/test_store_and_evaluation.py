@@ -26,7 +26,7 @@ from scenarios.tasks.task import SteadyStateTask
 SMALL = ChainRatios(cells=2)
 
 
-def question(friction=0.3, eta=0.9, variant="reference", **more) -> SteadyStateTask:
+def task(friction=0.3, eta=0.9, variant="reference", **more) -> SteadyStateTask:
     return SteadyStateTask(variant=Variant(variant), friction_ratio=friction, frequency_ratio=eta, ratios=SMALL, **more)
 
 
@@ -66,28 +66,28 @@ def test_answer_without_numbers_survives_json_as_nan() -> None:
 
 
 def test_kept_answer_is_found_by_an_equal_question_only(store) -> None:
-    store.keep([(question(), Result(status="converged", transmittance_db=1.0))])
-    assert store.find(question()).transmittance_db == 1.0
+    store.keep([(task(), Result(status="converged", transmittance_db=1.0))])
+    assert store.find(task()).transmittance_db == 1.0
     for other in (
-        question(friction=0.4),
-        question(eta=0.91),
-        question(steps_per_period=800),
-        question(variant="mujoco"),
+        task(friction=0.4),
+        task(eta=0.91),
+        task(steps_per_period=800),
+        task(variant="mujoco"),
     ):
         assert store.find(other) is None
 
 
 def test_blocked_answer_is_not_kept_so_that_it_is_tried_again(store) -> None:
-    store.keep([(question(), Result.blocked("crashed"))])
-    assert store.find(question()) is None
+    store.keep([(task(), Result.blocked("crashed"))])
+    assert store.find(task()) is None
 
 
 def test_store_is_there_again_after_it_was_closed(tmp_path) -> None:
     file = tmp_path / "results.sqlite"
     with ResultStore(file) as store:
-        store.keep([(question(), Result(status="converged", transmittance_db=2.0))])
+        store.keep([(task(), Result(status="converged", transmittance_db=2.0))])
     with ResultStore(file) as store:
-        assert store.find(question()).transmittance_db == 2.0
+        assert store.find(task()).transmittance_db == 2.0
 
 
 def test_foreign_and_damaged_files_are_refused_and_left_alone(tmp_path) -> None:
@@ -107,7 +107,7 @@ def test_foreign_and_damaged_files_are_refused_and_left_alone(tmp_path) -> None:
 
 
 def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
-    asked = [question(eta=eta) for eta in (0.5, 0.9, 0.5)]
+    asked = [task(eta=eta) for eta in (0.5, 0.9, 0.5)]
     with Evaluator(store, InProcessExecutor()) as evaluator:
         first = evaluator.evaluate(asked)
     monkeypatch.setattr(local_processes, "LocalWorker", None)
@@ -121,7 +121,7 @@ def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
 
 
 def test_stored_answers_complete_with_what_is_kept_and_say_what_is_missing(store, monkeypatch) -> None:
-    kept, unknown, absent = question(), question(eta=0.5), question(variant="pybullet")
+    kept, unknown, absent = task(), task(eta=0.5), task(variant="pybullet")
     store.keep([(kept, Result(status=ResultStatus.PERIOD_LIMIT, periods=400, multiple=0))])
     monkeypatch.setattr(
         evaluation, "unavailable_reason", lambda asked: "no wheel" if asked.engine == "pybullet" else None
@@ -142,7 +142,7 @@ def test_complete_takes_tasks_and_gives_their_ends_a_part_at_a_time(store, monke
     """Ten thousand tasks or ten: as many as `AT_ONCE` are in memory, and no result."""
     monkeypatch.setattr(evaluation, "AT_ONCE", 3)
     monkeypatch.setattr(evaluation, "batches_of", lambda tasks: ([task] for task in tasks))
-    taken, tasks = [], [question(eta=0.5 + 0.1 * k) for k in range(7)]
+    taken, tasks = [], [task(eta=0.5 + 0.1 * k) for k in range(7)]
     store.keep([(tasks[4], Result(status=ResultStatus.PERIOD_LIMIT, periods=400))])
 
     class Invented(InProcessExecutor):
@@ -169,24 +169,24 @@ def test_a_status_that_there_is_not_is_refused() -> None:
 def test_a_store_with_an_unknown_status_says_which_file_and_which_status(tmp_path) -> None:
     file = tmp_path / "results.sqlite"
     with ResultStore(file) as store:
-        store.keep([(question(), Result(status=ResultStatus.CONVERGED, transmittance_db=1.0))])
-        assert type(store.find(question()).status) is ResultStatus
+        store.keep([(task(), Result(status=ResultStatus.CONVERGED, transmittance_db=1.0))])
+        assert type(store.find(task()).status) is ResultStatus
     with sqlite3.connect(file) as connection:
         changed = "UPDATE answers SET answer = replace(answer, '\"converged\"', '\"solved\"')"
         assert connection.execute(changed).rowcount == 1
     connection.close()
     with ResultStore(file) as store:
         for read in (
-            lambda: store.find(question()),
-            lambda: list(store.results([question()])),
-            lambda: list(store.summaries([question()])),
+            lambda: store.find(task()),
+            lambda: list(store.results([task()])),
+            lambda: list(store.summaries([task()])),
         ):
             with pytest.raises(ParameterError, match=r"results\.sqlite: status of a result = 'solved'; allowed: "):
                 read()
 
 
 def test_number_of_workers_does_not_change_the_answers(tmp_path) -> None:
-    asked = [question(eta=eta, variant=name) for eta in (0.5, 0.9) for name in ("reference", "mujoco")]
+    asked = [task(eta=eta, variant=name) for eta in (0.5, 0.9) for name in ("reference", "mujoco")]
     tables = []
     for workers in (1, 2):
         with (
@@ -233,6 +233,6 @@ def test_engine_that_fails_gives_blocked_answers_with_the_reason(monkeypatch, fa
     failing = _Failing()
     failing.failure, failing.missing = failure, missing
     monkeypatch.setattr(variant, "engine", lambda _name: failing)
-    answers = run_batch([question(), question(eta=0.5)])
+    answers = run_batch([task(), task(eta=0.5)])
     assert [answer.status for answer in answers] == ["blocked", "blocked"]
     assert answers[0].reason == reason

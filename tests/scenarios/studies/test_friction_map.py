@@ -16,10 +16,10 @@ class Here(Evaluator):
     def __init__(self) -> None:
         self._results = {}
 
-    def evaluate(self, questions: list[SteadyStateTask]) -> list[Result]:
-        new = self.new_tasks(questions)
+    def evaluate(self, tasks: list[SteadyStateTask]) -> list[Result]:
+        new = self.new_tasks(tasks)
         self._results.update(zip(new, run_batch(new), strict=True))
-        return [self._results[question] for question in questions]
+        return [self._results[task] for task in tasks]
 
     def close(self) -> None:
         return
@@ -37,8 +37,8 @@ def test_the_lower_edge_moves_with_friction_as_in_the_paper() -> None:
 
 def test_a_map_without_answers_has_no_edges() -> None:
     class Nobody(Here):
-        def evaluate(self, questions: list[SteadyStateTask]) -> list[Result]:
-            return [Result.missing() for _ in questions]
+        def evaluate(self, tasks: list[SteadyStateTask]) -> list[Result]:
+            return [Result.missing() for _ in tasks]
 
     found = friction_map(map_sweep(figure3(), (0.3,), (0.6, 0.9)), Nobody())
     assert found.known == 0

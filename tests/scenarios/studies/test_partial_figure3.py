@@ -27,8 +27,8 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> ComparedSweep:
     """The reference is complete on the grid; the engine was stopped after four points."""
     with ResultStore(tmp_path_factory.mktemp("store") / "results.sqlite") as store:
         for variant, etas in ((CONVERGED, GRID), (REFERENCE, GRID), (STOPPED, GRID[:4])):
-            questions = [ASKED.task(variant, RUBBING, eta) for eta in etas]
-            store.keep(zip(questions, run_batch(questions), strict=True))
+            tasks = [ASKED.task(variant, RUBBING, eta) for eta in etas]
+            store.keep(zip(tasks, run_batch(tasks), strict=True))
         return compare_sweep(ASKED, StoredResults(store))
 
 

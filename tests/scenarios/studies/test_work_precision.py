@@ -38,7 +38,7 @@ def answer(steps: int, **more: object) -> Result:
 
 
 def test_error_and_cost_are_read_from_the_answers(store: ResultStore) -> None:
-    store.keep((question, answer(question.steps_per_period)) for question in step_tasks(REFERENCE))
+    store.keep((task, answer(task.steps_per_period)) for task in step_tasks(REFERENCE))
     points = step_study([REFERENCE], StoredResults(with_exact(store)))
     assert [point.steps_per_period for point in points] == list(ORDER_STEPS)
     for point in points:
@@ -49,9 +49,9 @@ def test_error_and_cost_are_read_from_the_answers(store: ResultStore) -> None:
 
 
 def test_points_without_a_steady_state_and_missing_ones_are_counted(store: ResultStore) -> None:
-    questions = [question for question in step_tasks(REFERENCE) if question.steps_per_period == 400]
+    tasks = [task for task in step_tasks(REFERENCE) if task.steps_per_period == 400]
     statuses = ["converged", "period limit", "diverged"]
-    store.keep((q, answer(400, status=status)) for q, status in zip(questions, statuses, strict=False))
+    store.keep((q, answer(400, status=status)) for q, status in zip(tasks, statuses, strict=False))
     coarse, *finer = step_study([REFERENCE], StoredResults(with_exact(store)))
     assert (coarse.certified, coarse.evaluated) == (1, 3)
     assert [point.evaluated for point in finer] == [0, 0]

@@ -104,7 +104,7 @@ def test_force_and_base_of_equal_friction_ratio_are_different_questions_and_ampl
     pushed = dataclasses.replace(usual, excitation=Excitation(kind="force", amplitude=10.0))
     assert len({usual.key(), louder.key(), pushed.key()}) == 3
     assert "excitation" not in usual.as_data()
-    chains = [question.setting() for question in (usual, louder, pushed)]
+    chains = [task.setting() for task in (usual, louder, pushed)]
     ratios = [chain.friction_bound[0] / drive.displacement_scale(chain) for chain, drive in chains]
     assert ratios == pytest.approx([0.3 * 1000] * 3)
 
@@ -112,12 +112,12 @@ def test_force_and_base_of_equal_friction_ratio_are_different_questions_and_ampl
 def test_lists_give_every_cell_its_own_and_friction_follows_its_profile(tmp_path: Path) -> None:
     chain = "cells = 2\nmass_ratio = [0.5, 2.0]\nouter_mass_ratio = [1, 1.5]\nfriction_profile = [1.0, 0.0]"
     read = read_sweep(written(tmp_path, CONTENT.replace("cells = 2", chain)))
-    question = next(one for one in read.tasks() if one.friction_ratio == 0.3)
-    assert question.chain.inner_mass == pytest.approx([0.5, 3.0])
-    assert question.chain.friction_bound[1] == 0.0 < question.chain.friction_bound[0]
+    task = next(one for one in read.tasks() if one.friction_ratio == 0.3)
+    assert task.chain.inner_mass == pytest.approx([0.5, 3.0])
+    assert task.chain.friction_bound[1] == 0.0 < task.chain.friction_bound[0]
     equal = next(read_sweep(written(tmp_path, CONTENT)).tasks())
     assert {"outer_mass_ratio", "friction_profile"} & equal.as_data()["ratios"].keys() == set()
-    assert {"outer_mass_ratio", "friction_profile"} < question.as_data()["ratios"].keys()
+    assert {"outer_mass_ratio", "friction_profile"} < task.as_data()["ratios"].keys()
 
 
 def test_list_must_fit_every_length_of_the_chain(tmp_path: Path) -> None:
