@@ -190,7 +190,7 @@ def _stuck_fraction(own: list[Result], expected: list[Result]) -> Judged:
 
 
 def _unmatched(own: list[Result], expected: list[Result]) -> Judged:
-    """Judge transitions that only one has; the reference misses some of its own at another step, and so may an engine."""
+    """Judge transitions that only one has; allowed is what either loses or gains from step to step."""
     reference, engine = (max(_apart(*pair) for pair in pairwise(results)) for results in (expected, own))
     count = _apart(own[1], expected[1])
     return count, 0.0, decide(UNMATCHED, count, 0.0, Tolerance(reference=reference, engine=engine))

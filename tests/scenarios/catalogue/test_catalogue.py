@@ -48,7 +48,7 @@ def test_every_scenario_says_what_it_asks_and_is_found_under_its_name() -> None:
     for name, scenario in CATALOGUE.items():
         assert scenario.name == name
         assert re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name)
-        assert scenario.task.endswith("?")
+        assert scenario.question.endswith("?")
         assert scenario.source
         assert scenario.expects
         assert scenario.metrics
