@@ -108,7 +108,7 @@ def metric_difference(metric: Metric, value: Number, expected: Number) -> float:
 
 
 def missing(source: str, results: Iterable[Result]) -> Comparison | None:
-    """Give the reason why there is nothing to compare; ``None`` where every steady state is certified, every motion finished.
+    """Give the verdict where a result is missing; ``None`` where all steady states are certified, all motions finished.
 
     Parameters
     ----------
