@@ -1,4 +1,4 @@
-"""What is run and what is compared: tasks, their execution, verdicts, studies, sweeps, the catalogue.
+"""Simulations and comparisons: tasks, their execution, verdicts, studies, sweeps, the catalogue.
 
 `sweep` and `check` are all that a notebook needs; they are imported on first use.
 """

@@ -127,7 +127,7 @@ def _map(sweep: Sweep, scope: Scope) -> Sweep | None:
 
 
 def _has_step_study(sweep: Sweep) -> bool:
-    """Say whether the sweep is about the canonical chain, which the six points of the step study belong to."""
+    """Whether the sweep is about the canonical chain, which the six points of the step study belong to."""
     return _varies_friction_alone(sweep) and sweep.ratios == ChainRatios()
 
 

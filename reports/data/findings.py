@@ -85,7 +85,7 @@ def findings(result: ComparedSweep, variant: Variant) -> VariantFindings:
 
 
 def drive_description(sweep: Sweep) -> str:
-    """Say what drives the chain, and what U0 stands for."""
+    """Describe the drive of the chain, and the meaning of U0."""
     drive = sweep.excitation
     if drive.kind == "base":
         return f"on a base that moves harmonically (U0 = {drive.amplitude:g} m)"
@@ -94,7 +94,7 @@ def drive_description(sweep: Sweep) -> str:
 
 
 def compared_with(variant: Variant, given: GivenTolerance | None = None) -> str:
-    """Say what a variant is compared with, how closely, and why so."""
+    """Describe the baseline of a variant, its tolerance, and the reason for both."""
     if given is not None and given.judges(variant):
         against = "converged reference" if given.baseline == CONVERGED else "reference at equal time step"
         return f"Compared with the {against}; {given.transmittance_db:g} dB are allowed, the tolerance of the sweep."
@@ -180,7 +180,7 @@ def blocked_reason(result: ComparedSweep, variant: Variant) -> str | None:
 
 
 def absent_edge(result: ComparedSweep, edge: BandEdge) -> str:
-    """Say where an edge is that the grid does not hold."""
+    """Describe an edge that the grid does not hold."""
     curve = [point for point in result.curve(edge.variant, edge.case) if point.result.converged]
     if not curve:
         return "unknown"

@@ -152,7 +152,7 @@ def _explained(comparison: Comparison, variant: Variant) -> Comparison:
 
 
 def _missing(source: str, results: Sequence[Result]) -> Comparison | None:
-    """Say what is missing for a comparison, if anything is."""
+    """Give the verdict where a result is missing; ``None`` where all are there."""
     gaps = (
         missing(f"{source} at {steps} steps a period", [result])
         for steps, result in zip(CASE_STEPS, results, strict=True)

@@ -244,13 +244,13 @@ class Broadband(Scenario):
 
 
 def _annotated(finding: Finding) -> Finding:
-    """Say in the reason that it is of refined steps."""
+    """Add to the reason that the steps are refined."""
     reason = f"{finding.comparison.reason}; with {STEP_REFINEMENT} times the default steps"
     return dataclasses.replace(finding, comparison=dataclasses.replace(finding.comparison, reason=reason))
 
 
 def needs_step_refinement(findings: Sequence[Finding]) -> bool:
-    """Say whether there is a disagreement that may be chance: without a known deviation, or not by far."""
+    """Whether there is a disagreement that may be chance: without a known deviation, or not by far."""
     wrong = [finding for finding in findings if finding.comparison.verdict is Verdict.DISAGREE]
     return any(not finding.variant.preset.known_deviation or finding.comparison.excess <= BY_FAR for finding in wrong)
 

@@ -29,7 +29,7 @@ allowed for it.
 
 
 def explained(finding: Finding) -> bool:
-    """Say whether a disagreement is explained by a known deviation of the preset."""
+    """Whether a disagreement is explained by a known deviation of the preset."""
     return finding.comparison.verdict is Verdict.DISAGREE and bool(finding.variant.preset.known_deviation)
 
 
@@ -91,7 +91,7 @@ VERDICT_COLUMNS: tuple[Column[VariantRow], ...] = (
     ),
     Column("what", lambda row: row.reason),
 )
-"""What is printed of a variant."""
+"""Printed columns of a variant."""
 
 
 def rows_of(findings: Sequence[Finding]) -> list[VariantRow]:

@@ -104,7 +104,7 @@ class Evaluator(Closing):
             yield from zip(batch, results, strict=True)
 
     def _skip_reason(self, task: Task) -> str | None:
-        """Say why a task is not run: the engine is not installed, or cannot represent the case; ``None`` if it is."""
+        """Give the reason to skip a task: its engine is not installed, or cannot represent it; ``None`` without one."""
         unavailable = self._unavailable(task.variant)
         if unavailable is not None:
             return f"not installed: {unavailable}"
@@ -132,5 +132,5 @@ class StoredResults(Evaluator):
 
 
 def unavailable_reason(variant: Variant) -> str | None:
-    """Say why a variant's engine cannot be used here; ``None`` if it can."""
+    """Give the reason why a variant's engine cannot be used here; ``None`` if it can."""
     return engine(variant.engine).unavailable_reason()

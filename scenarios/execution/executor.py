@@ -142,7 +142,7 @@ class BatchQueue:
         return self._again.popleft() if self._again else next(self._batches, None)
 
     def skip_reason(self, batch: Batch) -> str | None:
-        """Say why a batch is not run: its variant has failed at `MOST_FAILURES` points; ``None`` if it is."""
+        """Give the reason to skip a batch: its variant has failed at `MOST_FAILURES` points; ``None`` without one."""
         seen = self._failures.get(str(batch[0].variant), [])
         return None if len(seen) < MOST_FAILURES else f"not run: {len(seen)} points before, {seen[-1]}"
 

@@ -56,5 +56,5 @@ WORKER_MARK = "MULTIBODY_XVAL_WORKER"
 
 
 def in_worker() -> bool:
-    """Say whether this is a worker process: of `LocalExecutor`, or of a dask cluster, whose nanny is its parent."""
+    """Whether this is a worker process: of `LocalExecutor`, or of a dask cluster, whose nanny is its parent."""
     return WORKER_MARK in os.environ or multiprocessing.parent_process() is not None

@@ -162,7 +162,7 @@ class LocalWorker:
         self.deadline = time.monotonic() + START_SECONDS
 
     def finished(self) -> bool:
-        """Say whether the batch has ended: with results, with the process, or at the time limit."""
+        """Whether the batch has ended: with results, with the process, or at the time limit."""
         with suppress(EOFError, OSError, pickle.UnpicklingError):
             while self.connection.poll():
                 reply = self.connection.recv()
@@ -209,5 +209,5 @@ class LocalWorker:
             os.killpg(self._process.pid, signal.SIGKILL)
 
     def _ended(self) -> bool:
-        """Say whether the process has ended, and leave its number taken, which is that of its process group."""
+        """Whether the process has ended, and leave its number taken, which is that of its process group."""
         return os.waitid(os.P_PID, self._process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None

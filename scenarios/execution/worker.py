@@ -98,5 +98,5 @@ def reason_of_death(crash_log: str, limit: float) -> str | None:
 
 
 def limit_reached(limit: float) -> str:
-    """Say that a batch took too long."""
+    """Give the reason of a batch that took too long."""
     return f"stopped at the time limit of {limit:g} s"

@@ -72,7 +72,7 @@ def csv_table(rows: Sequence[AccuracyRow]) -> str:
 
 
 def remark(accuracy: Accuracy) -> str:
-    """Say of a variant what its numbers leave out."""
+    """Give the worst point, uncertified points and the reason of blocked ones, in words."""
     parts = []
     if accuracy.worst_point is not None:
         parts.append(f"worst at ({accuracy.worst_point[0]:g}, {accuracy.worst_point[1]:g})")

@@ -39,7 +39,7 @@ class Edge(StrEnum):
 
 @dataclass(frozen=True)
 class BandDefinition:
-    """What counts as the band.
+    """Definition of the attenuation band.
 
     Parameters
     ----------

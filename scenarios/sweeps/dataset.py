@@ -201,7 +201,7 @@ def _numbers(values: Sequence[str | None], every: Sequence[str]) -> Any:
 
 
 def _meaning(every: Sequence[str], text: str, kind: type = np.int8) -> dict[str, Any]:
-    """Say what the numbers of a variable mean, as the CF conventions do."""
+    """Give the attributes of a variable of numbered values, by the CF conventions."""
     meanings = " ".join(str(member).replace(" ", "_") for member in every)
     return {"long_name": text, "flag_values": np.arange(len(every), dtype=kind), "flag_meanings": meanings}
 

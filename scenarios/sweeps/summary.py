@@ -53,7 +53,7 @@ class SweepSummary:
 
 
 def reason_of(ended: ResultSummary) -> str:
-    """Say in words why a point has no steady state."""
+    """Give the reason why a point has no steady state, in words."""
     if ended.status == ResultStatus.PERIOD_LIMIT:
         return f"period limit{repetition(ended.multiple)}"
     return ended.reason or ended.status

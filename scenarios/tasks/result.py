@@ -190,7 +190,7 @@ def _read(schema: TypeAdapter[_Read], text: str) -> _Read:
 
 
 def repetition(multiple: int) -> str:
-    """Say after how many periods a motion without a steady state repeats; empty if that is unknown."""
+    """Give the number of periods after which a motion without a steady state repeats, in words; empty if unknown."""
     if multiple == 0:
         return f", no period up to {LONGEST_MULTIPLE}"
     return f", period {multiple}" if multiple > 1 else ""

@@ -49,7 +49,7 @@ class Task:
         return self.ratios.chain(self.friction_ratio)
 
     def unsupported_reason(self) -> str | None:
-        """Say why the variant cannot represent the case, as far as that is known without running it."""
+        """Give the reason why the variant cannot represent the case, as far as that is known without running it."""
         return None
 
     def content(self) -> dict[str, Any]:
@@ -111,7 +111,7 @@ class SteadyStateTask(Task):
         return chain, self.excitation.drive(chain, self.frequency_ratio)
 
     def unsupported_reason(self) -> str | None:
-        """Say why the variant cannot change its normal force like this; ``None`` if it can, or it is constant."""
+        """Give the reason why the variant cannot modulate its normal force like this; ``None`` without one."""
         if self.modulation is None:
             return None
         return self.variant.preset.unsupported_reason(self.lane()[0], str(self.variant))

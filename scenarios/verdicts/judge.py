@@ -91,7 +91,7 @@ def judge(
 
 
 def decide(metric: Metric, value: Number, expected: Number, tolerance: Tolerance) -> Comparison:
-    """Say whether a value is as near to what is expected as is allowed; NaN on either side is inconclusive."""
+    """Compare a value with its expected value and a tolerance; NaN on either side is inconclusive."""
     difference = metric_difference(metric, value, expected)
     if math.isnan(difference) or math.isnan(tolerance.allowed):
         return Comparison(Verdict.INCONCLUSIVE, "there is no number to compare", difference)
@@ -108,7 +108,7 @@ def metric_difference(metric: Metric, value: Number, expected: Number) -> float:
 
 
 def missing(source: str, results: Iterable[Result]) -> Comparison | None:
-    """Say why there is nothing to compare; ``None`` where every steady state is certified, every motion finished.
+    """Give the verdict where a result is missing; ``None`` where all steady states are certified, all motions finished.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ class GivenTolerance:
     baseline: Variant
 
     def judges(self, variant: Variant) -> bool:
-        """Say whether it is for this variant: for all but what others are compared with."""
+        """Whether it is for this variant: for all but what others are compared with."""
         return variant not in (self.baseline, CONVERGED)
 
 

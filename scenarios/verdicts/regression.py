@@ -1,4 +1,4 @@
-"""What changed from one store to another: two versions of an engine, two sets of options, two machines."""
+"""Changes from one store to another: two versions of an engine, two sets of options, two machines."""
 
 import json
 import math
@@ -92,7 +92,7 @@ class Change:
     unmatched
         Transitions of either that the other one does not have.
     beyond
-        What passes its threshold, in words; empty where nothing does.
+        Changes that pass a threshold, in words; empty where nothing does.
     """
 
     first: StoredResult

@@ -137,7 +137,7 @@ class Evidence:
 
     @property
     def missing(self) -> Comparison | None:
-        """Say why nothing can be compared; ``None`` where every steady state is certified."""
+        """Give the reason why nothing can be compared; ``None`` where every steady state is certified."""
         if self.skip_reason is not None:
             return self.skip_reason
         for source, results in (("engine", (self.fine, self.coarse)), ("reference", self.scheme)):

@@ -198,4 +198,4 @@ def test_adaptive_frequencies_are_those_of_all_curves_together(tmp_path: Path) -
     again = collect_dataset(report_dataset(result), "").result
     assert len(again.points) == len(result.points)
     page = files_of(collect_dataset(report_dataset(result), ""))["index.html"].decode()
-    assert "are not answered so far" not in page
+    assert "are not evaluated so far" not in page

@@ -86,7 +86,7 @@ def test_noise_of_little_amplitude_finds_the_cells_locked() -> None:
 def test_response_is_in_proportion_to_the_base_where_friction_is_too(tmp_path) -> None:
     """Coulomb friction has no scale of its own: twice the base, twice the bound, twice the motion."""
     case = RickerPulseScenario().case(0.05)
-    asked = dataclasses.replace(case, periods=30).motion(REFERENCE)
+    asked = dataclasses.replace(case, periods=30).task(REFERENCE)
     double = dataclasses.replace(asked, base=dataclasses.replace(asked.base, amplitude=0.02), friction_ratio=0.1)
     one, other = (np.array(run_transients([task])[0].series["response"]) for task in (asked, double))
     assert other == pytest.approx(one, abs=1e-12)

@@ -166,15 +166,15 @@ def test_a_slow_engine_is_asked_the_first_case_only(verdicts) -> None:
     assert {task.frequency_ratio for task in evaluator.asked} == {scenario.cases[0].frequency_ratio}
     later = [one for one in findings if one.case == scenario.cases[1].label]
     assert {one.comparison.verdict for one in later} == {Verdict.INCONCLUSIVE}
-    assert later[0].comparison.reason == "not asked: η_r 0.9 took 180 s, this would take some 180 s, allowed 150 s"
+    assert later[0].comparison.reason == "skipped: η_r 0.9 took 180 s, this would take some 180 s, allowed 150 s"
 
 
 def test_a_longer_chain_is_not_asked_where_the_shorter_one_says_that_it_takes_too_long(verdicts) -> None:
     slow = Result(status="converged", transmittance_db=0.0, residual=1e-9, seconds=LONGEST_SECONDS / 6)
     findings = CATALOGUE["long-chain"].run([Variant("mujoco")], Answering(verdicts, slow))
     reasons = {one.case: one.comparison.reason for one in findings if one.metric == TRANSMITTANCE}
-    assert reasons["15 cells"].startswith("not asked: 7 cells took 50 s, this would take some 230 s")
-    assert reasons["30 cells"] == "not asked, as it was not about 15 cells"
+    assert reasons["15 cells"].startswith("skipped: 7 cells took 50 s, this would take some 230 s")
+    assert reasons["30 cells"] == "skipped, as 15 cells was"
 
 
 @pytest.mark.parametrize(
