@@ -2,9 +2,9 @@
 
 Contacts are compliant. A sphere is free to move across its plane, λ_N presses both together, and at rest the sphere
 is so deep in the plane that the contact carries λ_N. Where friction acts back on the normal force, a sphere leaves
-this depth: its place across the plane, and the place a step later at the velocity that it has, are the memory of a
-state. Two places are as large as the depth; the velocity itself is zero but for round-off where nothing moves across,
-and would have no size by which a change of it could be judged.
+this depth: its place across the plane, and the place a step later at the velocity that it has, are the internal state.
+Two places are as large as the depth; the velocity itself is zero but for round-off where nothing moves across, and
+would have no size by which a change of it could be judged.
 """
 
 from typing import Any
@@ -241,12 +241,12 @@ class DrakeContactLane(DrakeLane):
         return float(self._preset["stiction"]) * speed / self._units.velocity
 
     def _across(self, state: State) -> FloatArray:
-        if state.memory is None:
+        if state.internal_state is None:
             return np.stack([-self._depth, np.zeros(self._chain.cells)])
-        place, later = np.split(state.memory[0], 2)
+        place, later = np.split(state.internal_state[0], 2)
         return np.stack([place / self._units.length, (later - place) / self.lane.time_step / self._units.velocity])
 
-    def _memory(self, mechanism: Mechanism, vector: FloatArray) -> FloatArray:
+    def _internal_state(self, mechanism: Mechanism, vector: FloatArray) -> FloatArray:
         place, velocity = (half[mechanism.across] for half in np.split(vector, 2))
         place, velocity = place * self._units.length, velocity * self._units.velocity
         return np.concatenate([place, place + self.lane.time_step * velocity])

@@ -61,7 +61,7 @@ class DrakeLane(LaneModel):
             _absolute(diagram.mechanism, velocity) * self._units.velocity,
             friction,
             normal_force,
-            self._memory(diagram.mechanism, end),
+            self._internal_state(diagram.mechanism, end),
         )
 
     def advance(self, state: State, start: int, steps: int) -> State:
@@ -69,11 +69,11 @@ class DrakeLane(LaneModel):
         diagram = self._plain
         end = diagram.advance(self._vector(state), self._loads(start, steps))
         position, velocity = np.split(end[None], 2, axis=1)
-        memory = self._memory(diagram.mechanism, end)
+        internal_state = self._internal_state(diagram.mechanism, end)
         return State(
             _absolute(diagram.mechanism, position) * self._units.length,
             _absolute(diagram.mechanism, velocity) * self._units.velocity,
-            None if memory is None else memory[None],
+            None if internal_state is None else internal_state[None],
         )
 
     def native_steps(self, steps: int) -> None:
@@ -97,7 +97,7 @@ class DrakeLane(LaneModel):
         """Coordinates across the motion, then their velocities, shape (2, k)."""
         return np.zeros((2, 0))
 
-    def _memory(self, mechanism: Mechanism, vector: FloatArray) -> FloatArray | None:
+    def _internal_state(self, mechanism: Mechanism, vector: FloatArray) -> FloatArray | None:
         """Give what a state has to carry beside positions and velocities."""
         return None
 

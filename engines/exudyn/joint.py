@@ -127,7 +127,7 @@ class RegularisedLane(ExudynLane):
 class BristleLane(ExudynLane):
     """Friction of a bristle, which remembers whether it slips and where its foot is.
 
-    The memory of a state is, in SI units, for each contact the slip force [N] with the sign of the
+    The internal state is, in SI units, for each contact the slip force [N] with the sign of the
     slip, 0 in stick; then for each contact the deflection of the bristle [m]. Deflections, unlike
     the positions of the feet, stay valid when a solver of periodic orbits moves all masses.
     """
@@ -176,10 +176,10 @@ class BristleLane(ExudynLane):
         return settings
 
     def _set_friction_state(self, state: State, start: int) -> None:
-        if state.memory is None:
+        if state.internal_state is None:
             slip, deflection = self._fresh(state, start)
         else:
-            slip, deflection = np.split(state.memory[0], 2)
+            slip, deflection = np.split(state.internal_state[0], 2)
             slip, deflection = self._nearest_slip(slip / self._units.force), deflection / self._units.length
         outer, inner = np.split(state.positions[0] / self._units.length, 2)
         data = np.stack([slip, inner - outer - deflection, np.zeros_like(slip)], axis=1)[self._rubbing]

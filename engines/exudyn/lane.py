@@ -52,7 +52,7 @@ class ExudynLane(LaneModel):
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state`; sensors record the ends of the steps."""
-        memory = self._solve(state, start, steps, record=True)
+        internal_state = self._solve(state, start, steps, record=True)
         positions, velocities = self._recorded_motion(steps)
         friction, normal_force = self._recorded_forces(steps)
         return Trajectory(
@@ -61,19 +61,19 @@ class ExudynLane(LaneModel):
             velocities * self._units.velocity,
             friction,
             normal_force,
-            memory,
+            internal_state,
         )
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance as `run` does and give the end only; without sensors it needs less time."""
-        memory = self._solve(state, start, steps, record=False)
+        internal_state = self._solve(state, start, steps, record=False)
         data, current = self._system.systemData, self._exudyn.ConfigurationType.Current
         position = self._along(np.array(data.GetODE2Coordinates(current)))
         velocity = self._along(np.array(data.GetODE2Coordinates_t(current)))
         return State(
             position[None] * self._units.length,
             velocity[None] * self._units.velocity,
-            None if memory is None else memory[None],
+            None if internal_state is None else internal_state[None],
         )
 
     def native_steps(self, steps: int) -> None:

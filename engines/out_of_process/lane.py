@@ -62,18 +62,18 @@ class OutOfProcessLane(LaneModel):
             # Of a motor that may do nothing in a step an engine may report what it did in an earlier one.
             np.where(given == 0, 0.0, rows["friction"] * units.force),
             rows["normal"] * units.force if "normal" in rows else given,
-            self._memory(rows),
+            self._internal_state(rows),
             rows["gap"] * units.length if self.lane.opens else None,
         )
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance as `run` does; only the end is sent back."""
         rows = self._rows(state, start, steps, record=False)
-        memory = self._memory(rows)
+        internal_state = self._internal_state(rows)
         return State(
             rows["position"] * self._units.length,
             rows["velocity"] * self._units.velocity,
-            None if memory is None else memory[None],
+            None if internal_state is None else internal_state[None],
         )
 
     def native_steps(self, steps: int) -> None:
@@ -130,7 +130,7 @@ class OutOfProcessLane(LaneModel):
         gap, speed = state.normal_state(self.lane.chain.cells)
         return {**normal_load, "across": np.concatenate([gap / self._units.length, speed / self._units.velocity])}
 
-    def _memory(self, rows: Message) -> FloatArray | None:
+    def _internal_state(self, rows: Message) -> FloatArray | None:
         """Give what a state remembers of gaps; ``None`` where none opens."""
         if not self.lane.opens:
             return None

@@ -116,8 +116,8 @@ class PyBulletContactLane(LaneModel):
         """Advance as `run` does, without asking for the contacts."""
         rows, end = self._rows(state, start, steps, record=False)
         position, velocity = np.split(rows, 2, axis=1)
-        memory = None if end is None else end[None]
-        return State(position * self._units.length, velocity * self._units.velocity, memory)
+        internal_state = None if end is None else end[None]
+        return State(position * self._units.length, velocity * self._units.velocity, internal_state)
 
     def native_steps(self, steps: int) -> None:
         """Take steps of Bullet alone, from rest; see `NativeStepping`."""
@@ -148,7 +148,7 @@ class PyBulletContactLane(LaneModel):
                 gap = self._gaps(bodies)[0].tolist() if self.lane.opens else []
                 rows.append(now.tolist() + self._contact_forces(bodies) + gap)
         self._check_end(bodies, position)
-        return np.array(rows) if record else now[None], self._memory(bodies)
+        return np.array(rows) if record else now[None], self._internal_state(bodies)
 
     def _pressings(self, start: int, steps: int) -> Iterable[list[float]]:
         """Give the forces across the motion on every mass, outer ones first, of every step."""
@@ -185,7 +185,7 @@ class PyBulletContactLane(LaneModel):
         # At rest a box is as deep as Bullet leaves alone, see `_new_bodies`.
         return (inner - outer - [[2 * box - REST_DEPTH], [0.0]]) / self._opening
 
-    def _memory(self, bodies: list[int]) -> FloatArray | None:
+    def _internal_state(self, bodies: list[int]) -> FloatArray | None:
         """Give what the next run has to know of the gaps, as `State.normal_state` reads it."""
         if not self.lane.opens:
             return None

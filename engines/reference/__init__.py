@@ -148,6 +148,6 @@ class RefinedSimulation:
             fine.velocities[kept].copy(),
             fine.friction[kept].copy(),
             fine.normal_force[kept].copy(),
-            fine.memory,
+            fine.internal_state,
             None if fine.normal_gap is None else fine.normal_gap[kept].copy(),
         )

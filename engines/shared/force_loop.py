@@ -77,7 +77,7 @@ class ExplicitForcesLane(LaneModel):
         read, gaps = (rows + rows[-1:] * (steps - len(rows)) for rows in (read, gaps))
         friction, normal = self._contact_forces(np.array(read), motions, self.lane.preloads(start, steps))
         end = self._state(motions[1:])
-        across = (self._memory(), np.array(gaps) * self._units.length) if gaps else (None, None)
+        across = (self._internal_state(), np.array(gaps) * self._units.length) if gaps else (None, None)
         return Trajectory(self.lane.times(start, steps), end.positions, end.velocities, friction, normal, *across)
 
     def advance(self, state: State, start: int, steps: int) -> State:
@@ -88,8 +88,8 @@ class ExplicitForcesLane(LaneModel):
             product(motion, force)
             force[0] += load
             step(force)
-        end, memory = self._state(motion[None]), self._memory()
-        return end if memory is None else replace(end, memory=memory[None])
+        end, internal_state = self._state(motion[None]), self._internal_state()
+        return end if internal_state is None else replace(end, internal_state=internal_state[None])
 
     @abstractmethod
     def native_steps(self, steps: int) -> None:
@@ -166,7 +166,7 @@ class ExplicitForcesLane(LaneModel):
 
         return pressed
 
-    def _memory(self) -> FloatArray | None:
+    def _internal_state(self) -> FloatArray | None:
         """Give what a state remembers of gaps, as `State.normal_state` reads it; ``None`` where none opens."""
         if not self.lane.opens:
             return None

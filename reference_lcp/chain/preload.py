@@ -163,7 +163,7 @@ def normal_motion(
 
     Parameters
     ----------
-    press
+    normal_load
         N at the start of each step [N], negative where the actuator pulls, shape (steps, ...).
     mass
         Mass that moves across the row [kg], of a shape that broadcasts with (...).

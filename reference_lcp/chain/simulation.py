@@ -99,7 +99,7 @@ def steps_per_period_for(chain: Chain, drive: PeriodicDrive, minimum: int = MINI
 class Simulation(Protocol):
     """A batch of lanes that an engine has built and can advance.
 
-    There is no hidden memory: what a run does follows from the state that goes in, so that two runs
+    There is no hidden state: what a run does follows from the state that goes in, so that two runs
     of 100 steps equal one of 200.
     """
 

@@ -20,9 +20,9 @@ class State:
         Absolute displacements [m], shape (lanes, 2n), outer masses first.
     velocities
         Absolute velocities [m/s], same shape.
-    memory
+    internal_state
         What a history-dependent friction law carries beside positions and velocities (the anchor of
-        a bristle, say), shape (lanes, k); ``None`` for laws without memory, and for a fresh start. Where there
+        a bristle, say), shape (lanes, k); ``None`` for laws without any, and for a fresh start. Where there
         are several values a contact, the first of every contact, then the second: values of a kind share their size in
         the periodicity residual. A search of periodic orbits may set any values near those that a run has given.
         Where contacts open, the gap of every contact [m], then its rate [m/s]: see `normal_state`.
@@ -30,7 +30,7 @@ class State:
 
     positions: FloatArray
     velocities: FloatArray
-    memory: FloatArray | None = None
+    internal_state: FloatArray | None = None
 
     def __post_init__(self) -> None:
         if np.ndim(self.positions) != 2 or np.shape(self.positions) != np.shape(self.velocities):
@@ -48,23 +48,25 @@ class State:
         Raises
         ------
         ParameterError
-            If the memory is not that of such a lane.
+            If the internal state is not that of such a lane.
         """
         lanes = self.positions.shape[0]
-        memory = np.zeros((lanes, 2 * cells)) if self.memory is None else self.memory
-        if memory.shape != (lanes, 2 * cells):
-            raise ParameterError(f"the memory has the shape {memory.shape}; allowed: {(lanes, 2 * cells)}")
-        return memory[:, :cells].copy(), memory[:, cells:].copy()
+        internal_state = np.zeros((lanes, 2 * cells)) if self.internal_state is None else self.internal_state
+        if internal_state.shape != (lanes, 2 * cells):
+            raise ParameterError(
+                f"the internal state has the shape {internal_state.shape}; allowed: {(lanes, 2 * cells)}"
+            )
+        return internal_state[:, :cells].copy(), internal_state[:, cells:].copy()
 
     @classmethod
     def stack(cls, states: Sequence[Self]) -> Self:
         """Join batches along their lanes.
 
-        Lanes without memory among others with one remember zeros: closed contacts among some that may be open.
+        Lanes without internal state among others that have one get zeros: closed contacts among some that may open.
         """
-        widths = {state.memory.shape[1] for state in states if state.memory is not None}
+        widths = {state.internal_state.shape[1] for state in states if state.internal_state is not None}
         joined = [
-            np.zeros((state.positions.shape[0], width)) if state.memory is None else state.memory
+            np.zeros((state.positions.shape[0], width)) if state.internal_state is None else state.internal_state
             for width in widths
             for state in states
         ]
@@ -81,8 +83,8 @@ class State:
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "State":
         """Give the lanes of these indices."""
-        memory = None if self.memory is None else self.memory[lanes]
-        return State(self.positions[lanes], self.velocities[lanes], memory)
+        internal_state = None if self.internal_state is None else self.internal_state[lanes]
+        return State(self.positions[lanes], self.velocities[lanes], internal_state)
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,7 @@ class Trajectory:
         λ_T during the step that ends at each row, as it acts on the inner mass [N], shape (steps, n).
     normal_force
         λ_N during the step [N], shape (steps, n).
-    memory
+    internal_state
         Internal state of the friction law at the end, shape (k,), or ``None``.
     normal_gap
         g_N [m] at the end of each step, shape (steps, n); ``None`` where contacts cannot open.
@@ -113,7 +115,7 @@ class Trajectory:
     velocities: FloatArray
     friction: FloatArray
     normal_force: FloatArray
-    memory: FloatArray | None = None
+    internal_state: FloatArray | None = None
     normal_gap: FloatArray | None = None
 
     @property
@@ -129,8 +131,8 @@ class Trajectory:
     @property
     def end(self) -> State:
         """State at the last row, as a batch of one lane; the next run starts from it."""
-        memory = None if self.memory is None else self.memory[None, :]
-        return State(self.positions[-1:], self.velocities[-1:], memory)
+        internal_state = None if self.internal_state is None else self.internal_state[None, :]
+        return State(self.positions[-1:], self.velocities[-1:], internal_state)
 
     @property
     def outer_positions(self) -> FloatArray:
@@ -156,6 +158,6 @@ class Trajectory:
             np.concatenate([self.velocities, other.velocities]),
             np.concatenate([self.friction, other.friction]),
             np.concatenate([self.normal_force, other.normal_force]),
-            other.memory,
+            other.internal_state,
             np.concatenate(gaps) if len(gaps) == 2 else None,
         )

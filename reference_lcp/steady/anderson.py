@@ -165,10 +165,10 @@ class FixedPointSearch:
         self._scales = scales
         cells = simulation.lanes[0].chain.cells
         count, width = len(simulation.lanes), 4 * cells
-        self._memory = memory = kept_differences(cells)
+        self._most_differences = differences = kept_differences(cells)
         self._patience = max(SHORTEST_PATIENCE, PATIENCE_PER_CELL * cells)
-        self._x = np.zeros((count, memory + 1, width))
-        self._f = np.zeros((count, memory + 1, width))
+        self._x = np.zeros((count, differences + 1, width))
+        self._f = np.zeros((count, differences + 1, width))
         self._age = np.zeros(count, dtype=int)
         self._plain = np.full(count, WARM_UP_PERIODS)
         self._plain_next = np.full(count, WARM_UP_PERIODS)
@@ -186,10 +186,10 @@ class FixedPointSearch:
         self._learn(None, start)
         following = self._scales.vectors(start, self._active)
         for period in range(periods):
-            row = period % (self._memory + 1)
+            row = period % (self._most_differences + 1)
             state = self._scales.state(following, self._active)
             end = self._part.advance(state, 0, self._steps)
-            if end.memory is not None:
+            if end.internal_state is not None:
                 following = _widened(following, self._learn(state, end))
             f = self._scales.vectors(end, self._active) - following
             self._x[self._active, row], self._f[self._active, row] = following, f
@@ -224,7 +224,7 @@ class FixedPointSearch:
         self._age[caught], self._stalled[caught] = 0, 0
         self._plain[caught] = self._plain_next[caught]
         self._plain_next[caught] += self._plain_next[caught] // 2
-        kept = np.clip(self._age - self._plain + 1, 0, self._memory)
+        kept = np.clip(self._age - self._plain + 1, 0, self._most_differences)
         self._age[self._active] += 1
         mixed: FloatArray = _mixed_lanes(self._x, self._f, self._active, row, kept)
         return mixed

@@ -50,12 +50,16 @@ class StateScales:
             By what earlier vectors of these lanes, internal state that has just appeared included as zeros, have to be
             multiplied, shape (lanes, 4n + k).
         """
-        if end.memory is None:
+        if end.internal_state is None:
             return np.ones((len(lanes), self._scale.shape[1] + self._sizes.shape[1]))
         if self._sizes.shape[1] == 0:
-            self._sizes = np.zeros((self._scale.shape[0], end.memory.shape[1]))
+            self._sizes = np.zeros((self._scale.shape[0], end.internal_state.shape[1]))
         before = self._scales(lanes)
-        change = np.abs(end.memory if start is None or start.memory is None else end.memory - start.memory)
+        change = np.abs(
+            end.internal_state
+            if start is None or start.internal_state is None
+            else end.internal_state - start.internal_state
+        )
         self._sizes[lanes] += self._largest_of_kind(np.where(np.isfinite(change), change, 0.0))
         factor: FloatArray = before / self._scales(lanes)
         return factor
@@ -65,16 +69,18 @@ class StateScales:
 
         Lanes without internal state among others with one have zeros, as in `State.stack`.
         """
-        memory = np.zeros((len(lanes), self._sizes.shape[1])) if state.memory is None else state.memory
-        vectors: FloatArray = np.hstack([state.positions, state.velocities, memory]) / self._scales(lanes)
+        internal_state = (
+            np.zeros((len(lanes), self._sizes.shape[1])) if state.internal_state is None else state.internal_state
+        )
+        vectors: FloatArray = np.hstack([state.positions, state.velocities, internal_state]) / self._scales(lanes)
         return vectors
 
     def state(self, vectors: FloatArray, lanes: Any) -> State:
         """States of these lanes from their vectors; those of 4n components have no internal state: a fresh start."""
         half = 2 * self._cells
         values = vectors * self._scales(lanes)[:, : vectors.shape[1]]
-        memory = values[:, 2 * half :] if vectors.shape[1] > 2 * half else None
-        return State(values[:, :half], values[:, half : 2 * half], memory)
+        internal_state = values[:, 2 * half :] if vectors.shape[1] > 2 * half else None
+        return State(values[:, :half], values[:, half : 2 * half], internal_state)
 
     def residuals(self, starts: FloatArray, changes: FloatArray) -> FloatArray:
         """Largest change of each vector (lanes, 4n + k), not below what is resolved of internal state: shape (lanes,).

@@ -211,16 +211,16 @@ class CompiledSimulation:
 
     def _trajectory(self, index: int, rows: FloatArray, start: int, normal: NormalMotion | None) -> Trajectory:
         n, lane, steps = self._cells, self.lanes[index], rows.shape[0]
-        force, memory, gap = lane.preloads(start, steps), None, None
+        force, internal_state, gap = lane.preloads(start, steps), None, None
         if normal is not None and self._opens:
             force, gap = normal.normal_force[:, :, index].copy(), normal.gap[:, :, index].copy()
-            memory = np.concatenate([gap[-1], normal.speed[:, index]])
+            internal_state = np.concatenate([gap[-1], normal.speed[:, index]])
         return Trajectory(
             time=lane.times(start, steps),
             positions=rows[:, : 2 * n],
             velocities=rows[:, 2 * n : 4 * n],
             friction=rows[:, 4 * n :],
             normal_force=force,
-            memory=memory,
+            internal_state=internal_state,
             normal_gap=gap,
         )

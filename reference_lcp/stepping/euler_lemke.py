@@ -42,8 +42,8 @@ class _LemkeLane(LaneModel):
             u, q = advanced(step, impulses, u)
             positions[row], velocities[row] = u, q
             friction[row] = impulses.tangential / dt
-        times, memory = self.lane.times(start, steps), np.concatenate([normal.gap[-1], normal.speed])
-        own = (memory, normal.gap) if self.lane.opens else (None, None)
+        times, internal_state = self.lane.times(start, steps), np.concatenate([normal.gap[-1], normal.speed])
+        own = (internal_state, normal.gap) if self.lane.opens else (None, None)
         return Trajectory(times, positions, velocities, friction, normal.normal_force, *own)
 
 

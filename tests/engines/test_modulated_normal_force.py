@@ -72,8 +72,8 @@ def test_lane_in_flight_keeps_its_gap_beside_one_that_stays_closed(variant: Vari
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.5, AMPLITUDE), STEPS)
     pair, alone = (variant.build([modulated(lane, a) for a in both]) for both in ((0.5, 1.5), (1.5,)))
     half = pair.advance(State.at_rest(2, 7), 0, 3 * STEPS // 4)
-    assert half.memory is not None
-    assert np.all(half.memory[1, :7] > 0)
+    assert half.internal_state is not None
+    assert np.all(half.internal_state[1, :7] > 0)
     end = pair.advance(half, 3 * STEPS // 4, 50)
     expected = alone.advance(half.subset([1]), 3 * STEPS // 4, 50)
     assert np.array_equal(end.positions[1], expected.positions[0])

@@ -42,14 +42,14 @@ class WearingChain:
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         assert (start, steps) == (0, STEPS)
-        wear = np.zeros((len(self.lanes), 1)) if state.memory is None else state.memory
+        wear = np.zeros((len(self.lanes), 1)) if state.internal_state is None else state.internal_state
         worn = [
             dataclasses.replace(lane, chain=chain_of(lane.chain.cells, 0.3 * (1 - 0.8 * float(part[0]) / UNIT)))
             for lane, part in zip(self.lanes, wear, strict=True)
         ]
         found = CompiledSimulation(worn).run(State(state.positions, state.velocities), start, steps)
         return [
-            dataclasses.replace(one, memory=part + self.RATE * (UNIT - part))
+            dataclasses.replace(one, internal_state=part + self.RATE * (UNIT - part))
             for one, part in zip(found, wear, strict=True)
         ]
 
@@ -102,9 +102,9 @@ class EverWearingChain(WearingChain):
     """Wear that never ends, and acts only once it is there: positions and velocities repeat, and wear does not."""
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
-        wear = np.zeros((len(self.lanes), 1)) if state.memory is None else state.memory
+        wear = np.zeros((len(self.lanes), 1)) if state.internal_state is None else state.internal_state
         found = CompiledSimulation(self.lanes).run(State(state.positions, state.velocities), start, steps)
-        return [dataclasses.replace(one, memory=part + UNIT) for one, part in zip(found, wear, strict=True)]
+        return [dataclasses.replace(one, internal_state=part + UNIT) for one, part in zip(found, wear, strict=True)]
 
 
 def test_no_orbit_is_certified_while_internal_state_still_moves() -> None:
@@ -123,8 +123,8 @@ def test_first_period_of_a_fresh_start_certifies_nothing() -> None:
     assert orbit.residual == pytest.approx(1.0)
 
 
-def state_with(*memory: float) -> State:
-    return State(np.zeros((1, 4)), np.zeros((1, 4)), np.array([memory]))
+def state_with(*internal_state: float) -> State:
+    return State(np.zeros((1, 4)), np.zeros((1, 4)), np.array([internal_state]))
 
 
 def test_internal_state_is_measured_by_how_far_values_of_its_kind_have_come() -> None:
@@ -142,5 +142,5 @@ def test_internal_state_that_is_zero_or_not_finite_has_no_size() -> None:
     scales.learn(None, state_with(0.0, 0.0, np.nan, np.inf), [0])
     assert np.array_equal(scales.vectors(state_with(0.0, 0.0, 0.0, 0.0), [0]), np.zeros((1, 12)))
     back = scales.state(scales.vectors(state_with(1.0, 2.0, 3.0, 4.0), [0]), [0])
-    assert back.memory is not None
-    assert back.memory[0] == pytest.approx([1, 2, 3, 4])
+    assert back.internal_state is not None
+    assert back.internal_state[0] == pytest.approx([1, 2, 3, 4])

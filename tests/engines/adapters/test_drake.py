@@ -208,8 +208,8 @@ def test_the_reason_for_a_missing_package_says_what_to_install(monkeypatch: pyte
 def test_in_the_tuned_contact_nothing_moves_across_the_plane() -> None:
     lane = lane_of()
     trajectory = run(lane, random_state(), STEPS, "contact")
-    assert trajectory.memory is not None
-    depth = -trajectory.memory[:7]
+    assert trajectory.internal_state is not None
+    depth = -trajectory.internal_state[:7]
     np.testing.assert_allclose(depth, depth[0], rtol=1e-12)
     np.testing.assert_allclose(trajectory.normal_force, lane.chain.normal_force[0], rtol=1e-12)
 
@@ -237,10 +237,10 @@ def test_a_gliding_sphere_is_lifted_by_its_slip_in_a_step_times_the_coefficient(
         places = []
         for step in range(800):
             state = simulation.advance(state, step, 1)
-            assert state.memory is not None
-            places.append(state.memory[0, 0])
+            assert state.internal_state is not None
+            places.append(state.internal_state[0, 0])
             # Back where it was along the plane, and as fast as before.
-            state = State(np.zeros((1, 2)), np.array([[0.0, speed]]), state.memory)
+            state = State(np.zeros((1, 2)), np.array([[0.0, speed]]), state.internal_state)
         heights.append(np.mean(places))
     assert heights[1] - heights[0] == pytest.approx(0.5 * slip * lane.time_step, rel=0.1)
 

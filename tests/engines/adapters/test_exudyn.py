@@ -173,8 +173,8 @@ def test_run_depends_on_its_initial_state_alone(engine: Engine) -> None:
     for other in (again.end, fresh):
         np.testing.assert_array_equal(other.positions, first.positions)
         np.testing.assert_array_equal(other.velocities, first.velocities)
-    if first.memory is not None:
-        np.testing.assert_array_equal(again.memory, first.memory[0])
+    if first.internal_state is not None:
+        np.testing.assert_array_equal(again.internal_state, first.internal_state[0])
 
 
 @both_laws
@@ -220,7 +220,7 @@ def test_any_drive_loads_cell_1_as_its_function_says(engine: Engine) -> None:
 
 
 def test_fresh_bristle_carries_the_load_that_it_meets() -> None:
-    """A stuck contact that starts without a memory must not let go."""
+    """A stuck contact that starts without internal state must not let go."""
     lane = lane_of(5.0, 0.6)
     simulation = ExudynBristle().build([lane])
     state = simulation.advance(State.at_rest(1, 7), 0, STEPS)

@@ -41,8 +41,8 @@ class Lane(LaneModel):
             x, v, friction = self.step(x, v, load)
             rows.append((x, v, friction))
         positions, velocities, friction = (np.array(column) for column in zip(*rows, strict=True))
-        memory = np.concatenate([normal.gap[-1], normal.speed])
-        own = (memory, normal.gap) if self.lane.opens else (None, None)
+        internal_state = np.concatenate([normal.gap[-1], normal.speed])
+        own = (internal_state, normal.gap) if self.lane.opens else (None, None)
         return Trajectory(self.lane.times(start, steps), positions, velocities, friction, normal.normal_force, *own)
 
     def across(self, state, normal_load):
@@ -387,7 +387,7 @@ class LandsBetweenRuns(Faulty):
 
     class lane_model(Lane):  # noqa: N801
         def across(self, state, normal_load):
-            return super().across(dataclasses.replace(state, memory=None), normal_load)
+            return super().across(dataclasses.replace(state, internal_state=None), normal_load)
 
 
 class NamedWithASign(Faulty):

@@ -129,7 +129,7 @@ def test_runs_split_in_flight_equal_the_whole_bit_by_bit(solver) -> None:
     simulation = solver([lane_of(1.5, steps=100), lane_of(0.5, 2, steps=100), lane_of(2.5, steps=100)])
     whole = simulation.run(State.at_rest(3, 7), 0, 100)
     half = simulation.advance(State.at_rest(3, 7), 0, 75)
-    assert np.all(half.memory[0, :7] > 0), "the split is in a flight"
+    assert np.all(half.internal_state[0, :7] > 0), "the split is in a flight"
     second = simulation.run(half, 75, 25)
     for one, other in zip(whole, second, strict=True):
         assert np.array_equal(one.positions[75:], other.positions)

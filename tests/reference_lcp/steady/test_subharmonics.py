@@ -30,7 +30,7 @@ class UnevenMotor:
 
     def run(self, state: State, start: int, steps: int):
         assert (start, steps) == (0, STEPS)
-        phases = np.zeros(len(self.lanes)) if state.memory is None else state.memory[:, 0]
+        phases = np.zeros(len(self.lanes)) if state.internal_state is None else state.internal_state[:, 0]
         moved = [
             dataclasses.replace(
                 lane,
@@ -42,7 +42,7 @@ class UnevenMotor:
         ]
         found = CompiledSimulation(moved).run(State(state.positions, state.velocities), start, steps)
         return [
-            dataclasses.replace(one, memory=np.array([(phase + self._turn) % 1.0]))
+            dataclasses.replace(one, internal_state=np.array([(phase + self._turn) % 1.0]))
             for one, phase in zip(found, phases, strict=True)
         ]
 
