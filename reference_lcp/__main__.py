@@ -42,13 +42,13 @@ def run(
         int,
         typer.Option(
             help=f"Fewest steps a period, >= {FEWEST_STEPS_PER_PERIOD}; more are taken where "
-            f"dt ω_max <= {LARGEST_PHASE_STEP} asks for them."
+            f"dt ω_max <= {LARGEST_PHASE_STEP} requires them."
         ),
     ] = MINIMUM_STEPS_PER_PERIOD,
     solver: Annotated[str, typer.Option(help=f"One of {', '.join(SOLVERS)}.")] = "compiled",
     tolerance: Annotated[
         float | None,
-        typer.Option(help=f"Periodicity residual asked for; {DEFAULT_RESIDUAL:g}, or {EXACT_RESIDUAL:g} if exact."),
+        typer.Option(help=f"Periodicity residual to reach; {DEFAULT_RESIDUAL:g}, or {EXACT_RESIDUAL:g} if exact."),
     ] = None,
     max_periods: Annotated[int, typer.Option(help="Periods after which the search gives up.")] = DEFAULT_PERIODS,
     error_bar: Annotated[bool, typer.Option("--error-bar", help="Measure the error of the time step too.")] = False,
@@ -78,7 +78,7 @@ def run(
     drive = HarmonicBase.from_ratio(chain, frequency_ratio, base_amplitude)
     if plot is not None:
         checked_picture_format(checked_output_file("plot file", plot))
-    found = steady_state(
+    state = steady_state(
         chain,
         drive,
         steps_per_period=steps_per_period,
@@ -88,15 +88,15 @@ def run(
         with_error_bar=error_bar,
         with_exact_value=exact_value,
     )
-    reason = _why_more_steps(found, steps_per_period)
+    reason = _why_more_steps(state, steps_per_period)
     if as_json:
-        asked = {"steps_per_period_asked": steps_per_period, "why_more_steps": reason}
-        print(json.dumps(found.as_dict() | asked, indent=2))
+        steps = {"steps_per_period_requested": steps_per_period, "why_more_steps": reason}
+        print(json.dumps(state.as_dict() | steps, indent=2))
     else:
-        _print(found, reason)
+        _print(state, reason)
     if plot is not None:
-        plot_period(found.orbit, plot)
-    raise typer.Exit(0 if found.orbit.converged else 1)
+        plot_period(state.orbit, plot)
+    raise typer.Exit(0 if state.orbit.converged else 1)
 
 
 @app.command("bench")
@@ -163,31 +163,32 @@ def _print_lengths(lengths: list[dict[str, float]]) -> None:
     Console().print(table)
 
 
-def _why_more_steps(found: SteadyState, asked: int) -> str | None:
-    """Say why more steps a period were taken than asked for; ``None`` if they were not."""
-    if found.orbit.trajectory.steps == asked:
+def _why_more_steps(state: SteadyState, requested: int) -> str | None:
+    """Reason for more steps a period than were requested; ``None`` if there are not more."""
+    if state.orbit.trajectory.steps == requested:
         return None
-    return f"{asked} asked; more keep dt ω_max <= {LARGEST_PHASE_STEP} at the chain's highest natural frequency ω_max"
+    bound = f"dt ω_max <= {LARGEST_PHASE_STEP}"
+    return f"{requested} requested; more keep {bound} at the chain's highest natural frequency ω_max"
 
 
-def _print(found: SteadyState, why_more_steps: str | None) -> None:
-    """Print a steady state for people; with the reason for more steps than asked, if there is one."""
+def _print(state: SteadyState, why_more_steps: str | None) -> None:
+    """Print a steady state for people; with the reason for more steps than requested, if there is one."""
     console = Console()
-    orbit = found.orbit
-    console.print(f"transmittance         {found.transmittance_db:.4f} dB")
-    if found.error_bar is not None:
-        bar = found.error_bar
+    orbit = state.orbit
+    console.print(f"transmittance         {state.transmittance_db:.4f} dB")
+    if state.error_bar is not None:
+        bar = state.error_bar
         console.print(f"error bar             ±{bar.transmittance_db:.2g} dB (measured order {bar.order:.2f})")
         console.print(f"extrapolated          {bar.extrapolated_db:.4f} dB")
-    if found.exact_db is not None:
-        console.print(f"exact                 {found.exact_db:.4f} dB")
+    if state.exact_db is not None:
+        console.print(f"exact                 {state.exact_db:.4f} dB")
     console.print(f"periodicity residual  {orbit.residual:.2e} ({orbit.status} after {orbit.periods} periods)")
     console.print(f"steps per period      {orbit.trajectory.steps} (dt = {orbit.lane.time_step:.6g} s)")
     if why_more_steps is not None:
         console.print(f"                      {why_more_steps}")
     table = Table("cell", "stuck fraction", "transitions: time (s) and new mode")
-    for cell, fraction in enumerate(found.stuck_fraction, start=1):
-        table.add_row(str(cell), f"{fraction:.4f}", _listed([t for t in found.transitions if t.cell == cell]))
+    for cell, fraction in enumerate(state.stuck_fraction, start=1):
+        table.add_row(str(cell), f"{fraction:.4f}", _listed([t for t in state.transitions if t.cell == cell]))
     console.print(table)
 
 

@@ -10,13 +10,13 @@ import typer
 from reference_lcp.validation import ParameterError
 
 WRONG_INPUT = 2
-"""Exit code of a command that was asked for something impossible."""
+"""Exit code of a command whose input is refused."""
 
 INTERRUPTED = 130
 """Exit code of a command that was stopped by Ctrl-C, as shells give it."""
 
 UsageError: Any = typer.BadParameter.__base__
-"""What an unknown option, a missing one or a value of the wrong type raises; typer exports only its child."""
+"""What an unknown option, a missing one or a value of the wrong type raises; typer exports only a subclass of it."""
 
 
 def run_command(app: typer.Typer, arguments: list[str] | None = None) -> int:

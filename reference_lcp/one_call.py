@@ -1,4 +1,4 @@
-"""Steady states of a chain under a periodic drive: the questions most users ask, in one call each."""
+"""Steady states of a chain under a periodic drive, and its motion from an initial state, in one call each."""
 
 import dataclasses
 from collections.abc import Callable, Mapping
@@ -47,9 +47,9 @@ class SteadyState:
     travels
         Distance [m] that a contact slips in the phase that each transition begins; ``None`` unless by the exact solver.
     error_bar
-        Discretisation error of the scheme; ``None`` if it has not been asked for, or there is none.
+        Discretisation error of the scheme; ``None`` if it was not requested, or there is none.
     exact_db
-        Transmittance by the event-driven solver [dB]; ``None`` if it has not been asked for.
+        Transmittance by the event-driven solver [dB]; ``None`` if it was not requested.
     """
 
     orbit: PeriodicOrbit
@@ -109,11 +109,11 @@ def steady_state(
     chain, drive
         What moves, and what moves it.
     steps_per_period
-        Fewest steps a period, >= 16; more are taken where dt ω_max <= 0.4 asks for them.
+        Fewest steps a period, >= 16; more are taken where dt ω_max <= 0.4 requires them.
     solver
         ``"compiled"``, ``"lemke"`` or ``"exact"``; for the last see `exact_steady_state`.
     tolerance
-        Periodicity residual that is asked for; `DEFAULT_RESIDUAL`, or `EXACT_RESIDUAL` for the exact
+        Periodicity residual to reach; `DEFAULT_RESIDUAL`, or `EXACT_RESIDUAL` for the exact
         solver, unless given.
     max_periods
         Periods after which the search gives up.
@@ -132,15 +132,15 @@ def steady_state(
     steps = steps_per_period_for(chain, drive, steps_per_period)
     exact = partial(exact_steady_state, chain, drive, steps_per_period=steps_per_period, max_periods=max_periods)
     if solver == "exact":
-        found = exact(tolerance=EXACT_RESIDUAL if tolerance is None else tolerance)
-        return dataclasses.replace(found, exact_db=found.transmittance_db if with_exact_value else None)
+        state = exact(tolerance=EXACT_RESIDUAL if tolerance is None else tolerance)
+        return dataclasses.replace(state, exact_db=state.transmittance_db if with_exact_value else None)
     residual = DEFAULT_RESIDUAL if tolerance is None else tolerance
     simulation = build([Lane.periodic(chain, drive, steps)])
-    found = SteadyState.of(periodic_orbits(simulation, steps, tolerance=residual, max_periods=max_periods)[0])
+    state = SteadyState.of(periodic_orbits(simulation, steps, tolerance=residual, max_periods=max_periods)[0])
     if with_error_bar:
         bar = measured_error_bar(chain, drive, steps, tolerance=residual, max_periods=max_periods)
-        found = dataclasses.replace(found, error_bar=bar)
-    return dataclasses.replace(found, exact_db=exact().transmittance_db) if with_exact_value else found
+        state = dataclasses.replace(state, error_bar=bar)
+    return dataclasses.replace(state, exact_db=exact().transmittance_db) if with_exact_value else state
 
 
 def exact_steady_state(
@@ -165,7 +165,7 @@ def exact_steady_state(
     steps_per_period
         Rows of the orbit's trajectory; nothing else depends on it.
     tolerance
-        Periodicity residual that is asked for.
+        Periodicity residual to reach.
     max_periods
         Periods after which the search gives up.
 
@@ -174,8 +174,10 @@ def exact_steady_state(
     ParameterError
         If an argument is outside its range, or the drive is not harmonic.
     """
-    found = exact_orbit(chain, drive, steps_per_period=steps_per_period, tolerance=tolerance, max_periods=max_periods)
-    return SteadyState.of_exact(*found)
+    orbit, period = exact_orbit(
+        chain, drive, steps_per_period=steps_per_period, tolerance=tolerance, max_periods=max_periods
+    )
+    return SteadyState.of_exact(orbit, period)
 
 
 def simulate(

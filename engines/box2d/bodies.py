@@ -17,7 +17,7 @@ from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
-LENGTH = 2.0**6
+SPRING_LENGTH = 2.0**6
 """Length of a spring over the displacement scale: it acts along the line of its anchors, and is rounded to 2^-24."""
 
 FARTHEST = 2.0
@@ -101,7 +101,7 @@ class Box2DLane(ExplicitForcesLane):
         The right end of a spring is an anchor that its body carries ahead of it, at the height of the left end.
         """
         chain = self._chain
-        length = LENGTH * power_of_two(self.lane.drive.displacement_scale(self.lane.chain)) / self._units.length
+        length = SPRING_LENGTH * power_of_two(self.lane.drive.displacement_scale(self.lane.chain)) / self._units.length
         ground = world.CreateStaticBody(position=(0.0, float(self._heights[0])))
         for left, right, stiffness, damping in (
             *zip([ground, *outer[:-1]], outer, chain.chain_stiffness, chain.chain_damping, strict=True),

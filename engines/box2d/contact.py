@@ -46,7 +46,7 @@ CONTACT_DEFAULT = Preset(
 FINENESS = 2.0**4
 """Unit of length over the lane's own: boxes are some tenths of a unit, where Box2D rounds corners by a hundredth."""
 
-GAP = 3.0
+GAP_OVER_SLOP = 3.0
 """Distance of the outlines of a box and its plate over Box2D's linearSlop: each has a skin of twice that, and skins
 overlap by as much as Box2D leaves alone."""
 
@@ -59,7 +59,7 @@ class Box2DContactLane(Box2DLane):
         super().__init__(lane, preset, FINENESS)
         self._sizes = PressedBoxes.of(lane, self._units)
         cells = self._sizes.spacing * np.arange(lane.chain.cells)
-        self._heights = np.concatenate([cells, cells + GAP * import_box2d().b2_linearSlop])
+        self._heights = np.concatenate([cells, cells + GAP_OVER_SLOP * import_box2d().b2_linearSlop])
         self._pressing = np.concatenate([self._chain.normal_force, -self._chain.normal_force])
 
     def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
@@ -88,11 +88,11 @@ class Box2DContactLane(Box2DLane):
                 for contact in self._world.contacts
                 for point in contact.manifold.points
             ]
-        found = np.zeros((2, self._chain.cells))
+        impulses = np.zeros((2, self._chain.cells))
         for cell, point in self._points:
-            found[0, cell] += point.tangentImpulse
-            found[1, cell] += point.normalImpulse
-        return found
+            impulses[0, cell] += point.tangentImpulse
+            impulses[1, cell] += point.normalImpulse
+        return impulses
 
     def _contact_forces(
         self, read: FloatArray, motions: FloatArray, given: FloatArray

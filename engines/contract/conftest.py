@@ -12,7 +12,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Run a test once for everything that its argument stands for.
 
     ``tested`` is every variant, ``tuned`` the best known options, ``default`` what a newcomer gets,
-    ``sharing`` the tuned ones that claim the reference's scheme, ``following`` those whose normal force may change in
+    ``sharing`` the tuned ones that state the reference's scheme, ``following`` those whose normal force may change in
     time, ``lifting`` the tuned ones whose contacts may open, ``installed`` the name of an engine.
     """
     names = _chosen(metafunc.config)
@@ -22,9 +22,9 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         "tested": variants,
         "tuned": tuned,
         "default": [variant for variant in variants if variant.preset_name == "default"],
-        "following": [one for one in variants if one.preset.represents(NormalForce.MODULATED)],
-        "lifting": [one for one in tuned if one.preset.represents(NormalForce.LIFTING)],
-        "sharing": [one for one in tuned if one.preset.shares_scheme and one.engine != "reference"],
+        "following": [variant for variant in variants if variant.preset.represents(NormalForce.MODULATED)],
+        "lifting": [variant for variant in tuned if variant.preset.represents(NormalForce.LIFTING)],
+        "sharing": [variant for variant in tuned if variant.preset.shares_scheme and variant.engine != "reference"],
     }
     for argument, chosen in cases.items():
         if argument in metafunc.fixturenames:
@@ -35,5 +35,5 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 def _chosen(config: pytest.Config) -> list[str]:
     """Names of the engines."""
-    asked: list[str] = config.getoption("--engine")
-    return asked or [name for name in engine_names() if engine(name).unavailable_reason() is None]
+    named: list[str] = config.getoption("--engine")
+    return named or [name for name in engine_names() if engine(name).unavailable_reason() is None]

@@ -20,8 +20,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Refuse engines that are unknown or not installed, before any test is collected."""
-    asked: list[str] = config.getoption("--engine")
-    for name in asked:
+    names: list[str] = config.getoption("--engine")
+    for name in names:
         try:
             missing = engine(name).unavailable_reason()
         except ParameterError as problem:

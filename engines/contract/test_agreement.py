@@ -31,26 +31,26 @@ def test_transmittance_at_six_points_agrees_with_the_reference(tuned: Variant) -
     shares = tuned.preset.shares_scheme
     baseline = engine("reference").build(lanes, preset="tuned" if shares else "converged")
     tolerance = SCHEME_TOLERANCE_DB if shares else CONVERGED_TOLERANCE_DB
-    found = periodic_orbits(tuned.build(lanes), STEPS, tolerance=tuned.capabilities.residual)
+    orbits = periodic_orbits(tuned.build(lanes), STEPS, tolerance=tuned.capabilities.residual)
     expected = periodic_orbits(baseline, STEPS)
-    for place, orbit, reference in zip(STICK_SLIP_POINTS, found, expected, strict=True):
+    for place, orbit, reference in zip(STICK_SLIP_POINTS, orbits, expected, strict=True):
         assert orbit.converged, f"no steady state at {place}"
         difference = float(decibel(transmittance(orbit)) - decibel(transmittance(reference)))
         assert abs(difference) <= tolerance, f"off by {difference:+.4f} dB at {place}"
 
 
-def test_who_shares_the_scheme_equals_the_reference_to_round_off_over_forty_periods(sharing: Variant) -> None:
+def test_variant_that_shares_the_scheme_equals_the_reference_to_round_off_over_forty_periods(sharing: Variant) -> None:
     """The same equations, solved by another code."""
     lane = lane_of(0.3, 0.9)
-    found, expected = (
-        one.build([lane]).run(State.at_rest(1, 7), 0, 40 * STEPS)[0] for one in (sharing, Variant("reference"))
+    run, expected = (
+        variant.build([lane]).run(State.at_rest(1, 7), 0, 40 * STEPS)[0] for variant in (sharing, Variant("reference"))
     )
     precision, residual_slip_compliance = (
         sharing.capabilities.precision,
         CREEP * sharing.preset.residual_slip_compliance,
     )
-    motion = np.max(np.abs(found.positions - expected.positions)) / BASE_AMPLITUDE
-    force = np.max(np.abs(found.friction - expected.friction)) / lane.chain.friction_bound[0]
+    motion = np.max(np.abs(run.positions - expected.positions)) / BASE_AMPLITUDE
+    force = np.max(np.abs(run.friction - expected.friction)) / lane.chain.friction_bound[0]
     assert motion <= TRAJECTORY_TOLERANCE[precision] + residual_slip_compliance, "the motion leaves the scheme's"
     assert force <= FRICTION_TOLERANCE[precision] + residual_slip_compliance, "the friction leaves the scheme's"
 
@@ -60,8 +60,8 @@ def test_pulse_of_the_base_moves_the_chain_as_it_moves_the_reference(tuned: Vari
     lane = pulse_lane_of(0.3)
     shares = tuned.preset.shares_scheme
     baseline = Variant("reference", preset_name="tuned" if shares else "converged")
-    found, expected = (one.build([lane]).run(State.at_rest(1, 7), 0, 4 * STEPS)[0] for one in (tuned, baseline))
-    difference = np.max(np.abs(found.positions - expected.positions)) / BASE_AMPLITUDE
+    run, expected = (variant.build([lane]).run(State.at_rest(1, 7), 0, 4 * STEPS)[0] for variant in (tuned, baseline))
+    difference = np.max(np.abs(run.positions - expected.positions)) / BASE_AMPLITUDE
     to_round_off = TRAJECTORY_TOLERANCE[tuned.capabilities.precision] + CREEP * tuned.preset.residual_slip_compliance
     assert difference <= (to_round_off if shares else PULSE_TOLERANCE), "this is another drive"
 
@@ -77,17 +77,19 @@ def test_cells_that_differ_are_each_built_as_given(sharing: Variant) -> None:
         outer_mass_ratio=outer, chain_stiffness_ratio=springs,
     )  # fmt: skip
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, BASE_AMPLITUDE), STEPS)
-    found, expected = (one.build([lane]).run(random_state(1), 0, STEPS)[0] for one in (sharing, Variant("reference")))
-    motion = np.max(np.abs(found.positions - expected.positions)) / np.max(np.abs(expected.positions))
+    run, expected = (
+        variant.build([lane]).run(random_state(1), 0, STEPS)[0] for variant in (sharing, Variant("reference"))
+    )
+    motion = np.max(np.abs(run.positions - expected.positions)) / np.max(np.abs(expected.positions))
     tolerance = TRAJECTORY_TOLERANCE[sharing.capabilities.precision] + CREEP * sharing.preset.residual_slip_compliance
     assert motion <= tolerance, "some cell is not the one that was given"
 
 
 def test_default_stays_finite_and_near_the_reference_for_a_period(default: Variant) -> None:
-    """How far a default is off is for reports to say; that it is the same chain must show at once."""
+    """How far a default is off is a finding of reports; that it is the same chain must show at once."""
     lane = lane_of(0.3, 0.9)
-    found, expected = (
-        one.build([lane]).run(State.at_rest(1, 7), 0, STEPS)[0] for one in (default, Variant("reference"))
+    run, expected = (
+        variant.build([lane]).run(State.at_rest(1, 7), 0, STEPS)[0] for variant in (default, Variant("reference"))
     )
-    difference = np.max(np.abs(found.positions - expected.positions)) / BASE_AMPLITUDE
+    difference = np.max(np.abs(run.positions - expected.positions)) / BASE_AMPLITUDE
     assert difference < SAME_CHAIN, "this is another chain"

@@ -1,4 +1,4 @@
-"""What mechanics asks of every motion: momentum, energy, the linear limits, and that motions never drift apart."""
+"""What mechanics requires of every motion: momentum, energy, the linear limits, and that motions never drift apart."""
 
 import numpy as np
 import pytest
@@ -66,8 +66,8 @@ def test_stuck_limit_is_the_chain_of_locked_masses(tuned: Variant, ratio: float)
 def test_two_motions_under_one_drive_never_drift_apart(tuned: Variant) -> None:
     """Coulomb friction under a given normal force is monotone: the energy norm of their difference never grows."""
     lane = lane_of(0.3, 0.6)
-    one, other = tuned.build([lane, lane]).run(random_state(2), 0, 4 * STEPS)
-    apart, faster = one.positions - other.positions, one.velocities - other.velocities
+    first, second = tuned.build([lane, lane]).run(random_state(2), 0, 4 * STEPS)
+    apart, faster = first.positions - second.positions, first.velocities - second.velocities
     distance = np.sqrt(mechanical_energy(lane.chain, apart, faster))
     assert largest_growth(distance) < DISTANCE_GROWTH, "two motions drift apart"
     assert distance[-1] < distance[0], "two motions do not come closer"

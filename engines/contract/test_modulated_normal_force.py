@@ -1,4 +1,4 @@
-"""A normal force that changes in time, for those that claim to follow it; and a word from those that do not."""
+"""A normal force that changes in time, for presets that represent it; refused by those that do not."""
 
 import re
 
@@ -35,11 +35,11 @@ def run_from_rest(variant: Variant, modulation: float, periods: int, multiple: i
 
 
 def test_modulated_normal_force_is_followed(following: Variant) -> None:
-    """Contacts that stay closed: the normal force is what presses them, and friction moves the chain accordingly."""
+    """Contacts that stay closed: the normal force is the normal load, and friction moves the chain accordingly."""
     if following.preset_name != "tuned":
-        pytest.skip("how far a default is off is for reports to say")
+        pytest.skip("how far a default is off is a finding of reports")
     lane = modulated_lane(0.5, 2)
-    run, expected = (run_from_rest(one, 0.5, 4, 2) for one in (following, Variant("reference")))
+    run, expected = (run_from_rest(variant, 0.5, 4, 2) for variant in (following, Variant("reference")))
     precision, residual_slip_compliance = (
         following.capabilities.precision,
         CREEP * following.preset.modulated().residual_slip_compliance,
@@ -52,9 +52,9 @@ def test_modulated_normal_force_is_followed(following: Variant) -> None:
         motion = np.max(np.abs(run.positions - expected.positions)) / BASE_AMPLITUDE
         assert motion <= TRAJECTORY_TOLERANCE[precision] + residual_slip_compliance, "the motion leaves the scheme's"
     else:
-        found = periodic_orbits(following.build([lane]), STEPS, tolerance=following.capabilities.residual)[0]
+        orbit = periodic_orbits(following.build([lane]), STEPS, tolerance=following.capabilities.residual)[0]
         baseline = periodic_orbits(engine("reference").build([lane], preset="converged"), STEPS)[0]
-        difference = float(decibel(transmittance(found)) - decibel(transmittance(baseline)))
+        difference = float(decibel(transmittance(orbit)) - decibel(transmittance(baseline)))
         assert abs(difference) <= CONVERGED_TOLERANCE_DB, f"off by {difference:+.4f} dB"
 
 
@@ -65,7 +65,7 @@ def test_friction_stays_within_a_bound_that_changes(following: Variant) -> None:
     run = run_from_rest(following, 1.5 if lifts else 1.0, 2)
     bound = lane.chain.friction_coefficient * run.normal_force
     margin = BOUND_MARGIN[following.capabilities.precision]
-    # What presses at a step's start may be rounded to nothing of the mean.
+    # The normal load at a step's start may be rounded to nothing of the mean.
     round_off = margin * lane.chain.friction_bound
     assert np.all(np.abs(run.friction) <= bound * (1 + margin) + round_off), "friction passes its bound"
     if not lifts:
@@ -95,7 +95,7 @@ def test_contact_that_is_pulled_open_flies_lands_and_carries_the_impact(lifting:
 
 
 def test_run_that_is_split_in_a_flight_equals_the_whole_one(lifting: Variant) -> None:
-    """A state remembers the gaps of open contacts, and how fast they change."""
+    """A state holds the gaps of open contacts, and how fast they change."""
     simulation, split = lifting.build([modulated_lane(1.5)]), 3 * STEPS // 4
     whole = simulation.run(State.at_rest(1, 7), 0, 2 * STEPS)[0]
     half = simulation.advance(State.at_rest(1, 7), 0, split)

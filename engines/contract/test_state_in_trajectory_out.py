@@ -1,4 +1,4 @@
-"""State goes in, a trajectory comes out, and nothing is remembered in between."""
+"""State goes in, a trajectory comes out, and nothing is carried over in between."""
 
 import numpy as np
 import pytest

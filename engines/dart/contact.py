@@ -104,7 +104,7 @@ class DartContactLane(ExplicitForcesLane):
         for degree, gap, rate in zip(self._aside, *self._across.tolist(), strict=True):
             degree.setPosition(gap)
             degree.setVelocity(rate)
-        # Forces stay, for a step that is told so does not clear them: these are set once.
+        # Forces stay, for a step with this argument does not clear them: these are set once.
         for degree, normal_load in zip(self._aside, self._pressing().tolist(), strict=True):
             degree.setForce(normal_load)
         # Numbers go in and out in a fifth of the time of short arrays.
@@ -140,7 +140,7 @@ class DartContactLane(ExplicitForcesLane):
     def _gaps(self) -> FloatArray:
         # At the coordinate zero a body is in its plate by less than anything that is measured.
         degrees = self._aside
-        return np.array([[one.getPosition() for one in degrees], [one.getVelocity() for one in degrees]])
+        return np.array([[degree.getPosition() for degree in degrees], [degree.getVelocity() for degree in degrees]])
 
     def _contact_forces(
         self, read: FloatArray, motions: FloatArray, given: FloatArray

@@ -79,7 +79,7 @@ class Diagram:
         from pydrake.trajectories import PiecewisePolynomial
 
         steps = loads.shape[0]
-        # A step asks for its load at its start: there is one value from half a step before it to half a step after.
+        # A step reads its load at its start: there is one value from half a step before it to half a step after.
         breaks = self._time_step * (np.arange(steps + 1) - 0.5)
         table = np.append(loads, loads[-1])[None]
         self._source.UpdateTrajectory(PiecewisePolynomial.ZeroOrderHold(breaks, table))

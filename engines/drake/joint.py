@@ -90,7 +90,7 @@ class DrakeJointLane(DrakeLane):
         return float(self._preset["d"] * reduced_mass / self._time_step)
 
     def _armed(self, builder: Any, plant: Any) -> Any:
-        """Ask the actuators for rest, without which they do nothing; give the port of their forces."""
+        """Set rest as the target of the actuators, without which they do nothing; give the port of their forces."""
         from pydrake.multibody.tree import default_model_instance
         from pydrake.systems.primitives import ConstantVectorSource
 

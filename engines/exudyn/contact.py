@@ -157,13 +157,13 @@ class ContactLane(ExudynLane):
             return float(self._preset["frictionProportionalZone"])
         return proportional_zone(self.lane, cell, self._preset)
 
-    def _add_sensors(self, node: Any, connectors: Any) -> None:
+    def _add_sensors(self, nodes: Any, connectors: Any) -> None:
         """Record the coordinates of every mass, and the force of every contact, in memory only."""
         from exudyn import itemInterface
 
         kinds = self._exudyn.OutputVariableType
         self._motion_sensors = [
-            [self._add_sensor(itemInterface.SensorNode(nodeNumber=one, outputVariableType=kind)) for one in node]
+            [self._add_sensor(itemInterface.SensorNode(nodeNumber=node, outputVariableType=kind)) for node in nodes]
             for kind in (kinds.Coordinates, kinds.Coordinates_t)
         ]
         self._force_sensors = [

@@ -125,9 +125,9 @@ class RegularisedLane(ExudynLane):
 
 
 class BristleLane(ExudynLane):
-    """Friction of a bristle, which remembers whether it slips and where its foot is.
+    """Friction of a bristle, whose internal state is whether it slips and where its foot is.
 
-    The internal state is, in SI units, for each contact the slip force [N] with the sign of the
+    In a state it is, in SI units, for each contact the slip force [N] with the sign of the
     slip, 0 in stick; then for each contact the deflection of the bristle [m]. Deflections, unlike
     the positions of the feet, stay valid when a solver of periodic orbits moves all masses.
     """

@@ -119,11 +119,11 @@ class ExudynLane(LaneModel):
         return friction * self._units.force, constant_normal_force(self.lane, steps)
 
     def _set_friction_state(self, state: State, start: int) -> None:
-        """Set what the friction law remembers, if it does."""
+        """Set the internal state of the friction law, if it has one."""
         return
 
     def _friction_state(self) -> FloatArray | None:
-        """Give what the friction law remembers at the end of a run."""
+        """Give the internal state of the friction law at the end of a run."""
         return None
 
     def _solve(self, state: State, start: int, steps: int, record: bool) -> FloatArray | None:

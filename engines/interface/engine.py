@@ -15,7 +15,7 @@ from reference_lcp.validation import FloatArray, ParameterError, checked_choice
 
 @runtime_checkable
 class NativeStepping(Protocol):
-    """A simulation, or the model of one lane, that can tell what the engine costs without its adapter."""
+    """A simulation, or the model of one lane, that can be stepped without the adapter, to measure the engine alone."""
 
     def native_steps(self, steps: int) -> None:
         """Take steps of the engine alone, of every lane: nothing is loaded, set or read in between.
@@ -50,7 +50,7 @@ class Engine(ABC):
 
     @abstractmethod
     def unavailable_reason(self) -> str | None:
-        """Say why the engine cannot be used here, in a sentence; ``None`` if it can."""
+        """Reason in a sentence why the engine cannot be used here; ``None`` if it can."""
 
     @abstractmethod
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
@@ -98,7 +98,7 @@ class Engine(ABC):
 
 
 class EngineNotInstalled(RuntimeError):
-    """The engine's own package is missing; the message says which and why."""
+    """The engine's own package is missing; the message names it and the reason."""
 
 
 def _check_normal_forces(lanes: Sequence[Lane], name: str, preset: Preset) -> None:

@@ -34,7 +34,7 @@ class NormalForce(StrEnum):
 
     @classmethod
     def of(cls, lane: Lane) -> "NormalForce":
-        """Give what a lane asks for."""
+        """Give what a lane needs."""
         if lane.preload is None:
             return cls.CONSTANT
         return cls.LIFTING if lane.opens else cls.MODULATED
@@ -88,7 +88,7 @@ class Preset:
     modulated_options
         What it sets otherwise where it does.
     modulated_residual_slip_compliance
-        The softness where it does.
+        `residual_slip_compliance` where it does.
     batch_lanes
         Lanes that one simulation takes at best, where that is another number than the engine's.
     optional
@@ -112,7 +112,7 @@ class Preset:
         return self.options[name].value
 
     def modulated(self) -> "Preset":
-        """Give the options, and the softness, that hold where the normal force changes in time."""
+        """Give the options, and the residual slip compliance, that hold where the normal force changes in time."""
         options = {**self.options, **self.modulated_options}
         return replace(
             self,
@@ -164,7 +164,7 @@ class Capabilities:
     notes
         What a reader must know of its friction, in a sentence.
     optional
-        It comes with an extra or with the system and not with the suite: it takes part where it is asked for.
+        It comes with an extra or with the system and not with the suite: it takes part where it is named.
     """
 
     title: str

@@ -38,12 +38,14 @@ def engine(name: str) -> Engine:
     """
     if name not in _entry_points():
         checked_choice("engine", name, engine_names())
-    found = _loaded(name)()
-    if not isinstance(found, Engine):
-        raise TypeError(f"entry point {name!r} gives a {type(found).__name__}; allowed: a subclass of engines.Engine")
-    return found
+    registered = _loaded(name)()
+    if not isinstance(registered, Engine):
+        raise TypeError(
+            f"entry point {name!r} gives a {type(registered).__name__}; allowed: a subclass of engines.Engine"
+        )
+    return registered
 
 
 def default_engine_names() -> list[str]:
-    """Names of the engines that take part unasked: all but those that come with an extra or with the system."""
+    """Names of the engines that take part by default: all but those that come with an extra or with the system."""
     return [name for name in engine_names() if not engine(name).capabilities.optional]

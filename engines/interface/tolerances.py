@@ -2,7 +2,9 @@
 
 import numpy as np
 
-STEPS = 400
+from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
+
+STEPS = MINIMUM_STEPS_PER_PERIOD
 """Steps a period, the coarsest that the suite compares at."""
 
 SINGLE = 2.0**-24
@@ -47,10 +49,10 @@ is one of δ U0 ω m / (2 dt) = δ (η_r² / 2) (k U0) STEPS / (2π) of the fric
 """
 
 CREEP = 10.0
-"""What a preset's stated softness may add to both, and to a normal force, as a multiple of it.
+"""What a preset's residual slip compliance may add to both, and to a normal force, as a multiple of it.
 
-A stuck contact keeps the softness times the velocity that friction takes from it in a step, at most F dt / m: over
-half a period that is far less than the softness times U0. Friction lacks the same part, and half a dozen neighbours
+A stuck contact keeps that part of the velocity that friction takes from it in a step, at most F dt / m: over
+half a period that is far less than that part of U0. Friction lacks the same part, and half a dozen neighbours
 pass it on.
 """
 
@@ -82,4 +84,4 @@ MEETING_STEPS = 2
 """Steps by which the time in the air may differ from the exact one in a cycle: lift-off and landing are met to one."""
 
 SHORT_FLIGHT = 2 * np.pi / STEPS
-"""Of the largest gap over N0 / (m Ω²): Ω Δt, as if lift-off began with the velocity N0 Δt / m of one step's press."""
+"""Of the largest gap over N0 / (m Ω²): Ω Δt, as if lift-off began with the velocity N0 Δt / m of one step."""

@@ -3,7 +3,7 @@
 The depth is fixed, and the stiffness of the contact chosen so that it presses with λ_N. Nothing moves across
 the plate, and so the normal force stays what it is.
 
-Where it changes in time the sphere is free across the plate, and an actuator presses it, or pulls it off.
+Where it changes in time the sphere is free across the plate, and an actuator pushes it on, or pulls it off.
 """
 
 from typing import Any

@@ -28,7 +28,7 @@ class MuJoCoSimulation:
     models
         A compiled `mujoco.MjModel` a lane: in each cell, the joints of the outer mass and of the inner one
         relative to it come first, and that across the plate last where a mass can leave it; then an actuator a cell
-        presses it. Where contacts have sensors, these give the contact force, its normal part first.
+        pushes it on its plate. Where contacts have sensors, these give the contact force, its normal part first.
     """
 
     def __init__(self, lanes: Sequence[Lane], units: Sequence[Units], models: Sequence[Any]):
@@ -39,7 +39,7 @@ class MuJoCoSimulation:
         self._models = tuple(models)
         self._units = tuple(units)
         self._joints = self._models[0].nq // common_cells(lanes)
-        self._presses = self._models[0].nu > 1
+        self._opens = self._models[0].nu > 1
         self._recorded = ("qpos", "qvel", "qfrc_constraint") + ("sensordata",) * (self._models[0].nsensor > 0)
         self._length = np.array([[unit.length] for unit in units])
         self._velocity = np.array([[unit.velocity] for unit in units])
@@ -60,7 +60,7 @@ class MuJoCoSimulation:
                 record["qfrc_constraint"][index, :, 1 :: self._joints] * units.force,
                 self._normal_force(index, record, start, steps),
                 self._normal_state(record["qpos"][index, -1], record["qvel"][index, -1], units),
-                record["qpos"][index, :, 3 :: self._joints] * units.length if self._presses else None,
+                record["qpos"][index, :, 3 :: self._joints] * units.length if self._opens else None,
             )
             for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
         ]
@@ -70,7 +70,7 @@ class MuJoCoSimulation:
         self._rollout(state, start, steps, ())
         qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
         position, velocity = self._absolute(qpos) * self._length, self._absolute(qvel) * self._velocity
-        if not self._presses:
+        if not self._opens:
             return State(position, velocity)
         across = (qpos[:, 3 :: self._joints] * self._length, qvel[:, 3 :: self._joints] * self._velocity)
         return State(position, velocity, np.hstack(across))
@@ -101,7 +101,7 @@ class MuJoCoSimulation:
         qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
         qpos[:] = self._checked("positions", state.positions, self._length)
         qvel[:] = self._checked("velocities", state.velocities, self._velocity)
-        if self._presses:
+        if self._opens:
             gap, speed = state.normal_state(self.lanes[0].chain.cells)
             qpos[:, 3 :: self._joints], qvel[:, 3 :: self._joints] = gap / self._length, speed / self._velocity
         self._batch.bind("qacc_warmstart")[:] = 0
@@ -118,24 +118,24 @@ class MuJoCoSimulation:
         return rows
 
     def _controls(self, start: int, steps: int) -> FloatArray:
-        """Give the force on cell 1, and what presses every cell where one can leave its plate, for every step."""
+        """Give the force on cell 1 in every step, and the normal loads where masses can leave their plates."""
         controls = []
         for lane, units in zip(self.lanes, self._units, strict=True):
             columns = [lane.loads(start, steps)[:, None]]
-            if self._presses:
+            if self._opens:
                 columns.append(-lane.preloads(start, steps))
             controls.append(np.hstack(columns) / units.force)
         return np.stack(controls)
 
     def _normal_state(self, position: FloatArray, velocity: FloatArray, units: Units) -> FloatArray | None:
         """Give gaps and their rates, as a state carries them, of joint coordinates and velocities."""
-        if not self._presses:
+        if not self._opens:
             return None
         across = position[3 :: self._joints] * units.length, velocity[3 :: self._joints] * units.velocity
         return np.concatenate(across)
 
     def _checked(self, name: str, values: FloatArray, units: FloatArray) -> FloatArray:
-        """Give the joint coordinates of a state, or say that MuJoCo would stop there without a word."""
+        """Give the joint coordinates of a state, or refuse those at which MuJoCo would stop without a message."""
         coordinates = self._joint_coordinates(values / units)
         excess = np.abs(coordinates) / LARGEST_COORDINATE
         if np.any(excess > 1):

@@ -7,7 +7,7 @@ from engines.interface.presets import Capabilities, Formulation, FrictionLaw, No
 from engines.out_of_process.engine import OutOfProcessEngine
 from engines.out_of_process.interpreter import Installation
 
-OUTSIDE = Installation(
+INSTALLATION = Installation(
     "ode", Path(__file__).with_name("server.py"), "MULTIBODY_XVAL_ODE_PYTHON", "apt install python3-pyode"
 )
 
@@ -129,4 +129,4 @@ class ODE(OutOfProcessEngine):
             "the start of each step. In contacts, mu is a force unless a mode says otherwise."
         ),
     )
-    home: ClassVar[Installation] = OUTSIDE
+    installation: ClassVar[Installation] = INSTALLATION

@@ -1,4 +1,4 @@
-"""ODE, served by `child` in a Python that has pyode: sliders with motors, or spheres and boxes pressed on plates.
+"""ODE, served by `worker` in a Python that has pyode: sliders with motors, or spheres and boxes pressed on plates.
 
 A run builds its world anew: nothing is left of earlier runs. Springs, dashpots and the drive are forces that are
 computed here at the start of each step.
@@ -21,7 +21,7 @@ LOW_STOP, HIGH_STOP, VELOCITY, STOP_ERP, STOP_CFM = 0, 1, 2, 9, 10
 ALONG = (1.0, 0.0, 0.0)
 
 BOX = 4.0
-"""Half of a box's edge, or a sphere's radius, over the displacement scale of the drive."""
+"""As in the suite's `box_geometry`, which is out of reach here: half of a box's edge, or a sphere's radius, over the displacement scale of the drive."""
 
 PLATE = 2.0**20
 """Half of a plate's length over the displacement scale; beyond, inner masses fall off."""
@@ -29,7 +29,7 @@ PLATE = 2.0**20
 SPACING = 8 * BOX
 """Distance of neighbouring cells over the displacement scale, across the motion."""
 
-DIVERGED = 1e8
+STOPPING_DISTANCE = 1e8
 """Motion over the displacement scale at which a run ends: further on, ODE would end the process."""
 
 
@@ -45,7 +45,7 @@ def versions() -> dict[str, str]:
     return {"engine": " ".join(sorted(Path(name).name for name in loaded)) or "of unknown version"}
 
 
-class Lane:
+class EngineLane:
     """One chain.
 
     Parameters
@@ -131,8 +131,8 @@ class JointModel:
             matrix, pushes = np.zeros_like(matrix[:1]), pushes[:1]
         # These take a third of the time of np.dot, and of giving an array a list.
         product, force = matrix.dot, np.empty(len(pushes))
-        write, memory, place = struct.Struct(f"{rows.shape[1]}d").pack_into, memoryview(rows).cast("B"), 0
-        limit = DIVERGED * float(self._given["length"])
+        write, buffer, place = struct.Struct(f"{rows.shape[1]}d").pack_into, memoryview(rows).cast("B"), 0
+        limit = STOPPING_DISTANCE * float(self._given["length"])
         for load, now in zip(loads.tolist(), rows[:, : len(getters)]):
             product(now, force)
             forces = force.tolist()
@@ -147,7 +147,7 @@ class JointModel:
             if self._record:
                 values += self._measure()
             place += rows.strides[0]
-            write(memory, place, *values)
+            write(buffer, place, *values)
             if not -limit < reached < limit:
                 break
         return place // int(rows.strides[0])
@@ -247,12 +247,12 @@ class ContactModel(JointModel):
     def __init__(self, given: dict[str, Any], position: Any, velocity: Any, record: bool):
         """Build a world in this state; see `JointModel`."""
         self._scale = float(given["length"])
-        self._presses_constantly = True
+        self._constant_normal_load = True
         super().__init__(given, position, velocity, record)
         self.world.setContactSurfaceLayer(float(given["surface_layer"]) * self._scale)
 
     def run(self, loads: Any, across: Any = None) -> dict[str, Any]:
-        """Take a step for every load, as long as every inner mass is on its plate.
+        """Take a step for every load, while every inner mass is on its plate.
 
         Where contacts may open, `across` holds their gaps at the start and, below, the rates of these.
         """
@@ -276,7 +276,7 @@ class ContactModel(JointModel):
             body.setPosition((along, aside, height + gap))
             body.setLinearVel((body.getLinearVel()[0], 0.0, rate))
         notes: list[Any] = []
-        normal_load = self.before_step
+        set_normal_load = self.before_step
 
         def note() -> None:
             gaps = [body.getPosition()[2] - height for body, height in zip(inner, rest)]
@@ -284,7 +284,7 @@ class ContactModel(JointModel):
 
         def before() -> None:
             note()
-            normal_load()
+            set_normal_load()
 
         def rows(steps: int) -> Any:
             note()
@@ -296,15 +296,16 @@ class ContactModel(JointModel):
 
     def modulate(self, normal_load: Any) -> None:
         """Let every step begin with pressing the masses of every cell together, in place of the constant force."""
-        presses, find = iter(np.where(self._bound > 0, normal_load, 0.0).tolist()), self.before_step
-        self._presses_constantly = False
+        normal_loads = iter(np.where(self._bound > 0, normal_load, 0.0).tolist())
+        find_contacts = self.before_step
+        self._constant_normal_load = False
         pairs = list(zip(self._bodies[: self._cells], self._bodies[self._cells :]))
 
         def before() -> None:
-            for (outer, inner), value in zip(pairs, next(presses)):
+            for (outer, inner), value in zip(pairs, next(normal_loads)):
                 outer.addForce((0.0, 0.0, value))
                 inner.addForce((0.0, 0.0, -value))
-            find()
+            find_contacts()
 
         self.before_step = before
 
@@ -318,7 +319,7 @@ class ContactModel(JointModel):
         return {"friction": friction, "normal": np.where(self._bound > 0, normal, self._given["normal"])}
 
     def _pressing(self) -> list[float]:
-        pressing = np.where((self._bound > 0) & self._presses_constantly, self._given["normal"], 0.0)
+        pressing = np.where((self._bound > 0) & self._constant_normal_load, self._given["normal"], 0.0)
         return np.concatenate([pressing, -pressing]).tolist()
 
     def _places(self) -> Iterator[tuple[float, float]]:
@@ -342,7 +343,7 @@ class ContactModel(JointModel):
             plate.setBody(outer)
             slider.setBody(inner)
             self._rubbing.append((inner, outer, slider, plate, float(self._given["coefficient"][cell]), cell))
-        self._found: list[tuple[int, Any]] = []
+        self._measured_joints: list[tuple[int, Any]] = []
         self._measures = 2 * self._cells
         return self._find_contacts
 
@@ -358,19 +359,19 @@ class ContactModel(JointModel):
                 joint.attach(inner, outer)
                 if record:
                     joint.setFeedback(True)
-                    self._found.append((cell, joint))
+                    self._measured_joints.append((cell, joint))
 
     def _drop_contacts(self) -> None:
         """Empty the group; a measured joint that is destroyed by it takes the process along when pyode lets it go."""
-        for _, joint in self._found:
+        for _, joint in self._measured_joints:
             joint.setFeedback(False)
-        self._found.clear()
+        self._measured_joints.clear()
         self._contacts.empty()
 
     def _measure(self) -> list[float]:
         """Give friction on every inner mass, then normal forces, in the last step: sums over points of contact."""
         measured = [0.0] * self._measures
-        for cell, joint in self._found:
+        for cell, joint in self._measured_joints:
             friction, _, normal = joint.getFeedback()[0]
             measured[cell] += friction
             measured[self._cells + cell] += normal

@@ -1,4 +1,4 @@
-"""What all engines that live in another Python do alike."""
+"""What all engines that run in another Python share."""
 
 from typing import ClassVar
 
@@ -11,23 +11,23 @@ from reference_lcp.stepping.sequential import SequentialSimulation
 
 
 class OutOfProcessEngine(Engine):
-    """An engine whose lanes live in a child process; an adapter adds its name, its capabilities and its home."""
+    """An engine whose lanes live in a worker process; an adapter adds name, capabilities and installation."""
 
-    home: ClassVar[Installation]
+    installation: ClassVar[Installation]
     lane_model: ClassVar[type[OutOfProcessLane]] = OutOfProcessLane
 
     def version(self) -> str:
         """Version of the engine, as its server states it."""
-        return self.home.versions()["engine"]
+        return self.installation.versions()["engine"]
 
     def python(self) -> str:
         """Version of the Python that it runs in."""
-        return self.home.versions()["python"]
+        return self.installation.versions()["python"]
 
     def unavailable_reason(self) -> str | None:
-        """Say why the engine cannot be used here; another Python is asked once."""
-        return self.home.unavailable_reason()
+        """Reason why the engine cannot be used here; another Python is tried once."""
+        return self.installation.unavailable_reason()
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        process = self.home.process()
+        process = self.installation.process()
         return SequentialSimulation.build(lanes, lambda lane: self.lane_model(process, lane, preset, str(formulation)))

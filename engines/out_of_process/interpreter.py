@@ -1,4 +1,4 @@
-"""Which Python an engine lives in, the one child that runs it there, and what to do where it is missing."""
+"""The Python of an engine, the one worker process that runs it there, and what to do where it is missing."""
 
 import functools
 import os
@@ -9,7 +9,7 @@ from pathlib import Path
 from engines.out_of_process.process import EngineProcess, EngineProcessError
 
 START_LIMIT = 60.0
-"""Seconds that a child may take to start and to import its engine, on a machine that is busy."""
+"""Seconds that a worker may take to start and to import its engine, on a machine that is busy."""
 
 SYSTEM_PYTHON = "/usr/bin/python3"
 """Where distributions keep the Python that their packages are for; a virtual environment's own comes first in PATH."""
@@ -17,7 +17,7 @@ SYSTEM_PYTHON = "/usr/bin/python3"
 
 @dataclass(frozen=True)
 class Installation:
-    """An engine that lives in another Python.
+    """An engine that runs in another Python.
 
     Parameters
     ----------
@@ -38,11 +38,11 @@ class Installation:
 
     @property
     def interpreter(self) -> str:
-        """The Python that is asked for, as a path or as a command."""
+        """The Python that is chosen, as a path or as a command."""
         return os.environ.get(self.variable) or SYSTEM_PYTHON
 
     def process(self) -> EngineProcess:
-        """Give the child that all lanes of this engine share."""
+        """Give the worker process that all lanes of this engine share."""
         return _process(self, self.interpreter)
 
     def versions(self) -> dict[str, str]:
@@ -56,7 +56,7 @@ class Installation:
         return dict(_versions(self, self.interpreter))
 
     def unavailable_reason(self) -> str | None:
-        """Say why the engine cannot be used, and what to do; ``None`` if it can. Each Python is tried once."""
+        """Reason why the engine cannot be used, and what to do; ``None`` if it can. Each Python is tried once."""
         try:
             self.versions()
         except EngineProcessError as problem:
@@ -66,23 +66,22 @@ class Installation:
 
 @functools.cache
 def _process(engine: Installation, interpreter: str) -> EngineProcess:
-    found = shutil.which(interpreter)
-    return EngineProcess(engine.name, found or interpreter, engine.server)
+    return EngineProcess(engine.name, shutil.which(interpreter) or interpreter, engine.server)
 
 
-_answers: dict[tuple[Installation, str], dict[str, str] | str] = {}
-"""What each Python said when it was asked for versions: these, or the reason why it has none."""
+_known: dict[tuple[Installation, str], dict[str, str] | str] = {}
+"""By engine and Python: its versions, or the reason why the engine cannot be used there."""
 
 
 def _versions(engine: Installation, interpreter: str) -> dict[str, str]:
     key = (engine, interpreter)
-    if key not in _answers:
+    if key not in _known:
         try:
-            answer = _process(engine, interpreter).request("versions", START_LIMIT)
-            _answers[key] = {name: str(value) for name, value in answer.items()}
+            stated = _process(engine, interpreter).request("versions", START_LIMIT)
+            _known[key] = {name: str(value) for name, value in stated.items()}
         except EngineProcessError as problem:
-            _answers[key] = str(problem)
-    answer_or_reason = _answers[key]
-    if isinstance(answer_or_reason, str):
-        raise EngineProcessError(answer_or_reason)
-    return answer_or_reason
+            _known[key] = str(problem)
+    versions_or_reason = _known[key]
+    if isinstance(versions_or_reason, str):
+        raise EngineProcessError(versions_or_reason)
+    return versions_or_reason

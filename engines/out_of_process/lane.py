@@ -1,4 +1,4 @@
-"""One chain in an engine that lives in another Python."""
+"""One chain in an engine that runs in another Python."""
 
 import weakref
 from collections.abc import Callable
@@ -23,12 +23,12 @@ STEP_LIMIT = 0.02
 
 
 class OutOfProcessLane(LaneModel):
-    """One chain; the child builds it on first use, and a fresh child builds it again.
+    """One chain; the worker builds it on first use, and a fresh worker builds it again.
 
     Parameters
     ----------
     process
-        The child of its engine.
+        The worker process of its engine.
     lane
         The lane.
     preset
@@ -81,7 +81,7 @@ class OutOfProcessLane(LaneModel):
         self._request("native_steps", checked_count("steps", steps), steps=steps)
 
     def close(self) -> None:
-        """Let the child drop the chain; another use builds it again."""
+        """Let the worker drop the chain; another use builds it again."""
         self._release()
         self._generation = 0
 
@@ -90,7 +90,7 @@ class OutOfProcessLane(LaneModel):
         return self.lane.loads(start, steps)
 
     def _chain_parameters(self) -> dict[str, Any]:
-        """Give what a server needs to know of the chain, in the units of the lane."""
+        """Give a server's parameters of the chain, in the units of the lane."""
         chain = self._units.scaled(self.lane.chain)
         scale = self.lane.drive.displacement_scale(self.lane.chain) / self._units.length
         return {
@@ -117,11 +117,11 @@ class OutOfProcessLane(LaneModel):
             velocity=checked_array("initial velocities", state.velocities[0]) / self._units.velocity,
             loads=self._loads(start, steps) / self._units.force,
             record=record,
-            **self._set_normal_load(state, start, steps),
+            **self._normal_load(state, start, steps),
         )
 
-    def _set_normal_load(self, state: State, start: int, steps: int) -> Message:
-        """Give what the child has to know where the normal force changes in time."""
+    def _normal_load(self, state: State, start: int, steps: int) -> Message:
+        """Give the normal loads, and where contacts open the gaps and their rates, if the normal force changes in time."""
         if self.lane.preload is None:
             return {}
         normal_load = {"normal_load": self.lane.preloads(start, steps) / self._units.force}
@@ -131,7 +131,7 @@ class OutOfProcessLane(LaneModel):
         return {**normal_load, "across": np.concatenate([gap / self._units.length, speed / self._units.velocity])}
 
     def _internal_state(self, rows: Message) -> FloatArray | None:
-        """Give what a state remembers of gaps; ``None`` where none opens."""
+        """Give gaps and their rates, the internal state of a lane; ``None`` where none opens."""
         if not self.lane.opens:
             return None
         return np.concatenate([rows["gap"][-1] * self._units.length, rows["gap_rate"][-1] * self._units.velocity])
@@ -145,7 +145,7 @@ class OutOfProcessLane(LaneModel):
             raise
 
     def _ensure_built(self) -> None:
-        """Build the chain unless the child that runs has it."""
+        """Build the chain unless the worker that runs has it."""
         if self._generation == self._process.generation and self._process.alive():
             return
         self._release()

@@ -1,4 +1,4 @@
-"""A child process that runs an engine in another Python, and survives whatever happens to it."""
+"""A worker process that runs an engine in another Python; its loss is an error here, and no more."""
 
 import contextlib
 import fcntl
@@ -19,10 +19,10 @@ from engines.out_of_process.worker import Message, NotAMessage, read_message, wr
 WORKER = Path(__file__).with_name("worker.py")
 
 GRACE = 5.0
-"""Seconds after the limit at which a child ends by itself, should its parent be gone."""
+"""Seconds after the limit at which a worker ends by itself, should its parent be gone."""
 
 LAST_LINES = 5
-"""Lines of a crashed child's error stream that its message quotes."""
+"""Lines of a crashed worker's error stream that its message quotes."""
 
 LONGEST_LINE = 200
 """Characters of a line that it quotes."""
@@ -32,11 +32,11 @@ ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_
 
 
 class EngineProcessError(RuntimeError):
-    """The child crashed, took too long, or answered with an error; the message names the engine and says which."""
+    """The worker crashed, took too long, or replied with an error; the message names the engine and the cause."""
 
 
 class EngineProcess:
-    """An engine in a child process, which is started on first use and anew after it was lost.
+    """An engine in a worker process, which is started on first use and anew after it was lost.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class EngineProcess:
 
     Notes
     -----
-    Requests of several threads wait for each other. After a fork, the new process starts a child of its own.
+    Requests of several threads wait for each other. After a fork, the new process starts a worker of its own.
     """
 
     def __init__(self, engine: str, interpreter: str, server: Path):
@@ -60,65 +60,65 @@ class EngineProcess:
         self._numbers = itertools.count()
         self._released: deque[int] = deque()
         self.generation = 0
-        """Number of children so far: lanes that were built in an earlier one are gone."""
+        """Number of workers so far: lanes that were built in an earlier one are gone."""
 
     def new_number(self) -> int:
         """Give a number for a lane; no other one has it."""
         return next(self._numbers)
 
     def release(self, number: int) -> None:
-        """Let the child drop a lane, with the next request; safe in a finaliser."""
+        """Let the worker drop a lane, with the next request; safe in a finaliser."""
         self._released.append(number)
 
     def alive(self) -> bool:
-        """Say whether the child that was started last would take another request."""
+        """Say whether the worker that was started last would take another request."""
         return self._worker is not None and self._worker.usable()
 
     @property
     def pid(self) -> int:
-        """Number of the child that was started last; 0 before the first request, and after a loss."""
+        """Number of the worker that was started last; 0 before the first request, and after a loss."""
         return 0 if self._worker is None else self._worker.pid
 
     def request(self, request: str, limit: float, /, **values: Any) -> Message:
-        """Send a request and wait for its answer.
+        """Send a request and wait for the reply.
 
         Parameters
         ----------
         request
-            What is asked for: ``"versions"``, ``"build"``, ``"run"`` or ``"native_steps"``.
+            Its kind: ``"versions"``, ``"build"``, ``"run"`` or ``"native_steps"``.
         limit
-            Longest wait [s]; then the child is killed.
+            Longest wait [s]; then the worker is killed.
         values
             Arrays, numbers and texts of the request.
 
         Raises
         ------
         EngineProcessError
-            If the child crashes, takes longer, or answers with an error. The next request starts a fresh one
+            If the worker crashes, takes longer, or replies with an error. The next request starts a fresh one
             if this one is lost.
         """
         with self._lock:
-            child = self._usable_child()
+            worker = self._usable_worker()
             release = [self._released.popleft() for _ in range(len(self._released))]
             message = {**values, "request": request, "limit": limit + GRACE, "release": release}
             try:
-                answer = self._exchange(child, message, limit)
+                reply = self._exchange(worker, message, limit)
             except BaseException:
-                # Also when the user interrupts the wait: the answer would be taken for that of the next request.
+                # Also when the user interrupts the wait: the reply would be taken for that of the next request.
                 self._lose()
                 raise
-        if "error" in answer:
-            problem = EngineProcessError(f"{self.engine} in {self._command[0]}: {answer['error']}")
-            problem.add_note(str(answer["traceback"]))
+        if "error" in reply:
+            problem = EngineProcessError(f"{self.engine} in {self._command[0]}: {reply['error']}")
+            problem.add_note(str(reply["traceback"]))
             raise problem
-        return answer
+        return reply
 
     def close(self) -> None:
-        """End the child; the next request starts another."""
+        """End the worker; the next request starts another."""
         with self._lock:
             self._lose()
 
-    def _usable_child(self) -> "_WorkerProcess":
+    def _usable_worker(self) -> "_WorkerProcess":
         if not self.alive():
             self._lose()
             try:
@@ -129,20 +129,20 @@ class EngineProcess:
         assert self._worker is not None
         return self._worker
 
-    def _exchange(self, child: "_WorkerProcess", message: Message, limit: float) -> Message:
-        """Give the answer, or say in one line what became of the child."""
-        child.truncate_errors()
-        with child.killed_after(limit) as expired:
+    def _exchange(self, worker: "_WorkerProcess", message: Message, limit: float) -> Message:
+        """Give the reply, or raise with one line on what became of the worker."""
+        worker.truncate_errors()
+        with worker.killed_after(limit) as expired:
             try:
-                write_message(child.requests, message)
-                return read_message(child.replies)
+                write_message(worker.requests, message)
+                return read_message(worker.replies)
             except NotAMessage as problem:
-                raise EngineProcessError(f"{self.engine} answered with something else: {problem}") from problem
+                raise EngineProcessError(f"{self.engine} sent something other than a reply: {problem}") from problem
             except (EOFError, OSError) as problem:
                 if expired.is_set():
                     what = f"{self.engine} did not finish {message['request']!r} within {limit:g} s and was killed"
                 else:
-                    how, printed = child.how_it_ended()
+                    how, printed = worker.how_it_ended()
                     what = f"{self.engine} {how} during {message['request']!r}{printed}"
                 raise EngineProcessError(what) from problem
 
@@ -158,7 +158,7 @@ class _WorkerProcess:
     def __init__(self, command: list[str]):
         with contextlib.ExitStack() as undone:
             self._errors = undone.enter_context(tempfile.TemporaryFile())
-            # The child goes on writing at the end, wherever that is after a truncation.
+            # The worker goes on writing at the end, wherever that is after a truncation.
             fcntl.fcntl(self._errors, fcntl.F_SETFL, fcntl.fcntl(self._errors, fcntl.F_GETFL) | os.O_APPEND)
             self._process: subprocess.Popen[bytes] = subprocess.Popen(
                 command,
@@ -188,11 +188,11 @@ class _WorkerProcess:
         return self._owner == os.getpid() and self._process.poll() is None
 
     def truncate_errors(self) -> None:
-        """Forget what was printed so far: an engine may warn in every step."""
+        """Drop what was printed so far: an engine may warn in every step."""
         self._errors.truncate(0)
 
     def how_it_ended(self) -> tuple[str, str]:
-        """Say with which signal or code, and quote what it printed last."""
+        """Give the signal or the code, and a quotation of what was printed last."""
         self._process.wait()
         code = self._process.returncode
         how = f"crashed with signal {-code} ({_signal_name(-code)})" if code < 0 else f"ended with code {code}"

@@ -1,15 +1,15 @@
 """The other end of the pipe: a loop that runs in another Python and serves one engine.
 
-It is started as ``python3 -I child.py SERVER``, where SERVER is a file that defines
+It is started as ``python3 -I worker.py SERVER``, where SERVER is a file that defines
 
 - ``versions()``: a dictionary of versions, with the engine's own under ``"engine"``;
-- ``Lane(parameters)``: one chain, with ``run(position, velocity, loads, record)``, which gives a dictionary of
+- ``EngineLane(parameters)``: one chain, with ``run(position, velocity, loads, record)``, which gives a dictionary of
   arrays with one row a step (position and velocity alone where nothing is recorded), and ``native_steps(steps)``.
   Where the normal force changes in time, ``run`` gets ``normal_load``, a row a step; where contacts open, also
   ``across``, gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not.
 
 A message is two numbers of eight bytes, its length and that of its head; the head, a JSON list of name, data type
-and shape of every array; and what the arrays hold, one after the other. An ``npz`` file says the same, and takes as
+and shape of every array; and what the arrays hold, one after the other. An ``npz`` file holds the same, and takes as
 long as a hundred steps of a fast engine. This file runs in Pythons whose packages are older than the suite's: it needs
 NumPy only, and never imports the suite.
 """
@@ -35,10 +35,10 @@ LARGEST_MESSAGE = 1 << 32
 """Bytes; a length beyond this is not a length."""
 
 MOTION = ("position", "velocity")
-"""What is left of the rows of a run when only its end is asked for."""
+"""What is left of the rows of a run of which only the end is requested."""
 
-PRESS, ACROSS = ("normal_load", "across"), ("gap", "gap_rate")
-"""What a run is told, and what it tells, of a normal force that changes in time."""
+NORMAL_LOAD, GAPS = ("normal_load", "across"), ("gap", "gap_rate")
+"""What a run is given, and what it gives, of a normal force that changes in time."""
 
 
 class NotAMessage(ValueError):
@@ -62,7 +62,7 @@ def read_message(stream: BinaryIO) -> Message:
     body, arrays = _exactly(stream, length), {}
     try:
         for name, text, shape in json.loads(body[:place].decode()):
-            # Their places are those of bytes: copies are aligned, and may be written to.
+            # Their places count bytes: copies are aligned, and may be written to.
             arrays[str(name)] = array = np.ndarray(tuple(shape), _plain(text), body, place).copy()
             place += array.nbytes
     except (ValueError, TypeError, OverflowError) as problem:
@@ -88,21 +88,21 @@ def _exactly(stream: BinaryIO, length: int) -> bytes:
 
 
 class Service:
-    """Answers the requests for one engine; lanes are known by the numbers that the other side gives them."""
+    """Handles the requests for one engine; lanes are known by the numbers that the other side gives them."""
 
     def __init__(self, load: Callable[[], Any]):
         self._load = load
         self._lanes: dict[int, Any] = {}
 
-    def answer(self, request: Message) -> Message:
-        """Answer a request; an exception becomes an answer, and the child lives on."""
+    def reply_to(self, request: Message) -> Message:
+        """Handle a request; an exception becomes a reply, and the worker lives on."""
         _end_at(float(request["limit"]))
         try:
             for number in request["release"].tolist():
                 self._lanes.pop(number, None)
             handler = getattr(self, "_" + str(request["request"]))
             return handler(request)
-        except Exception as problem:  # whatever it is, the other side has to hear of it
+        except Exception as problem:  # whatever it is, the other side has to get it
             return {"error": f"{type(problem).__name__}: {problem}", "traceback": traceback.format_exc()}
         finally:
             sys.stdout.flush()
@@ -112,17 +112,17 @@ class Service:
         return {"python": platform.python_version(), **self._load().versions()}
 
     def _build(self, request: Message) -> Message:
-        self._lanes[int(request["number"])] = self._load().Lane(request)
+        self._lanes[int(request["number"])] = self._load().EngineLane(request)
         return {}
 
     def _run(self, request: Message) -> Message:
         lane = self._lanes[int(request["number"])]
         record = bool(request["record"])
-        pressed = {name: request[name] for name in PRESS if name in request}
-        rows = lane.run(request["position"], request["velocity"], request["loads"], record, **pressed)
+        normal_load = {name: request[name] for name in NORMAL_LOAD if name in request}
+        rows = lane.run(request["position"], request["velocity"], request["loads"], record, **normal_load)
         if record:
             return dict(rows)
-        return {name: rows[name][-1:] for name in (*MOTION, *ACROSS) if name in rows}
+        return {name: rows[name][-1:] for name in (*MOTION, *GAPS) if name in rows}
 
     def _native_steps(self, request: Message) -> Message:
         self._lanes[int(request["number"])].native_steps(int(request["steps"]))
@@ -132,14 +132,14 @@ class Service:
 def _end_at(seconds: float) -> None:
     """Let the kernel end this process so late from now, even inside compiled code; never, for 0.
 
-    The other side keeps the limit itself; this one is for a child whose parent is gone.
+    The other side keeps the limit itself; this one is for a worker whose parent is gone.
     """
     signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
 def _server(path: str) -> Any:
     """Load the file of the server, under a name that hides no package."""
-    name = "outside_server"
+    name = "engine_server"
     if name not in sys.modules:
         spec = spec_from_loader(name, SourceFileLoader(name, path))
         assert spec is not None
@@ -163,7 +163,7 @@ def main() -> None:
             request = read_message(requests)
         except EOFError:
             return
-        write_message(replies, service.answer(request))
+        write_message(replies, service.reply_to(request))
 
 
 if __name__ == "__main__":

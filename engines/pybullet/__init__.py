@@ -7,9 +7,9 @@ from typing import ClassVar
 
 from engines.interface.engine import Engine
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from engines.pybullet.connection import Connection
 from engines.pybullet.contact import CONTACT_DEFAULT, CONTACT_TUNED, PyBulletContactLane
 from engines.pybullet.joint import JOINT_DEFAULT, JOINT_TUNED, PyBulletJointLane
-from engines.pybullet.world import World
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.stepping.sequential import SequentialSimulation
 
@@ -49,6 +49,6 @@ class PyBullet(Engine):
         )
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        world = World()
+        connection = Connection()
         model = PyBulletJointLane if formulation is Formulation.JOINT else PyBulletContactLane
-        return SequentialSimulation.build(lanes, lambda lane: model(world, lane, preset))
+        return SequentialSimulation.build(lanes, lambda lane: model(connection, lane, preset))

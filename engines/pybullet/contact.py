@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from engines.interface.presets import NormalForce, Option, Preset
-from engines.pybullet.world import World, import_pybullet
+from engines.pybullet.connection import Connection, import_pybullet
+from engines.shared.box_geometry import BOX
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
@@ -52,9 +53,6 @@ CONTACT_DEFAULT = Preset(
 REST_DEPTH = 1e-5
 """Penetration that Bullet leaves alone, its contactSlop; at zero depth, round-off would lose a contact now and then."""
 
-BOX = 4.0
-"""Half of a box's edge over the displacement scale of the drive."""
-
 PLATE = 2.0**20
 """Half of a plate's length over the displacement scale; beyond, boxes would fall off."""
 
@@ -77,7 +75,7 @@ class PyBulletContactLane(LaneModel):
     Outer and inner mass press each other with λ_N, an internal pair of forces, so that nothing needs a guide.
     """
 
-    def __init__(self, world: World, lane: Lane, preset: Preset):
+    def __init__(self, connection: Connection, lane: Lane, preset: Preset):
         """Take the lane's parameters in its units."""
         largest = float(np.max(lane.chain.friction_coefficient))
         if largest > LARGEST_COEFFICIENT:
@@ -85,7 +83,7 @@ class PyBulletContactLane(LaneModel):
                 f"friction_coefficient = {largest:g}; allowed by Bullet: at most {LARGEST_COEFFICIENT:g}"
             )
         self.lane = lane
-        self._world = world
+        self._connection = connection
         self._preset = preset
         self._units = Units.named(preset["units"], lane)
         self._chain = self._units.scaled(lane.chain)
@@ -113,7 +111,7 @@ class PyBulletContactLane(LaneModel):
         )
 
     def advance(self, state: State, start: int, steps: int) -> State:
-        """Advance as `run` does, without asking for the contacts."""
+        """Advance as `run` does, without reading the contacts."""
         rows, end = self._rows(state, start, steps, record=False)
         position, velocity = np.split(rows, 2, axis=1)
         internal_state = None if end is None else end[None]
@@ -122,16 +120,16 @@ class PyBulletContactLane(LaneModel):
     def native_steps(self, steps: int) -> None:
         """Take steps of Bullet alone, from rest; see `NativeStepping`."""
         self._new_bodies(np.zeros(4 * self._chain.cells), np.zeros((2, self._chain.cells)))
-        self._world.native_steps(steps)
+        self._connection.native_steps(steps)
 
     def close(self) -> None:
-        """Close the world that this lane shares with the others of its simulation."""
-        self._world.close()
+        """Close the connection that this lane shares with the others of its simulation."""
+        self._connection.close()
 
     def _rows(self, state: State, start: int, steps: int, record: bool) -> tuple[FloatArray, FloatArray | None]:
         """Give motion, friction, normal force and, where it opens, gap of every step, or the motion of the last only.
 
-        The second is what the final state has to remember.
+        The second is the internal state at the end.
         """
         checked_count("steps", steps)
         now = np.concatenate([state.positions[0] / self._units.length, state.velocities[0] / self._units.velocity])
@@ -142,7 +140,7 @@ class PyBulletContactLane(LaneModel):
         loads = (self.lane.loads(start, steps) / self._units.force).tolist()
         for load, pressing in zip(loads, self._pressings(start, steps), strict=True):
             velocity[:] = self._step(bodies, now, load, pressing)
-            # Bullet's own step, compared in `_check_end`: asking for positions too would take as long as its solver.
+            # Bullet's own step, compared in `_check_end`: reading positions too would take as long as its solver.
             position += time_step * velocity
             if record:
                 gap = self._gaps(bodies)[0].tolist() if self.lane.opens else []
@@ -159,7 +157,7 @@ class PyBulletContactLane(LaneModel):
 
     def _step(self, bodies: list[int], now: FloatArray, load: float, pressing: list[float]) -> list[float]:
         """Apply the forces of springs, dashpots, drive and pressing, take a step; give the velocities after it."""
-        bullet, client = import_pybullet(), self._world.client
+        bullet, client = import_pybullet(), self._connection.client
         force = self._forces @ now
         force[0] += load
         apply, frame, nowhere = bullet.applyExternalForce, bullet.LINK_FRAME, (0.0, 0.0, 0.0)
@@ -178,7 +176,7 @@ class PyBulletContactLane(LaneModel):
 
     def _gaps(self, bodies: list[int]) -> FloatArray:
         """Read the gap, and its rate, as the inner mass alone would make them; shape (2, n)."""
-        bullet, client, box = import_pybullet(), self._world.client, BOX * self._scale
+        bullet, client, box = import_pybullet(), self._connection.client, BOX * self._scale
         heights = [bullet.getBasePositionAndOrientation(body, physicsClientId=client)[0][2] for body in bodies]
         speeds = [bullet.getBaseVelocity(body, physicsClientId=client)[0][2] for body in bodies]
         outer, inner = np.split(np.array([heights, speeds]), 2, axis=1)
@@ -186,7 +184,7 @@ class PyBulletContactLane(LaneModel):
         return (inner - outer - [[2 * box - REST_DEPTH], [0.0]]) / self._opening
 
     def _internal_state(self, bodies: list[int]) -> FloatArray | None:
-        """Give what the next run has to know of the gaps, as `State.normal_state` reads it."""
+        """Give gaps and their rates, as `State.normal_state` reads them; ``None`` where none opens."""
         if not self.lane.opens:
             return None
         gap, speed = self._gaps(bodies)
@@ -194,7 +192,7 @@ class PyBulletContactLane(LaneModel):
 
     def _contact_forces(self, bodies: list[int]) -> list[float]:
         """Friction on every inner mass, then every normal force: sums over the points of a contact."""
-        bullet, client = import_pybullet(), self._world.client
+        bullet, client = import_pybullet(), self._connection.client
         friction, normal = [], []
         cells = self._chain.cells
         for outer, inner in zip(bodies[:cells], bodies[cells:], strict=True):
@@ -210,7 +208,7 @@ class PyBulletContactLane(LaneModel):
 
         `across` holds the gap and its rate as the inner mass alone would make them, shape (2, n).
         """
-        bullet, client, preset = import_pybullet(), self._world.client, self._preset
+        bullet, client, preset = import_pybullet(), self._connection.client, self._preset
         bullet.resetSimulation(physicsClientId=client)
         bullet.setTimeStep(self.lane.time_step / self._units.time, physicsClientId=client)
         bullet.setPhysicsEngineParameter(
@@ -247,7 +245,7 @@ class PyBulletContactLane(LaneModel):
 
     def _new_body(self, shape: Any, mass: float, friction: float, place: list[float]) -> int:
         """Make one body; properties one call each, for Bullet mixes some of them up."""
-        bullet, client, preset = import_pybullet(), self._world.client, self._preset
+        bullet, client, preset = import_pybullet(), self._connection.client, self._preset
         body = int(bullet.createMultiBody(mass, shape, -1, place, useMaximalCoordinates=1, physicsClientId=client))
         inertia = list(preset["localInertiaDiagonal"])
         for properties in (
@@ -260,7 +258,7 @@ class PyBulletContactLane(LaneModel):
 
     def _check_end(self, bodies: list[int], positions: FloatArray) -> None:
         """Compare positions with Bullet's; refuse a motion in which a box has left its plate and felt no friction."""
-        bullet, client = import_pybullet(), self._world.client
+        bullet, client = import_pybullet(), self._connection.client
         where = [bullet.getBasePositionAndOrientation(body, physicsClientId=client)[0][0] for body in bodies]
         if not np.allclose(positions, where, rtol=0, atol=POSITION_TOLERANCE * self._scale, equal_nan=True):
             raise RuntimeError(f"Bullet's positions {where} do not follow from its velocities: {positions.tolist()}")

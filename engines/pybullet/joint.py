@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from engines.interface.presets import NormalForce, Option, Preset
-from engines.pybullet.world import World, import_pybullet
+from engines.pybullet.connection import Connection, import_pybullet
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
@@ -50,13 +50,13 @@ MOST_CELLS = 63
 class PyBulletJointLane(LaneModel):
     """One chain; a run makes its bodies anew, so that nothing is left of earlier runs."""
 
-    def __init__(self, world: World, lane: Lane, preset: Preset):
+    def __init__(self, connection: Connection, lane: Lane, preset: Preset):
         """Take the lane's parameters in its units."""
         cells = lane.chain.cells
         if cells > MOST_CELLS:
             raise ParameterError(f"cells = {cells} is outside what PyBullet takes; allowed: at most {MOST_CELLS}")
         self.lane = lane
-        self._world = world
+        self._connection = connection
         self._preset = preset
         self._units = Units.named(preset["units"], lane)
         self._chain = self._units.scaled(lane.chain)
@@ -82,16 +82,16 @@ class PyBulletJointLane(LaneModel):
     def native_steps(self, steps: int) -> None:
         """Take steps of Bullet alone, from rest; see `NativeStepping`."""
         body = self._new_body(*np.zeros((2, 2 * self._chain.cells)))
-        self._world.native_steps(steps)
-        import_pybullet().removeBody(body, physicsClientId=self._world.client)
+        self._connection.native_steps(steps)
+        import_pybullet().removeBody(body, physicsClientId=self._connection.client)
 
     def close(self) -> None:
-        """Close the world that this lane shares with the others of its simulation."""
-        self._world.close()
+        """Close the connection that this lane shares with the others of its simulation."""
+        self._connection.close()
 
     def _rows(self, state: State, start: int, steps: int) -> FloatArray:
         """Give coordinates, their velocities and friction of every step, shape (steps, 5n)."""
-        bullet, client = import_pybullet(), self._world.client
+        bullet, client = import_pybullet(), self._connection.client
         coordinates = ChainCoordinates.CELLS.of(state.positions[0] / self._units.length)
         velocities = ChainCoordinates.CELLS.of(state.velocities[0] / self._units.velocity)
         body = self._new_body(coordinates, velocities)
@@ -129,12 +129,12 @@ class PyBulletJointLane(LaneModel):
         bullet, still = import_pybullet(), [0.0] * len(links)
         bullet.setJointMotorControlArray(
             body, links, bullet.VELOCITY_CONTROL, targetVelocities=still, forces=bounds,
-            velocityGains=[self._preset["velocityGain"]] * len(links), physicsClientId=self._world.client,
+            velocityGains=[self._preset["velocityGain"]] * len(links), physicsClientId=self._connection.client,
         )  # fmt: skip
 
     def _new_body(self, coordinates: FloatArray, velocities: FloatArray) -> int:
         """Make the chain and set its state; motors last, for Bullet stores their bounds times the time step."""
-        bullet, client = import_pybullet(), self._world.client
+        bullet, client = import_pybullet(), self._connection.client
         bullet.setTimeStep(self._time_step, physicsClientId=client)
         body = _new_tree(self._chain.outer_mass, self._chain.inner_mass, client)
         preset = self._preset

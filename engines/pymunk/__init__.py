@@ -31,7 +31,7 @@ class Pymunk(Engine):
         notes=(
             "Coulomb's law, exact in stick: a joint that holds two bodies together with bounded force, or boxes "
             "pressed on plates. Positions are advanced before velocities; the tuned presets evaluate forces in "
-            "between, which is the scheme of equation (5). A joint tells the size of its force, and the momentum "
+            "between, which is the scheme of equation (5). A joint gives the size of its force, and the momentum "
             "gained the sign."
         ),
     )

@@ -20,7 +20,7 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
-LENGTH = 2.0**10
+SPRING_LENGTH = 2.0**10
 """Length of a damped spring over the displacement scale: it acts along the line of its anchors."""
 
 
@@ -131,7 +131,7 @@ class PymunkBodies(ABC):
         # The space's own body, where something hangs on it, comes last.
         bodies, all_bodies = len(world.bodies), np.frombuffer(read.float_buf()).reshape(-1, 4)
         # Of x, y and their velocities, in the order of a motion: x of all bodies, then their velocities.
-        found = all_bodies[:bodies].reshape(*shape, 4)[..., ::2].swapaxes(1, 2)
+        motion_read = all_bodies[:bodies].reshape(*shape, 4)[..., ::2].swapaxes(1, 2)
         loads, forces = batch.Buffer(), np.zeros((len(all_bodies), 2))
         loads.set_float_buf(forces)
         along = forces[:bodies, 0].reshape(shape)
@@ -145,17 +145,17 @@ class PymunkBodies(ABC):
             advance(time_step)
             clear()
             get_bodies(space, fields, read)
-            moved[:] = found
+            moved[:] = motion_read
 
         return step
 
     def set_normal_load(self, world: World, normal_load: FloatArray) -> None:
-        """Set what presses every cell in the next step, shape (lanes, n), where that changes in time."""
+        """Set the normal loads of the next step, shape (lanes, n), where they change in time."""
         raise NotImplementedError(f"{type(self).__name__} have a constant normal force")
 
     @abstractmethod
     def reader(self, world: World) -> Callable[[], Any]:
-        """Give what reads, after a step, what pymunk says of the contacts of all lanes."""
+        """Give what reads, after a step, what pymunk reports of the contacts of all lanes."""
 
     @abstractmethod
     def contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -168,7 +168,7 @@ class PymunkBodies(ABC):
         motions
             The motion at the start, and at the end of each step, shape (steps + 1, lanes, 4n).
         given
-            What presses the contacts in each step, shape (steps, lanes, n).
+            Normal load of the contacts in each step, shape (steps, lanes, n).
         """
 
     def spring_matrix(self) -> FloatArray:
@@ -196,7 +196,7 @@ class PymunkBodies(ABC):
 
         lane, chain = self.lanes[index], self.chains[index]
         heights = np.concatenate([[0.0], self._heights[index]])
-        length = LENGTH * power_of_two(lane.drive.displacement_scale(lane.chain)) / self.units[index].length
+        length = SPRING_LENGTH * power_of_two(lane.drive.displacement_scale(lane.chain)) / self.units[index].length
         lefts, rights = [space.static_body, *outer[:-1], *outer], [*outer, *inner]
         rises = heights[[*range(chain.cells), *range(1, chain.cells + 1)]] - heights[1:]
         stiffnesses = np.concatenate([chain.chain_stiffness, chain.inner_stiffness])

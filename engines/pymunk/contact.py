@@ -74,7 +74,7 @@ class PymunkBoxes(PymunkBodies):
         """Give what reads friction and normal impulse of every cell, shape (2, lanes, n)."""
         from pymunk import batch
 
-        # Of each pair of bodies that touch, pymunk tells the impulse on the first and the normal away from it.
+        # Of each pair of bodies that touch, pymunk gives the impulse on the first and the normal away from it.
         fields = batch.ArbiterFields
         pairs, buffer = fields.BODY_A_ID | fields.TOTAL_IMPULSE | fields.NORMAL, batch.Buffer()
         cells, space = self.cells, world.space
@@ -85,12 +85,12 @@ class PymunkBoxes(PymunkBodies):
         def contacts() -> FloatArray:
             buffer.clear()
             batch.get_space_arbiters(space, pairs, buffer)
-            found = np.zeros((len(self.lanes) * cells, 2))
+            impulses = np.zeros((len(self.lanes) * cells, 2))
             touching = [places[body] for body in memoryview(buffer.int_buf()).cast("P").tolist()]
             values = np.frombuffer(buffer.float_buf()).reshape(-1, 4)
             # The normal points down from the box, and up from the plate.
-            found[touching] = values[:, :2] * -values[:, 3:]
-            return found.T.reshape(2, len(self.lanes), cells)
+            impulses[touching] = values[:, :2] * -values[:, 3:]
+            return impulses.T.reshape(2, len(self.lanes), cells)
 
         return contacts
 

@@ -48,13 +48,13 @@ class PymunkJoints(PymunkBodies):
         """Take the lanes' parameters in their units."""
         super().__init__(lanes, preset)
         self._bounds = np.concatenate([chain.friction_bound for chain in self.chains]).tolist()
-        self._kept: World | None = None
+        self._reusable: World | None = None
 
     def fresh(self) -> World:
-        """Give the space of the run before, if its joints can be made to forget: to make it anew takes longer."""
-        if self._kept is None or not self._released(self._kept):
-            self._kept = super().fresh()
-        return self._kept
+        """Give the space of the run before if its joints' impulses can be cleared: to make it anew takes longer."""
+        if self._reusable is None or not self._cleared(self._reusable):
+            self._reusable = super().fresh()
+        return self._reusable
 
     def _hold(self, space: Any, chain: Chain, outer: list[Any], inner: list[Any]) -> list[Any]:
         import pymunk
@@ -67,7 +67,7 @@ class PymunkJoints(PymunkBodies):
         space.add(*joints)
         return joints
 
-    def _released(self, world: World) -> bool:
+    def _cleared(self, world: World) -> bool:
         """Take a step without any friction, after which no joint has an impulse to begin the next one with."""
         joints = world.holds
         self.place(world, np.zeros((len(self.lanes), 4 * self.cells)))

@@ -116,7 +116,7 @@ class PymunkSimulation:
         last = motion.copy()
         # Drives act on cell 1 alone: room for the forces on all of them, for the steps between two checks.
         given, loads = self._loads(start, steps), np.zeros((STEPS_BETWEEN_CHECKS, *force.shape))
-        normal_load = self._presser(world, start, steps)
+        set_normal_load = self._normal_load_setter(world, start, steps)
         for first in range(0, steps, STEPS_BETWEEN_CHECKS):
             self._rest_the_diverged(world, motion, last, stopped, first)
             going = stopped > first
@@ -127,7 +127,7 @@ class PymunkSimulation:
             for row, load in enumerate(loads[: len(piece)], first):
                 matmul(matrix, column, forces)
                 add(force, load, force)
-                normal_load(row)
+                set_normal_load(row)
                 step(force)
                 yield row
         motion[stopped < steps] = last[stopped < steps]
@@ -147,29 +147,29 @@ class PymunkSimulation:
         """Give the force on cell 1 of every lane at the start of each step, shape (steps, lanes)."""
         return np.stack([lane.loads(start, steps) for lane in self.lanes], axis=1) / self._force[:, 0]
 
-    def _presser(self, world: World, start: int, steps: int) -> Callable[[int], None]:
-        """Give what sets the press of every cell before a step; it does nothing where that is constant."""
+    def _normal_load_setter(self, world: World, start: int, steps: int) -> Callable[[int], None]:
+        """Give what sets the normal load of every cell before a step; it does nothing where that is constant."""
         if not self._modulated:
             return lambda _: None
-        presses = self._preloads(start, steps)
-        return lambda row: self._bodies.set_normal_load(world, presses[row])
+        normal_loads = self._preloads(start, steps)
+        return lambda row: self._bodies.set_normal_load(world, normal_loads[row])
 
     def _preloads(self, start: int, steps: int) -> FloatArray:
-        """Give what presses every cell of every lane in each step, shape (steps, lanes, n)."""
+        """Give the normal load of every cell of every lane in each step, shape (steps, lanes, n)."""
         return np.stack([lane.preloads(start, steps) for lane in self.lanes], axis=1) / self._force
 
     def _trajectories(
         self, motions: FloatArray, friction: FloatArray, normal: FloatArray, start: int
     ) -> list[Trajectory]:
         """Give the trajectory of each lane in SI units."""
-        half, found = motions.shape[2] // 2, []
+        half, trajectories = motions.shape[2] // 2, []
         for index, (lane, units) in enumerate(zip(self.lanes, self._bodies.units, strict=True)):
             time = lane.times(start, len(motions))
             position, velocity = motions[:, index, :half] * units.length, motions[:, index, half:] * units.velocity
             forces = friction[:, index] * units.force, normal[:, index] * units.force
-            found.append(Trajectory(time, position, velocity, *forces))
-        self._check_ends(np.stack([one.positions[-1] for one in found]))
-        return found
+            trajectories.append(Trajectory(time, position, velocity, *forces))
+        self._check_ends(np.stack([trajectory.positions[-1] for trajectory in trajectories]))
+        return trajectories
 
     def _check_ends(self, positions: FloatArray) -> None:
         """Check the last positions of every lane [m]."""

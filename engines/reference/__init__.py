@@ -117,12 +117,12 @@ class RefinedSimulation:
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         """Advance every lane, one at a time: fine trajectories of many lanes would fill the memory."""
-        found = []
+        trajectories = []
         for lane in range(len(self.lanes)):
             fine = self._fine.subset([lane])
             every = fine.run(state.subset([lane]), start * self._substeps, steps * self._substeps)[0]
-            found.append(self._thinned(every, self.lanes[lane], start, steps))
-        return found
+            trajectories.append(self._thinned(every, self.lanes[lane], start, steps))
+        return trajectories
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state; see `Simulation.advance`."""
@@ -141,13 +141,13 @@ class RefinedSimulation:
 
     def _thinned(self, fine: Trajectory, lane: Lane, start: int, steps: int) -> Trajectory:
         """Keep the last Euler step of each time step."""
-        kept = slice(self._substeps - 1, None, self._substeps)
+        last = slice(self._substeps - 1, None, self._substeps)
         return Trajectory(
             lane.times(start, steps),
-            fine.positions[kept].copy(),
-            fine.velocities[kept].copy(),
-            fine.friction[kept].copy(),
-            fine.normal_force[kept].copy(),
+            fine.positions[last].copy(),
+            fine.velocities[last].copy(),
+            fine.friction[last].copy(),
+            fine.normal_force[last].copy(),
             fine.internal_state,
-            None if fine.normal_gap is None else fine.normal_gap[kept].copy(),
+            None if fine.normal_gap is None else fine.normal_gap[last].copy(),
         )

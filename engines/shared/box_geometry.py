@@ -41,10 +41,10 @@ class PressedBoxes:
     spacing: float
 
     @classmethod
-    def of(cls, lane: Lane, units: Units, plate: float = PLATE) -> "PressedBoxes":
+    def of(cls, lane: Lane, units: Units) -> "PressedBoxes":
         """Size them for a lane, with powers of two, so that distances of contacts are exact."""
         scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
-        return cls(BOX * scale, plate * scale, SPACING * scale)
+        return cls(BOX * scale, PLATE * scale, SPACING * scale)
 
     def check_reach(self, end: State, units: Units) -> None:
         """Refuse a motion in which a box has left its plate: there it would feel no friction.
@@ -52,7 +52,7 @@ class PressedBoxes:
         Raises
         ------
         RuntimeError
-            If one has.
+            If one has left its plate.
         """
         outer, inner = np.split(end.positions[-1], 2)
         largest, reach = float(np.max(np.abs(inner - outer))), (self.plate - self.box) * units.length

@@ -101,10 +101,10 @@ class ExplicitForcesLane(LaneModel):
 
     @abstractmethod
     def _contacts(self) -> FloatArray | list[float]:
-        """Read what the engine says of the contacts after a step."""
+        """Read what the engine reports of the contacts after a step."""
 
     def _set_normal_load(self, normal_load: FloatArray) -> None:
-        """Set what presses every cell in the next step, in the lane's units, shape (n,), where that changes in time."""
+        """Set the normal loads of the next step, in the lane's units, shape (n,), where they change in time."""
         raise NotImplementedError(f"{type(self).__name__} has a constant normal force")
 
     def _gaps(self) -> FloatArray:
@@ -123,7 +123,7 @@ class ExplicitForcesLane(LaneModel):
         motions
             The motion at the start, and at the end of each step, shape (steps + 1, 4n).
         given
-            What presses the contacts in each step [N], shape (steps, n).
+            Normal load of the contacts in each step [N], shape (steps, n).
         """
         return read * self._units.force, given
 
@@ -154,20 +154,21 @@ class ExplicitForcesLane(LaneModel):
             gap, speed = state.normal_state(self._chain.cells)
             self._across[:] = gap[0] / self._units.length, speed[0] / self._units.velocity
         step = self._begin(motion)
-        return motion, step if self.lane.preload is None else self._pressed(step, start, steps)
+        return motion, step if self.lane.preload is None else self._with_normal_load(step, start, steps)
 
-    def _pressed(self, step: Step, start: int, steps: int) -> Step:
-        """Let every step begin with setting what presses the cells."""
-        presses, normal_load = iter(self.lane.preloads(start, steps) / self._units.force), self._set_normal_load
+    def _with_normal_load(self, step: Step, start: int, steps: int) -> Step:
+        """Let every step begin with setting its normal load."""
+        normal_loads = iter(self.lane.preloads(start, steps) / self._units.force)
+        set_normal_load = self._set_normal_load
 
-        def pressed(force: FloatArray) -> None:
-            normal_load(next(presses))
+        def step_under_normal_load(force: FloatArray) -> None:
+            set_normal_load(next(normal_loads))
             step(force)
 
-        return pressed
+        return step_under_normal_load
 
     def _internal_state(self) -> FloatArray | None:
-        """Give what a state remembers of gaps, as `State.normal_state` reads it; ``None`` where none opens."""
+        """Give gaps and their rates, as `State.normal_state` reads them; ``None`` where none opens."""
         if not self.lane.opens:
             return None
         gap, speed = self._gaps()

@@ -9,16 +9,14 @@ from engines.interface.engine import NativeStepping
 from engines.interface.variant import Variant
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD as STEPS
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State
 from reference_lcp.stepping.sequential import SequentialSimulation
 from reference_lcp.validation import checked_count
 
-STEPS = 400
-"""Steps of a sample: a period, as the search for a steady state asks for them."""
-
 SAMPLES = 7
-"""Samples of each kind, taken in turn; the fastest counts, for other programs only ever make one slower."""
+"""Samples of each kind, a period of steps each, taken in turn; the fastest counts, for other programs only add time."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +26,7 @@ class StepCost:
     Parameters
     ----------
     variant
-        Who was measured.
+        What was measured.
     advance, run
         By the adapter: the end of a period only, and with every step recorded.
     bare
@@ -83,7 +81,7 @@ def step_cost(variant: Variant, samples: int = SAMPLES) -> StepCost:
 
 
 def native_stepping(simulation: Simulation) -> NativeStepping | None:
-    """Find who steps without the adapter: the simulation with all its lanes, or the model of its first one."""
+    """Find what steps without the adapter: the simulation with all its lanes, or the model of its first one."""
     candidate = simulation.models[0] if isinstance(simulation, SequentialSimulation) else simulation
     return candidate if isinstance(candidate, NativeStepping) else None
 

@@ -9,7 +9,7 @@ from engines.out_of_process.interpreter import Installation
 from engines.out_of_process.lane import OutOfProcessLane
 from reference_lcp.validation import FloatArray
 
-OUTSIDE = Installation(
+INSTALLATION = Installation(
     "siconos",
     Path(__file__).with_name("server.py"),
     "MULTIBODY_XVAL_SICONOS_PYTHON",
@@ -126,5 +126,5 @@ class Siconos(OutOfProcessEngine):
             "of it: both presets of the joint start it deep below."
         ),
     )
-    home: ClassVar[Installation] = OUTSIDE
+    installation: ClassVar[Installation] = INSTALLATION
     lane_model: ClassVar[type[OutOfProcessLane]] = SiconosLane

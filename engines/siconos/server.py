@@ -1,4 +1,4 @@
-"""Siconos, served by `child` in a Python that has it: Moreau–Jean time stepping, friction as a nonsmooth law.
+"""Siconos, served by `worker` in a Python that has it: Moreau–Jean time stepping, friction as a nonsmooth law.
 
 A run builds its model anew, which takes less than ten steps do: nothing is left of earlier runs.
 """
@@ -19,7 +19,7 @@ ALLOWED_RESIDUAL = 1e-6
 DEEP = 1e9
 """Depth at which every relay starts, over the displacement scale: no motion brings it to the surface."""
 
-DIVERGED = 1e12
+DIVERGENCE_DISTANCE = 1e12
 """Motion, over the displacement scale, beyond which an exception of Siconos is no more than that."""
 
 
@@ -37,7 +37,7 @@ def versions() -> dict[str, str]:
         return {"engine": "of unknown version"}
 
 
-class Lane:
+class EngineLane:
     """One chain.
 
     Parameters
@@ -86,8 +86,8 @@ class JointModel:
                 compute()
                 advance()
                 position[step], velocity[step] = motion
-                for found, part in impulses:
-                    impulse[step, part] = found
+                for current, part in impulses:
+                    impulse[step, part] = current
         except Exception:
             if not self._diverged(position[:step]):
                 raise
@@ -97,7 +97,9 @@ class JointModel:
         return (position, velocity), impulse
 
     def _diverged(self, position: Any) -> bool:
-        return len(position) > 0 and not np.max(np.abs(position[-1])) < DIVERGED * float(self._given["length"])
+        return len(position) > 0 and not np.max(np.abs(position[-1])) < DIVERGENCE_DISTANCE * float(
+            self._given["length"]
+        )
 
     def native_steps(self, steps: int) -> None:
         """Take steps and do nothing else."""
@@ -107,7 +109,7 @@ class JointModel:
             advance()
 
     def rows(self, motion: Any, impulse: Any) -> dict[str, Any]:
-        """Name what was found; impulses become forces."""
+        """Name the rows; impulses become forces."""
         position, velocity = motion
         friction = impulse / self._dt
         if str(self._given["activation"]) == "always":
@@ -209,7 +211,7 @@ class ContactModel(JointModel):
         return super().advance(loads)
 
     def rows(self, motion: Any, impulse: Any) -> dict[str, Any]:
-        """Name what was found; motions across are left out, and frictionless cells press as they are told."""
+        """Name the rows; motions across are left out, and frictionless cells have the normal load that is given."""
         along = [each[:, : 2 * self._cells] for each in motion]
         normal, friction = np.split(impulse / self._dt, 2, axis=1)
         normal[:, self._bound == 0] = self._given["normal"][self._bound == 0]

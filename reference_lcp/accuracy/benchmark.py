@@ -80,7 +80,7 @@ def bench_cells(lengths: Sequence[int] = CHAIN_LENGTHS) -> list[dict[str, float]
     list of dict
         ``cells``; ``seconds_per_cell_step``, best of several samples; ``bytes`` of the state and of the
         parameters (the table of loads, one number a step, is left out); ``highest_natural_frequency``
-        [rad/s], as every time step asks for it.
+        [rad/s], which every choice of a time step needs.
     """
     _compile()
     return [_cost_of_length(cells) for cells in lengths]

@@ -111,7 +111,7 @@ def plot_convergence(studies: dict[str, Convergence], file: Path) -> None:
     studies
         By the name that the legend shows.
     file
-        Picture to write; its ending says in which format.
+        Picture to write; its ending gives the format.
     """
     from matplotlib.figure import Figure
 

@@ -1,6 +1,6 @@
 """Error bars: how far a steady state of the Euler scheme is from that of the continuous motion.
 
-The steady state is found with three step sizes, and `reference_lcp.accuracy.richardson` says what they tell.
+The steady state is found with three step sizes, and `reference_lcp.accuracy.richardson` estimates the error from them.
 """
 
 import math
@@ -77,7 +77,7 @@ def measured_error_bar(
     chain, drive
         What moves, and what moves it.
     steps_per_period
-        Steps of the result whose error is asked for.
+        Steps of the result whose error is measured.
     tolerance, max_periods
         As for `periodic_orbits`.
 
@@ -91,12 +91,12 @@ def measured_error_bar(
     orbits = [euler_orbit(chain, drive, count, tolerance, max_periods) for count in steps]
     values = np.array([decibel(transmittance(orbit)) if orbit.converged else np.nan for orbit in orbits])
     stuck = np.array([stuck_fraction(orbit) for orbit in orbits])
-    found = richardson(steps, values, at=steps_per_period)
+    transmittance_error = richardson(steps, values, at=steps_per_period)
     return ErrorBar(
-        transmittance_db=float(found.error),
+        transmittance_db=float(transmittance_error.error),
         stuck_fraction=richardson(steps, stuck, at=steps_per_period).error + 1 / steps_per_period,
-        order=found.order,
-        extrapolated_db=float(found.extrapolated),
+        order=transmittance_error.order,
+        extrapolated_db=float(transmittance_error.extrapolated),
         steps_per_period=steps,
     )
 

@@ -1,4 +1,4 @@
-"""A base that moves as a record says: samples of time and displacement, from a CSV file."""
+"""A base that moves as recorded: samples of time and displacement, from a CSV file."""
 
 import csv
 import hashlib
@@ -18,7 +18,7 @@ FEWEST_SAMPLES = 4
 """What a cubic spline needs."""
 
 SAMPLES_PER_PERIOD = 2
-"""Nyquist: a record tells nothing of frequencies with fewer samples a period."""
+"""Nyquist: a record holds no frequencies with fewer samples a period."""
 
 
 @dataclass(frozen=True)
@@ -162,10 +162,10 @@ def _samples(file: Path) -> list[tuple[float, float]]:
     except (OSError, UnicodeDecodeError, csv.Error) as problem:
         reason = problem.strerror if isinstance(problem, OSError) else problem
         raise ParameterError(f"record {file} cannot be read: {reason}") from None
-    kept = [(number, line) for number, line in enumerate(lines, start=1) if not _skipped(line)]
-    if kept and len(kept[0][1]) == 2 and not any(_is_number(cell) for cell in kept[0][1]):
-        kept = kept[1:]
-    return [_sample(file, number, line) for number, line in kept]
+    samples = [(number, line) for number, line in enumerate(lines, start=1) if not _skipped(line)]
+    if samples and len(samples[0][1]) == 2 and not any(_is_number(cell) for cell in samples[0][1]):
+        samples = samples[1:]
+    return [_sample(file, number, line) for number, line in samples]
 
 
 def _skipped(line: list[str]) -> bool:

@@ -21,7 +21,7 @@ LARGEST_PHASE_STEP = 0.4
 """Largest dt ω_max: a fifth of the stability limit 2 of the symplectic Euler scheme."""
 
 FEWEST_STEPS_PER_PERIOD = math.ceil(2 * math.pi / LARGEST_PHASE_STEP)
-"""Fewest steps a period that may be asked for, 16: with fewer the drive itself breaks dt ω <= 0.4, whatever the chain.
+"""Fewest steps a period that are allowed, 16: with fewer the drive itself breaks dt ω <= 0.4, whatever the chain.
 
 Four a phase, too, of the cycle stick, forward slip, stick, backward slip.
 """

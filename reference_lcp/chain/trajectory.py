@@ -151,7 +151,7 @@ class Trajectory:
 
     def joined(self, other: Self) -> "Trajectory":
         """Append a run that started at this one's end."""
-        gaps = [one.normal_gap for one in (self, other) if one.normal_gap is not None]
+        gaps = [part.normal_gap for part in (self, other) if part.normal_gap is not None]
         return Trajectory(
             np.concatenate([self.time, other.time]),
             np.concatenate([self.positions, other.positions]),

@@ -268,7 +268,7 @@ class FilteredNoise(MovingBase):
     def _sum(self, phasors: NDArray[np.complex128], time: FloatArray) -> FloatArray:
         """Im Σ_k p_k z^k with z = exp(iΔω t), by Horner's rule: |z| = 1, so that no rounding grows."""
         flat = np.ravel(time)
-        found = np.empty(flat.size)
+        values = np.empty(flat.size)
         for first in range(0, flat.size, BLOCK):
             t = flat[first : first + BLOCK]
             z = np.exp(1j * self._spacing * np.remainder(t, self.repetition))
@@ -276,8 +276,8 @@ class FilteredNoise(MovingBase):
             for phasor in phasors[-2::-1]:
                 total *= z
                 total += phasor
-            found[first : first + BLOCK] = np.imag(total * z ** self._lines[0])
-        return found.reshape(np.shape(time))
+            values[first : first + BLOCK] = np.imag(total * z ** self._lines[0])
+        return values.reshape(np.shape(time))
 
 
 def cosine_rise(time: FloatArray, rise: float) -> tuple[FloatArray, FloatArray]:

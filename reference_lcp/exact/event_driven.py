@@ -170,7 +170,7 @@ class EventDrivenChain:
     def _stick_orders(
         self, friction: FloatArray, stuck: BoolArray, tolerance: FloatArray
     ) -> tuple[NDArray[np.intp], BoolArray]:
-        """How sticking contacts leave their bounds: orders (2, n), upper and lower, and who has to slip (n,).
+        """How sticking contacts leave their bounds: orders (2, n), upper and lower, and which have to slip (n,).
 
         The order is the number of leading coefficients of μ λ_N ∓ λ_T that vanish: zero inside the bounds.
         A force that rests on its bound has all of them vanish, and sticks.

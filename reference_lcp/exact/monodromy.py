@@ -80,13 +80,13 @@ def polished(orbit: PeriodicOrbit, steps_per_period: int, tolerance: float) -> P
     best, state = orbit, orbit.trajectory.end
     for _ in range(NEWTON_STEPS):
         state = _newton_step(EventDrivenChain(orbit.lane), state, steps_per_period * orbit.lane.time_step)
-        found = periodic_orbits(
+        candidate = periodic_orbits(
             simulation, steps_per_period, start=state, tolerance=tolerance, max_periods=1, longest_multiple=1
         )[0]
-        periods += 1 + found.periods
-        if not found.residual < best.residual:
+        periods += 1 + candidate.periods
+        if not candidate.residual < best.residual:
             break
-        best, state = found, found.trajectory.end
+        best, state = candidate, candidate.trajectory.end
     status = best.status if best.residual > tolerance else OrbitStatus.CONVERGED
     return PeriodicOrbit(best.lane, best.trajectory, best.residual, periods, status)
 

@@ -17,7 +17,7 @@ from reference_lcp.validation import FloatArray
 SMALLEST_INTERVAL = 2.0**-48
 """Width at which an interval that still cannot be proven free of roots counts as one.
 
-A polynomial that passes zero closely ends here, and whoever asked decides what the touch means. One that
+A polynomial that passes zero closely ends here, and the caller decides what the touch means. One that
 passes it by less than round-off (1e-16 of its largest coefficient) may be reported or not: it is equal to
 a neighbour that touches, and to one that does not.
 """
@@ -96,7 +96,7 @@ def _single_root(coefficients: FloatArray, start: float, end: float) -> float | 
         return result
 
     # Horner's rule and the Bernstein form round differently. A zero at the start is the first root; one at
-    # the end may be the second of a pair, and only smaller intervals tell.
+    # the end may be the second of a pair, and only smaller intervals separate them.
     if value(start) <= 0:
         return start
     if value(end) >= 0:

@@ -135,5 +135,5 @@ class InclinedChain:
 
     def _directions(self, along: float, across: float) -> FloatArray:
         """Directions of the contacts, from their parts along and across the row."""
-        one = np.eye(self.contacts)
-        return np.vstack([-along * one, along * one, across * one])
+        identity = np.eye(self.contacts)
+        return np.vstack([-along * identity, along * identity, across * identity])

@@ -80,7 +80,7 @@ def lemke(
     """Solve w = M z + q, w >= 0, z >= 0, wᵀ z = 0.
 
     Rows and columns are scaled by powers of two first. The lexicographic ratio test excludes cycling;
-    ties that involve the artificial variable end the path. The answer is computed anew from the final
+    ties that involve the artificial variable end the path. The solution is computed anew from the final
     basis with the unscaled data, and checked apart from the pivoting: what fails that check is never
     returned as solved.
 

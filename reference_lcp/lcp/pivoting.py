@@ -1,4 +1,4 @@
-"""Lemke's path from basis to basis, and the check of its answer.
+"""Lemke's path from basis to basis, and the check of its solution.
 
 Written once: numba compiles it, and with ``NUMBA_DISABLE_JIT=1`` Python runs the same lines.
 
@@ -22,8 +22,8 @@ Refinement gets below it in problems of a hundred rows. What a solution x of B x
 it: |B⁻¹| (‖a‖∞ + |B| |x|) times this (Skeel 1979).
 """
 
-REFINEMENTS = 3
-"""Most refinements of a solution; one is enough unless the inverse has drifted, and is then computed anew."""
+MOST_CORRECTIONS = 3
+"""Most iterative refinements of a solution; one is enough unless the inverse has drifted, and is then computed anew."""
 
 CLOSE = 2.0**-20
 """Ratios farther apart than this, relative to their size or to one, are no tie; of closer ones the errors decide.
@@ -32,12 +32,12 @@ A bound of errors that wide would come with a basis of condition 1e9.
 """
 
 LARGEST_GROWTH = 1e12
-"""Largest scaled z over q of an answer that counts as solved: beyond, q is lost in the round-off of M z."""
+"""Largest scaled z over q of a solution that counts: beyond, q is lost in the round-off of M z."""
 
 RESIDUAL_TOLERANCE = 1e-10
-"""Largest natural residual ‖min(z, w)‖∞ of an answer that counts as solved, in scaled variables."""
+"""Largest natural residual ‖min(z, w)‖∞ of a solution that counts, in scaled variables."""
 
-ROUND_OFF = 1e-13
+VARIABLE_ROUND_OFF = 1e-13
 """Error that each scaled variable may carry, relative to the largest one: round-off in a basis of condition 1,000.
 
 An open contact has Λ_TR = 2 μ Λ_N = 0, of which the solution of its basis leaves round-off; a row made of such
@@ -231,7 +231,7 @@ def _solved(columns: Any, inverse: Any, right: Any) -> Any:
     x, rest, size, error = np.zeros(n), np.empty(n), np.empty(n), np.zeros(n)
     _add(x, inverse, right)
     drifted = True
-    for _ in range(REFINEMENTS):
+    for _ in range(MOST_CORRECTIONS):
         drifted = not _residual_is_round_off(columns, right, x, rest, size)
         if not drifted:
             break
@@ -339,7 +339,7 @@ def _residual(M: Any, q: Any, z: Any, w: Any, rows: Any, columns: Any) -> float:
         terms = abs(q[i])
         for j in range(q.size):
             w[i] += M[i, j] * z[j]
-            terms += abs(M[i, j]) * max(abs(z[j]), columns[j] * largest * (ROUND_OFF / RESIDUAL_TOLERANCE))
+            terms += abs(M[i, j]) * max(abs(z[j]), columns[j] * largest * (VARIABLE_ROUND_OFF / RESIDUAL_TOLERANCE))
         scaled_w = w[i] / terms if terms > 0 else 0.0
         residual = max(residual, abs(min(z[i] / columns[i] / size, scaled_w)))
     return residual

@@ -75,9 +75,9 @@ def _leave_out_small(counts: Any, exponents: Any, rows: Any, columns: Any) -> bo
             if counts[i, j]:
                 scaled = exponents[i, j] + rows[i] + columns[j]
                 in_row[i], in_column[j] = max(in_row[i], scaled), max(in_column[j], scaled)
-    found, small = False, np.log2(SMALLEST_SCALED)
+    changed, small = False, np.log2(SMALLEST_SCALED)
     for i in range(n):
         for j in range(n):
             if counts[i, j] and exponents[i, j] + rows[i] + columns[j] < small + min(in_row[i], in_column[j]):
-                counts[i, j], found = False, True
-    return found
+                counts[i, j], changed = False, True
+    return changed

@@ -197,12 +197,12 @@ def assemble(step: FrictionalStep) -> tuple[FloatArray, FloatArray]:
     Unknowns (Λ_N Δt, Λ_TR Δt, ġ_T⁻ Δt), complements (g_N, ġ_T⁺ Δt, Λ_TL Δt).
     """
     mu = np.diag(step.friction_coefficient)
-    one, zero = np.eye(step.contacts), np.zeros((step.contacts, step.contacts))
+    identity, zero = np.eye(step.contacts), np.zeros((step.contacts, step.contacts))
     matrix = np.block(
         [
             [step.g_nn - step.g_nt @ mu, step.g_nt, zero],
-            [step.g_tn - step.g_tt @ mu, step.g_tt, one],
-            [2 * mu, -one, zero],
+            [step.g_tn - step.g_tt @ mu, step.g_tt, identity],
+            [2 * mu, -identity, zero],
         ]
     )
     return matrix, np.concatenate([step.c_n, step.c_t * step.time_step, np.zeros(step.contacts)])
@@ -217,9 +217,9 @@ def assemble_given_normal_force(step: FrictionalStep, normal: FloatArray) -> tup
     given normal impulse does to the motion is part of the right-hand side.
     """
     checked_array("normal impulse", normal, ">= 0")
-    one, zero = np.eye(step.contacts), np.zeros((step.contacts, step.contacts))
+    identity, zero = np.eye(step.contacts), np.zeros((step.contacts, step.contacts))
     bound = step.friction_coefficient * normal
-    matrix = np.block([[step.g_tt, one], [-one, zero]])
+    matrix = np.block([[step.g_tt, identity], [-identity, zero]])
     return matrix, np.concatenate([step.c_t + step.g_tn @ normal - step.g_tt @ bound, 2 * bound])
 
 

@@ -42,7 +42,7 @@ velocity. The large normal force of an impact is over in no time, and holds a co
 """
 
 OPEN = 1e-9
-"""A contact is open while λ_N is at most this part of its mean: far above round-off, far below any press."""
+"""A contact is open while λ_N is at most this part of its mean: far above round-off, far below any preload."""
 
 
 class Mode(StrEnum):
@@ -209,10 +209,10 @@ def _drop_short_slips(column: Any, travel: Any, shortest: float) -> None:
 @numba.njit(cache=True, error_model="numpy")
 def _starts(column: Any) -> Any:
     """First steps of the uninterrupted modes of a cyclic period; none if the mode never changes."""
-    found = np.empty(column.size, dtype=np.int64)
+    starts = np.empty(column.size, dtype=np.int64)
     count = 0
     for k in range(column.size):
         if column[k] != column[k - 1]:
-            found[count] = k
+            starts[count] = k
             count += 1
-    return found[:count]
+    return starts[:count]

@@ -16,7 +16,7 @@ transitions of one contact to the same mode in figure 3.
 """
 
 TimedTransition = tuple[int, float, str]
-"""Cell from 1, time in the period [s], new mode: as answers hold them."""
+"""Cell from 1, time in the period [s], new mode: as results hold them."""
 
 
 @dataclass(frozen=True)
@@ -75,8 +75,8 @@ def match_transitions(
     order = sorted(partner, key=lambda e: expected[e])
     return TransitionMatch(
         pairs=tuple((found[partner[e][0]], expected[e]) for e in order),
-        missed=tuple(one for e, one in enumerate(expected) if e not in partner),
-        spurious=tuple(one for f, one in enumerate(found) if f not in taken),
+        missed=tuple(transition for e, transition in enumerate(expected) if e not in partner),
+        spurious=tuple(transition for f, transition in enumerate(found) if f not in taken),
         time_errors=tuple(partner[e][1] for e in order),
     )
 

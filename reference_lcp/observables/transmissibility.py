@@ -82,10 +82,10 @@ def transient_transmissibility(base: FloatArray, response: FloatArray, time_step
     angular_frequency = 2 * np.pi * scipy.fft.rfftfreq(base.size, checked_scalar("time_step", time_step, "> 0"))
     places = np.arange(base.size, 0, -1, dtype=np.float64) / base.size
     fall = cosine_rise(places, FALL)[0]
-    spectrum, answered = scipy.fft.rfft(base * fall), scipy.fft.rfft(response * fall)
+    spectrum, response_spectrum = scipy.fft.rfft(base * fall), scipy.fft.rfft(response * fall)
     power = np.abs(spectrum) ** 2
-    # a line that the base does not move at says nothing, and has no weight
-    ratio = np.divide(answered, spectrum, out=np.zeros_like(answered), where=power > 0)
+    # a line that the base does not move at has no ratio, and no weight
+    ratio = np.divide(response_spectrum, spectrum, out=np.zeros_like(response_spectrum), where=power > 0)
     return Transmissibility(angular_frequency, ratio, power)
 
 

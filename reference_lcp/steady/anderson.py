@@ -1,8 +1,8 @@
 """Anderson acceleration: fixed points of the map that takes the state of a chain from one period to the next.
 
 Mixing the last iterates (Anderson 1965, in the form of Walker and Ni 2011) finds the fixed point in some
-thirty periods where plain ones need thousands, with nothing asked of an engine but to set and to read
-positions, velocities and what its law of friction remembers.
+thirty periods where plain ones need thousands, and needs nothing of an engine but to set and to read
+positions, velocities and the internal state of its friction law.
 
 As long as contacts neither stick anew nor slip anew the map is affine, and mixing is a Krylov method (GMRES): it
 ends once as many differences are kept as the state has dimensions, and may stagnate with fewer. Where they do,
@@ -59,7 +59,7 @@ LARGEST_RISE = 1e3
 Differences of iterates that are as close together as an engine resolves are noise, and mixing them leads anywhere.
 """
 
-DIVERGED = 1e6
+LARGEST_RESIDUAL = 1e6
 """Residual, in displacement scales, beyond which a motion counts as diverged."""
 
 
@@ -144,7 +144,7 @@ def _widened(vectors: FloatArray, factor: FloatArray) -> FloatArray:
 
 
 class FixedPointSearch:
-    """The search for a fixed point of the map x(t) → x(t + k Δt), lane by lane; who converges or diverges leaves.
+    """The search for a fixed point of the map x(t) → x(t + k Δt), lane by lane, each until it converges or diverges.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ class FixedPointSearch:
         """Take what a period has changed of internal state into its sizes; the history follows, the factors are given.
 
         The start of a first period without internal state is recorded with zeros, so that such a period, from which
-        nobody knows whether internal state repeats, has a residual of one.
+        it cannot be known whether internal state repeats, has a residual of one.
         """
         factor = self._scales.learn(start, end, self._active)
         if factor.shape[1] > self.best.shape[1]:
@@ -244,7 +244,7 @@ class FixedPointSearch:
         lanes = self._active[better]
         self.best[lanes], self.best_residual[lanes] = x[better], residual[better]
         self._best_change[lanes], self._stalled[lanes] = f[better], 0
-        return (residual > self._tolerance) & (residual < DIVERGED)
+        return (residual > self._tolerance) & (residual < LARGEST_RESIDUAL)
 
     def _keep(self, stays: Any) -> None:
         """Leave the lanes that are done out of what is simulated next."""
@@ -263,4 +263,4 @@ class FixedPointSearch:
         x = self._scales.vectors(start, [lane])
         change = self._scales.vectors(trajectory.end, [lane]) - x
         lost = self._last_residual[lane]
-        return float(self._scales.residuals(x, change)[0]) if lost < DIVERGED else float(lost)
+        return float(self._scales.residuals(x, change)[0]) if lost < LARGEST_RESIDUAL else float(lost)

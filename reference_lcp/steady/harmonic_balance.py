@@ -1,4 +1,4 @@
-"""Harmonic balance with one harmonic: about how a chain with Coulomb friction answers a periodic drive.
+"""Harmonic balance with one harmonic: the approximate response of a chain with Coulomb friction to a periodic drive.
 
 A contact whose masses move past each other by Δ sin ωt dissipates 4 F Δ a cycle, as a dashpot 4 F / (π ω Δ) would
 (Jacobsen 1930; Den Hartog 1931). The chain with such dashpots is linear; they depend on Δ, which is found by
@@ -24,7 +24,7 @@ LEAST_SLIP = 1e-6
 LOSS_FACTOR = 1e-3
 """Hysteretic damping of all springs: a resonance without friction or dashpots stays finite."""
 
-SAMPLES = 64
+LOAD_SAMPLES = 64
 """Times in a period at which the drive's load is taken, for its first harmonic."""
 
 
@@ -61,7 +61,7 @@ def _amplitudes(lane: Lane, omega: float, steps_per_period: int) -> Any:
 
 def _first_harmonic(lane: Lane, steps_per_period: int) -> complex:
     """Complex amplitude P [N] of the load Im(P exp(iωt)) on the outer mass of cell 1."""
-    phases = np.arange(SAMPLES) / SAMPLES
+    phases = np.arange(LOAD_SAMPLES) / LOAD_SAMPLES
     load = lane.drive.load(lane.chain, phases * lane.time_step * steps_per_period)
     return complex(2j * np.mean(load * np.exp(-2j * np.pi * phases)))
 

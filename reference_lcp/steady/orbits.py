@@ -14,7 +14,7 @@ import numpy as np
 
 from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.steady.anderson import DIVERGED, FixedPointSearch
+from reference_lcp.steady.anderson import LARGEST_RESIDUAL, FixedPointSearch
 from reference_lcp.steady.harmonic_balance import harmonic_balance_start
 from reference_lcp.steady.state_scales import StateScales
 from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE, repetitions
@@ -51,9 +51,9 @@ class PeriodicOrbit:
     periods
         Periods that were simulated to find it, the certifying one included.
     status
-        Whether the residual that was asked for has been reached.
+        Whether the tolerance has been reached.
     multiple
-        Periods of the drive after which the motion repeats, if the search has looked: more than one for a
+        Periods of the drive after which the motion repeats, if the search has looked for it: more than one for a
         subharmonic response, 0 where no repetition was found.
     """
 
@@ -66,7 +66,7 @@ class PeriodicOrbit:
 
     @property
     def converged(self) -> bool:
-        """Whether the residual that was asked for has been reached."""
+        """Whether the tolerance has been reached."""
         return self.status is OrbitStatus.CONVERGED
 
 
@@ -94,7 +94,7 @@ def periodic_orbits(
     start
         State from which the search starts; that of `harmonic_balance_start` without it.
     tolerance
-        Residual that is asked for, see `PeriodicOrbit.residual`.
+        Residual to reach, see `PeriodicOrbit.residual`.
     max_periods
         Periods after which the search gives up; the best orbit found is then returned.
     longest_multiple
@@ -144,7 +144,7 @@ def _status(residual: float, tolerance: float) -> OrbitStatus:
     """What a residual means."""
     if residual <= tolerance:
         return OrbitStatus.CONVERGED
-    return OrbitStatus.PERIOD_LIMIT if residual < DIVERGED else OrbitStatus.DIVERGED
+    return OrbitStatus.PERIOD_LIMIT if residual < LARGEST_RESIDUAL else OrbitStatus.DIVERGED
 
 
 def _look_for_repetitions(
@@ -161,12 +161,12 @@ def _look_for_repetitions(
         return
     part = simulation.subset(late)
     start = State.stack([search.start_of(lane) for lane in late])
-    found = repetitions(part, start, steps_per_period, tolerance, longest)
+    repeated = repetitions(part, start, steps_per_period, tolerance, longest)
     for k, lane in enumerate(late):
-        orbits[lane] = dataclasses.replace(orbits[lane], multiple=found.multiples[k])
-        if found.multiples[k] == 1:
-            period = part.subset([k]).run(found.states.subset([k]), 0, steps_per_period)[0]
-            periods, residual = orbits[lane].periods + found.periods + 1, float(found.distances[k, 0])
+        orbits[lane] = dataclasses.replace(orbits[lane], multiple=repeated.multiples[k])
+        if repeated.multiples[k] == 1:
+            period = part.subset([k]).run(repeated.states.subset([k]), 0, steps_per_period)[0]
+            periods, residual = orbits[lane].periods + repeated.periods + 1, float(repeated.distances[k, 0])
             orbits[lane] = PeriodicOrbit(orbits[lane].lane, period, residual, periods, OrbitStatus.CONVERGED)
 
 

@@ -76,14 +76,14 @@ def repetitions(
     scales = StateScales(simulation.lanes, steps_per_period)
     end = _advanced(simulation, start, steps_per_period, SETTLING_PERIODS)
     distances = _distances(simulation, scales, end, steps_per_period, longest)
-    found = [_smallest(row <= tolerance) for row in distances]
-    for lane in [lane for lane, m in enumerate(found) if m == 0]:
+    multiples = [_smallest(row <= tolerance) for row in distances]
+    for lane in [lane for lane, m in enumerate(multiples) if m == 0]:
         m = int(np.argmin(distances[lane])) + 1
         if distances[lane, m - 1] < HINT * distances[lane, 0]:
             alone, own, state = simulation.subset([lane]), scales.subset([lane]), end.subset([lane])
             repeated = _searched(alone, own, state, steps_per_period, m, tolerance)
-            found[lane] = repeated if repeated > 1 else 0
-    return Repetitions(found, end, distances, SETTLING_PERIODS + longest)
+            multiples[lane] = repeated if repeated > 1 else 0
+    return Repetitions(multiples, end, distances, SETTLING_PERIODS + longest)
 
 
 def _advanced(simulation: Simulation, state: State, steps_per_period: int, periods: int) -> State:
@@ -104,7 +104,7 @@ def _distances(
     scales.learn(None, states[0], lanes)
     for before, after in pairwise(states):
         scales.learn(before, after, lanes)
-    first, *others = (scales.vectors(one, lanes) for one in states)
+    first, *others = (scales.vectors(state, lanes) for state in states)
     return np.stack([np.max(np.abs(other - first), axis=1) for other in others], axis=1)
 
 

@@ -203,7 +203,7 @@ class CompiledSimulation:
         return normal_motion(normal_load, mass, self._packed.time_step, gap, speed)
 
     def _load_table(self, start: int, steps: int) -> FloatArray:
-        """Loads (steps, lanes); the last table is kept, since a period map asks for the same again."""
+        """Loads (steps, lanes); the last table is kept, since a period map needs the same again."""
         if self._loads[0] != (start, steps):
             table = np.array([lane.loads(start, steps) for lane in self.lanes]).T
             self._loads = ((start, steps), np.ascontiguousarray(table))

@@ -63,20 +63,20 @@ def test_lemke_prints_the_same_transmittance_to_1e_9_db(capsys) -> None:
     assert lemke == pytest.approx(compiled, abs=1e-9)
 
 
-def test_more_steps_than_asked_are_said_with_the_reason(capsys) -> None:
+def test_more_steps_than_requested_come_with_the_reason(capsys) -> None:
     """ω_max of the canonical chain is 2.25 ω_r: a period at 0.9 ω_r needs 2π (2.25 / 0.9) / 0.4 = 39.3 steps."""
     code, out, _ = run(capsys, "--steps-per-period", "16", "--json")
     answer = json.loads(out)
     assert code == 0
-    assert (answer["steps_per_period_asked"], answer["steps_per_period"]) == (16, 40)
+    assert (answer["steps_per_period_requested"], answer["steps_per_period"]) == (16, 40)
     assert "dt ω_max <= 0.4" in answer["why_more_steps"]
     _, text, _ = run(capsys, "--steps-per-period", "16")
-    assert re.search(r"steps per period\s+40 .*\n\s+16 asked; more keep dt ω_max <= 0.4", text)
+    assert re.search(r"steps per period\s+40 .*\n\s+16 requested; more keep dt ω_max <= 0.4", text)
 
 
-def test_as_many_steps_as_asked_need_no_reason(capsys) -> None:
+def test_as_many_steps_as_requested_need_no_reason(capsys) -> None:
     answer = json.loads(run(capsys, "--steps-per-period", "500", "--json")[1])
-    assert (answer["steps_per_period_asked"], answer["steps_per_period"]) == (500, 500)
+    assert (answer["steps_per_period_requested"], answer["steps_per_period"]) == (500, 500)
     assert answer["why_more_steps"] is None
     assert "asked" not in run(capsys, "--steps-per-period", "500")[1]
 

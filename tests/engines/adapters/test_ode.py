@@ -7,7 +7,7 @@ import pytest
 
 from engines.interface.presets import Formulation, Option, Preset
 from engines.interface.variant import Variant
-from engines.ode import BOUNCE, ODE, OUTSIDE
+from engines.ode import BOUNCE, INSTALLATION, ODE
 from engines.out_of_process.process import EngineProcessError
 from engines.siconos import Siconos
 from reference_lcp.chain.harmonic import HarmonicBase, StillBase
@@ -209,7 +209,7 @@ def test_the_bare_engine_steps_in_every_formulation(variant: str) -> None:
 def test_a_python_without_ode_is_a_reason_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MULTIBODY_XVAL_ODE_PYTHON", sys.executable)
     reason = ODE().unavailable_reason()
-    OUTSIDE.process().close()
+    INSTALLATION.process().close()
     assert reason is not None
     assert "No module named 'ode'; apt install python3-pyode, or let MULTIBODY_XVAL_ODE_PYTHON" in reason
 

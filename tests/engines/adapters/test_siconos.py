@@ -10,7 +10,7 @@ import pytest
 
 from engines.interface.presets import Formulation, Option, Preset
 from engines.out_of_process.process import EngineProcessError
-from engines.siconos import OUTSIDE, Siconos
+from engines.siconos import INSTALLATION, Siconos
 from reference_lcp.chain.harmonic import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -189,7 +189,7 @@ def test_a_motion_that_diverges_comes_back_as_numbers() -> None:
 def test_a_python_without_siconos_is_a_reason_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MULTIBODY_XVAL_SICONOS_PYTHON", sys.executable)
     reason = Siconos().unavailable_reason()
-    OUTSIDE.process().close()
+    INSTALLATION.process().close()
     assert reason is not None
     assert "apt install python3-siconos" in reason
     assert "MULTIBODY_XVAL_SICONOS_PYTHON" in reason

@@ -18,7 +18,7 @@ class Fault:
 
 
 STATE, FORCE, MOTION = "test_state_in_trajectory_out", "test_friction_force", "test_laws_of_motion"
-AGREEMENT, SAID, MODULATED = "test_agreement", "test_what_is_said", "test_modulated_normal_force"
+AGREEMENT, DECLARED, MODULATED = "test_agreement", "test_declarations", "test_modulated_normal_force"
 FAULTS = [
     Fault("forgets", STATE, "test_split_run_equals_whole_run", "the second half starts elsewhere"),
     Fault("remembers", STATE, "test_repeated_run_is_bitwise_equal", "a repeated run differs"),
@@ -40,7 +40,7 @@ FAULTS = [
     Fault(
         "order",
         AGREEMENT,
-        "test_who_shares_the_scheme_equals_the_reference_to_round_off_over_forty_periods",
+        "test_variant_that_shares_the_scheme_equals_the_reference_to_round_off_over_forty_periods",
         "the motion leaves the scheme's",
     ),
     Fault(
@@ -50,10 +50,14 @@ FAULTS = [
         "this is another chain",
         "-joint-default",
     ),
-    Fault("silent", SAID, "test_capabilities_say_who_it_is_and_every_option_why", "all(", ""),
-    Fault("takes", SAID, "test_unknown_formulation_and_preset_are_refused", "DID NOT RAISE", ""),
+    Fault("silent", DECLARED, "test_capabilities_say_who_it_is_and_every_option_why", "all(", ""),
+    Fault("takes", DECLARED, "test_unknown_formulation_and_preset_are_refused", "DID NOT RAISE", ""),
     Fault(
-        "shapes", SAID, "test_chains_of_different_lengths_and_states_of_another_shape_are_refused", "DID NOT RAISE", ""
+        "shapes",
+        DECLARED,
+        "test_chains_of_different_lengths_and_states_of_another_shape_are_refused",
+        "DID NOT RAISE",
+        "",
     ),
     Fault("late", MODULATED, "test_modulated_normal_force_is_followed", "the motion leaves the scheme's"),
     Fault("rigid", MODULATED, "test_friction_stays_within_a_bound_that_changes", "friction passes its bound"),
@@ -81,12 +85,12 @@ def outcomes(install, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str
     options = [part for name in names for part in ("--engine", name)]
     command = ["-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", f"--junitxml={file}", *options, *nodes]
     install("faulty").run(*command, code=1)
-    found: dict[str, str | None] = {}
+    messages: dict[str, str | None] = {}
     for case in ElementTree.parse(file).getroot().iter("testcase"):
         failure = case.find("failure")
-        found[case.attrib["name"]] = None if failure is None else failure.attrib["message"] + (failure.text or "")
-    assert len(found) == len(nodes)
-    return found
+        messages[case.attrib["name"]] = None if failure is None else failure.attrib["message"] + (failure.text or "")
+    assert len(messages) == len(nodes)
+    return messages
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.engine)
@@ -102,7 +106,7 @@ def test_every_clause_of_the_contract_has_its_fault() -> None:
 
     clauses = {
         name
-        for file in (STATE, FORCE, MOTION, AGREEMENT, SAID, MODULATED)
+        for file in (STATE, FORCE, MOTION, AGREEMENT, DECLARED, MODULATED)
         for name in vars(import_module(f"engines.contract.{file}"))
         if name.startswith("test_")
     }
@@ -111,4 +115,4 @@ def test_every_clause_of_the_contract_has_its_fault() -> None:
 
 def test_a_sound_engine_passes_whatever_its_name(install) -> None:
     command = "-m pytest -q -n 0 -p no:cacheprovider --engine mine+fast"
-    install("faulty").run(*command.split(), f"engines/contract/{SAID}.py", f"engines/contract/{MODULATED}.py")
+    install("faulty").run(*command.split(), f"engines/contract/{DECLARED}.py", f"engines/contract/{MODULATED}.py")

@@ -18,7 +18,7 @@ def versions() -> dict[str, str]:
     }
 
 
-class Lane:
+class EngineLane:
     """A mass without springs that does, in every run, what ``trouble`` says."""
 
     def __init__(self, parameters: dict[str, Any]):

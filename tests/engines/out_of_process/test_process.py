@@ -1,4 +1,4 @@
-"""Engines in another Python: whatever their process does, the suite says what it was, and goes on."""
+"""Engines in another Python: whatever their process does, the suite names it, and goes on."""
 
 import io
 import os
@@ -34,9 +34,9 @@ STILL = {"position": np.zeros(2), "velocity": np.ones(2), "loads": np.zeros(3), 
 
 @pytest.fixture
 def process() -> Iterator[EngineProcess]:
-    one = EngineProcess("tested", sys.executable, SERVER)
-    yield one
-    one.close()
+    started = EngineProcess("tested", sys.executable, SERVER)
+    yield started
+    started.close()
 
 
 def run(process: EngineProcess, trouble: str, limit: float = LIMIT) -> dict[str, np.ndarray]:
@@ -63,8 +63,8 @@ def ends(process: int, within: float) -> bool:
 
 def python(program: str) -> subprocess.Popen[str]:
     start = (
-        "import os, sys; from pathlib import Path; from engines.out_of_process import process as outside\n"
-        f"process = outside.EngineProcess('tested', sys.executable, Path({str(SERVER)!r}))\n"
+        "import os, sys; from pathlib import Path; from engines.out_of_process import process as out_of_process\n"
+        f"process = out_of_process.EngineProcess('tested', sys.executable, Path({str(SERVER)!r}))\n"
     )
     return subprocess.Popen(
         [sys.executable, "-c", start + textwrap.dedent(program)],
@@ -81,7 +81,7 @@ def test_a_run_comes_back_as_it_was_computed(process: EngineProcess) -> None:
     assert rows["position"].dtype == np.float64
 
 
-def test_only_the_end_is_sent_when_no_record_is_asked_for(process: EngineProcess) -> None:
+def test_only_the_end_is_sent_when_no_record_is_requested(process: EngineProcess) -> None:
     process.request("build", LIMIT, number=1, trouble="none")
     end = process.request("run", LIMIT, number=1, **{**STILL, "record": False})
     assert set(end) == {"position", "velocity"}
@@ -115,7 +115,7 @@ def test_a_hang_in_compiled_code_is_killed_at_its_limit(process: EngineProcess) 
     assert run(process, "none")["position"].shape == (3, 2)
 
 
-def test_a_request_larger_than_a_pipe_holds_does_not_block_on_a_stopped_child(process: EngineProcess) -> None:
+def test_a_request_larger_than_a_pipe_holds_does_not_block_on_a_stopped_worker(process: EngineProcess) -> None:
     process.request("build", LIMIT, number=1, trouble="none")
     os.kill(process.pid, signal.SIGSTOP)
     with pytest.raises(EngineProcessError, match=r"within 0\.5 s"):
@@ -136,12 +136,12 @@ def test_a_message_is_read_as_it_was_written() -> None:
     write_message(stream, written)
     write_message(stream, {})
     stream.seek(0)
-    found = read_message(stream)
-    assert list(found) == list(written)
+    read = read_message(stream)
+    assert list(read) == list(written)
     for name, value in written.items():
-        assert np.array_equal(found[name], np.asarray(value))
-        assert found[name].dtype.kind == np.asarray(value).dtype.kind
-    found["columns"][0] = 1.0
+        assert np.array_equal(read[name], np.asarray(value))
+        assert read[name].dtype.kind == np.asarray(value).dtype.kind
+    read["columns"][0] = 1.0
     assert read_message(stream) == {}
     with pytest.raises(EOFError):
         read_message(stream)
@@ -158,13 +158,13 @@ def test_what_holds_no_arrays_is_no_message(array: str) -> None:
 
 
 @pytest.mark.parametrize("trouble", ["garble", "half"])
-def test_a_garbled_answer_is_refused_and_the_next_use_starts_afresh(process: EngineProcess, trouble: str) -> None:
-    with pytest.raises(EngineProcessError, match=r"answered with something else|ended with code 0"):
+def test_a_garbled_reply_is_refused_and_the_next_use_starts_afresh(process: EngineProcess, trouble: str) -> None:
+    with pytest.raises(EngineProcessError, match=r"sent something other than a reply|ended with code 0"):
         run(process, trouble)
     assert run(process, "none")["position"].shape == (3, 2)
 
 
-def test_an_exception_is_told_with_its_traceback_and_the_child_lives_on(process: EngineProcess) -> None:
+def test_an_exception_comes_with_its_traceback_and_the_worker_lives_on(process: EngineProcess) -> None:
     with pytest.raises(EngineProcessError, match="ArithmeticError: the solver lost its way") as caught:
         run(process, "raise")
     assert "faulty_server.py" in "".join(caught.value.__notes__)
@@ -174,26 +174,26 @@ def test_an_exception_is_told_with_its_traceback_and_the_child_lives_on(process:
     assert process.generation == 1
 
 
-def test_what_an_engine_prints_disturbs_nobody(process: EngineProcess, capfd: pytest.CaptureFixture[str]) -> None:
+def test_what_an_engine_prints_disturbs_nothing(process: EngineProcess, capfd: pytest.CaptureFixture[str]) -> None:
     assert run(process, "print")["position"].shape == (3, 2)
     assert capfd.readouterr() == ("", "")
 
 
-def test_the_child_sees_nothing_of_this_environment(
+def test_the_worker_sees_nothing_of_this_environment(
     process: EngineProcess, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.setenv("LD_LIBRARY_PATH", str(tmp_path))
-    answer = {name: str(value) for name, value in process.request("versions", LIMIT).items()}
-    assert str(tmp_path) not in answer["path"]
-    assert "LD_LIBRARY_PATH" not in answer["environment"]
+    reply = {name: str(value) for name, value in process.request("versions", LIMIT).items()}
+    assert str(tmp_path) not in reply["path"]
+    assert "LD_LIBRARY_PATH" not in reply["environment"]
     # Else a server called siconos.py would hide the package.
-    assert str(SERVER.parent) not in answer["path"].split(os.pathsep)
-    assert not {"engines", "reference_lcp", "scipy"} & set(answer["modules"].split())
-    assert answer["read"] == ""
+    assert str(SERVER.parent) not in reply["path"].split(os.pathsep)
+    assert not {"engines", "reference_lcp", "scipy"} & set(reply["modules"].split())
+    assert reply["read"] == ""
 
 
-def test_an_interrupted_wait_does_not_mix_up_answers(process: EngineProcess) -> None:
+def test_an_interrupted_wait_does_not_mix_up_replies(process: EngineProcess) -> None:
     def interrupt(_number: int, _frame: object) -> None:
         raise KeyboardInterrupt
 
@@ -227,17 +227,17 @@ def test_threads_take_turns(process: EngineProcess) -> None:
         assert end.positions == pytest.approx(state.positions + 5 * state.velocities)
 
 
-def test_a_child_ends_with_its_parent_even_if_that_is_killed() -> None:
+def test_a_worker_ends_with_its_parent_even_if_that_is_killed() -> None:
     with python("process.request('versions', 30.0); print(process.pid, flush=True); sys.stdin.read()") as parent:
         assert parent.stdout is not None
-        child = int(parent.stdout.readline())
+        worker = int(parent.stdout.readline())
         parent.kill()
-    assert ends(child, 10)
+    assert ends(worker, 10)
 
 
-def test_a_hanging_child_of_a_killed_parent_ends_at_its_limit() -> None:
+def test_a_hanging_worker_of_a_killed_parent_ends_at_its_limit() -> None:
     program = """
-        outside.GRACE = 0.5
+        out_of_process.GRACE = 0.5
         process.request("build", 30.0, number=1, trouble="hang")
         print(process.pid, flush=True)
         still = [0.0, 0.0]
@@ -245,21 +245,21 @@ def test_a_hanging_child_of_a_killed_parent_ends_at_its_limit() -> None:
     """
     with python(program) as parent:
         assert parent.stdout is not None
-        child = int(parent.stdout.readline())
+        worker = int(parent.stdout.readline())
         time.sleep(0.5)
         parent.kill()
-    assert Path(f"/proc/{child}").exists()
-    assert ends(child, 10)
+    assert Path(f"/proc/{worker}").exists()
+    assert ends(worker, 10)
 
 
-def test_a_program_that_ends_takes_its_child_along_without_a_word() -> None:
+def test_a_program_that_ends_takes_its_worker_along_without_a_message() -> None:
     parent = python("process.request('versions', 30.0); print(process.pid)")
-    child = int(parent.communicate()[0])
+    worker = int(parent.communicate()[0])
     assert parent.returncode == 0
-    assert ends(child, 1)
+    assert ends(worker, 1)
 
 
-def test_a_forked_process_has_a_child_of_its_own() -> None:
+def test_a_forked_process_has_a_worker_of_its_own() -> None:
     parent = python("""
         process.request("versions", 30.0)
         first = process.pid
@@ -275,7 +275,7 @@ def test_a_forked_process_has_a_child_of_its_own() -> None:
     assert parent.returncode == 0
 
 
-def test_a_lane_is_built_again_where_its_child_was_lost(process: EngineProcess) -> None:
+def test_a_lane_is_built_again_where_its_worker_was_lost(process: EngineProcess) -> None:
     model = lane_in(process)
     before = model.run(random_state(), 0, 5)
     os.kill(process.pid, signal.SIGKILL)
@@ -284,7 +284,7 @@ def test_a_lane_is_built_again_where_its_child_was_lost(process: EngineProcess) 
     assert process.generation == 2
 
 
-def test_a_closed_lane_is_built_again_and_a_deleted_one_is_forgotten(process: EngineProcess) -> None:
+def test_a_closed_lane_is_built_again_and_a_deleted_one_is_released(process: EngineProcess) -> None:
     model = lane_in(process)
     first = model.run(random_state(), 0, 1)
     model.close()
@@ -315,7 +315,7 @@ def test_a_missing_interpreter_is_a_reason_with_a_remedy(monkeypatch: pytest.Mon
     assert reason.endswith("apt install python3-tested, or let TESTED_PYTHON name a Python that has it")
 
 
-def test_a_python_without_the_engine_is_asked_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_python_without_the_engine_is_tried_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     server, log = tmp_path / "server.py", tmp_path / "log"
     server.write_text(f"open({str(log)!r}, 'a').write('asked ')\nimport no_such_engine\n")
     engine = Installation("tested", server, "TESTED_PYTHON", "apt install python3-tested")

@@ -97,7 +97,7 @@ def test_stuck_fraction_has_an_error_bar_too() -> None:
     assert np.all(np.abs(found.stuck_fraction - exact.stuck_fraction) <= found.error_bar.stuck_fraction)
 
 
-def test_error_bar_that_was_not_asked_for_is_not_there() -> None:
+def test_error_bar_that_was_not_requested_is_absent() -> None:
     chain = Chain.from_ratios(friction_ratio=0.3)
     drive = HarmonicBase.from_ratio(chain, 0.9)
     assert "error_bar_db" not in steady_state(chain, drive, with_error_bar=False).as_dict()

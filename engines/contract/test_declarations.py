@@ -1,4 +1,4 @@
-"""What an engine says of itself, and of parameters that it does not take."""
+"""What an engine declares of itself, and its refusal of parameters that it does not take."""
 
 import re
 
@@ -14,7 +14,7 @@ from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import ParameterError
 
 
-def test_capabilities_say_who_it_is_and_every_option_why(installed: str) -> None:
+def test_capabilities_name_the_engine_and_every_option_has_a_reason(installed: str) -> None:
     """Reports print them."""
     abilities = engine(installed).capabilities
     assert abilities.title

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 
-class World:
+class Connection:
     """A connection to Bullet, opened on first use: opening one takes longer than a period of the chain."""
 
     def __init__(self) -> None:
@@ -54,12 +54,12 @@ def import_pybullet() -> Any:
 def _silent_standard_error() -> Iterator[None]:
     """Send what compiled code writes to file descriptor 2 nowhere."""
     sys.stderr.flush()
-    kept = os.dup(2)
+    original = os.dup(2)
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
         os.dup2(nowhere, 2)
         yield
     finally:
-        os.dup2(kept, 2)
+        os.dup2(original, 2)
         os.close(nowhere)
-        os.close(kept)
+        os.close(original)
