@@ -1,11 +1,46 @@
 """The reference: LCP time stepping of the frictional mass-in-mass chain after Sethi, Banerjee and Manna.
 
-What a study of a chain needs is here, each name imported from its folder when it is first used; the rest is in the
+What a study of a chain needs is here, each name imported from its folder when it is first used, which spares a command
+the compiled solvers that it does not need; type checkers read the imports under `TYPE_CHECKING`. The rest is in the
 folders themselves.
 """
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from reference_lcp.chain.harmonic import HarmonicBase as HarmonicBase
+    from reference_lcp.chain.harmonic import HarmonicForce as HarmonicForce
+    from reference_lcp.chain.harmonic import StillBase as StillBase
+    from reference_lcp.chain.linear_response import frictionless_transmittance as frictionless_transmittance
+    from reference_lcp.chain.linear_response import stuck_transmittance as stuck_transmittance
+    from reference_lcp.chain.mass_in_mass import Chain as Chain
+    from reference_lcp.chain.preload import Preload as Preload
+    from reference_lcp.chain.record import RecordedBase as RecordedBase
+    from reference_lcp.chain.simulation import Lane as Lane
+    from reference_lcp.chain.trajectory import State as State
+    from reference_lcp.chain.trajectory import Trajectory as Trajectory
+    from reference_lcp.chain.transient import FilteredNoise as FilteredNoise
+    from reference_lcp.chain.transient import RickerPulse as RickerPulse
+    from reference_lcp.chain.transient import SweptSine as SweptSine
+    from reference_lcp.lcp.frictional_system import FrictionalSystem as FrictionalSystem
+    from reference_lcp.lcp.frictional_system import simulate_system as simulate_system
+    from reference_lcp.lcp.lemke import lemke as lemke
+    from reference_lcp.lcp.time_step import FrictionalStep as FrictionalStep
+    from reference_lcp.observables.stick_slip import Mode as Mode
+    from reference_lcp.observables.stick_slip import dissipated_energy as dissipated_energy
+    from reference_lcp.observables.stick_slip import stuck_fraction as stuck_fraction
+    from reference_lcp.observables.stick_slip import transitions as transitions
+    from reference_lcp.observables.transmittance import decibel as decibel
+    from reference_lcp.observables.transmittance import transmittance as transmittance
+    from reference_lcp.one_call import SteadyState as SteadyState
+    from reference_lcp.one_call import exact_steady_state as exact_steady_state
+    from reference_lcp.one_call import simulate as simulate
+    from reference_lcp.one_call import steady_state as steady_state
+    from reference_lcp.steady.orbits import PeriodicOrbit as PeriodicOrbit
+    from reference_lcp.steady.orbits import periodic_orbits as periodic_orbits
+    from reference_lcp.stepping.euler_compiled import CompiledSimulation as CompiledSimulation
+    from reference_lcp.validation import ParameterError as ParameterError
 
 _MODULES = {
     "Chain": "chain.mass_in_mass",
@@ -49,9 +84,9 @@ def __getattr__(name: str) -> Any:
     """Import a public name from its folder."""
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    found = getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
-    globals()[name] = found
-    return found
+    public = getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+    globals()[name] = public
+    return public
 
 
 def __dir__() -> list[str]:

@@ -84,7 +84,7 @@ def checked_output_folder(name: str, folder: Path) -> Path:
 
 
 def _probe(name: str, folder: Path) -> None:
-    """Write and remove a file: permissions alone do not tell on every file system."""
+    """Write and remove a file: permissions alone do not decide on every file system."""
     try:
         with tempfile.TemporaryFile(dir=folder):
             pass

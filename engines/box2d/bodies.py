@@ -21,11 +21,11 @@ SPRING_LENGTH = 2.0**6
 """Length of a spring over the displacement scale: it acts along the line of its anchors, and is rounded to 2^-24."""
 
 FARTHEST = 2.0
-"""Distance in an engine's units at which Box2D cuts the displacement of a step off, without a word."""
+"""Distance in an engine's units at which Box2D cuts the displacement of a step off, without a message."""
 
 
 class Box2DLane(ExplicitForcesLane):
-    """One chain; a run makes its world anew, for joints and contacts remember their last impulses."""
+    """One chain; a run makes its world anew, for joints and contacts keep their last impulses."""
 
     def __init__(self, lane: Lane, preset: Preset, fineness: float):
         """Take the lane's parameters, the unit of length `fineness` times the lane's own unless the units are SI."""

@@ -12,7 +12,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Run a test once for everything that its argument stands for.
 
     ``tested`` is every variant, ``tuned`` the best known options, ``default`` what a newcomer gets,
-    ``sharing`` the tuned ones that state the reference's scheme, ``following`` those whose normal force may change in
+    ``sharing`` the tuned ones that share the reference's scheme, ``following`` those whose normal force may change in
     time, ``lifting`` the tuned ones whose contacts may open, ``installed`` the name of an engine.
     """
     names = _chosen(metafunc.config)

@@ -20,13 +20,13 @@ def test_split_run_equals_whole_run(tested: Variant) -> None:
 
 
 def test_repeated_run_is_bitwise_equal(tested: Variant) -> None:
-    """Nothing is left of an earlier run, where the engine claims to be deterministic."""
+    """Nothing is left of an earlier run, where the engine is declared deterministic."""
     if not tested.capabilities.deterministic:
-        pytest.skip(f"{tested.engine} does not claim it")
+        pytest.skip(f"{tested.engine} is not declared deterministic")
     simulation = tested.build([lane_of(0.3, 0.6)])
-    one, other = (simulation.run(random_state(1), 0, 50)[0] for _ in range(2))
-    assert np.array_equal(one.positions, other.positions), "a repeated run differs"
-    assert np.array_equal(one.friction, other.friction), "the friction of a repeated run differs"
+    first, second = (simulation.run(random_state(1), 0, 50)[0] for _ in range(2))
+    assert np.array_equal(first.positions, second.positions), "a repeated run differs"
+    assert np.array_equal(first.friction, second.friction), "the friction of a repeated run differs"
 
 
 def test_batch_equals_its_lanes_alone_and_subset_keeps_them(tested: Variant) -> None:

@@ -1,8 +1,8 @@
 """Exudyn: the chain as one generic second-order object, with a dry-friction connector in every cell.
 
-The connector `CoordinateSpringDamperExt` knows two friction laws, and each is an engine of its own here:
+The connector `CoordinateSpringDamperExt` has two friction laws, and each is an engine of its own here:
 a force proportional to velocity within a narrow zone, and a bristle that sticks until it breaks. Discs pressed
-on planes know the first law only.
+on planes have the first law only.
 """
 
 import importlib.util

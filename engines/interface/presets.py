@@ -76,7 +76,7 @@ class Preset:
         Largest difference between one run and the same run split in two, over the displacement scale.
     residual_slip_compliance
         Part of the relative velocity which a contact would gain in a step without its forces, along it when it
-        sticks or across it, that is left to it, where the engine cannot be told to leave none.
+        sticks or across it, that is left to it, where no option of the engine makes it zero.
     known_deviation
         The law of the engine by which its motion departs from Coulomb's with these options, by more than its time
         step explains; empty where there is none. Reports print it beside a disagreement.
@@ -146,7 +146,7 @@ class Capabilities:
     title
         The name that reports print.
     package
-        The distribution that holds the engine, as pip knows it.
+        The distribution that holds the engine, by its name for pip.
     licence
         Licence of the engine.
     friction_law
@@ -162,7 +162,7 @@ class Capabilities:
     deterministic
         Repeated runs are bitwise equal.
     notes
-        What a reader must know of its friction, in a sentence.
+        What matters of its friction, in a sentence or two.
     optional
         It comes with an extra or with the system and not with the suite: it takes part where it is named.
     """

@@ -3,109 +3,14 @@
 from pathlib import Path
 from typing import ClassVar
 
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from engines.ode.contact import CONTACT_DEFAULT, CONTACT_TUNED
+from engines.ode.joint import JOINT_DEFAULT, JOINT_STOPS, JOINT_TUNED
 from engines.out_of_process.engine import OutOfProcessEngine
 from engines.out_of_process.interpreter import Installation
 
 INSTALLATION = Installation(
     "ode", Path(__file__).with_name("server.py"), "MULTIBODY_XVAL_ODE_PYTHON", "apt install python3-pyode"
-)
-
-JOINT_TUNED = Preset(
-    "Motors that hold the relative velocity at zero with at most the friction bound, and no softness.",
-    {
-        "units": Option("lane", "SI", "No number comes near a built-in small one."),
-        "cfm": Option(0.0, 1e-10, "ODE softens every constraint: a stuck contact would creep."),
-        "erp": Option(0.2, 0.2, "ODE's own; no joint has an error to correct."),
-        "springs": Option(
-            "forces", "stops", "Forces at the start of a step; soft stops of sliders are implicit Euler."
-        ),
-        "fmax": Option(5, 3, "Number of dParamFMax in ODE 0.16; pyode's constant is that of another parameter."),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-12,
-    normal_force=NormalForce.MODULATED,
-)
-
-JOINT_DEFAULT = Preset(
-    "Motors as dry friction in SI units, with ODE's own softness.",
-    {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
-        "cfm": Option(1e-10, 1e-10, "ODE's own, in double precision."),
-        "erp": Option(0.2, 0.2, "ODE's own."),
-        "springs": Option("forces", "stops", "As most would write it."),
-        "fmax": Option(5, 3, "Needed: pyode's constant is that of another parameter, and no friction acts."),
-    },
-    split_tolerance=1e-12,
-    normal_force=NormalForce.MODULATED,
-)
-
-JOINT_STOPS = Preset(
-    "ODE's own springs: sliders whose stops are both at zero and as soft as the spring; motors as friction.",
-    {
-        **JOINT_DEFAULT.options,
-        "springs": Option(
-            "stops", "stops", "Stiffness and damping as ERP and CFM, as the manual says: implicit Euler."
-        ),
-    },
-    known_deviation=(
-        "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
-        "the error is of first order, but not yet in proportion to the step"
-    ),
-    split_tolerance=1e-12,
-    normal_force=NormalForce.MODULATED,
-)
-
-BOUNCE, APPROXIMATION = 0x004, 0x7000
-"""Bits of a contact's mode: `ContactBounce`, and `ContactApprox1_1`, `_2` and `_N` of ODE 0.16 together."""
-
-CONTACT_TUNED = Preset(
-    "Spheres that do not turn on plates, with a layer in which depth is left alone, and no softness.",
-    {
-        "units": Option("lane", "SI", "No number comes near a built-in small one."),
-        "cfm": Option(0.0, 1e-10, "ODE softens every constraint: boxes would sink in, and creep."),
-        "erp": Option(0.2, 0.2, "ODE's own; the surface layer keeps contacts from it."),
-        "inertia": Option(
-            2.0**60, "none", "Over mass and half edge squared: friction turns nothing, not by round-off."
-        ),
-        "shape": Option(
-            "sphere", "none", "One point of contact: those of a box are redundant, and without softness ODE errs."
-        ),
-        "mode": Option(
-            APPROXIMATION, BOUNCE, "Friction in proportion to the normal force; without it, mu is a force in newtons."
-        ),
-        "surface_layer": Option(2.0**-10, 0.0, "Over the displacement scale; deeper boxes are pushed out."),
-        "depth": Option(2.0**-11, 0.0, "Depth at the start over the displacement scale: round-off parts no contact."),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-12,
-    normal_force=NormalForce.LIFTING,
-    modulated_options={
-        "surface_layer": Option(
-            2.0**-20, 0.0, "After a landing spheres stay as deep as this, and take off from there."
-        ),
-        "depth": Option(2.0**-21, 0.0, "Within the layer, as under a constant normal force."),
-    },
-)
-
-CONTACT_DEFAULT = Preset(
-    "Boxes that touch plates, in SI units, with ODE's own softness and corrections; a run forgets their depth.",
-    {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
-        "cfm": Option(1e-10, 1e-10, "ODE's own, in double precision."),
-        "erp": Option(0.2, 0.2, "ODE's own: a fifth of the depth is corrected in a step."),
-        "inertia": Option(2.0**20, "none", "Needed: nothing is to turn; from 2**50 on, redundant points upset ODE."),
-        "shape": Option("box", "none", "Needed; four points of contact, which the softness shares the force out to."),
-        "mode": Option(APPROXIMATION, BOUNCE, "Needed: mu would be a force in newtons, whatever presses."),
-        "surface_layer": Option(0.0, 0.0, "ODE's own."),
-        "depth": Option(0.0, 0.0, "The boxes touch their plates."),
-    },
-    known_deviation=(
-        "four points of contact are soft (CFM 1e-10), so that a box beside a much heavier mass tilts: its normal force "
-        "swings by up to 1e-4, and friction that slides is read as below its bound"
-    ),
-    split_tolerance=1e-8,
-    normal_force=NormalForce.LIFTING,
 )
 
 

@@ -21,7 +21,7 @@ LOW_STOP, HIGH_STOP, VELOCITY, STOP_ERP, STOP_CFM = 0, 1, 2, 9, 10
 ALONG = (1.0, 0.0, 0.0)
 
 BOX = 4.0
-"""As in the suite's `box_geometry`, which is out of reach here: half of a box's edge, or a sphere's radius, over the displacement scale of the drive."""
+"""Half of a box's edge, or a sphere's radius, over the displacement scale of the drive."""
 
 PLATE = 2.0**20
 """Half of a plate's length over the displacement scale; beyond, inner masses fall off."""
@@ -29,7 +29,7 @@ PLATE = 2.0**20
 SPACING = 8 * BOX
 """Distance of neighbouring cells over the displacement scale, across the motion."""
 
-STOPPING_DISTANCE = 1e8
+STOP_BEYOND = 1e8
 """Motion over the displacement scale at which a run ends: further on, ODE would end the process."""
 
 
@@ -79,7 +79,7 @@ class EngineLane:
 
 
 class JointModel:
-    """Outer masses that slide in the world, on each an inner one whose slider has a motor that wants to stand still."""
+    """Outer masses that slide in the world, on each an inner one whose slider has a motor of target velocity zero."""
 
     def __init__(self, given: dict[str, Any], position: Any, velocity: Any, record: bool):
         """Build a world in this state; forces of joints are measured if they are to be recorded."""
@@ -132,7 +132,7 @@ class JointModel:
         # These take a third of the time of np.dot, and of giving an array a list.
         product, force = matrix.dot, np.empty(len(pushes))
         write, buffer, place = struct.Struct(f"{rows.shape[1]}d").pack_into, memoryview(rows).cast("B"), 0
-        limit = STOPPING_DISTANCE * float(self._given["length"])
+        limit = STOP_BEYOND * float(self._given["length"])
         for load, now in zip(loads.tolist(), rows[:, : len(getters)]):
             product(now, force)
             forces = force.tolist()
@@ -343,7 +343,7 @@ class ContactModel(JointModel):
             plate.setBody(outer)
             slider.setBody(inner)
             self._rubbing.append((inner, outer, slider, plate, float(self._given["coefficient"][cell]), cell))
-        self._measured_joints: list[tuple[int, Any]] = []
+        self._joints: list[tuple[int, Any]] = []
         self._measures = 2 * self._cells
         return self._find_contacts
 
@@ -359,19 +359,19 @@ class ContactModel(JointModel):
                 joint.attach(inner, outer)
                 if record:
                     joint.setFeedback(True)
-                    self._measured_joints.append((cell, joint))
+                    self._joints.append((cell, joint))
 
     def _drop_contacts(self) -> None:
         """Empty the group; a measured joint that is destroyed by it takes the process along when pyode lets it go."""
-        for _, joint in self._measured_joints:
+        for _, joint in self._joints:
             joint.setFeedback(False)
-        self._measured_joints.clear()
+        self._joints.clear()
         self._contacts.empty()
 
     def _measure(self) -> list[float]:
         """Give friction on every inner mass, then normal forces, in the last step: sums over points of contact."""
         measured = [0.0] * self._measures
-        for cell, joint in self._measured_joints:
+        for cell, joint in self._joints:
             friction, _, normal = joint.getFeedback()[0]
             measured[cell] += friction
             measured[self._cells + cell] += normal

@@ -34,7 +34,7 @@ class OutOfProcessLane(LaneModel):
     preset
         Its options; ``units`` is among them. The server gets the others by name.
     formulation
-        As the server knows it.
+        By its name in the server.
     """
 
     def __init__(self, process: EngineProcess, lane: Lane, preset: Preset, formulation: str):
@@ -121,7 +121,7 @@ class OutOfProcessLane(LaneModel):
         )
 
     def _normal_load(self, state: State, start: int, steps: int) -> Message:
-        """Give the normal loads, and where contacts open the gaps and their rates, if the normal force changes in time."""
+        """Give the normal loads if they change in time, and the gaps and their rates where contacts open."""
         if self.lane.preload is None:
             return {}
         normal_load = {"normal_load": self.lane.preloads(start, steps) / self._units.force}

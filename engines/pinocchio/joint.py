@@ -164,7 +164,7 @@ class PinocchioJointLane(ExplicitForcesLane):
         return settings
 
     def _new_model(self) -> tuple[Any, Any]:
-        """Make the tree, depth first as Pinocchio wants it, and list its inner joints."""
+        """Make the tree, depth first as Pinocchio needs it, and list its inner joints."""
         import pinocchio
 
         model, sliders = pinocchio.Model(), pinocchio.StdVec_Index()

@@ -27,7 +27,7 @@ class Connection:
         return self._client
 
     def native_steps(self, steps: int) -> None:
-        """Let time pass, and do nothing else."""
+        """Take steps and do nothing else."""
         step, client = import_pybullet().stepSimulation, self.client
         for _ in range(steps):
             step(physicsClientId=client)

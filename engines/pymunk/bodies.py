@@ -26,7 +26,7 @@ SPRING_LENGTH = 2.0**10
 
 @dataclass(frozen=True)
 class World:
-    """A space and what the adapter has to know of what is in it.
+    """A space, its bodies, and what makes friction in it.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class PymunkBodies(ABC):
         """Add what makes friction between the masses of each cell of a lane; give what is to be read of it."""
 
     def fresh(self) -> World:
-        """Give a space whose joints and contacts remember no impulses; bodies are anywhere."""
+        """Give a space whose joints and contacts hold no impulses; bodies are anywhere."""
         import pymunk
 
         space = pymunk.Space()

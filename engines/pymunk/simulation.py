@@ -95,7 +95,7 @@ class PymunkSimulation:
             step(time_step)
 
     def _begun(self, state: State, steps: int) -> tuple[World, FloatArray]:
-        """Give a space that remembers nothing, and the motion of `state` in it."""
+        """Give a space without impulses of an earlier run, and the motion of `state` in it."""
         checked_count("steps", steps)
         state.check_fits(len(self.lanes), self._bodies.cells)
         motion = np.hstack([state.positions / self._length, state.velocities / self._velocity])

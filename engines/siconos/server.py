@@ -19,7 +19,7 @@ ALLOWED_RESIDUAL = 1e-6
 DEEP = 1e9
 """Depth at which every relay starts, over the displacement scale: no motion brings it to the surface."""
 
-DIVERGENCE_DISTANCE = 1e12
+DIVERGED_BEYOND = 1e12
 """Motion, over the displacement scale, beyond which an exception of Siconos is no more than that."""
 
 
@@ -97,9 +97,7 @@ class JointModel:
         return (position, velocity), impulse
 
     def _diverged(self, position: Any) -> bool:
-        return len(position) > 0 and not np.max(np.abs(position[-1])) < DIVERGENCE_DISTANCE * float(
-            self._given["length"]
-        )
+        return len(position) > 0 and not np.max(np.abs(position[-1])) < DIVERGED_BEYOND * float(self._given["length"])
 
     def native_steps(self, steps: int) -> None:
         """Take steps and do nothing else."""

@@ -1,11 +1,11 @@
-"""How far a number is from its limit for ever finer steps: the one estimate of the suite.
+"""Distance of a number from its limit for ever finer steps: the one error estimate of the suite.
 
 A number that is computed with n steps a period is v(n) = v* + c / n + d / n² + …, for a scheme of first order. Several
-looks at its error |v(n) − v*| are taken, and the largest counts, times `SAFETY`:
+estimates of its error |v(n) − v*| are made, and the largest counts, times `SAFETY`:
 
 - of every two neighbouring numbers of steps a < b, the first-order part alone: |v(a) − v(b)| / (1/a − 1/b) / n;
 - of every three neighbours that n is one of, both parts: |v(n) − p(0)|, p being the parabola through the three in 1/n;
-- of the finest of three or more, the sum of what the last two pairs say: nothing finer stands beside it, and where
+- of the finest of three or more, the sum of the parts of the last two pairs: nothing finer stands beside it, and where
   contacts stick and slip between the steps, c depends on where.
 
 One difference may vanish by chance where the error does not. For 1, 1/2 and 1/4 of a step, the error of the first is

@@ -189,7 +189,7 @@ class EventDrivenChain:
         return orders, leaves
 
     def _segment(self, begin: _Start, time: float, end: float) -> tuple[Segment, BoolArray]:
-        """Follow the series to the first event, or to its end; say which slipping contacts came to rest."""
+        """Follow the series to the first event, or to its end; give the slipping contacts that came to rest."""
         span = self.system.span
         reach = min(1.0, (end - time) / span)
         roots = first_roots(self._event_functions(begin, reach)).reshape(2, -1)

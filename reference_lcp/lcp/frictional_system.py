@@ -17,7 +17,7 @@ from reference_lcp.validation import (
 
 
 class FrictionalSystem(Protocol):
-    """Anything with unilateral frictional contacts that can say what equation (7) needs.
+    """Anything with unilateral frictional contacts that gives the data of equation (7).
 
     M, h, the gaps and the directions may depend on time, position and velocity; all are taken at the
     start of the step. A gap is given as it is at that position, not as the step before predicted it:
@@ -111,7 +111,7 @@ def simulate_system(
 
 
 def _solved_step(step: FrictionalStep, basis: NDArray[np.bool_] | None, index: int) -> ContactImpulses:
-    """Solve one step, and say which one it was where that fails."""
+    """Solve one step, and name it in the error where that fails."""
     try:
         return solve_step(step, warm_start=basis)
     except StepFailed as failure:

@@ -373,10 +373,10 @@ def _eliminate(A: Any, b: Any) -> bool:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _swap_rows(A: Any, one: int, other: int) -> None:
+def _swap_rows(A: Any, first: int, second: int) -> None:
     """Exchange two rows."""
     for j in range(A.shape[1]):
-        A[one, j], A[other, j] = A[other, j], A[one, j]
+        A[first, j], A[second, j] = A[second, j], A[first, j]
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -28,7 +28,7 @@ a path may end on a ray beside a solution.
 
 
 class StepFailed(RuntimeError):
-    """The complementarity problem of a step has not been solved; the message says how Lemke ended."""
+    """The complementarity problem of a step has not been solved; the message has the status of Lemke's path."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ positions, velocities and the internal state of its friction law.
 
 As long as contacts neither stick anew nor slip anew the map is affine, and mixing is a Krylov method (GMRES): it
 ends once as many differences are kept as the state has dimensions, and may stagnate with fewer. Where they do,
-older differences belong to another map, and what they still say beside the newer ones is the least trustworthy part
+older differences belong to another map, and what they add to the newer ones is the least trustworthy part
 of them: a difference that lies nearly in the span of newer ones is left out (Pollock and Rebholz 2023).
 """
 
@@ -235,7 +235,7 @@ class FixedPointSearch:
         return (self._stalled[lanes] >= self._patience) | (rise & (self._age[lanes] >= self._plain[lanes]))
 
     def _note(self, x: FloatArray, f: FloatArray) -> Any:
-        """Remember the best iterate of each active lane; say which lanes go on."""
+        """Store the best iterate of each active lane; give which lanes go on."""
         residual = self._scales.residuals(x, f)
         self._last_residual[self._active] = residual
         self.periods[self._active] += 1

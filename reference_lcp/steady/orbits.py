@@ -98,13 +98,13 @@ def periodic_orbits(
     max_periods
         Periods after which the search gives up; the best orbit found is then returned.
     longest_multiple
-        Most periods of the drive after which a motion without a fixed point is looked at for a repetition; 1 for
-        no such look. See `repetitions`, whose periods come on top of `max_periods`.
+        Most periods of the drive after which a motion without a fixed point is searched for a repetition; 1 for
+        no such search. See `repetitions`, whose periods come on top of `max_periods`.
 
     Returns
     -------
     list of PeriodicOrbit
-        One a lane, in order. Orbits that did not converge say so in their status.
+        One a lane, in order. Whether an orbit converged is its status.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def periodic_orbits(
     search.run(start or harmonic_balance_start(simulation.lanes, steps_per_period), max_periods)
     orbits = _certified(simulation, search, steps_per_period, tolerance)
     if longest_multiple > 1:
-        _look_for_repetitions(orbits, simulation, search, steps_per_period, tolerance, longest_multiple)
+        _search_repetitions(orbits, simulation, search, steps_per_period, tolerance, longest_multiple)
     return orbits
 
 
@@ -147,7 +147,7 @@ def _status(residual: float, tolerance: float) -> OrbitStatus:
     return OrbitStatus.PERIOD_LIMIT if residual < LARGEST_RESIDUAL else OrbitStatus.DIVERGED
 
 
-def _look_for_repetitions(
+def _search_repetitions(
     orbits: list[PeriodicOrbit],
     simulation: Simulation,
     search: FixedPointSearch,
@@ -155,7 +155,7 @@ def _look_for_repetitions(
     tolerance: float,
     longest: int,
 ) -> None:
-    """Say of the orbits at the period limit, in place, after how many periods they repeat."""
+    """Set the multiple of the orbits at the period limit, in place: after how many periods they repeat."""
     late = [lane for lane, orbit in enumerate(orbits) if orbit.status is OrbitStatus.PERIOD_LIMIT]
     if not late:
         return

@@ -20,7 +20,7 @@ LONGEST_MULTIPLE = 8
 """Most periods of the drive after which a motion is looked at for a repetition."""
 
 SETTLING_PERIODS = 64
-"""Plain periods before the look: they lead from the search's best iterate to the attractor."""
+"""Plain periods before the comparison: they lead from the search's best iterate to the attractor."""
 
 HINT = 0.5
 """x(t + mT) this many times closer to x(t) than x(t + T) is makes m worth a search of its own."""

@@ -172,7 +172,7 @@ def test_error_bar_and_exact_value_are_printed(capsys) -> None:
 
 
 @pytest.mark.parametrize("place", EXACT_DB)
-def test_exact_solver_answers_with_the_same_keys(capsys, place) -> None:
+def test_exact_solver_prints_the_same_keys(capsys, place) -> None:
     arguments = ("--friction-ratio", str(place[0]), "--frequency-ratio", str(place[1]), "--json")
     _, exact, _ = run(capsys, *arguments, "--solver", "exact")
     _, scheme, _ = run(capsys, *arguments)

@@ -7,7 +7,8 @@ import pytest
 
 from engines.interface.presets import Formulation, Option, Preset
 from engines.interface.variant import Variant
-from engines.ode import BOUNCE, INSTALLATION, ODE
+from engines.ode import INSTALLATION, ODE
+from engines.ode.contact import BOUNCE
 from engines.out_of_process.process import EngineProcessError
 from engines.siconos import Siconos
 from reference_lcp.chain.harmonic import HarmonicBase, StillBase

@@ -50,7 +50,7 @@ FAULTS = [
         "this is another chain",
         "-joint-default",
     ),
-    Fault("silent", DECLARED, "test_capabilities_say_who_it_is_and_every_option_why", "all(", ""),
+    Fault("silent", DECLARED, "test_capabilities_name_the_engine_and_every_option_has_a_reason", "all(", ""),
     Fault("takes", DECLARED, "test_unknown_formulation_and_preset_are_refused", "DID NOT RAISE", ""),
     Fault(
         "shapes",

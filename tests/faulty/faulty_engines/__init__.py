@@ -316,7 +316,7 @@ class AnotherDefault(Faulty):
 
 
 class GivesNoReason(Faulty):
-    """An option is set, nobody knows why."""
+    """An option is set without a reason."""
 
     name = "faulty-silent"
     capabilities = dataclasses.replace(

@@ -134,7 +134,7 @@ class UnspeakableError(Exception):
 
 
 class IsUnspeakable(Faulty):
-    """Raises what nobody can print."""
+    """Raises what cannot be printed."""
 
     name = "faulty-unspeakable"
 

@@ -112,7 +112,7 @@ matrices = st.integers(1, 5).flatmap(
 
 @settings(max_examples=400, deadline=None)
 @given(matrices)
-def test_small_integers_degenerate_as_they_come_never_give_a_wrong_answer(problem) -> None:
+def test_small_integers_degenerate_as_they_come_never_give_a_wrong_solution(problem) -> None:
     M, q = problem
     result = lemke(M, q)
     assert result.status in (LemkeStatus.SOLVED, LemkeStatus.RAY_TERMINATION)

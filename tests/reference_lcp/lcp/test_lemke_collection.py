@@ -303,7 +303,7 @@ def test_larger_problem_has_the_one_w_that_quantecon_finds(family, n) -> None:
         assert M @ other.z + q == pytest.approx(result.w, abs=1e-7 * np.max(np.abs(q)))
 
 
-def assert_rightly_answered(family, seed, n) -> None:
+def assert_solved_or_rightly_refused(family, seed, n) -> None:
     M, q = FAMILIES[family](np.random.default_rng([10, seed]), n)
     result = checked(M, q)
     if family in ALWAYS_SOLVABLE:
@@ -318,14 +318,14 @@ problems = {"family": st.sampled_from(sorted(FAMILIES)), "seed": st.integers(0, 
 @settings(max_examples=300, deadline=None)
 @given(**problems)
 def test_random_problem_is_solved_or_has_no_solution(family, seed, n) -> None:
-    assert_rightly_answered(family, seed, n)
+    assert_solved_or_rightly_refused(family, seed, n)
 
 
 @pytest.mark.slow
 @settings(max_examples=10_000, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(**problems)
 def test_ten_thousand_random_problems_are_solved_or_have_no_solution(family, seed, n) -> None:
-    assert_rightly_answered(family, seed, n)
+    assert_solved_or_rightly_refused(family, seed, n)
 
 
 def test_painleve_configuration_is_the_one_that_lemke_may_leave_unsolved() -> None:
@@ -342,7 +342,7 @@ def test_painleve_configuration_is_the_one_that_lemke_may_leave_unsolved() -> No
 
 @settings(max_examples=500, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 10))
-def test_matrix_of_no_class_never_gets_a_wrong_answer(seed, n) -> None:
+def test_matrix_of_no_class_never_gets_a_wrong_solution(seed, n) -> None:
     """Small integers: Lemke's path may end on a ray beside a solution, but what it gives is one."""
     rng = np.random.default_rng(seed)
     checked(rng.integers(-3, 4, size=(n, n)).astype(float), rng.integers(-3, 4, size=n).astype(float))
