@@ -1,21 +1,18 @@
 """Box2D: the motor of a joint, a friction joint, or a box pressed on a plate."""
 
-import importlib.util
-from importlib.metadata import version
 from typing import ClassVar
 
 from engines.box2d.contact import CONTACT_DEFAULT, CONTACT_TUNED, Box2DContactLane
 from engines.box2d.joint import JOINT_DEFAULT, JOINT_TUNED, Box2DJointLane
-from engines.interface.engine import Engine
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from engines.shared.wheel_engine import WheelEngine
 
 
-class Box2D(Engine):
+class Box2D(WheelEngine):
     """Box2D 2.3, in single precision."""
 
     name: ClassVar[str] = "box2d"
+    module: ClassVar[str] = "Box2D"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Box2D",
         optional=True,
@@ -36,17 +33,4 @@ class Box2D(Engine):
             "slower than 0.01 m/s for half a second are stopped."
         ),
     )
-
-    def version(self) -> str:
-        """Version of the package."""
-        return version("Box2D")
-
-    def unavailable_reason(self) -> str | None:
-        """Say why Box2D cannot be used here."""
-        if importlib.util.find_spec("Box2D") is None:
-            return "the package Box2D is not installed; pip install 'multibody-xval[engines]'"
-        return None
-
-    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        model = Box2DJointLane if formulation is Formulation.JOINT else Box2DContactLane
-        return SequentialSimulation.build(lanes, lambda lane: model(lane, preset))
+    lane_models: ClassVar = {Formulation.JOINT: Box2DJointLane, Formulation.CONTACT: Box2DContactLane}

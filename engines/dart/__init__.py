@@ -1,21 +1,18 @@
 """DART: the Coulomb friction of a joint, or a body pressed on a plate."""
 
-import importlib.util
-from importlib.metadata import version
 from typing import ClassVar
 
 from engines.dart.contact import CONTACT_DEFAULT, CONTACT_SPHERE, CONTACT_TUNED, DartContactLane
 from engines.dart.joint import JOINT_DEFAULT, JOINT_TUNED, RESIDUAL_SLIP_COMPLIANCE, DartJointLane
-from engines.interface.engine import Engine
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from engines.shared.wheel_engine import WheelEngine
 
 
-class Dart(Engine):
+class Dart(WheelEngine):
     """DART, without graphics."""
 
     name: ClassVar[str] = "dart"
+    module: ClassVar[str] = "dartpy"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="DART",
         optional=True,
@@ -33,17 +30,4 @@ class Dart(Engine):
             "implicit ones, which damp the motion by as much as the time step is long."
         ),
     )
-
-    def version(self) -> str:
-        """Version of the package."""
-        return version("dartpy")
-
-    def unavailable_reason(self) -> str | None:
-        """Say why DART cannot be used here."""
-        if importlib.util.find_spec("dartpy") is None:
-            return "the package dartpy is not installed; pip install 'multibody-xval[engines]'"
-        return None
-
-    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        model = DartJointLane if formulation is Formulation.JOINT else DartContactLane
-        return SequentialSimulation.build(lanes, lambda lane: model(lane, preset))
+    lane_models: ClassVar = {Formulation.JOINT: DartJointLane, Formulation.CONTACT: DartContactLane}

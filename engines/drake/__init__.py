@@ -1,7 +1,5 @@
 """Drake: friction of a joint's actuator with bounded effort, or of spheres pressed on planes."""
 
-import importlib.util
-from importlib.metadata import version
 from typing import ClassVar
 
 from engines.drake.contact import (
@@ -12,16 +10,15 @@ from engines.drake.contact import (
     DrakeContactLane,
 )
 from engines.drake.joint import JOINT_DEFAULT, JOINT_TUNED, DrakeJointLane
-from engines.interface.engine import Engine
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from engines.shared.wheel_engine import WheelEngine
 
 
-class Drake(Engine):
+class Drake(WheelEngine):
     """Drake's discrete `MultibodyPlant`, advanced by its own simulator."""
 
     name: ClassVar[str] = "drake"
+    module: ClassVar[str] = "pydrake"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Drake",
         optional=True,
@@ -44,17 +41,4 @@ class Drake(Engine):
             "normal force; with kSap and kSimilar friction lifts a sliding body, which then bounces."
         ),
     )
-
-    def version(self) -> str:
-        """Version of the package."""
-        return version("drake")
-
-    def unavailable_reason(self) -> str | None:
-        """Say why Drake cannot be used here."""
-        if importlib.util.find_spec("pydrake") is None:
-            return "the package drake is not installed; pip install 'multibody-xval[engines]'"
-        return None
-
-    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        model = DrakeJointLane if formulation is Formulation.JOINT else DrakeContactLane
-        return SequentialSimulation.build(lanes, lambda lane: model(lane, preset))
+    lane_models: ClassVar = {Formulation.JOINT: DrakeJointLane, Formulation.CONTACT: DrakeContactLane}

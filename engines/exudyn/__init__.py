@@ -5,8 +5,6 @@ a force proportional to velocity within a narrow zone, and a bristle that sticks
 on planes have the first law only.
 """
 
-import importlib.util
-from importlib.metadata import version
 from typing import ClassVar
 
 from engines.exudyn.contact import CONTACT_DEFAULT, CONTACT_TUNED, ContactLane
@@ -18,30 +16,15 @@ from engines.exudyn.joint import (
     BristleLane,
     RegularisedLane,
 )
-from engines.interface.engine import Engine
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw
+from engines.shared.wheel_engine import WheelEngine
 
 
-class _Exudyn(Engine):
-    """What both friction laws share."""
-
-    def version(self) -> str:
-        """Version of the package."""
-        return version("exudyn")
-
-    def unavailable_reason(self) -> str | None:
-        """Say why Exudyn cannot be used here."""
-        if importlib.util.find_spec("exudyn") is None:
-            return "the package exudyn is not installed; pip install exudyn"
-        return None
-
-
-class ExudynRegularised(_Exudyn):
+class ExudynRegularised(WheelEngine):
     """Exudyn, friction proportional to the relative velocity within a narrow zone."""
 
     name: ClassVar[str] = "exudyn-regularised"
+    module: ClassVar[str] = "exudyn"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Exudyn, regularised",
         package="exudyn",
@@ -56,16 +39,14 @@ class ExudynRegularised(_Exudyn):
             "creeps; the transmittance errs in proportion to the width, most where cells hardly move."
         ),
     )
-
-    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        model = RegularisedLane if formulation is Formulation.JOINT else ContactLane
-        return SequentialSimulation.build(lanes, lambda lane: model(lane, preset))
+    lane_models: ClassVar = {Formulation.JOINT: RegularisedLane, Formulation.CONTACT: ContactLane}
 
 
-class ExudynBristle(_Exudyn):
+class ExudynBristle(WheelEngine):
     """Exudyn, friction as a bristle: a stiff spring and dashpot until the bound is reached."""
 
     name: ClassVar[str] = "exudyn-bristle"
+    module: ClassVar[str] = "exudyn"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Exudyn, bristle",
         package="exudyn",
@@ -77,6 +58,4 @@ class ExudynBristle(_Exudyn):
             "the end of a substep on, so that the period map jumps, and some orbits repeat to 1e-3 and not to 1e-8."
         ),
     )
-
-    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        return SequentialSimulation.build(lanes, lambda lane: BristleLane(lane, preset))
+    lane_models: ClassVar = {Formulation.JOINT: BristleLane}

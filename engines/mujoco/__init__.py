@@ -1,22 +1,21 @@
 """MuJoCo: dry friction of a joint, or of a sphere pressed on a plate."""
 
-import importlib.util
-from importlib.metadata import version
 from typing import ClassVar
 
-from engines.interface.engine import Engine
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.mujoco.contact import CONTACT_DEFAULT, CONTACT_TUNED, contact_model, contact_units, lifting_model
 from engines.mujoco.joint import JOINT_DEFAULT, JOINT_TUNED, joint_model
 from engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
 from engines.shared.units import Units
+from engines.shared.wheel_engine import WheelEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 
 
-class MuJoCo(Engine):
+class MuJoCo(WheelEngine):
     """MuJoCo, advanced by `mujoco.batch.Batch` on one thread."""
 
     name: ClassVar[str] = "mujoco"
+    module: ClassVar[str] = "mujoco"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="MuJoCo",
         package="mujoco",
@@ -33,17 +32,12 @@ class MuJoCo(Engine):
         ),
     )
 
-    def version(self) -> str:
-        """Version of the package."""
-        return version("mujoco")
-
     def unavailable_reason(self) -> str | None:
-        """Say why MuJoCo cannot be used here."""
-        if importlib.util.find_spec("mujoco") is None:
-            return "the package mujoco is not installed; pip install mujoco"
-        if int(self.version().split(".")[0]) < 4:
-            return f"mujoco {self.version()} has no batch of models; version 4.0 or newer is needed"
-        return None
+        """Reason why MuJoCo cannot be used here; older versions have no batch of models."""
+        missing = super().unavailable_reason()
+        if missing is None and int(self.version().split(".")[0]) < 4:
+            return f"mujoco {self.version()} has no batch of models, version 4.0 or newer is needed; {self._remedy}"
+        return missing
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         modulated = any(lane.preload is not None for lane in lanes)

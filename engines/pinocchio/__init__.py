@@ -1,20 +1,17 @@
 """Pinocchio: dry friction of joints as a constraint, solved by projected Gauss-Seidel or by ADMM."""
 
-import importlib.util
-from importlib.metadata import version
 from typing import ClassVar
 
-from engines.interface.engine import Engine
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.pinocchio.joint import JOINT_ADMM, JOINT_DEFAULT, JOINT_TUNED, PinocchioJointLane
-from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
+from engines.shared.wheel_engine import WheelEngine
 
 
-class Pinocchio(Engine):
+class Pinocchio(WheelEngine):
     """Pinocchio: its dynamics and its constraint solvers, put together to a time step."""
 
     name: ClassVar[str] = "pinocchio"
+    module: ClassVar[str] = "pinocchio"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Pinocchio",
         optional=True,
@@ -29,18 +26,11 @@ class Pinocchio(Engine):
         ),
     )
 
-    def version(self) -> str:
-        """Version of the package."""
-        return version("pin")
-
     def unavailable_reason(self) -> str | None:
-        """Say why Pinocchio cannot be used here; older versions have no friction of joints."""
-        advice = "pip install 'multibody-xval[engines]'"
-        if importlib.util.find_spec("pinocchio") is None:
-            return f"the package pin is not installed; {advice}"
-        if int(self.version().split(".")[0]) < 4:
-            return f"pin {self.version()} has no friction of joints, version 4.0 or newer is needed; {advice}"
-        return None
+        """Reason why Pinocchio cannot be used here; older versions have no friction of joints."""
+        missing = super().unavailable_reason()
+        if missing is None and int(self.version().split(".")[0]) < 4:
+            return f"pin {self.version()} has no friction of joints, version 4.0 or newer is needed; {self._remedy}"
+        return missing
 
-    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        return SequentialSimulation.build(lanes, lambda lane: PinocchioJointLane(lane, preset))
+    lane_models: ClassVar = {Formulation.JOINT: PinocchioJointLane}

@@ -1,23 +1,22 @@
 """PyBullet: friction of a motor in a joint, or of boxes pressed together."""
 
-import importlib.util
 import sys
-from importlib.metadata import version
 from typing import ClassVar
 
-from engines.interface.engine import Engine
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.pybullet.connection import Connection
 from engines.pybullet.contact import CONTACT_DEFAULT, CONTACT_TUNED, PyBulletContactLane
 from engines.pybullet.joint import JOINT_DEFAULT, JOINT_TUNED, PyBulletJointLane
+from engines.shared.wheel_engine import WheelEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.stepping.sequential import SequentialSimulation
 
 
-class PyBullet(Engine):
+class PyBullet(WheelEngine):
     """PyBullet, without graphics."""
 
     name: ClassVar[str] = "pybullet"
+    module: ClassVar[str] = "pybullet"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="PyBullet",
         package="pybullet",
@@ -34,19 +33,13 @@ class PyBullet(Engine):
         ),
     )
 
-    def version(self) -> str:
-        """Version of the package."""
-        return version("pybullet")
-
     def unavailable_reason(self) -> str | None:
-        """Say why PyBullet cannot be used here."""
-        if importlib.util.find_spec("pybullet") is not None:
+        """Reason why PyBullet cannot be used here, with the Pythons that it has wheels for."""
+        missing = super().unavailable_reason()
+        if missing is None:
             return None
-        python = f"{sys.version_info.major}.{sys.version_info.minor}"
-        return (
-            "the package pybullet is not installed; pip install pybullet "
-            f"(wheels exist for CPython 3.11 and older only, this is Python {python}: later ones compile from source)"
-        )
+        python = f"this is Python {sys.version_info.major}.{sys.version_info.minor}"
+        return f"{missing} (wheels exist for CPython 3.11 and older only, {python}: later ones compile from source)"
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         connection = Connection()

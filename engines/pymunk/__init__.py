@@ -1,22 +1,21 @@
 """pymunk: a pivot joint of bounded force, or a box pressed on a plate."""
 
-import importlib.util
-from importlib.metadata import version
 from typing import ClassVar
 
-from engines.interface.engine import Engine
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.pymunk.contact import CONTACT_DEFAULT, CONTACT_TUNED, PymunkBoxes
 from engines.pymunk.joint import JOINT_DEFAULT, JOINT_TUNED, PymunkJoints
 from engines.pymunk.simulation import PymunkLane, PymunkSimulation
+from engines.shared.wheel_engine import WheelEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.stepping.sequential import SequentialSimulation
 
 
-class Pymunk(Engine):
+class Pymunk(WheelEngine):
     """pymunk, Chipmunk's bodies in the plane."""
 
     name: ClassVar[str] = "pymunk"
+    module: ClassVar[str] = "pymunk"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="pymunk",
         optional=True,
@@ -35,16 +34,6 @@ class Pymunk(Engine):
             "gained the sign."
         ),
     )
-
-    def version(self) -> str:
-        """Version of the package."""
-        return version("pymunk")
-
-    def unavailable_reason(self) -> str | None:
-        """Say why pymunk cannot be used here."""
-        if importlib.util.find_spec("pymunk") is None:
-            return "the package pymunk is not installed; pip install 'multibody-xval[engines]'"
-        return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         kind = PymunkJoints if formulation is Formulation.JOINT else PymunkBoxes

@@ -67,7 +67,7 @@ def test_a_weak_gain_of_a_motor_is_not_coulomb_friction() -> None:
 
 
 def test_the_reason_for_a_missing_package_names_the_python_versions(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("engines.pybullet.importlib.util.find_spec", lambda _: None)
+    monkeypatch.setattr("engines.shared.wheel_engine.importlib.util.find_spec", lambda _: None)
     reason = PyBullet().unavailable_reason()
     assert reason is not None
     assert "CPython 3.11" in reason

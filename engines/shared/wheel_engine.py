@@ -1,0 +1,44 @@
+"""Engines that pip installs beside the suite: their version, whether they are there, and their lanes."""
+
+import importlib.util
+from collections.abc import Callable, Mapping
+from importlib.metadata import version
+from typing import ClassVar
+
+from engines.interface.engine import Engine
+from engines.interface.presets import Formulation, Preset
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
+
+
+class WheelEngine(Engine):
+    """An engine whose package is a wheel; an adapter adds its name, its capabilities, its module and its lanes.
+
+    An adapter whose lanes are advanced together, or share something, builds them itself.
+    """
+
+    module: ClassVar[str]
+    """Name under which the package is imported."""
+
+    lane_models: ClassVar[Mapping[Formulation, Callable[[Lane, Preset], LaneModel]]] = {}
+    """Model of one lane, by formulation."""
+
+    def version(self) -> str:
+        """Version of the package."""
+        return version(self.capabilities.package)
+
+    def unavailable_reason(self) -> str | None:
+        """Reason why the engine cannot be used here: its package is not installed; ``None`` if it is."""
+        if importlib.util.find_spec(self.module) is not None:
+            return None
+        return f"the package {self.capabilities.package} is not installed; {self._remedy}"
+
+    @property
+    def _remedy(self) -> str:
+        """The command that installs the package: engines that are optional come with an extra of the suite."""
+        named = "'multibody-xval[engines]'" if self.capabilities.optional else self.capabilities.package
+        return f"pip install {named}"
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        model = self.lane_models[formulation]
+        return SequentialSimulation.build(lanes, lambda lane: model(lane, preset))
