@@ -12,8 +12,7 @@ class Box2D(WheelEngine):
     """Box2D 2.3, in single precision."""
 
     name: ClassVar[str] = "box2d"
-    module = "Box2D"
-    lane_models: ClassVar = {Formulation.JOINT: Box2DJointLane, Formulation.CONTACT: Box2DContactLane}
+    module: ClassVar[str] = "Box2D"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Box2D",
         optional=True,
@@ -34,3 +33,4 @@ class Box2D(WheelEngine):
             "slower than 0.01 m/s for half a second are stopped."
         ),
     )
+    lane_models: ClassVar = {Formulation.JOINT: Box2DJointLane, Formulation.CONTACT: Box2DContactLane}

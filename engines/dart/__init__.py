@@ -12,8 +12,7 @@ class Dart(WheelEngine):
     """DART, without graphics."""
 
     name: ClassVar[str] = "dart"
-    module = "dartpy"
-    lane_models: ClassVar = {Formulation.JOINT: DartJointLane, Formulation.CONTACT: DartContactLane}
+    module: ClassVar[str] = "dartpy"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="DART",
         optional=True,
@@ -31,3 +30,4 @@ class Dart(WheelEngine):
             "implicit ones, which damp the motion by as much as the time step is long."
         ),
     )
+    lane_models: ClassVar = {Formulation.JOINT: DartJointLane, Formulation.CONTACT: DartContactLane}

@@ -18,8 +18,7 @@ class Drake(WheelEngine):
     """Drake's discrete `MultibodyPlant`, advanced by its own simulator."""
 
     name: ClassVar[str] = "drake"
-    module = "pydrake"
-    lane_models: ClassVar = {Formulation.JOINT: DrakeJointLane, Formulation.CONTACT: DrakeContactLane}
+    module: ClassVar[str] = "pydrake"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Drake",
         optional=True,
@@ -42,3 +41,4 @@ class Drake(WheelEngine):
             "normal force; with kSap and kSimilar friction lifts a sliding body, which then bounces."
         ),
     )
+    lane_models: ClassVar = {Formulation.JOINT: DrakeJointLane, Formulation.CONTACT: DrakeContactLane}

@@ -24,9 +24,7 @@ class ExudynRegularised(WheelEngine):
     """Exudyn, friction proportional to the relative velocity within a narrow zone."""
 
     name: ClassVar[str] = "exudyn-regularised"
-    module = "exudyn"
-    advice = "pip install exudyn"
-    lane_models: ClassVar = {Formulation.JOINT: RegularisedLane, Formulation.CONTACT: ContactLane}
+    module: ClassVar[str] = "exudyn"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Exudyn, regularised",
         package="exudyn",
@@ -41,15 +39,14 @@ class ExudynRegularised(WheelEngine):
             "creeps; the transmittance errs in proportion to the width, most where cells hardly move."
         ),
     )
+    lane_models: ClassVar = {Formulation.JOINT: RegularisedLane, Formulation.CONTACT: ContactLane}
 
 
 class ExudynBristle(WheelEngine):
     """Exudyn, friction as a bristle: a stiff spring and dashpot until the bound is reached."""
 
     name: ClassVar[str] = "exudyn-bristle"
-    module = "exudyn"
-    advice = "pip install exudyn"
-    lane_models: ClassVar = {Formulation.JOINT: BristleLane}
+    module: ClassVar[str] = "exudyn"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Exudyn, bristle",
         package="exudyn",
@@ -61,3 +58,4 @@ class ExudynBristle(WheelEngine):
             "the end of a substep on, so that the period map jumps, and some orbits repeat to 1e-3 and not to 1e-8."
         ),
     )
+    lane_models: ClassVar = {Formulation.JOINT: BristleLane}

@@ -16,11 +16,7 @@ class PyBullet(WheelEngine):
     """PyBullet, without graphics."""
 
     name: ClassVar[str] = "pybullet"
-    module = "pybullet"
-    advice = (
-        "pip install pybullet (wheels exist for CPython 3.11 and older only, this is Python "
-        f"{sys.version_info.major}.{sys.version_info.minor}: later ones compile from source)"
-    )
+    module: ClassVar[str] = "pybullet"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="PyBullet",
         package="pybullet",
@@ -36,6 +32,14 @@ class PyBullet(WheelEngine):
             "computes at the start of each step; by default Bullet damps every body against the ground."
         ),
     )
+
+    def unavailable_reason(self) -> str | None:
+        """Reason why PyBullet cannot be used here, with the Pythons that it has wheels for."""
+        missing = super().unavailable_reason()
+        if missing is None:
+            return None
+        python = f"this is Python {sys.version_info.major}.{sys.version_info.minor}"
+        return f"{missing} (wheels exist for CPython 3.11 and older only, {python}: later ones compile from source)"
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         connection = Connection()

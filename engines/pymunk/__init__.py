@@ -15,7 +15,7 @@ class Pymunk(WheelEngine):
     """pymunk, Chipmunk's bodies in the plane."""
 
     name: ClassVar[str] = "pymunk"
-    module = "pymunk"
+    module: ClassVar[str] = "pymunk"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="pymunk",
         optional=True,

@@ -1,1 +1,1 @@
-"""What several adapters share: coordinates, units, forces, shapes."""
+"""What several adapters share: wheel engines, the force loop, coordinates, units, boxes on plates, step costs."""
