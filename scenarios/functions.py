@@ -23,15 +23,18 @@ from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.verdict_table import finding_table
 from scenarios.cli.sweep import evaluate_sweep
 from scenarios.execution.dask_cluster import executor_for
-from scenarios.execution.executor import TIME_LIMIT
+from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.noted import note_sweep
-from scenarios.sweeps.run import stored_table
+from scenarios.sweeps.run import run_sweep, stored_table
 from scenarios.sweeps.spec_file import SweepFile
 from scenarios.sweeps.sweep import Sweep
+from scenarios.sweeps.table import tasks_of
 from scenarios.tasks.validation_message import first_error
+from scenarios.verdicts.pointwise import CONVERGED
+from scenarios.verdicts.steady_case import REFERENCE
 
 Numbers = float | Sequence[float] | FloatArray
 """One number, or several: a list, a tuple or an array."""
@@ -62,6 +65,7 @@ def sweep(
     ----------
     engines
         Names ``ENGINE``, ``ENGINE:FORMULATION`` or ``ENGINE:FORMULATION:PRESET``; joint and tuned are understood.
+        With ``reference`` among them its converged preset takes part too: verdicts need both.
     friction_ratio
         μ λ_N / (k_c U0), >= 0: a number, several, or (first, last, how many) as a tuple whose last part is an integer.
     frequency_ratio
@@ -111,7 +115,7 @@ def sweep(
     })  # fmt: skip
     with _store(store) as (stored, file), executor_for(workers, time_limit, scheduler) as executor:
         note_sweep(file, planned)
-        evaluate_sweep(planned, stored, executor)
+        _evaluate(planned, stored, executor)
         return sweep_dataset(*stored_table(planned, stored), file if store is not None else None)
 
 
@@ -160,9 +164,22 @@ def check(
 def _validated(content: Mapping[str, Any]) -> Sweep:
     """Check the arguments, as the content of a sweep file."""
     try:
-        return SweepFile.model_validate(content).sweep
+        planned = SweepFile.model_validate(content).sweep
     except ValidationError as problem:
         raise ParameterError(first_error(problem, "what the documentation of scenarios.sweep lists")) from None
+    judged = planned.tolerance is None and REFERENCE in planned.variants
+    return planned.with_reference() if judged else planned
+
+
+def _evaluate(planned: Sweep, store: ResultStore, executor: Executor) -> None:
+    """Evaluate the points, and with other numbers of steps too where verdicts need the errors of steps."""
+    if CONVERGED not in planned.variants:
+        evaluate_sweep(planned, store, executor)
+        return
+    with ProgressBars(planned.variants) as bars, CountingEvaluator(store, executor, [], bars) as evaluator:
+        if planned.frequencies is not None:
+            run_sweep(planned, evaluator)
+        evaluator.evaluate(tasks_of(*stored_table(planned, store)))
 
 
 @contextmanager
