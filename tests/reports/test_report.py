@@ -186,7 +186,7 @@ def test_adaptive_frequencies_are_those_of_all_curves_together(tmp_path: Path) -
     file.write_text(ADAPTIVE)
     sweep = read_sweep(file).with_reference()
     with ResultStore(store) as kept, Evaluator(kept, InProcessExecutor()) as evaluator:
-        result = run(sweep, evaluator)
+        result = compare_sweep(sweep, evaluator)
     etas = {
         variant: [point.frequency_ratio for point in result.curve(variant, sweep.cases[0])]
         for variant in sweep.variants
