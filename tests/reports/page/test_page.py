@@ -212,3 +212,8 @@ def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
     assert "unknown" in page
     assert "2 cells, mass ratio (1, 0.5), stiffness ratio 1," in page
     assert "outer mass ratio (1, 2)" in page
+
+
+def test_page_holds_no_text_of_an_object_of_the_program(markup: str) -> None:
+    assert "joint, tuned" in markup, "variants are named"
+    assert not re.search(r"\b[A-Z]\w+\(\w+=|&lt;[A-Z]\w+\.[A-Z]+|object at 0x", markup)
