@@ -116,7 +116,7 @@ def test_an_interrupted_run_says_what_is_kept(run, capsys, tmp_path, monkeypatch
     ],
 )
 def test_wrong_input_is_refused_before_any_work(capsys, monkeypatch, arguments, message) -> None:
-    monkeypatch.setattr(catalogue_command, "_results", None)
+    monkeypatch.setattr(catalogue_command, "_findings", None)
     assert run_command(app, arguments) == 2
     assert message in capsys.readouterr().err
 
