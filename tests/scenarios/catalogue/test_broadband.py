@@ -151,7 +151,7 @@ def test_error_that_three_steps_do_not_show_is_looked_at_with_finer_ones(tmp_pat
         found = ShortPulse().run([Variant("mujoco")], Evaluator(store, OffBy(error)))
     (series,) = [one.comparison for one in found if one.metric is DIFFERENCE]
     assert series.verdict is verdict
-    assert series.reason.endswith("with 2 times the usual steps")
+    assert series.reason.endswith("with 2 times the default steps")
 
 
 def test_engine_that_fails_is_blocked_with_its_reason(tmp_path, monkeypatch) -> None:

@@ -15,7 +15,7 @@ from scenarios.catalogue.den_hartog import POINTS, expected_motion
 from scenarios.catalogue.figure3 import LOWER_EDGE, LOWER_EDGES
 from scenarios.catalogue.linear_limits import LOCKING_FRICTION
 from scenarios.catalogue.steady_base import LONGEST_SECONDS, SAME_STEP, SteadyScenario
-from scenarios.catalogue.unequal_cells import SEED
+from scenarios.catalogue.unequal_cells import DISORDER_SEED
 from scenarios.tasks.result import Result
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.verdict import Verdict
@@ -130,7 +130,7 @@ def test_edges_of_figure_3_are_where_the_exact_curve_has_them(verdicts) -> None:
 
 def test_numbers_of_the_disordered_chain_are_printed_cell_by_cell() -> None:
     scenario = CATALOGUE["disordered-chain"]
-    assert f"seed {SEED}" in scenario.source
+    assert f"seed {DISORDER_SEED}" in scenario.source
     lines = dict(line.split(" = ") for line in scenario.parameters())
     ratios = {"mass_ratio", "stiffness_ratio", "damping_ratio", "outer_mass_ratio", "chain_stiffness_ratio"}
     assert set(lines) == ratios | {"friction_ratio"}
