@@ -49,7 +49,7 @@ class ProgressBars:
             TextColumn("points, {task.fields[known]} known"),
             TimeElapsedColumn(),
             TimeRemainingColumn(),
-            console=Console(stderr=True),
+            console=Console(stderr=True, force_jupyter=False),
             speed_estimate_period=PACE_SECONDS,
             get_time=clock,
         )
