@@ -241,7 +241,7 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
     assert origin["tolerances"]["given"] == {"transmittance_db": 0.1, "baseline": "reference"}
     page = (tmp_path / "out" / "index.html").read_text()
     assert "driven by a harmonic force on the outer mass of cell 1 (P<sub>0</sub> = 10 N" in page
-    assert "0.1 dB of transmittance from reference, as the file of the sweep says" in page
+    assert "0.1 dB of transmittance from reference, the tolerance of the sweep" in page
     assert "on a base that moves" not in page
 
 

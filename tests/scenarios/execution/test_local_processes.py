@@ -134,7 +134,9 @@ def children_of(process: int) -> set[int]:
 def test_workers_end_with_their_client(install, tmp_path, signalled) -> None:
     """kill −9 leaves no time to say goodbye, Ctrl-C must not wait for a batch; nothing may compute for nobody."""
     script = tmp_path / "ask.py"
-    script.write_text(SCRIPT.replace("(2, 4.0)", "(2, 600.0)"))
+    # a shell's background jobs ignore Ctrl-C, and so would all that they start
+    heeds = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
+    script.write_text(heeds + SCRIPT.replace("(2, 4.0)", "(2, 600.0)"))
     site = install("faulty")
     command = [sys.executable, str(script), "faulty-sound", str(tmp_path / "store.sqlite")]
     ratios = json.dumps([0.4 + 1e-3 * k for k in range(400)])
