@@ -10,12 +10,14 @@ from pathlib import Path
 
 import pytest
 
+from scenarios.execution.local_processes import START_SECONDS
+
 SCRIPT = """
 import json, sys, time
 from pathlib import Path
 from engines.interface.variant import Variant
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import START_SECONDS, LocalExecutor
+from scenarios.execution.local_processes import LocalExecutor
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.execution.store import ResultStore
