@@ -7,6 +7,7 @@ from typing import TypeVar
 
 from engines.interface.engine import EngineNotInstalled
 from reference_lcp.validation import ParameterError
+from scenarios.execution.checked_simulation import TrajectoryFault
 from scenarios.tasks.result import Result
 
 Item = TypeVar("Item")
@@ -39,8 +40,15 @@ def results_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]], 
             raise
         if len(items) > 1:
             return [results_together([item], attempt)[0] for item in items]
-        kind = "cannot be represented" if isinstance(problem, ParameterError) else type(problem).__name__
-        return [Result.blocked(f"{kind}: {text_of(problem)}")]
+        return [Result.blocked(_reason(problem))]
+
+
+def _reason(problem: BaseException) -> str:
+    """Give the reason that an exception is."""
+    if isinstance(problem, TrajectoryFault):
+        return str(problem)
+    kind = "cannot be represented" if isinstance(problem, ParameterError) else type(problem).__name__
+    return f"{kind}: {text_of(problem)}"
 
 
 def text_of(problem: BaseException) -> str:

@@ -13,6 +13,7 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
 from reference_lcp.one_call import SteadyState
 from reference_lcp.steady.orbits import OrbitStatus, periodic_orbits
+from scenarios.execution.checked_simulation import CheckedSimulation, check_trajectory
 from scenarios.execution.failures import results_together
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
@@ -48,8 +49,12 @@ def _steady_states(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[
     simulation = variant.build(lanes)
     try:
         if isinstance(simulation, SteadyStateSolver):
-            return simulation.steady_states(steps)
-        orbits = periodic_orbits(simulation, steps, tolerance=variant.capabilities.residual)
+            states = simulation.steady_states(steps)
+            for lane, state in zip(lanes, states, strict=True):
+                check_trajectory(state.orbit.trajectory, lane, 0, steps, variant.capabilities.precision)
+            return states
+        checked = CheckedSimulation(simulation, variant)
+        orbits = periodic_orbits(checked, steps, tolerance=variant.capabilities.residual)
     finally:
         simulation.close()
     return [SteadyState.of(orbit, variant.preset.stick_margin) for orbit in orbits]

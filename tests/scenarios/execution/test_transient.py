@@ -133,7 +133,7 @@ def test_motion_whose_numbers_are_not_finite_is_blocked_with_its_time(monkeypatc
     monkeypatch.setattr(Variant, "build", breaking)
     answer = run_transients([motion()])[0]
     assert (answer.status, answer.series) == ("blocked", {})
-    assert answer.reason == "MotionNotFinite: the engine's numbers are not finite at 0.501 s"
+    assert answer.reason == "the engine's velocity is not finite at 0.501 s in cell 1: nan"
 
 
 @pytest.mark.parametrize(
