@@ -108,7 +108,7 @@ def test_numbers_that_are_not_finite_are_blocked(ask) -> None:
     rows = ask("faulty-nan", "faulty-sound", ratios=(0.9,))
     status, reason = rows["faulty-nan", 0.9]
     assert status == "blocked"
-    assert re.fullmatch(r"the engine's velocity is not finite at \S+ s in cell 1: nan", reason)
+    assert re.fullmatch(r"the engine's position is not finite at \S+ s in cell 1: nan", reason)
     assert rows["faulty-sound", 0.9][0] == "converged"
 
 
