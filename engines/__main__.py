@@ -9,7 +9,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from engines.interface.registry import engine, engine_names
+from engines.interface.registry import broken_reason, engine, registered_names
 from reference_lcp.console import run_command
 
 app = typer.Typer(name="python -m engines", add_completion=False, pretty_exceptions_enable=False)
@@ -21,7 +21,7 @@ def engines(as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
     Example: python -m engines --json
     """
-    rows = [described(name) for name in engine_names()]
+    rows = [described(name) for name in registered_names()]
     if as_json:
         print(json.dumps(rows, indent=2))
     else:
@@ -39,13 +39,17 @@ def described(name: str) -> dict[str, Any]:
     Returns
     -------
     dict
-        Capabilities as data; ``version`` is ``None`` and ``missing`` says why where it is not installed.
+        Capabilities as data; ``version`` is ``None`` and ``missing`` says why where it is not installed. Of a broken
+        engine, such as one whose module is missing, the capabilities are left out.
 
     Raises
     ------
     ParameterError
         If no engine of this name is registered.
     """
+    broken = broken_reason(name)
+    if broken is not None:
+        return {"engine": name, "version": None, "python": None, "presets": {}, "missing": broken}
     described_engine = engine(name)
     abilities = described_engine.capabilities
     missing = described_engine.unavailable_reason()
@@ -78,10 +82,9 @@ def _print(rows: list[dict[str, Any]]) -> None:
         table.add_column(heading)
     for row in rows:
         presets = "\n".join(f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items())
-        arithmetic = row["precision"] if row["deterministic"] else f"{row['precision']}, varies"
-        table.add_row(
-            row["engine"], row["version"] or "missing", row["python"] or "", row["friction_law"], presets, arithmetic
-        )
+        arithmetic = row.get("precision", "") + ("" if row.get("deterministic", True) else ", varies")
+        law = row.get("friction_law", "")
+        table.add_row(row["engine"], row["version"] or "missing", row["python"] or "", law, presets, arithmetic)
     console = Console()
     console.print(table)
     for row in rows:

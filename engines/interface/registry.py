@@ -1,11 +1,13 @@
 """Every engine that is registered, by name."""
 
+from collections.abc import Callable
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from engines.interface.engine import Engine
-from reference_lcp.validation import checked_choice
+from engines.interface.presets import Capabilities
+from reference_lcp.validation import ParameterError, checked_choice
 
 ENTRY_POINT_GROUP = "multibody_xval.engines"
 """Group under which a distribution registers its engines; nothing in the suite is edited for a new one."""
@@ -21,9 +23,54 @@ def _loaded(name: str) -> Any:
     return _entry_points()[name].load()
 
 
-def engine_names() -> list[str]:
-    """Names of all registered engines; the reference comes first."""
+def registered_names() -> list[str]:
+    """Names of all registered engines, broken ones too; the reference comes first."""
     return sorted(_entry_points(), key=lambda name: (name != "reference", name))
+
+
+def engine_names() -> list[str]:
+    """Names of all registered engines but for broken ones; the reference comes first."""
+    return [name for name in registered_names() if broken_reason(name) is None]
+
+
+@cache
+def broken_reason(name: str) -> str | None:
+    """Give the reason why a registered engine is none; ``None`` if it is one, whether or not it is installed.
+
+    Its module may be missing or fail, it may be no `Engine`, or it may raise where it describes itself.
+    """
+    reason = _not_loaded_reason(name)
+    return reason if reason is not None else _raised(lambda: _check_versions(_loaded(name)()))
+
+
+@cache
+def _not_loaded_reason(name: str) -> str | None:
+    """Give the reason why a registered engine cannot be loaded; its versions, which may need a process, are left."""
+    return _raised(lambda: _check_engine(_loaded(name)()))
+
+
+def _raised(check: Callable[[], None]) -> str | None:
+    try:
+        check()
+    except (Exception, SystemExit) as problem:  # of a stranger's code
+        return " ".join(f"{type(problem).__name__}: {problem}".split())
+    return None
+
+
+def _check_engine(registered: Any) -> None:
+    """Raise unless this is an engine with capabilities."""
+    if not isinstance(registered, Engine):
+        raise TypeError(f"it is a {type(registered).__name__}; allowed: a subclass of engines.Engine")
+    if not isinstance(registered.capabilities, Capabilities):
+        raise TypeError(f"its capabilities are a {type(registered.capabilities).__name__}; allowed: Capabilities")
+
+
+def _check_versions(registered: Engine) -> None:
+    """Raise unless an engine says why it is not installed, or its versions."""
+    if registered.unavailable_reason() is None:
+        for stated, text in (("version", registered.version()), ("python", registered.python())):
+            if not isinstance(text, str):
+                raise TypeError(f"its {stated}() gives a {type(text).__name__}; allowed: a text")
 
 
 def engine(name: str) -> Engine:
@@ -32,20 +79,19 @@ def engine(name: str) -> Engine:
     Raises
     ------
     ParameterError
-        If no engine of this name is registered.
-    TypeError
-        If what is registered under the name is no engine.
+        If no engine of this name is registered, or the one that is registered is broken.
     """
     if name not in _entry_points():
-        checked_choice("engine", name, engine_names())
-    registered = _loaded(name)()
-    if not isinstance(registered, Engine):
-        raise TypeError(
-            f"entry point {name!r} gives a {type(registered).__name__}; allowed: a subclass of engines.Engine"
-        )
+        checked_choice("engine", name, registered_names())
+    reason = broken_reason(name)
+    if reason is not None:
+        raise ParameterError(f"engine = {name!r} cannot be used: {reason}")
+    registered: Engine = _loaded(name)()
     return registered
 
 
 def default_engine_names() -> list[str]:
-    """Names of the engines that take part by default: all but those that come with an extra or with the system."""
-    return [name for name in engine_names() if not engine(name).capabilities.optional]
+    """Names of the engines that take part by default: all but broken ones, and those of an extra or the system."""
+    loaded = [name for name in registered_names() if _not_loaded_reason(name) is None]
+    default = [name for name in loaded if not _loaded(name)().capabilities.optional]
+    return [name for name in default if broken_reason(name) is None]
