@@ -7,6 +7,7 @@ from typing import Any
 from reference_lcp.validation import ParameterError
 from scenarios.execution.batch import Batch
 from scenarios.execution.executor import TIME_LIMIT, WorkerDied, WorkerExecutor
+from scenarios.execution.identity import identity_of
 from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.worker import run_on_cluster
 from scenarios.tasks.result import Result
@@ -34,7 +35,8 @@ class DaskExecutor(WorkerExecutor["Future[list[Result]]"]):
     """The workers of a dask scheduler: as many batches on the way as there are workers.
 
     A batch whose worker dies is given to another one as often as the scheduler allows
-    (``distributed.scheduler.allowed-failures``), and is blocked then. Workers need this suite and the engines.
+    (``distributed.scheduler.allowed-failures``), and is blocked then. Workers need this suite and the engines, in the
+    same versions; the points of an engine that differs are blocked. The scheduler and its workers must be trusted.
 
     Parameters
     ----------
@@ -64,7 +66,8 @@ class DaskExecutor(WorkerExecutor["Future[list[Result]]"]):
         self._client.close()
 
     def _start(self, batch: Batch) -> Future[list[Result]]:
-        future: Future[list[Result]] = self._futures.submit(run_on_cluster, batch, self._limit)
+        identity = identity_of(batch[0].variant)
+        future: Future[list[Result]] = self._futures.submit(run_on_cluster, batch, identity, self._limit)
         return future
 
     def _finished(self, running: Collection[Future[list[Result]]]) -> Collection[Future[list[Result]]]:

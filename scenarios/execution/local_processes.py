@@ -16,6 +16,7 @@ from pathlib import Path
 
 from scenarios.execution.batch import Batch
 from scenarios.execution.executor import KILLED, TIME_LIMIT, WorkerDied, WorkerExecutor
+from scenarios.execution.identity import identity_of
 from scenarios.execution.worker import BEGUN, END_SECONDS, limit_reached, reason_of_death
 from scenarios.tasks.result import Result
 
@@ -157,7 +158,7 @@ class LocalWorker:
 
     def run(self, batch: Batch, limit: float) -> None:
         """Start on a batch that may take `limit` seconds."""
-        self.connection.send_bytes(pickle.dumps((batch, limit)))
+        self.connection.send_bytes(pickle.dumps((batch, identity_of(batch[0].variant), limit)))
         self._busy, self._begun, self._reply, self._size, self._limit = True, False, None, len(batch), limit
         self.deadline = time.monotonic() + START_SECONDS
 

@@ -15,6 +15,7 @@ from typing import IO
 
 from scenarios.execution.batch import Batch, run_batch
 from scenarios.execution.failures import WORKER_MARK
+from scenarios.execution.identity import identity_of, mismatch_reason
 from scenarios.tasks.result import Result
 
 END_SECONDS = 1.0
@@ -30,8 +31,8 @@ def serve(descriptor: int, crash_log: str) -> None:
     Parameters
     ----------
     descriptor
-        Of the connection, through which pickled pairs of a batch and its time limit [s] come. `BEGUN` goes back for
-        each, then the results, or the reason why the batch could not be read.
+        Of the connection, through which pickled arguments of `run_within` come: batch, identity, time limit [s].
+        `BEGUN` goes back for each, then the results, or the reason why the batch could not be read.
     crash_log
         File into which the process writes where it was when it crashed or passed the time limit.
     """
@@ -52,27 +53,29 @@ def serve(descriptor: int, crash_log: str) -> None:
 
 def _reply(message: bytes, crash_log: IO[str]) -> list[Result] | str:
     try:
-        batch, limit = pickle.loads(message)
+        batch, identity, limit = pickle.loads(message)
     except Exception as problem:  # such as a drive whose class this process cannot import
         return f"the task cannot be read in a worker process: {type(problem).__name__}: {problem}"
-    return run_within(batch, limit, crash_log)
+    return run_within(batch, identity, limit, crash_log)
 
 
-def run_within(batch: Batch, limit: float, crash_log: IO[str]) -> list[Result]:
+def run_within(batch: Batch, identity: str, limit: float, crash_log: IO[str]) -> list[Result]:
     """Run a batch, or end the process after `limit` seconds and write down where it was.
 
-    The limit holds inside compiled code too, whether or not it lets other threads of Python run.
+    The limit holds inside compiled code too, whether or not it lets other threads of Python run. Where the variant has
+    another identity here than at the client, see `identity_of`, every task is blocked.
     """
     faulthandler.dump_traceback_later(limit, exit=True, file=crash_log)
     try:
-        return run_batch(batch)
+        reason = mismatch_reason(identity_of(batch[0].variant), identity)
+        return run_batch(batch) if reason is None else [Result.blocked(reason)] * len(batch)
     finally:
         faulthandler.cancel_dump_traceback_later()
 
 
-def run_on_cluster(batch: Batch, limit: float) -> list[Result]:
+def run_on_cluster(batch: Batch, identity: str, limit: float) -> list[Result]:
     """Run a batch in a worker of a cluster; where it was at the limit is written into the worker's own log."""
-    return run_within(batch, limit, sys.__stderr__)  # type: ignore[arg-type]
+    return run_within(batch, identity, limit, sys.__stderr__)  # type: ignore[arg-type]
 
 
 def _receive(connection: Connection, inbox: "SimpleQueue[bytes | None]") -> None:

@@ -154,3 +154,13 @@ class ChangesNumPy(Faulty):
         sine = np.sin
         np.sin = lambda values: 0.5 * sine(values)
         return super()._build(lanes, formulation, preset)
+
+
+class IsAnotherVersion(Faulty):
+    """Its version in a worker is not that of the client."""
+
+    name = "faulty-version"
+
+    def version(self):
+        """Version by the environment: `FAULTY_VERSION`, or that of a worker process."""
+        return os.environ.get("FAULTY_VERSION", "9.9.9" if "MULTIBODY_XVAL_WORKER" in os.environ else "1.0.0")

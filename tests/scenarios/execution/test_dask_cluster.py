@@ -1,6 +1,7 @@
 """The workers of a dask cluster, started by hand on a port of its own: the same answers, bit for bit."""
 
 import contextlib
+import json
 import re
 import subprocess
 import sys
@@ -19,6 +20,22 @@ from scenarios.tasks.task import SteadyStateTask
 
 pytest.importorskip("distributed")
 from scenarios.execution.dask_cluster import DaskExecutor
+
+CLIENT = """
+import json, sys
+from engines.interface.variant import Variant
+from scenarios.execution.dask_cluster import DaskExecutor
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.task import SteadyStateTask
+
+tasks = [
+    SteadyStateTask(variant=Variant(name), friction_ratio=0.3, frequency_ratio=0.9, ratios=ChainRatios(cells=2))
+    for name in ("faulty-sound", "faulty-version")
+]
+with DaskExecutor(sys.argv[1]) as executor:
+    found = {b[0].variant.engine: (str(r[0].status), r[0].reason) for b, r in executor.run([task] for task in tasks)}
+print(json.dumps(found))
+"""
 
 
 @contextlib.contextmanager
@@ -44,7 +61,7 @@ def started(module: str, *options: str, environment=None, says: str) -> Iterator
 @pytest.fixture(scope="module")
 def scheduler(install) -> Iterator[str]:
     """Address of a scheduler with two workers, for which the faulty engines are installed."""
-    environment = install("faulty").environment
+    environment = {**install("faulty").environment, "FAULTY_VERSION": "9.9.9"}
     quiet = ("--no-dashboard",)
     with started("distributed.cli.dask_scheduler", "--port", "0", *quiet, says=r"tcp://\S+:\d+") as address:
         options = ("--nworkers", "2", "--nthreads", "1", *quiet)
@@ -66,6 +83,17 @@ def test_cluster_and_local_processes_give_the_same_table(scheduler, tmp_path) ->
         with ResultStore(tmp_path / f"{name}.sqlite") as store, Evaluator(store, executor) as evaluator:
             tables.append([(a.transmittance_db, a.residual, a.transitions) for a in evaluator.evaluate(asked)])
     assert tables[0] == tables[1]
+
+
+def test_engine_of_another_version_on_the_cluster_is_blocked_with_both_named(scheduler, install, tmp_path) -> None:
+    script = tmp_path / "ask.py"
+    script.write_text(CLIENT)
+    reasons = json.loads(install("faulty").run(str(script), scheduler))
+    assert reasons["faulty-sound"] == ["converged", ""]
+    status, reason = reasons["faulty-version"]
+    assert status == "blocked"
+    assert reason.startswith("not the same in the worker: faulty-version 9.9.9, Python ")
+    assert "; expected: faulty-version 1.0.0, Python " in reason
 
 
 def test_nobody_at_the_address_is_an_error_that_names_it(monkeypatch) -> None:

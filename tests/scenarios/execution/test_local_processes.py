@@ -112,6 +112,16 @@ def test_numbers_that_are_not_finite_are_blocked(ask) -> None:
     assert rows["faulty-sound", 0.9][0] == "converged"
 
 
+def test_engine_of_another_version_in_the_worker_is_blocked_with_both_named(ask) -> None:
+    rows = ask("faulty-version", "faulty-sound", ratios=(0.9,))
+    status, reason = rows["faulty-version", 0.9]
+    assert status == "blocked"
+    here, expected = reason.removeprefix("not the same in the worker: ").split("; expected: ")
+    assert here.startswith("faulty-version 9.9.9, Python ")
+    assert expected == here.replace("9.9.9", "1.0.0")
+    assert rows["faulty-sound", 0.9][0] == "converged"
+
+
 def test_engine_that_dies_at_point_after_point_is_not_asked_forever(ask) -> None:
     """The same point in ever other digits: each is a question of its own, and each kills."""
     near = [0.5 + k * 1e-12 for k in range(6)]
