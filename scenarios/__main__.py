@@ -94,7 +94,7 @@ def sweep(
     Example: python -m scenarios sweep sweep.toml --out sweep.nc
     """
     planned = read_sweep(file)
-    check_out(out, (".nc", ".csv"))
+    check_out(out, (".nc", ".csv"), [store, file])
     executor = executor_for(workers, time_limit, scheduler)
     with ResultStore(store) as stored:
         if ask:
@@ -133,7 +133,7 @@ def accuracy(
     Example: python -m scenarios run accuracy --store accuracy.sqlite --out accuracy.md
     """
     variants = chosen_variants(chosen)
-    check_out(out, (".md", ".csv"))
+    check_out(out, (".md", ".csv"), [store])
     measured = _accuracies(variants, store, executor_for(workers, time_limit, scheduler))
     rows: list[AccuracyRow] = [(row, step_cost(row.variant) if cost and row.certified else None) for row in measured]
     _print_accuracy(rows)
@@ -158,7 +158,7 @@ def cost_command(
 
     Example: python -m scenarios run cost --engine mujoco:joint
     """
-    check_out(out, (".md", ".csv"))
+    check_out(out, (".md", ".csv"), [])
     checked_scalar("seconds", seconds, "> 0")
     reference = cost(REFERENCE, seconds)
     costs = []

@@ -65,7 +65,7 @@ def compare(
     if out is not None:
         if out.suffix != ".csv":
             raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: .csv")
-        checked_output_file("--out", out)
+        checked_output_file("--out", out, [first, second])
     comparison = compare_stores(first, second, Thresholds(decibel, stuck_fraction, transition))
     if not comparison.changes:
         raise ParameterError(f"{first} and {second} have no task in common; allowed: stores of the same points")
