@@ -99,7 +99,7 @@ def write_sweep_report(
         stored = stack.enter_context(ResultStore(file))
         if not ask:
             return _written(collect(sweep, stored, StoredResults(stored), command, scope=chosen), folder)
-        note_sweep(file, sweep)
+        note_sweep(stored, sweep)
         bars = stack.enter_context(ProgressBars(sweep.variants))
         evaluator = stack.enter_context(CountingEvaluator(stored, executor, expected_tasks(sweep, chosen), bars))
         report = collect(sweep, stored, evaluator, command, scope=chosen)

@@ -26,6 +26,7 @@ from scenarios.cli.options import (
     store_of_run,
 )
 from scenarios.cli.run import add_scenarios
+from scenarios.cli.store import store_app
 from scenarios.cli.sweep import evaluate_sweep, print_summary, print_verdicts
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import unavailable_reason
@@ -51,6 +52,7 @@ EXPERIMENTS = {
 app = typer.Typer(name="python -m scenarios", add_completion=False, pretty_exceptions_enable=False)
 run = typer.Typer(help="Run a scenario of the catalogue, all of them, or a measurement.", no_args_is_help=True)
 app.add_typer(run, name="run")
+app.add_typer(store_app, name="store")
 add_scenarios(run)
 
 
@@ -98,7 +100,7 @@ def sweep(
     executor = executor_for(workers, time_limit, scheduler)
     with ResultStore(store) as stored:
         if ask:
-            note_sweep(store, planned)
+            note_sweep(stored, planned)
             try:
                 print_summary(planned, evaluate_sweep(planned, stored, executor))
             except KeyboardInterrupt:
