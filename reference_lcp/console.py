@@ -1,5 +1,6 @@
 """How every command of the suite ends: wrong input gives one clear line and exit code 2."""
 
+import os
 import sys
 import tempfile
 from collections.abc import Iterable
@@ -21,6 +22,9 @@ INSTALLED = Path(__file__).resolve().parents[1]
 
 DATABASE = b"SQLite format 3\0"
 """What every SQLite file begins with, so every store."""
+
+PROBED = 4096
+"""Bytes that are written to find out whether a folder can be: a block of most file systems."""
 
 UsageError: Any = typer.BadParameter.__base__
 """What an unknown option, a missing one or a value of the wrong type raises; typer exports only a subclass of it."""
@@ -86,7 +90,7 @@ def checked_output_file(name: str, file: Path, inputs: Iterable[Path | None] = (
         raise ParameterError(f"{name} = {file}: the folder {file.parent} does not exist")
     if _is_database(file):
         raise ParameterError(f"{name} = {file} is a store or another SQLite file; allowed: a file without results")
-    _probe(name, file.parent)
+    _probe(name, file.resolve().parent)
     return file
 
 
@@ -138,7 +142,9 @@ def _is_database(file: Path) -> bool:
 def _probe(name: str, folder: Path) -> None:
     """Write and remove a file: permissions alone do not decide on every file system."""
     try:
-        with tempfile.TemporaryFile(dir=folder):
-            pass
+        with tempfile.TemporaryFile(dir=folder) as probe:
+            probe.write(bytes(PROBED))  # a full disk lets an empty file be made
+            probe.flush()
+            os.fsync(probe.fileno())
     except OSError as problem:
         raise ParameterError(f"{name}: the folder {folder} cannot be written: {problem.strerror}") from None

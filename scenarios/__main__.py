@@ -13,6 +13,7 @@ from rich.progress import track
 from engines.interface.variant import Variant
 from engines.shared.step_cost import step_cost
 from reference_lcp.console import INTERRUPTED, run_command
+from reference_lcp.output import write_whole
 from reference_lcp.validation import checked_scalar
 from scenarios.catalogue import CATALOGUE
 from scenarios.cli.options import (
@@ -141,7 +142,7 @@ def accuracy(
     _print_accuracy(rows)
     if out is not None:
         command = shlex.join(["python", "-m", "scenarios", "run", "accuracy", *(f"--engine={c}" for c in chosen or [])])
-        out.write_text(accuracy_document(rows, command) if out.suffix == ".md" else csv_table(rows))
+        write_whole(out, accuracy_document(rows, command) if out.suffix == ".md" else csv_table(rows))
 
 
 @run.command(name="cost")
@@ -176,7 +177,7 @@ def cost_command(
     print_table(table)
     if out is not None:
         document = "\n".join([*markdown_lines(table), ""])
-        out.write_text(document if out.suffix == ".md" else csv_text(full_table(COST_COLUMNS, rows)))
+        write_whole(out, document if out.suffix == ".md" else csv_text(full_table(COST_COLUMNS, rows)))
 
 
 def _print_catalogue() -> None:

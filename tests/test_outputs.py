@@ -1,5 +1,6 @@
 """What a command writes never takes the place of what it reads or keeps, nor of code."""
 
+import resource
 import sqlite3
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from reference_lcp.console import WRONG_INPUT, checked_output_file, checked_outp
 from scenarios.catalogue.example_record import write_example
 from scenarios.execution.store import ResultStore
 from scenarios.functions import sweep
+from scenarios.sweeps.dataset import write_dataset
 
 APPS = {"scenarios": scenarios.__main__.app, "reports": reports.__main__.app}
 
@@ -103,3 +105,25 @@ def test_nothing_is_written_among_the_code_of_the_suite(tmp_path) -> None:
             checked_output_file("--out", folder / "table.csv")
     assert not (code.parent / "scenarios" / "new").exists()
     assert checked_output_file("--out", tmp_path / "table.csv") == tmp_path / "table.csv"
+
+
+@pytest.mark.parametrize("ending", [".nc", ".csv"])
+def test_a_disk_that_is_full_leaves_the_old_file_as_it_was(tmp_path, ending) -> None:
+    """A limit on the size of files stands for the disk."""
+    file = tmp_path / f"old{ending}"
+    file.write_bytes(KEPT)
+    data = sweep("reference", 0.3, [0.5, 0.9], chain={"cells": 2}, workers=1)
+    old = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, old[1]))
+    try:
+        with pytest.raises(ParameterError, match=r"cannot be written: .*; it is as it was"):
+            write_dataset(data, file)
+        with pytest.raises(ParameterError, match="cannot be written"):
+            checked_output_file("--out", file)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, old)
+    assert list(tmp_path.iterdir()) == [file]
+    assert file.read_bytes() == KEPT
+    write_dataset(data, file)
+    assert file.stat().st_size > 100
+    assert list(tmp_path.iterdir()) == [file]

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from engines.interface.variant import Variant
+from reference_lcp.output import write_whole
 from reference_lcp.validation import ParameterError
 from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.base import Scenario
@@ -142,7 +143,7 @@ def _perform(run: _Run, store: Path | None, out: Path | None, executor: Executor
     results = _stored_findings(run, store) if executor is None else _findings(run, store, executor)
     print_results(results)
     if out is not None:
-        out.write_text(verdicts_text(results, run.command, out.suffix))
+        write_whole(out, verdicts_text(results, run.command, out.suffix))
     if any(unexplained(findings) for findings in results.values()):
         raise typer.Exit(UNEXPLAINED)
 
