@@ -1,7 +1,9 @@
 """How every command of the suite ends: wrong input gives one clear line and exit code 2."""
 
+import os
 import sys
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,15 @@ WRONG_INPUT = 2
 
 INTERRUPTED = 130
 """Exit code of a command that was stopped by Ctrl-C, as shells give it."""
+
+INSTALLED = Path(__file__).resolve().parents[1]
+"""Where the packages of the suite lie."""
+
+DATABASE = b"SQLite format 3\0"
+"""What every SQLite file begins with, so every store."""
+
+PROBED = 4096
+"""Bytes that are written to find out whether a folder can be: a block of most file systems."""
 
 UsageError: Any = typer.BadParameter.__base__
 """What an unknown option, a missing one or a value of the wrong type raises; typer exports only a subclass of it."""
@@ -51,19 +62,35 @@ def _message(problem: Any, arguments: list[str]) -> str:
     return message
 
 
-def checked_output_file(name: str, file: Path) -> Path:
-    """Give `file` if it can be written; its folder must exist.
+def checked_output_file(name: str, file: Path, inputs: Iterable[Path | None] = ()) -> Path:
+    """Give `file` if it can be written and nothing is lost by that; its folder must exist.
+
+    Parameters
+    ----------
+    name
+        What the user calls it.
+    file
+        The file.
+    inputs
+        Files that the command reads or keeps, there or not; ``None`` is skipped.
 
     Raises
     ------
     ParameterError
-        If the folder is missing or not writable, or `file` is a folder.
+        If the folder is missing or not writable, or `file` is a folder, one of `inputs`, a database, or lies in a
+        Python package.
     """
+    _refuse_package(name, file)
+    for other in inputs:
+        if other is not None and _same_file(file, other):
+            raise ParameterError(f"{name} = {file} would overwrite {other}, which the command uses; allowed: another")
     if file.is_dir():
         raise ParameterError(f"{name} = {file} is a folder; allowed: a file")
     if not file.parent.is_dir():
         raise ParameterError(f"{name} = {file}: the folder {file.parent} does not exist")
-    _probe(name, file.parent)
+    if _is_database(file):
+        raise ParameterError(f"{name} = {file} is a store or another SQLite file; allowed: a file without results")
+    _probe(name, file.resolve().parent)
     return file
 
 
@@ -73,8 +100,9 @@ def checked_output_folder(name: str, folder: Path) -> Path:
     Raises
     ------
     ParameterError
-        If it cannot be made or written, or is a file.
+        If it cannot be made or written, is a file, or lies in a Python package.
     """
+    _refuse_package(name, folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
@@ -83,10 +111,40 @@ def checked_output_folder(name: str, folder: Path) -> Path:
     return folder
 
 
+def _refuse_package(name: str, path: Path) -> None:
+    """Refuse a path in a Python package beside this one: that is code, of the suite or of another."""
+    resolved = path.resolve()
+    if not resolved.is_relative_to(INSTALLED) or resolved == INSTALLED:
+        return
+    package = INSTALLED / resolved.relative_to(INSTALLED).parts[0]
+    if (package / "__init__.py").is_file():
+        raise ParameterError(f"{name} = {path} lies in the Python package {package}; allowed: outside of it")
+
+
+def _same_file(one: Path, other: Path) -> bool:
+    """Tell whether two names lead to one file, through links too; neither has to be there."""
+    if one.exists() and other.exists():
+        return one.samefile(other)
+    return one.resolve() == other.resolve()
+
+
+def _is_database(file: Path) -> bool:
+    """Tell by its first bytes whether a file is an SQLite database."""
+    if not file.is_file():
+        return False
+    try:
+        with file.open("rb") as opened:
+            return opened.read(len(DATABASE)) == DATABASE
+    except OSError:
+        return False
+
+
 def _probe(name: str, folder: Path) -> None:
     """Write and remove a file: permissions alone do not decide on every file system."""
     try:
-        with tempfile.TemporaryFile(dir=folder):
-            pass
+        with tempfile.TemporaryFile(dir=folder) as probe:
+            probe.write(bytes(PROBED))  # a full disk lets an empty file be made
+            probe.flush()
+            os.fsync(probe.fileno())
     except OSError as problem:
         raise ParameterError(f"{name}: the folder {folder} cannot be written: {problem.strerror}") from None

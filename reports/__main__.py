@@ -87,12 +87,12 @@ def report(
     if data is not None:
         if sweep is not None or chosen or quick:
             raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
-        print(write_dataset_report(read_dataset(data), out, shlex.join([*PROGRAM, "--data", str(data)])))
+        print(write_dataset_report(read_dataset(data), out, shlex.join([*PROGRAM, "--data", str(data)]), data))
         return
     planned = _figure3(_names(chosen), quick) if sweep is None else _sweep(sweep, chosen, quick)
     executor = executor_for(workers, time_limit, scheduler)
-    check_folder("--out", out)
     store = store if store is not None else out / STORE
+    check_folder("--out", out, [store, sweep])
     try:
         page = write_sweep_report(
             planned, out, _command(chosen, quick, sweep), store=store, ask=ask, scope=QUICK if quick else Scope(),

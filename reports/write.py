@@ -1,5 +1,6 @@
 """From a dataset, the file of a sweep, a store, or a sweep itself, to the folder of a report."""
 
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -33,7 +34,7 @@ def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Path:
         return write_sweep_report(read_sweep(file).with_reference(), folder, command)
     if file.suffix == ".sqlite":
         return write_sweep_report(noted_sweep(file).with_reference(), folder, command, store=file, ask=False)
-    return write_dataset_report(read_dataset(file), folder, command)
+    return write_dataset_report(read_dataset(file), folder, command, file)
 
 
 def read_dataset(file: Path) -> xr.Dataset:
@@ -52,10 +53,10 @@ def read_dataset(file: Path) -> xr.Dataset:
         raise ParameterError(f"{file} cannot be read: {problem}") from None
 
 
-def write_dataset_report(data: xr.Dataset, folder: Path, command: str) -> Path:
-    """Write the report of what a dataset holds; nothing is computed."""
+def write_dataset_report(data: xr.Dataset, folder: Path, command: str, file: Path | None = None) -> Path:
+    """Write the report of what a dataset, read from `file` if it was, holds; nothing is computed."""
+    check_folder("folder", folder, [file])
     report = collect_dataset(data, command)
-    check_folder("folder", folder)
     return _written(report, folder)
 
 
@@ -90,26 +91,32 @@ def write_sweep_report(
     """
     chosen = scope or Scope()
     executor = executor or executor_for(None, TIME_LIMIT, None)
-    check_folder("folder", folder)
     file = store or folder / STORE
+    check_folder("folder", folder, [file])
     if not ask and not file.is_file():
         raise ParameterError(f"--store = {file} does not exist; allowed with --no-ask: a store that is there")
     with ExitStack() as stack:
         stored = stack.enter_context(ResultStore(file))
         if not ask:
             return _written(collect(sweep, stored, StoredResults(stored), command, scope=chosen), folder)
-        note_sweep(file, sweep)
+        note_sweep(stored, sweep)
         bars = stack.enter_context(ProgressBars(sweep.variants))
         evaluator = stack.enter_context(CountingEvaluator(stored, executor, expected_tasks(sweep, chosen), bars))
         report = collect(sweep, stored, evaluator, command, scope=chosen)
     return _written(report, folder)
 
 
-def check_folder(name: str, folder: Path) -> None:
-    """Raise a `ParameterError` unless every file of a report can be written into the folder, which is made."""
+def check_folder(name: str, folder: Path, inputs: Sequence[Path | None]) -> None:
+    """Raise a `ParameterError` unless every file of a report can be written into the folder, which is made.
+
+    None of them may be one of `inputs`, the files that the report is made of.
+    """
     checked_output_folder(name, folder)
     for file in FILES:
-        checked_output_file("output file", folder / file)
+        checked_output_file("output file", folder / file, inputs)
+    for used in inputs:
+        if used is not None and used.resolve().parent == (folder / FIGURES).resolve():
+            raise ParameterError(f"{used} lies among the figures that are written; allowed: a file outside {FIGURES}")
     checked_output_folder("figures", folder / FIGURES)
 
 

@@ -13,6 +13,7 @@ from rich.progress import track
 from engines.interface.variant import Variant
 from engines.shared.step_cost import step_cost
 from reference_lcp.console import INTERRUPTED, run_command
+from reference_lcp.output import write_whole
 from reference_lcp.validation import checked_scalar
 from scenarios.catalogue import CATALOGUE
 from scenarios.cli.options import (
@@ -26,6 +27,7 @@ from scenarios.cli.options import (
     store_of_run,
 )
 from scenarios.cli.run import add_scenarios
+from scenarios.cli.store import store_app
 from scenarios.cli.sweep import evaluate_sweep, print_summary, print_verdicts
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import unavailable_reason
@@ -51,6 +53,7 @@ EXPERIMENTS = {
 app = typer.Typer(name="python -m scenarios", add_completion=False, pretty_exceptions_enable=False)
 run = typer.Typer(help="Run a scenario of the catalogue, all of them, or a measurement.", no_args_is_help=True)
 app.add_typer(run, name="run")
+app.add_typer(store_app, name="store")
 add_scenarios(run)
 
 
@@ -94,11 +97,11 @@ def sweep(
     Example: python -m scenarios sweep sweep.toml --out sweep.nc
     """
     planned = read_sweep(file)
-    check_out(out, (".nc", ".csv"))
+    check_out(out, (".nc", ".csv"), [store, file])
     executor = executor_for(workers, time_limit, scheduler)
     with ResultStore(store) as stored:
         if ask:
-            note_sweep(store, planned)
+            note_sweep(stored, planned)
             try:
                 print_summary(planned, evaluate_sweep(planned, stored, executor))
             except KeyboardInterrupt:
@@ -133,13 +136,13 @@ def accuracy(
     Example: python -m scenarios run accuracy --store accuracy.sqlite --out accuracy.md
     """
     variants = chosen_variants(chosen)
-    check_out(out, (".md", ".csv"))
+    check_out(out, (".md", ".csv"), [store])
     measured = _accuracies(variants, store, executor_for(workers, time_limit, scheduler))
     rows: list[AccuracyRow] = [(row, step_cost(row.variant) if cost and row.certified else None) for row in measured]
     _print_accuracy(rows)
     if out is not None:
         command = shlex.join(["python", "-m", "scenarios", "run", "accuracy", *(f"--engine={c}" for c in chosen or [])])
-        out.write_text(accuracy_document(rows, command) if out.suffix == ".md" else csv_table(rows))
+        write_whole(out, accuracy_document(rows, command) if out.suffix == ".md" else csv_table(rows))
 
 
 @run.command(name="cost")
@@ -158,7 +161,7 @@ def cost_command(
 
     Example: python -m scenarios run cost --engine mujoco:joint
     """
-    check_out(out, (".md", ".csv"))
+    check_out(out, (".md", ".csv"), [])
     checked_scalar("seconds", seconds, "> 0")
     reference = cost(REFERENCE, seconds)
     costs = []
@@ -174,7 +177,7 @@ def cost_command(
     print_table(table)
     if out is not None:
         document = "\n".join([*markdown_lines(table), ""])
-        out.write_text(document if out.suffix == ".md" else csv_text(full_table(COST_COLUMNS, rows)))
+        write_whole(out, document if out.suffix == ".md" else csv_text(full_table(COST_COLUMNS, rows)))
 
 
 def _print_catalogue() -> None:

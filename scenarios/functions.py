@@ -114,7 +114,7 @@ def sweep(
         **({} if tolerance_db is None else {"tolerances": {"transmittance_db": tolerance_db}}),
     })  # fmt: skip
     with _store(store) as (stored, file), executor_for(workers, time_limit, scheduler) as executor:
-        note_sweep(file, planned)
+        note_sweep(stored, planned)
         _evaluate(planned, stored, executor)
         return sweep_dataset(*stored_table(planned, stored), file if store is not None else None)
 

@@ -15,6 +15,7 @@ from reference_lcp.exact.steady import exact_orbit
 from reference_lcp.observables.stick_slip import Transition, transitions
 from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
 from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.output import replacing
 from reference_lcp.validation import FloatArray, checked_count
 
 HALVINGS = 6
@@ -131,7 +132,8 @@ def plot_convergence(studies: dict[str, Convergence], file: Path) -> None:
         axis.set_ylabel(title)
         axis.grid(alpha=0.3, which="both")
         axis.legend(fontsize=8, title="(friction ratio, η_r)", title_fontsize=8)
-    figure.savefig(file, dpi=150)
+    with replacing(file) as part:
+        figure.savefig(part, dpi=150)
 
 
 def _timed(changes: Sequence[Transition]) -> list[TimedTransition]:

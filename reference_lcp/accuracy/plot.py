@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from reference_lcp.observables.stick_slip import contact_modes
+from reference_lcp.output import replacing
 from reference_lcp.steady.orbits import PeriodicOrbit
 from reference_lcp.validation import FloatArray, ParameterError
 
@@ -50,7 +51,8 @@ def plot_period(orbit: PeriodicOrbit, file: Path) -> None:
         axis.set_xlabel("time / period [-]")
     handles = axes[0, 0].get_legend_handles_labels()[0]
     figure.legend(handles=handles, loc="outside upper center", ncols=3, fontsize=9, frameon=False)
-    figure.savefig(file, dpi=150)
+    with replacing(file) as part:
+        figure.savefig(part, dpi=150)
 
 
 def _draw(axis: Any, phase: FloatArray, stuck: Any, curves: dict[str, FloatArray]) -> None:

@@ -15,6 +15,7 @@ from matplotlib.patches import Patch, Rectangle
 from engines.interface.variant import Variant
 from reference_lcp.console import checked_output_file
 from reference_lcp.observables.stick_slip import MODE_OF_SIGN
+from reference_lcp.output import replacing
 from reference_lcp.validation import FloatArray, ParameterError, checked_count
 from reports.figures.stick_slip import MODE_COLOURS
 from reports.formatting import ratio
@@ -69,7 +70,8 @@ def animate(
     if not period.known:
         print(f"{variant.title}: {period.reason}", file=sys.stderr)
         raise typer.Exit(1)
-    write_animation(task, period, frames, out)
+    with replacing(out) as part:
+        write_animation(task, period, frames, part)
     print(out)
 
 

@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from reference_lcp.console import checked_output_file
+from reference_lcp.output import write_whole
 from reference_lcp.validation import ParameterError
 from scenarios.tables import Column, csv_text, full_table, printed_table, text_table
 from scenarios.verdicts.regression import Change, StoreComparison, Thresholds, compare_stores
@@ -65,7 +66,7 @@ def compare(
     if out is not None:
         if out.suffix != ".csv":
             raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: .csv")
-        checked_output_file("--out", out)
+        checked_output_file("--out", out, [first, second])
     comparison = compare_stores(first, second, Thresholds(decibel, stuck_fraction, transition))
     if not comparison.changes:
         raise ParameterError(f"{first} and {second} have no task in common; allowed: stores of the same points")
@@ -81,7 +82,7 @@ def compare(
         more = f", the {MOST_ROWS} largest" if len(comparison.beyond) > MOST_ROWS else ""
         console.print(printed_table(shown, title=f"{len(comparison.beyond)} points beyond{more}"))
     if out is not None:
-        out.write_text(csv_text(full_table(CHANGE_COLUMNS, comparison.changes)), encoding="utf-8")
+        write_whole(out, csv_text(full_table(CHANGE_COLUMNS, comparison.changes)))
     raise typer.Exit(CHANGED if comparison.beyond else 0)
 
 

@@ -19,6 +19,7 @@ COMMANDS = {
     "run": ("scenarios run", "Run a scenario of the catalogue, all of them, or a measurement."),
     "sweep": ("scenarios sweep", "Run every combination of parameters that a file names."),
     "example": ("scenarios example", "Print a commented file of parameters for `sweep`."),
+    "store": ("scenarios store", "Check a store of results, and save what is good in a damaged one."),
     "report": ("reports", "Compare engines with the reference, and write a page about it."),
     "compare": ("reports compare", "Say what changed from one store to another."),
     "animate": ("reports animate", "Show the chain in motion over one period."),

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from reference_lcp.output import write_whole
 from reports.data.provenance import provenance
 from reports.data.report import Report
 from reports.export.tables import band_edge_table, report_json, transition_table, transmittance_table
@@ -52,12 +53,7 @@ def write_all(folder: Path, contents: Mapping[str, bytes]) -> None:
     for name, content in contents.items():
         file = folder / name
         file.parent.mkdir(exist_ok=True)
-        part = file.with_name(f".{file.name}.part")
-        try:
-            part.write_bytes(content)
-            part.replace(file)
-        finally:
-            part.unlink(missing_ok=True)
+        write_whole(file, content)
 
 
 def report_dataset(result: ComparedSweep) -> xr.Dataset:

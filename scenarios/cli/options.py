@@ -1,7 +1,7 @@
 """What the commands of ``python -m scenarios`` have in common: options, checks, a store for the run."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -48,8 +48,8 @@ def chosen_variants(chosen: list[str] | None) -> list[Variant]:
     return list(dict.fromkeys(variant for name in names for variant in variants_named(name)))
 
 
-def check_out(out: Path | None, endings: tuple[str, ...]) -> None:
-    """Refuse a file that cannot be written, or whose ending names no format.
+def check_out(out: Path | None, endings: tuple[str, ...], inputs: Iterable[Path | None]) -> None:
+    """Refuse a file that cannot be written, whose ending names no format, or that is one of `inputs`.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def check_out(out: Path | None, endings: tuple[str, ...]) -> None:
         return
     if out.suffix not in endings:
         raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(endings)}")
-    checked_output_file("--out", out)
+    checked_output_file("--out", out, inputs)
 
 
 @contextmanager

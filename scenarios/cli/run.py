@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from engines.interface.variant import Variant
+from reference_lcp.output import write_whole
 from reference_lcp.validation import ParameterError
 from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.base import Scenario
@@ -46,6 +47,9 @@ UNEXPLAINED = 1
 
 LEAST_WIDTH = 200
 """Columns that tables may take where the output is no terminal."""
+
+ENDINGS = (".md", ".csv", ".json")
+"""Formats of verdicts."""
 
 Out = Annotated[
     Path | None, typer.Option(help="Write the verdicts here: a document as .md, every number as .csv or .json.")
@@ -94,7 +98,8 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[Scenario], summary: st
         time_limit: Limit = TIME_LIMIT,
         scheduler: Scheduler = None,
     ) -> None:
-        chosen_run = _checked_run(name, scenarios, chosen, out, [] if ask else ["--no-ask"])
+        check_out(out, ENDINGS, [store])
+        chosen_run = _chosen_run(name, scenarios, chosen, [] if ask else ["--no-ask"])
         _perform(chosen_run, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
 
 
@@ -115,22 +120,20 @@ def _add_record(run: typer.Typer, name: str, scenarios: Sequence[Scenario], summ
         time_limit: Limit = TIME_LIMIT,
         scheduler: Scheduler = None,
     ) -> None:
+        check_out(out, ENDINGS, [store, record])
         own: Sequence[Scenario] = scenarios
         if record is not None:
             scenario = Record(record)
             scenario.check()
             own = [scenario]
         options = [] if record is None else [f"--record={record}"]
-        chosen_run = _checked_run(name, own, chosen, out, options if ask else [*options, "--no-ask"])
+        chosen_run = _chosen_run(name, own, chosen, options if ask else [*options, "--no-ask"])
         _perform(chosen_run, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
 
 
-def _checked_run(
-    name: str, scenarios: Sequence[Scenario], chosen: list[str] | None, out: Path | None, options: list[str]
-) -> _Run:
-    """Check the options, before any work."""
+def _chosen_run(name: str, scenarios: Sequence[Scenario], chosen: list[str] | None, options: list[str]) -> _Run:
+    """Give what the options choose, before any work."""
     variants = chosen_variants(chosen)
-    check_out(out, (".md", ".csv", ".json"))
     words = ["python", "-m", "scenarios", "run", name, *(f"--engine={c}" for c in chosen or []), *options]
     return _Run(scenarios, variants, shlex.join(words))
 
@@ -140,7 +143,7 @@ def _perform(run: _Run, store: Path | None, out: Path | None, executor: Executor
     results = _stored_findings(run, store) if executor is None else _findings(run, store, executor)
     print_results(results)
     if out is not None:
-        out.write_text(verdicts_text(results, run.command, out.suffix))
+        write_whole(out, verdicts_text(results, run.command, out.suffix))
     if any(unexplained(findings) for findings in results.values()):
         raise typer.Exit(UNEXPLAINED)
 

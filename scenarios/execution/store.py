@@ -1,10 +1,15 @@
-"""Results kept in one SQLite file: what has been computed once is never computed again."""
+"""Results kept in one SQLite file: what has been computed once is never computed again.
 
+Every row has a digest, checked whenever it is read: a damaged number is never believed.
+"""
+
+import hashlib
 import itertools
 import sqlite3
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from reference_lcp.validation import ParameterError
 from scenarios.execution.closing import Closing
@@ -17,11 +22,32 @@ APPLICATION_ID = 0x4D425856
 LOOKUP = 500
 """Tasks that are looked up at once."""
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 """Layout of the tables."""
 
+TABLES = {
+    "answers": "CREATE TABLE answers "
+    "(key TEXT PRIMARY KEY, content TEXT NOT NULL, answer TEXT NOT NULL, digest BLOB NOT NULL)",
+    "sweeps": "CREATE TABLE sweeps (number INTEGER PRIMARY KEY, sweep TEXT UNIQUE NOT NULL, digest BLOB NOT NULL)",
+}
+"""Everything that a store consists of; another table, a view or a trigger is not read."""
+
+DAMAGE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_TOOBIG)
+"""Errors of SQLite that come from what stands in the file; others come from the disk, locks and permissions."""
 
 _Parsed = TypeVar("_Parsed", Result, ResultSummary)
+_Row = tuple[Any, ...]
+
+
+def digest_of(*texts: bytes) -> bytes:
+    """Give the SHA-256 of the texts of a row; none of them contains a line feed, being JSON or a key."""
+    return hashlib.sha256(b"\n".join(texts)).digest()
+
+
+def intact(row: _Row) -> bool:
+    """Tell whether the digest at the end of a row is that of the texts before it."""
+    *texts, digest = row
+    return all(isinstance(text, bytes) for text in texts) and digest_of(*texts) == digest
 
 
 class ResultStore(Closing):
@@ -30,41 +56,35 @@ class ResultStore(Closing):
     Parameters
     ----------
     file
-        The store; made if it is missing.
+        The store; made if it is missing or empty.
 
     Raises
     ------
     ParameterError
-        If `file` is not a store of this suite, is damaged or cannot be written; it is left as it is.
+        If `file` is not a store of this suite, is damaged or cannot be written; it is left as it is. A damaged row
+        raises it when that is read.
     """
 
     def __init__(self, file: Path):
         self._file = file
-        try:
-            self._connection = sqlite3.connect(file)
-            self._open()
-        except sqlite3.Error as problem:
-            raise ParameterError(f"store {file} cannot be used: {problem}") from None
+        with errors_of(file):
+            self._connection = sqlite3.connect(file, isolation_level=None)
+            self._connection.text_factory = bytes
+            try:
+                # takes the write lock: a file that cannot be written is found out before any work
+                with self._transaction():
+                    if file.stat().st_size == 0:
+                        self._create()
+                    check_layout(self._connection, file)
+            except BaseException:
+                self._connection.close()
+                raise
 
-    def _open(self) -> None:
-        """Check that the file is a store, then make the table in a new one."""
-        owner = self._connection.execute("PRAGMA application_id").fetchone()[0]
-        tables = self._connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
-        if tables and owner != APPLICATION_ID:
-            raise ParameterError(f"store {self._file} belongs to another program; allowed: a new file or a store")
-        version = self._connection.execute("PRAGMA user_version").fetchone()[0]
-        if tables and version != SCHEMA_VERSION:
-            raise ParameterError(f"store {self._file} has layout {version}; allowed: {SCHEMA_VERSION}")
-        # takes and gives back the write lock: a file that cannot be written is found out before any work
-        self._connection.execute("BEGIN IMMEDIATE")
-        self._connection.rollback()
-        if not tables:
-            self._connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-            self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
-            with self._connection:
-                self._connection.execute(
-                    "CREATE TABLE answers (key TEXT PRIMARY KEY, content TEXT NOT NULL, answer TEXT NOT NULL)"
-                )
+    def _create(self) -> None:
+        self._connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+        self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+        for table in TABLES.values():
+            self._connection.execute(table)
 
     def find(self, task: Task) -> Result | None:
         """Give the result of an equal task, or ``None``."""
@@ -72,29 +92,47 @@ class ResultStore(Closing):
 
     def results(self, tasks: Iterable[Task]) -> Iterator[Result | None]:
         """Give the result of each task, in order, or ``None``."""
-        for text in self._texts(tasks, "answer"):
-            yield None if text is None else self._read(Result.from_json, text)
+        for text in self._texts(tasks):
+            yield None if text is None else self._parsed(Result.from_json, text)
 
     def summaries(self, tasks: Iterable[Task]) -> Iterator[ResultSummary | None]:
         """Give how each task ended, in order, or ``None``; numbers are left unread."""
-        for text in self._texts(tasks, "json_extract(answer, '$.status', '$.periods', '$.multiple')"):
-            yield None if text is None else self._read(ResultSummary.from_json, text)
+        for text in self._texts(tasks):
+            yield None if text is None else self._parsed(ResultSummary.from_json, text)
 
-    def _read(self, parse: Callable[[str], _Parsed], text: str) -> _Parsed:
+    def all_results(self) -> Iterator[tuple[str, Result]]:
+        """Give every task, as `Task.text` has it, and its result, in the order of writing."""
+        with errors_of(self._file):
+            for row in self._connection.execute(
+                "SELECT rowid, key, content, answer, digest FROM answers ORDER BY rowid"
+            ):
+                _, content, answer, _ = self._checked(row)
+                yield content.decode(), self._parsed(Result.from_json, answer)
+
+    def _parsed(self, parse: Callable[[bytes], _Parsed], text: bytes) -> _Parsed:
         """Read one result; an error names the store."""
         try:
             return parse(text)
         except ParameterError as problem:
             raise ParameterError(f"store {self._file}: {problem}") from None
 
-    def _texts(self, tasks: Iterable[Task], column: str) -> Iterator[str | None]:
-        """Look up an expression of SQL for each task, many at a time."""
+    def _texts(self, tasks: Iterable[Task]) -> Iterator[bytes | None]:
+        """Look up the result of each task as JSON, many at a time."""
         remaining = iter(tasks)
         while chunk := list(itertools.islice(remaining, LOOKUP)):
             keys = [task.key() for task in chunk]
-            marks = ",".join("?" * len(keys))
-            rows = dict(self._connection.execute(f"SELECT key, {column} FROM answers WHERE key IN ({marks})", keys))
-            yield from (rows.get(key) for key in keys)
+            query = "SELECT rowid, key, content, answer, digest FROM answers WHERE key IN (" + ",".join("?" * len(keys))
+            with errors_of(self._file):
+                rows = map(self._checked, self._connection.execute(query + ")", keys).fetchall())
+            answers = {key: answer for key, _, answer, _ in rows}
+            yield from (answers.get(key.encode()) for key in keys)
+
+    def _checked(self, row: _Row) -> _Row:
+        """Give a row without its number, if its digest fits."""
+        number, *columns = row
+        if not intact(tuple(columns)):
+            raise damaged(self._file, f"the digest of row {number} does not fit")
+        return tuple(columns)
 
     def keep(self, results: Iterable[tuple[Task, Result]]) -> None:
         """Write results in one transaction; blocked ones are not kept, so that they are tried again."""
@@ -102,9 +140,67 @@ class ResultStore(Closing):
             (task.text(), result.to_json()) for task, result in results if result.status is not ResultStatus.BLOCKED
         ]
         rows = [(key_of(task), task, result) for task, result in texts]
+        signed = [(*row, digest_of(*(text.encode() for text in row))) for row in rows]
+        with errors_of(self._file), self._transaction():
+            self._connection.executemany("INSERT OR REPLACE INTO answers VALUES (?, ?, ?, ?)", signed)
+
+    def note(self, sweep: str) -> None:
+        """Write a sweep, as JSON, as the latest one."""
+        with errors_of(self._file), self._transaction():
+            self._connection.execute(
+                "INSERT OR REPLACE INTO sweeps (sweep, digest) VALUES (?, ?)", (sweep, digest_of(sweep.encode()))
+            )
+
+    def noted(self) -> str | None:
+        """Give the sweep that was noted last, or ``None``."""
+        with errors_of(self._file):
+            latest = "SELECT number, sweep, digest FROM sweeps ORDER BY number DESC LIMIT 1"
+            row = self._connection.execute(latest).fetchone()
+        return None if row is None else self._checked(row)[0].decode()
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        """Hold the write lock; everything inside is written, or nothing."""
+        self._connection.execute("BEGIN IMMEDIATE")
         with self._connection:
-            self._connection.executemany("INSERT OR REPLACE INTO answers VALUES (?, ?, ?)", rows)
+            yield
 
     def close(self) -> None:
         """Close the file."""
         self._connection.close()
+
+
+@contextmanager
+def errors_of(file: Path) -> Iterator[None]:
+    """Name the store in whatever SQLite raises."""
+    try:
+        yield
+    except (sqlite3.Error, MemoryError, OSError) as problem:
+        if getattr(problem, "sqlite_errorcode", sqlite3.SQLITE_OK) & 0xFF in DAMAGE:
+            raise damaged(file, str(problem)) from None
+        raise ParameterError(f"store {file} cannot be used: {problem}") from None
+
+
+def damaged(file: Path, what: str) -> ParameterError:
+    """Give the error of a damaged store, with what to do."""
+    advice = f"python -m scenarios store check {file} --salvage NEW.sqlite keeps the good rows"
+    return ParameterError(f"store {file} is damaged: {what}; {advice}")
+
+
+def check_layout(connection: sqlite3.Connection, file: Path) -> None:
+    """Refuse what is not exactly a store of this layout.
+
+    Raises
+    ------
+    ParameterError
+        Says what it is instead.
+    """
+    if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
+        raise ParameterError(f"store {file} belongs to another program; allowed: a new file or a store")
+    version = connection.execute("PRAGMA user_version").fetchone()[0]
+    if version != SCHEMA_VERSION:
+        raise ParameterError(f"store {file} has layout {version}; allowed: {SCHEMA_VERSION}")
+    made = connection.execute("SELECT type, name, tbl_name, sql FROM sqlite_master WHERE sql IS NOT NULL").fetchall()
+    expected = {(b"table", name.encode(), name.encode(), sql.encode()) for name, sql in TABLES.items()}
+    if len(made) != len(expected) or set(made) != expected:
+        raise ParameterError(f"store {file} is damaged: its tables are not those of a store; allowed: intact tables")

@@ -16,6 +16,7 @@ from pydantic import TypeAdapter
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import Mode
+from reference_lcp.output import write_whole
 from reference_lcp.validation import FloatArray
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import Point, points_of, results_at
@@ -257,9 +258,10 @@ def description_of(variant: Variant) -> dict[str, Any]:
 def write_dataset(data: xr.Dataset, file: Path) -> None:
     """Write labelled results as NetCDF (``.nc``) or as a table (``.csv``), one point a line."""
     if file.suffix == ".nc":
-        data.to_netcdf(file, engine="h5netcdf")
+        # in memory: HDF5 ends the process on a full disk
+        write_whole(file, bytes(data.to_netcdf(engine="h5netcdf")))
         return
     grid = data.status.dims
     plain = data[[name for name, values in data.data_vars.items() if values.dims == grid]]
     table = plain.to_dataframe(dim_order=list(grid)).reset_index()
-    file.write_text(csv_text(table), encoding="utf-8")
+    write_whole(file, csv_text(table))

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Annotated, NamedTuple, Self, TypeVar
+from typing import Annotated, Self, TypeVar
 
 from pydantic import BeforeValidator, ConfigDict, TypeAdapter, ValidationError
 
@@ -51,8 +51,6 @@ class ResultStatus(StrEnum):
 _Status = Annotated[ResultStatus, BeforeValidator(ResultStatus.parse)]
 _Number = Annotated[float, BeforeValidator(lambda value: math.nan if value is None else value)]
 """NaN is written as null."""
-_Multiple = Annotated[int, BeforeValidator(lambda value: 1 if value is None else value)]
-"""Stored results may have none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,7 +139,7 @@ class Result:
         return _RESULT.dump_json(self).decode()
 
     @staticmethod
-    def from_json(text: str) -> "Result":
+    def from_json(text: str | bytes) -> "Result":
         """Read what `to_json` wrote.
 
         Raises
@@ -152,7 +150,8 @@ class Result:
         return _read(_RESULT, text)
 
 
-class ResultSummary(NamedTuple):
+@dataclass(frozen=True)
+class ResultSummary:
     """How a task ended: its result without the numbers.
 
     Parameters
@@ -163,7 +162,7 @@ class ResultSummary(NamedTuple):
 
     status: _Status
     periods: int = 0
-    multiple: _Multiple = 1
+    multiple: int = 1
     reason: str = ""
 
     @classmethod
@@ -172,8 +171,8 @@ class ResultSummary(NamedTuple):
         return cls(result.status, result.periods, result.multiple, result.reason)
 
     @staticmethod
-    def from_json(text: str) -> "ResultSummary":
-        """Read the list [status, periods, multiple]."""
+    def from_json(text: str | bytes) -> "ResultSummary":
+        """Read it from what `Result.to_json` wrote."""
         return _read(_SUMMARY, text)
 
 
@@ -181,7 +180,7 @@ _RESULT, _SUMMARY = TypeAdapter(Result), TypeAdapter(ResultSummary)
 _Read = TypeVar("_Read")
 
 
-def _read(schema: TypeAdapter[_Read], text: str) -> _Read:
+def _read(schema: TypeAdapter[_Read], text: str | bytes) -> _Read:
     """Read the text of a store; an error names the first field that is wrong."""
     try:
         return schema.validate_json(text)

@@ -2,10 +2,8 @@
 
 import json
 import math
-import sqlite3
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -140,18 +138,14 @@ def read_all(file: Path) -> dict[str, StoredResult]:
     """
     if not file.is_file():
         raise ParameterError(f"store {file} does not exist; allowed: a store of results")
-    ResultStore(file).close()
-    try:
-        return dict(_rows(file))
-    except (sqlite3.Error, KeyError, TypeError, ValueError) as problem:
-        raise ParameterError(f"store {file} is damaged: {type(problem).__name__}: {problem}") from None
+    return dict(_rows(file))
 
 
 def _rows(file: Path) -> Iterator[tuple[str, StoredResult]]:
-    with closing(sqlite3.connect(file)) as connection:
-        for content, result in connection.execute("SELECT content, answer FROM answers ORDER BY rowid"):
+    with ResultStore(file) as store:
+        for content, result in store.all_results():
             read = json.loads(content)
-            stored = StoredResult(read["task"], read["version"], read["options"], Result.from_json(result))
+            stored = StoredResult(read["task"], read["version"], read["options"], result)
             yield json.dumps(read["task"], sort_keys=True), stored
 
 

@@ -52,7 +52,7 @@ def store(sweep: Sweep, tmp_path_factory: pytest.TempPathFactory) -> Path:
     with ResultStore(file) as kept:
         for task in tasks_of(sweep, grid(sweep)):
             kept.keep([(task, run_batch([task])[0])])
-    note_sweep(file, sweep)
+        note_sweep(kept, sweep)
     return file
 
 

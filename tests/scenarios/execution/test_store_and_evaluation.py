@@ -18,7 +18,7 @@ from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.local_processes import LocalExecutor
-from scenarios.execution.store import ResultStore
+from scenarios.execution.store import ResultStore, digest_of
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result, ResultStatus, ResultSummary
 from scenarios.tasks.task import SteadyStateTask
@@ -172,8 +172,11 @@ def test_a_store_with_an_unknown_status_says_which_file_and_which_status(tmp_pat
         store.keep([(task(), Result(status=ResultStatus.CONVERGED, transmittance_db=1.0))])
         assert type(store.find(task()).status) is ResultStatus
     with sqlite3.connect(file) as connection:
-        changed = "UPDATE answers SET answer = replace(answer, '\"converged\"', '\"solved\"')"
-        assert connection.execute(changed).rowcount == 1
+        connection.text_factory = bytes
+        key, content, answer = connection.execute("SELECT key, content, answer FROM answers").fetchone()
+        answer = answer.replace(b'"converged"', b'"solved"')
+        changed = "UPDATE answers SET answer = ?, digest = ?"
+        assert connection.execute(changed, (answer.decode(), digest_of(key, content, answer))).rowcount == 1
     connection.close()
     with ResultStore(file) as store:
         for read in (

@@ -16,7 +16,7 @@ from scenarios.cli.sweep import evaluate_sweep
 from scenarios.execution import dask_cluster
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.store import ResultStore
+from scenarios.execution.store import ResultStore, digest_of
 from scenarios.sweeps.adaptive_grid import level
 from scenarios.sweeps.dataset import STATUSES, sweep_dataset
 from scenarios.sweeps.refinement import ForTheAccuracy
@@ -192,8 +192,11 @@ def test_outcomes_of_kept_answers_are_those_of_the_answers_with_and_without_a_mu
     with ResultStore(tmp_path / "s.sqlite") as store:
         store.keep([(asked[0], Result(status="period limit", periods=401, multiple=3))])
         store.keep([(asked[1], Result(status="converged", periods=28))])
+        store._connection.create_function("digest", 3, digest_of)
         store._connection.execute(
-            "UPDATE answers SET answer = json_remove(answer, '$.multiple') WHERE key = ?", (asked[1].key(),)
+            "UPDATE answers SET answer = json_remove(answer, '$.multiple'), digest = digest(CAST(key AS BLOB), "
+            "CAST(content AS BLOB), CAST(json_remove(answer, '$.multiple') AS BLOB)) WHERE key = ?",
+            (asked[1].key(),),
         )
         assert list(store.summaries(asked)) == [
             ResultSummary("period limit", 401, 3),

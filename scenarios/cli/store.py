@@ -1,0 +1,43 @@
+"""``python -m scenarios store``: what is damaged in a store, and its good rows in a new one."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from reference_lcp.console import WRONG_INPUT, checked_output_file
+from scenarios.execution.store_check import check_store, salvage
+
+store_app = typer.Typer(help="Check a store of results, and save what is good in a damaged one.", no_args_is_help=True)
+
+
+@store_app.callback()
+def store() -> None:
+    """Check a store of results, and save what is good in a damaged one."""
+
+
+@store_app.command()
+def check(
+    file: Annotated[Path, typer.Argument(help="The store; it is only read.")],
+    new: Annotated[
+        Path | None, typer.Option("--salvage", metavar="NEW", help="Write the good rows into this new store.")
+    ] = None,
+) -> None:
+    """Read every row of a store, and say what is damaged.
+
+    Exit code 0: everything is intact, or the good rows are in NEW; 2: damaged, or no store.
+
+    Example: python -m scenarios store check results.sqlite --salvage good.sqlite
+    """
+    if new is not None:
+        checked_output_file("--salvage", new, [file])
+    found = check_store(file)
+    for text in found.damage:
+        print(f"{file}: {text}")
+    results, sweeps = len(found.good["answers"]), len(found.good["sweeps"])
+    print(f"{file}: {results} intact results, {sweeps} intact sweeps, {len(found.damage) or 'no'} damages")
+    if new is not None:
+        salvage(found, new)
+        print(f"{new}: {results} results; what is missing is computed again")
+    elif found.damage:
+        raise typer.Exit(WRONG_INPUT)

@@ -1,0 +1,114 @@
+"""What is damaged in a store, and its good rows in a new file."""
+
+import sqlite3
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from reference_lcp.validation import ParameterError
+from scenarios.execution.store import ResultStore, check_layout, errors_of, intact
+
+COLUMNS = {"answers": ("key", "content", "answer", "digest"), "sweeps": ("sweep", "digest")}
+"""Columns of each table, without its row numbers, the digest last."""
+
+ORDERS = ("rowid", "rowid DESC", "{index}", "{index} DESC")
+"""Ways through a table: where a damaged page ends one of them, another still finds rows."""
+
+Row = tuple[object, ...]
+
+
+@dataclass(frozen=True)
+class StoreCheck:
+    """What stands in a store.
+
+    Parameters
+    ----------
+    good
+        Intact rows of each table, in the order of writing.
+    damage
+        What is damaged, in words; empty if nothing is.
+    """
+
+    good: Mapping[str, Sequence[Row]]
+    damage: Sequence[str]
+
+
+def check_store(file: Path) -> StoreCheck:
+    """Read every row of a store; nothing is written.
+
+    Raises
+    ------
+    ParameterError
+        If it is missing, is no store, or is damaged so that no row can be found.
+    """
+    if not file.is_file():
+        raise ParameterError(f"store {file} does not exist; allowed: a store of results")
+    with errors_of(file), closing(sqlite3.connect(f"{file.resolve().as_uri()}?mode=ro", uri=True)) as connection:
+        connection.text_factory = bytes
+        check_layout(connection, file)
+        damage = [f"file: {text}" for text in _integrity(connection)]
+        good: dict[str, list[Row]] = {}
+        for table in COLUMNS:
+            good[table] = []
+            for number in sorted(_numbers(connection, table)):
+                row = _row(connection, table, number)
+                if row is not None and intact(row):
+                    good[table].append(row)
+                else:
+                    problem = "cannot be read" if row is None else "its digest does not fit"
+                    damage.append(f"table {table}, row {number}: {problem}")
+        return StoreCheck(good, damage)
+
+
+def salvage(check: StoreCheck, new: Path) -> None:
+    """Write the good rows into a new store.
+
+    Raises
+    ------
+    ParameterError
+        If the file is there already, or cannot be written.
+    """
+    if new.exists() or new.is_symlink():
+        raise ParameterError(f"--salvage = {new} is there already; allowed: a new file")
+    ResultStore(new).close()
+    with errors_of(new), closing(sqlite3.connect(new)) as connection, connection:
+        for table, columns in COLUMNS.items():
+            values = [
+                tuple(part.decode() if isinstance(part, bytes) and name != "digest" else part
+                      for name, part in zip(columns, row, strict=True))
+                for row in check.good[table]
+            ]  # fmt: skip
+            marks = ", ".join("?" * len(columns))
+            connection.executemany(f"INSERT OR IGNORE INTO {table} ({', '.join(columns)}) VALUES ({marks})", values)
+
+
+def _integrity(connection: sqlite3.Connection) -> Iterator[str]:
+    """Give what SQLite finds wrong with pages and indices."""
+    try:
+        texts = [row[0].decode(errors="replace") for row in connection.execute("PRAGMA integrity_check")]
+    except sqlite3.Error as problem:
+        texts = [str(problem)]
+    yield from (" ".join(text.split()) for text in texts if text != "ok")
+
+
+def _numbers(connection: sqlite3.Connection, table: str) -> set[int]:
+    """Give the numbers of all rows that any way through a table finds."""
+    found: set[int] = set()
+    for order in ORDERS:
+        try:
+            rows = connection.execute(f"SELECT rowid FROM {table} ORDER BY {order.format(index=COLUMNS[table][0])}")
+            found.update(number for (number,) in rows if isinstance(number, int))
+        except sqlite3.Error:
+            continue
+    return found
+
+
+def _row(connection: sqlite3.Connection, table: str, number: int) -> Row | None:
+    """Give the columns of a row; ``None`` if it cannot be read."""
+    try:
+        query = f"SELECT {', '.join(COLUMNS[table])} FROM {table} WHERE rowid = ?"
+        row: Row | None = connection.execute(query, (number,)).fetchone()
+    except (sqlite3.Error, MemoryError):
+        return None
+    return row

@@ -1,0 +1,129 @@
+"""What a command writes never takes the place of what it reads or keeps, nor of code."""
+
+import resource
+import sqlite3
+from pathlib import Path
+
+import pytest
+
+import reference_lcp
+import reports
+import reports.__main__
+import scenarios.__main__
+from reference_lcp import ParameterError
+from reference_lcp.console import WRONG_INPUT, checked_output_file, checked_output_folder, run_command
+from scenarios.catalogue.example_record import write_example
+from scenarios.execution.store import ResultStore
+from scenarios.functions import sweep
+from scenarios.sweeps.dataset import write_dataset
+
+APPS = {"scenarios": scenarios.__main__.app, "reports": reports.__main__.app}
+
+SWEEP = """
+engines = ["reference:joint"]
+[grid]
+friction_ratio = [0.3]
+frequency_ratio = [0.9]
+"""
+
+KEPT = b"what was there before"
+
+ONTO_WHAT_IS_USED = [
+    "scenarios sweep sweep.toml --store kept.csv --out kept.csv",
+    "scenarios sweep sweep.toml --store kept.csv --out link.csv",
+    "scenarios sweep sweep.toml --store link.csv --out kept.csv",
+    "scenarios sweep sweep.toml --store hard.csv --out kept.csv",
+    "scenarios sweep sweep.toml --store fresh.csv --out ./fresh.csv",
+    "scenarios sweep sweep.toml --out kept.csv",
+    "scenarios sweep sweep.csv --out sweep.csv",
+    "scenarios run unit-cell --engine reference --store kept.csv --out kept.csv",
+    "scenarios run unit-cell --engine reference --store fresh.csv --out fresh.csv",
+    "scenarios run record --engine reference --record record.csv --out record.csv",
+    "scenarios run accuracy --engine reference --store kept.csv --out kept.csv",
+    "scenarios run cost --engine reference --out kept.csv",
+    "reports compare kept.csv hard.csv --out kept.csv",
+    "reports compare kept.csv hard.csv --out link.csv",
+    "reports --quick --store rep/transmittance.csv --out rep",
+    "reports --quick --store rep/figures/store.png --out rep",
+    "reports --sweep rep/report.json --out rep",
+]
+
+
+@pytest.fixture
+def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a store under several names, sweeps and a record."""
+    monkeypatch.chdir(tmp_path)
+    ResultStore(Path("kept.csv")).close()
+    Path("link.csv").symlink_to("kept.csv")
+    Path("hard.csv").hardlink_to("kept.csv")
+    Path("rep/figures").mkdir(parents=True)
+    for name in ("sweep.toml", "sweep.csv", "rep/report.json"):
+        Path(name).write_text(SWEEP)
+    write_example(Path("record.csv"))
+    return tmp_path
+
+
+@pytest.mark.parametrize("line", ONTO_WHAT_IS_USED)
+def test_an_output_onto_what_the_command_uses_is_refused_and_changes_nothing(line, files, capsys) -> None:
+    before = {file: file.read_bytes() for file in files.rglob("*") if file.is_file()}
+    name, *arguments = line.split()
+    assert run_command(APPS[name], arguments) == WRONG_INPUT
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    assert "allowed: " in message
+    assert {file: file.read_bytes() for file in files.rglob("*") if file.is_file()} == before
+
+
+def test_a_report_onto_its_own_dataset_or_store_is_refused(tmp_path) -> None:
+    for name in ("report.nc", "index.html"):
+        (tmp_path / name).write_bytes(KEPT)
+    data = sweep("reference", 0.3, [0.5, 0.9], chain={"cells": 2}, workers=1)
+    data.to_netcdf(tmp_path / "report.nc", engine="h5netcdf")
+    before = (tmp_path / "report.nc").read_bytes()
+    with pytest.raises(ParameterError, match=r"report\.nc would overwrite .*report\.nc, which the command uses"):
+        reports.report(tmp_path / "report.nc", tmp_path)
+    assert (tmp_path / "report.nc").read_bytes() == before
+    assert (tmp_path / "index.html").read_bytes() == KEPT
+
+
+def test_any_database_is_left_alone(tmp_path) -> None:
+    file = tmp_path / "table.csv"
+    with sqlite3.connect(file) as connection:
+        connection.execute("CREATE TABLE theirs (x)")
+    connection.close()
+    with pytest.raises(ParameterError, match=r"table\.csv is a store or another SQLite file"):
+        checked_output_file("--out", file)
+
+
+def test_nothing_is_written_among_the_code_of_the_suite(tmp_path) -> None:
+    code = Path(reference_lcp.__file__).parent
+    (tmp_path / "link").symlink_to(code)
+    for folder in (code, code / "chain", tmp_path / "link", code.parent / "scenarios" / "new"):
+        with pytest.raises(ParameterError, match="lies in the Python package"):
+            checked_output_folder("--out", folder)
+        with pytest.raises(ParameterError, match="lies in the Python package"):
+            checked_output_file("--out", folder / "table.csv")
+    assert not (code.parent / "scenarios" / "new").exists()
+    assert checked_output_file("--out", tmp_path / "table.csv") == tmp_path / "table.csv"
+
+
+@pytest.mark.parametrize("ending", [".nc", ".csv"])
+def test_a_disk_that_is_full_leaves_the_old_file_as_it_was(tmp_path, ending) -> None:
+    """A limit on the size of files stands for the disk."""
+    file = tmp_path / f"old{ending}"
+    file.write_bytes(KEPT)
+    data = sweep("reference", 0.3, [0.5, 0.9], chain={"cells": 2}, workers=1)
+    old = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, old[1]))
+    try:
+        with pytest.raises(ParameterError, match=r"cannot be written: .*; it is as it was"):
+            write_dataset(data, file)
+        with pytest.raises(ParameterError, match="cannot be written"):
+            checked_output_file("--out", file)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, old)
+    assert list(tmp_path.iterdir()) == [file]
+    assert file.read_bytes() == KEPT
+    write_dataset(data, file)
+    assert file.stat().st_size > 100
+    assert list(tmp_path.iterdir()) == [file]
