@@ -1,4 +1,4 @@
-"""What an engine gives is checked before anything is read from it: arrays, numbers, times, the bound of friction."""
+"""What an engine gives is checked before anything is read from it: arrays, numbers, times."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,8 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.interface.tolerances import BOUND_MARGIN
-from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray
@@ -22,19 +20,17 @@ class TrajectoryFault(RuntimeError):
 
 
 class CheckedSimulation:
-    """A simulation of a variant, whose trajectories are checked as it gives them.
+    """A simulation of an engine, whose trajectories are checked as it gives them.
 
     Parameters
     ----------
     simulation
         As the engine has built it.
-    variant
-        Its precision says by how much friction may pass its bound.
     """
 
-    def __init__(self, simulation: Simulation, variant: Variant):
+    def __init__(self, simulation: Simulation):
         self.lanes = simulation.lanes
-        self._simulation, self._variant = simulation, variant
+        self._simulation = simulation
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         """Advance every lane; see `Simulation.run`.
@@ -46,7 +42,7 @@ class CheckedSimulation:
         """
         runs = self._simulation.run(state, start, steps)
         for lane, run in zip(self.lanes, runs, strict=True):
-            check_trajectory(run, lane, start, steps, self._variant.capabilities.precision)
+            check_trajectory(run, lane, start, steps)
         return runs
 
     def advance(self, state: State, start: int, steps: int) -> State:
@@ -55,14 +51,14 @@ class CheckedSimulation:
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "CheckedSimulation":
         """Give a simulation of the lanes of these indices."""
-        return CheckedSimulation(self._simulation.subset(lanes), self._variant)
+        return CheckedSimulation(self._simulation.subset(lanes))
 
     def close(self) -> None:
         """Free what the engine holds."""
         self._simulation.close()
 
 
-def check_trajectory(run: Trajectory, lane: Lane, start: int, steps: int, precision: str) -> None:
+def check_trajectory(run: Trajectory, lane: Lane, start: int, steps: int) -> None:
     """Refuse what is no trajectory of a lane.
 
     Parameters
@@ -71,14 +67,11 @@ def check_trajectory(run: Trajectory, lane: Lane, start: int, steps: int, precis
         What an engine gives for `steps` steps from step index `start`.
     lane
         What it was given.
-    precision
-        Arithmetic of the engine, as in `Capabilities.precision`.
 
     Raises
     ------
     TrajectoryFault
-        If an array has another shape or a number that is not finite, rows have other times than the lane's steps, or
-        friction passes its bound by more than the contract allows.
+        If an array has another shape or a number that is not finite, or rows have other times than the lane's steps.
     """
     times, n = lane.times(start, steps), lane.chain.cells
     arrays = [
@@ -94,7 +87,6 @@ def check_trajectory(run: Trajectory, lane: Lane, start: int, steps: int, precis
     for array in arrays:
         array.check_finite()
     _check_times(run.time, times, lane.time_step)
-    _check_bound(run, lane, times, BOUND_MARGIN[precision])
 
 
 @dataclass(frozen=True)
@@ -127,16 +119,6 @@ def _check_times(times: FloatArray, expected: FloatArray, step: float) -> None:
     if not fits.all():
         row = int(np.argmin(fits))
         raise TrajectoryFault(f"the engine's time of row {row} is {times[row]:g} s; allowed: {expected[row]:g} s")
-
-
-def _check_bound(run: Trajectory, lane: Lane, times: FloatArray, margin: float) -> None:
-    """Refuse friction that passes μ λ_N, by more than `margin` of that or of its mean, whichever is larger."""
-    bound = lane.chain.friction_coefficient * run.normal_force
-    passes = np.abs(run.friction) - bound > margin * np.maximum(bound, lane.chain.friction_bound)
-    if passes.any():
-        row, cell = np.argwhere(passes)[0]
-        forces = f"{run.friction[row, cell]:g} N; allowed: up to {bound[row, cell]:g} N"
-        raise TrajectoryFault(f"the engine's friction passes its bound {_place(times[row], int(cell))}: {forces}")
 
 
 def _place(time: float, cell: int) -> str:

@@ -51,9 +51,9 @@ def _steady_states(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[
         if isinstance(simulation, SteadyStateSolver):
             states = simulation.steady_states(steps)
             for lane, state in zip(lanes, states, strict=True):
-                check_trajectory(state.orbit.trajectory, lane, 0, steps, variant.capabilities.precision)
+                check_trajectory(state.orbit.trajectory, lane, 0, steps)
             return states
-        checked = CheckedSimulation(simulation, variant)
+        checked = CheckedSimulation(simulation)
         orbits = periodic_orbits(checked, steps, tolerance=variant.capabilities.residual)
     finally:
         simulation.close()

@@ -45,7 +45,7 @@ def _results(tasks: Sequence[TransientTask]) -> list[Result]:
     records = [_Record(lane, task) for lane, task in zip(lanes, tasks, strict=True)]
     steps, every = tasks[0].steps, tasks[0].every
     stretch = every * max(1, STRETCH // every)
-    simulation = CheckedSimulation(tasks[0].variant.build(lanes), tasks[0].variant)
+    simulation = CheckedSimulation(tasks[0].variant.build(lanes))
     try:
         state = State.stack([task.initial_state() for task in tasks])
         for start in range(0, steps, stretch):
