@@ -61,6 +61,7 @@ COMMAND_LINES = [
     ("reports animate --friction-ratio -1", r"friction_ratio = -1.*>= 0"),
     *((f"scenarios run {name} --workers 0", r"workers = 0.*>= 1") for name in CATALOGUE),
     ("scenarios run acuracy", r"No such command 'acuracy'"),
+    ("scenarios store check none.sqlite", "none.sqlite"),
     ("scenarios sweep missing.toml", r"missing.toml cannot be read"),
     ("scenarios sweep folder", r"folder cannot be read"),
     ("scenarios sweep sweep.toml --out sweep.xls", r"ending '.xls'; allowed: .nc or .csv"),
