@@ -31,7 +31,7 @@ def test_wrong_result_is_refused_with_the_field_and_its_value(text: str, message
 
 
 def test_summary_of_a_result_without_a_multiple_is_that_of_a_plain_period() -> None:
-    assert ResultSummary.from_json('["converged", 28, null]') == ResultSummary("converged", 28, 1)
+    assert ResultSummary.from_json('{"status": "converged", "periods": 28}') == ResultSummary("converged", 28, 1)
 
 
 @pytest.mark.parametrize("ratio", [1, 0.1, 1e-5, 1 / 3])
