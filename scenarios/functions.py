@@ -4,10 +4,8 @@ They do what the commands ``sweep`` and ``run`` do: every result is kept in the 
 run in worker processes, and progress is shown on standard error.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -25,7 +23,7 @@ from scenarios.cli.sweep import evaluate_sweep
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
-from scenarios.execution.store import ResultStore
+from scenarios.execution.store import ResultStore, opened_store
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.run import run_sweep, stored_table
@@ -113,10 +111,11 @@ def sweep(
         "steps_per_period": steps_per_period,
         **({} if tolerance_db is None else {"tolerances": {"transmittance_db": tolerance_db}}),
     })  # fmt: skip
-    with _store(store) as (stored, file), executor_for(workers, time_limit, scheduler) as executor:
+    file = None if store is None else Path(store)
+    with opened_store(file) as stored, executor_for(workers, time_limit, scheduler) as executor:
         note_sweep(stored, planned)
         _evaluate(planned, stored, executor)
-        return sweep_dataset(*stored_table(planned, stored), file if store is not None else None)
+        return sweep_dataset(*stored_table(planned, stored), file)
 
 
 def check(
@@ -154,7 +153,7 @@ def check(
     chosen = list(CATALOGUE.values()) if scenario == ALL_SCENARIOS else [CATALOGUE[scenario]]
     variants = [Variant.parse(name) for name in _names(default_engine_names() if engines is None else engines)]
     with (
-        _store(store) as (stored, _),
+        opened_store(None if store is None else Path(store)) as stored,
         ProgressBars(variants) as bars,
         CountingEvaluator(stored, executor_for(workers, time_limit, scheduler), [], bars) as evaluator,
     ):
@@ -180,15 +179,6 @@ def _evaluate(planned: Sweep, store: ResultStore, executor: Executor) -> None:
         if planned.frequencies is not None:
             run_sweep(planned, evaluator)
         evaluator.evaluate(tasks_of(*stored_table(planned, store)))
-
-
-@contextmanager
-def _store(store: str | Path | None) -> Iterator[tuple[ResultStore, Path]]:
-    """Open the store of a call, a temporary one if none is named."""
-    with ExitStack() as stack:
-        folder = Path(stack.enter_context(TemporaryDirectory())) if store is None else None
-        file = Path(store) if store is not None else folder / "results.sqlite"  # type: ignore[operator]
-        yield stack.enter_context(ResultStore(file)), file
 
 
 def _names(engines: str | Sequence[str]) -> list[str]:

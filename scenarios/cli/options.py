@@ -2,9 +2,8 @@
 
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import typer
@@ -13,7 +12,7 @@ from engines.interface.registry import engine_names
 from engines.interface.variant import Variant, variants_named
 from reference_lcp.console import INTERRUPTED, checked_output_file
 from reference_lcp.validation import ParameterError
-from scenarios.execution.store import ResultStore
+from scenarios.execution.store import ResultStore, opened_store
 
 Chosen = Annotated[
     list[str] | None,
@@ -72,10 +71,7 @@ def store_of_run(store: Path | None) -> Iterator[ResultStore]:
     ParameterError
         If `store` cannot be used.
     """
-    with (
-        TemporaryDirectory() if store is None else nullcontext(store.parent) as folder,
-        ResultStore(Path(folder) / ("results.sqlite" if store is None else store.name)) as stored,
-    ):
+    with opened_store(store) as stored:
         try:
             yield stored
         except KeyboardInterrupt:

@@ -7,8 +7,9 @@ import hashlib
 import itertools
 import sqlite3
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, TypeVar
 
 from reference_lcp.validation import ParameterError
@@ -168,6 +169,22 @@ class ResultStore(Closing):
     def close(self) -> None:
         """Close the file."""
         self._connection.close()
+
+
+@contextmanager
+def opened_store(file: Path | None) -> Iterator[ResultStore]:
+    """Open a store, a temporary one if none is named.
+
+    Raises
+    ------
+    ParameterError
+        If `file` cannot be used.
+    """
+    with (
+        nullcontext(file) if file is not None else TemporaryDirectory() as place,
+        ResultStore(Path(place) / "results.sqlite" if file is None else file) as store,
+    ):
+        yield store
 
 
 @contextmanager
