@@ -1,18 +1,30 @@
 """The chains and the states that the contract is tested with."""
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 
 from engines.interface.tolerances import STEPS
 from engines.interface.variant import Variant
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
-from reference_lcp.chain.harmonic import HarmonicBase, PeriodicDrive
+from reference_lcp.chain.harmonic import HarmonicBase, HarmonicForce, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.chain.transient import QUIET, RickerPulse
+
+CELLS, SEED = 7, 20
+
+UNITS_AND_DRIVES = (
+    (1.0, 1e3, 0.01, False),
+    (0.3, 400.0, 0.002, True),
+    (5.0, 2e3, 0.05, False),
+    (2.0, 5e4, 0.004, True),
+)
+"""Mean outer mass [kg], mean stiffness [N/m], displacement scale [m], and whether a force drives: masses of hand-held
+parts to small machines, from 2 to 25 Hz, since some presets have a time or a velocity of their own."""
 
 
 def label(variant: Variant) -> str:
@@ -43,6 +55,41 @@ def random_state(lanes: int, seed: int = 0) -> State:
     """Give positions of U0 and velocities as fast as a forced motion has them."""
     rng = np.random.default_rng(seed)
     return State(rng.normal(0, BASE_AMPLITUDE, (lanes, 14)), rng.normal(0, 20 * BASE_AMPLITUDE, (lanes, 14)))
+
+
+def random_lanes() -> list[Lane]:
+    """Give chains of unequal cells, μ a cell, inner dashpots, in several units of mass, length and time.
+
+    Two are driven by their base, two by a force on cell 1.
+    """
+    rng, lanes = np.random.default_rng(SEED), []
+    for mass, stiffness, amplitude, forced in UNITS_AND_DRIVES:
+        outer, springs = mass * rng.uniform(0.7, 1.5, CELLS), stiffness * rng.uniform(0.7, 1.5, CELLS)
+        inner, inner_springs = outer * rng.uniform(0.5, 2.0, CELLS), springs * rng.uniform(0.5, 2.0, CELLS)
+        chain = Chain(
+            cells=CELLS,
+            outer_mass=outer,
+            inner_mass=inner,
+            chain_stiffness=springs,
+            inner_stiffness=inner_springs,
+            chain_damping=2 * rng.uniform(0.005, 0.02, CELLS) * np.sqrt(springs * outer),
+            inner_damping=2 * rng.uniform(0.0, 0.04, CELLS) * np.sqrt(inner_springs * inner),
+            normal_force=rng.uniform(0.5, 2.0, CELLS) * stiffness * amplitude,
+            friction_coefficient=rng.uniform(0.1, 0.8, CELLS),
+        )
+        base = HarmonicBase.from_ratio(chain, 0.9, amplitude)
+        force = HarmonicForce(stiffness * amplitude, base.angular_frequency)
+        lanes.append(Lane.periodic(chain, force if forced else base, STEPS))
+    return lanes
+
+
+def scaled_state(lanes: Sequence[Lane], seed: int = 0) -> State:
+    """Give a random state for every lane: half its displacement scale, and as fast as the drive makes that."""
+    rng = np.random.default_rng(seed)
+    scales = np.array([lane.drive.displacement_scale(lane.chain) for lane in lanes])
+    rates = np.array([2 * np.pi / (STEPS * lane.time_step) for lane in lanes])
+    positions, velocities = 0.5 * rng.normal(size=(2, len(lanes), 2 * lanes[0].chain.cells))
+    return State(positions * scales[:, None], velocities * (scales * rates)[:, None])
 
 
 def drive_of(lane: Lane) -> PeriodicDrive:

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from engines.dart.law import own_springs
 from engines.dart.world import new_world
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.shared.coordinates import ChainCoordinates
@@ -47,6 +48,7 @@ JOINT_DEFAULT = Preset(
         "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
         "the error is of first order, but not yet in proportion to the step"
     ),
+    law=own_springs,
     split_tolerance=1e-12,
     residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE,
     normal_force=NormalForce.MODULATED,

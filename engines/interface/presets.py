@@ -1,10 +1,11 @@
 """What an engine can do and how it is set up, as data: capabilities, formulations, presets, options."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
+from engines.interface.law import Law, NotModelled
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.observables.stick_slip import STICK_MARGIN
 from reference_lcp.steady.orbits import DEFAULT_RESIDUAL
@@ -80,6 +81,9 @@ class Preset:
     known_deviation
         The law of the engine by which its motion departs from Coulomb's with these options, by more than its time
         step explains; empty where there is none. Reports print it beside a disagreement.
+    law
+        Gives the model that predicts its steps, with constants taken from its options, or the reason why there is
+        none; ``None`` where it claims the reference's own step.
     stick_margin
         Part of the bound that the friction of a stick leaves at least, as `contact_modes` reads it: wider where the
         friction of a sliding contact only tends to its bound.
@@ -101,6 +105,7 @@ class Preset:
     split_tolerance: float = 0.0
     residual_slip_compliance: float = 0.0
     known_deviation: str = ""
+    law: "Callable[[Preset], Law | NotModelled] | None" = None
     stick_margin: float = STICK_MARGIN
     normal_force: NormalForce = NormalForce.CONSTANT
     modulated_options: Mapping[str, Option] = field(default_factory=dict)

@@ -6,6 +6,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from engines.interface.engine import Engine
+from engines.interface.law_engine import LAW_SUFFIX, LawEngine
 from engines.interface.presets import Capabilities
 from reference_lcp.validation import ParameterError, checked_choice
 
@@ -76,11 +77,15 @@ def _check_versions(registered: Engine) -> None:
 def engine(name: str) -> Engine:
     """Give the engine of this name; its own package is imported when it builds something.
 
+    ``NAME@law`` is the model of that engine's laws, which needs no package.
+
     Raises
     ------
     ParameterError
         If no engine of this name is registered, or the one that is registered is broken.
     """
+    if name.endswith(LAW_SUFFIX):
+        return _law_engine(name.removesuffix(LAW_SUFFIX))
     if name not in _entry_points():
         checked_choice("engine", name, registered_names())
     reason = broken_reason(name)
@@ -88,6 +93,11 @@ def engine(name: str) -> Engine:
         raise ParameterError(f"engine = {name!r} cannot be used: {reason}")
     registered: Engine = _loaded(name)()
     return registered
+
+
+@cache
+def _law_engine(name: str) -> Engine:
+    return LawEngine(engine(name), engine("reference").version())
 
 
 def default_engine_names() -> list[str]:

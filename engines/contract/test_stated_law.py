@@ -1,0 +1,73 @@
+"""A preset steps as it says: by the reference's scheme, or by a law that is a model with constants from its options."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from engines.contract.lanes import random_lanes, scaled_state
+from engines.interface.engine import Engine
+from engines.interface.law import Law
+from engines.interface.law_engine import law_of
+from engines.interface.registry import engine
+from engines.interface.tolerances import CREEP, STEPS, TRAJECTORY_TOLERANCE
+from engines.interface.variant import Variant
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.chain.trajectory import Trajectory
+from reference_lcp.validation import FloatArray
+
+WRONG_BY = 1.01
+"""Factor of a constant that is wrong: the smallest error that the clause promises to see."""
+
+
+def test_preset_says_by_which_law_it_steps(tested: Variant) -> None:
+    """The reference's scheme, a model, or the reason why there is none; one of them, and no other."""
+    preset = tested.preset
+    assert preset.shares_scheme != (preset.law is not None), "it states no law, or two"
+
+
+def test_random_chain_moves_by_the_stated_law(tested: Variant) -> None:
+    """One period from a random state: unequal cells, other units, μ a cell, inner dashpots, base and force."""
+    if not tested.preset.shares_scheme and law_of(tested.preset) is None:
+        pytest.skip("its steps are not modelled")
+    distances = _distances(tested, _stated(tested))
+    assert np.max(distances) <= _allowed(tested), f"off by {distances} displacement scales"
+
+
+def test_law_with_a_constant_off_by_a_hundredth_is_found_out(tested: Variant) -> None:
+    """Every constant of the law is one that the engine has."""
+    law = law_of(tested.preset)
+    if law is None:
+        pytest.skip("it has no constants of its own")
+    for symbol, constant in law.constants.items():
+        wrong = replace(law, constants={**law.constants, symbol: replace(constant, value=WRONG_BY * constant.value)})
+        distance = np.max(_distances(tested, wrong))
+        assert distance > law.period_bound or constant.too_small_to_see, f"{symbol} × {WRONG_BY} makes {distance:.1g}"
+
+
+def _stated(tested: Variant) -> Engine | Law:
+    return engine("reference") if tested.preset.shares_scheme else law_of(tested.preset) or engine("reference")
+
+
+def _allowed(tested: Variant) -> float:
+    """Largest distance, over the displacement scale."""
+    law = law_of(tested.preset)
+    if law is not None:
+        return law.period_bound
+    return TRAJECTORY_TOLERANCE[tested.capabilities.precision] + CREEP * tested.preset.residual_slip_compliance
+
+
+def _distances(tested: Variant, expected: Engine | Law) -> FloatArray:
+    """Largest difference of positions over a period from the same state, over the displacement scale, per lane."""
+    lanes = random_lanes()
+    state = scaled_state(lanes)
+    simulations: list[Simulation] = [tested.build(lanes), expected.build(lanes)]
+    runs = [simulation.run(state, 0, STEPS) for simulation in simulations]
+    for simulation in simulations:
+        simulation.close()
+    return np.array([_distance(lane, *pair) for lane, *pair in zip(lanes, *runs, strict=True)])
+
+
+def _distance(lane: Lane, run: Trajectory, expected: Trajectory) -> float:
+    difference = run.positions - expected.positions
+    return float(np.max(np.abs(difference))) / lane.drive.displacement_scale(lane.chain)

@@ -1,0 +1,86 @@
+"""The laws of an engine's presets as an engine of their own, so that whatever runs engines runs their predictions."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from engines.interface.engine import Engine
+from engines.interface.law import Law
+from engines.interface.presets import Capabilities, Formulation, NormalForce, Preset
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.steady.orbits import DEFAULT_RESIDUAL
+
+LAW_SUFFIX = "@law"
+"""What follows the name of an engine to name the model of its laws."""
+
+BATCH_LANES = 16
+"""Lanes of a batch: they are advanced one after the other, and cost the same alone."""
+
+SPLIT_TOLERANCE = 1e-12
+"""Largest difference between one run and the same run split in two, over the displacement scale: round-off."""
+
+
+class LawEngine(Engine):
+    """The models of an engine's presets, under their own names; presets without a model are left out.
+
+    Parameters
+    ----------
+    modelled
+        The engine; its package need not be installed.
+    version
+        Of the suite, whose models they are.
+    """
+
+    def __init__(self, modelled: Engine, version: str):
+        self.name = f"{modelled.name}{LAW_SUFFIX}"  # type: ignore[misc]
+        self.capabilities = _capabilities(modelled.capabilities)  # type: ignore[misc]
+        self._version = version
+
+    def version(self) -> str:
+        """Version of the suite."""
+        return self._version
+
+    def unavailable_reason(self) -> str | None:
+        """``None``: models need nothing but the suite."""
+        return None
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        law = law_of(preset)
+        assert law is not None, "presets without a law are not listed"
+        return law.build(lanes)
+
+
+def law_of(preset: Preset) -> Law | None:
+    """Give the model of a preset; ``None`` where it has none."""
+    law = None if preset.law is None else preset.law(preset)
+    return law if isinstance(law, Law) else None
+
+
+def _capabilities(modelled: Capabilities) -> Capabilities:
+    """Give what the models of an engine can do."""
+    return replace(
+        modelled,
+        title=f"{modelled.title}'s law",
+        presets={formulation: _presets(presets) for formulation, presets in modelled.presets.items()},
+        batch_lanes=BATCH_LANES,
+        precision="double",
+        residual=DEFAULT_RESIDUAL,
+        deterministic=True,
+        optional=True,
+    )
+
+
+def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
+    """Give the presets that have a model; its constants come from the options that they keep."""
+    laws = {name: law_of(preset) for name, preset in presets.items()}
+    return {
+        name: replace(
+            presets[name],
+            split_tolerance=SPLIT_TOLERANCE,
+            known_deviation="",
+            normal_force=NormalForce.MODULATED if law.modulated else NormalForce.CONSTANT,
+            modulated_options={},
+            batch_lanes=None,
+        )
+        for name, law in laws.items()
+        if law is not None
+    }

@@ -1,0 +1,358 @@
+"""Time steps that are linear but for a scalar friction law a contact: the steps of most engines, as models.
+
+A step of length h takes positions q, velocities q̇ and the loads f of the drive at its start and its end to
+
+    (q̇_free, w_free) = P (q̇, q) + h Q (f(t), f(t+h)) − h D q̇ |q̇| + A λ(w),
+    w_i = w_free,i + Σ_j G_ij p_j,   p_i = s φ_i(w_i),
+    q̇⁺ = q̇_free + R p,   q⁺ = q + h (α q̇⁺ + (1 − α) q̇),
+
+with p the impulses of friction. The coupled scalar equations are solved by Gauss–Seidel sweeps with a closed solution a
+contact: G is nearly diagonal, since a contact touches no mass of another cell.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numba
+import numpy as np
+
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.stepping.sequential import LaneModel
+from reference_lcp.validation import FloatArray
+
+MOST_SWEEPS = 200
+"""Gauss–Seidel sweeps at most; five reach round-off where G is nearly diagonal."""
+
+SWEPT = 1e-15
+"""Largest change in a sweep, over the bound, that ends the sweeps."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionLaw:
+    """Impulse of friction of a contact against its slip velocity w, per cell.
+
+    With b the bound of the impulse: −p = w / ε up to b, and b + κ (|w| − ε b) beyond, along the slip. Coulomb's law has
+    ε = κ = 0; a zone or a softness has ε > 0. A smooth law has −p = b w / √(w² + z²) instead.
+
+    Parameters
+    ----------
+    compliance
+        ε [m/s / (N s)] >= 0, shape (n,).
+    slope
+        κ [N s / (m/s)] >= 0 beyond the bound, shape (n,).
+    smoothing
+        z [m/s], shape (n,), of the smooth law; zeros for the other one.
+    """
+
+    compliance: FloatArray
+    slope: FloatArray
+    smoothing: FloatArray
+
+    @classmethod
+    def coulomb(
+        cls, cells: int, compliance: FloatArray | float = 0.0, slope: FloatArray | float = 0.0
+    ) -> "FrictionLaw":
+        """Give Coulomb's law, softened if `compliance` is not zero."""
+        return cls(
+            compliance=np.broadcast_to(compliance, (cells,)).astype(float),
+            slope=np.broadcast_to(slope, (cells,)).astype(float),
+            smoothing=np.zeros(cells),
+        )
+
+    @classmethod
+    def smooth(cls, cells: int, smoothing: FloatArray | float) -> "FrictionLaw":
+        """Give the law w / √(w² + z²)."""
+        none = np.zeros(cells)
+        return cls(compliance=none, slope=none, smoothing=np.broadcast_to(smoothing, (cells,)).astype(float))
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinearStep:
+    """The linear part of a step, by matrices; see the module.
+
+    Parameters
+    ----------
+    length
+        h [s].
+    state
+        P, shape (3n, 4n): velocities 2n without friction, then slip velocities n as friction sees them.
+    load
+        Q, shape (3n, 2): for the load at the start and at the end of the step.
+    response
+        R, shape (2n, n).
+    coupling
+        G, shape (n, n).
+    impulse_time
+        s [s]: impulse of friction over its force.
+    end_weight
+        α of the velocity at the end of the step.
+    starting_friction
+        A, shape (3n, n): for the friction at the start of the step; zeros where it has no part.
+    quadratic_drag
+        D, shape (2n,) [1/m].
+    """
+
+    length: float
+    state: FloatArray
+    load: FloatArray
+    response: FloatArray
+    coupling: FloatArray
+    impulse_time: float
+    end_weight: float
+    starting_friction: FloatArray
+    quadratic_drag: FloatArray
+
+    @classmethod
+    def theta(cls, chain: Chain, length: float, end_weight: float) -> "LinearStep":
+        """Give the θ-method for springs, dashpots and load; friction is implicit, as its impulse over the step.
+
+        θ = 1 is the implicit Euler step.
+        """
+        h, theta = length, end_weight
+        mass, damping, stiffness = chain.mass_matrix, chain.damping_matrix, chain.stiffness_matrix
+        matrix = mass + h * theta * damping + h**2 * theta**2 * stiffness
+        velocity = mass - h * (1 - theta) * damping - h**2 * theta * (1 - theta) * stiffness
+        return cls.of(chain, h, matrix, velocity, (1 - theta, theta), end_weight=theta)
+
+    @classmethod
+    def explicit(cls, chain: Chain, length: float) -> "LinearStep":
+        """Give the step of equation (5): springs, dashpots and load as forces at its start."""
+        return cls.of(chain, length, chain.mass_matrix, chain.mass_matrix - length * chain.damping_matrix, (1.0, 0.0))
+
+    @classmethod
+    def of(
+        cls,
+        chain: Chain,
+        length: float,
+        matrix: FloatArray,
+        velocity: FloatArray,
+        load: tuple[float, float],
+        *,
+        end_weight: float = 1.0,
+        impulse_time: float | None = None,
+        starting_friction: float = 0.0,
+        response_matrix: FloatArray | None = None,
+        slip_weight: float = 0.0,
+    ) -> "LinearStep":
+        """Give the step S q̇⁺ = V q̇ − h K q + h (β_0 f(t) + β_1 f(t+h)) e_1 + W p.
+
+        Parameters
+        ----------
+        chain
+            The chain.
+        length
+            h [s].
+        matrix, velocity
+            S and V [kg], shape (2n, 2n).
+        load
+            β_0 and β_1.
+        end_weight
+            α.
+        impulse_time
+            s [s]; h without it.
+        starting_friction
+            Time [s] by which the friction at the start of the step acts beside p.
+        response_matrix
+            Mass matrix under which friction acts, where that is not S.
+        slip_weight
+            Part of the slip velocity at the start of the step that is added to what friction sees.
+        """
+        count, slip = 2 * chain.cells, chain.contact_directions
+        inverse = np.linalg.inv(matrix)
+        response = (inverse if response_matrix is None else np.linalg.inv(response_matrix)) @ slip
+        state = np.hstack([inverse @ velocity, -length * inverse @ chain.stiffness_matrix])
+        loads = length * np.outer(inverse[:, 0], load)
+        start = starting_friction * inverse @ slip
+        seen = slip.T @ state
+        seen[:, :count] += slip_weight * slip.T
+        return cls(
+            length=length,
+            state=np.vstack([state, seen]),
+            load=np.vstack([loads, slip.T @ loads]),
+            response=response,
+            coupling=slip.T @ response,
+            impulse_time=length if impulse_time is None else impulse_time,
+            end_weight=end_weight,
+            starting_friction=np.vstack([start, slip.T @ start]),
+            quadratic_drag=np.zeros(count),
+        )
+
+    def with_friction_of(self, other: "LinearStep") -> "LinearStep":
+        """Give this step with friction solved in another one, whose slip velocities and coupling it sees."""
+        count = self.quadratic_drag.size
+        return replace(
+            self,
+            state=np.vstack([self.state[:count], other.state[count:]]),
+            load=np.vstack([self.load[:count], other.load[count:]]),
+            coupling=other.coupling,
+        )
+
+
+class LinearImplicitLane(LaneModel):
+    """One chain under one drive, advanced by a `LinearStep` with a `FrictionLaw`.
+
+    Parameters
+    ----------
+    lane
+        The chain, its drive and the time step.
+    step, friction
+        Of one substep.
+    substeps
+        Substeps a time step.
+    """
+
+    def __init__(self, lane: Lane, step: LinearStep, friction: FrictionLaw, substeps: int = 1):
+        self.lane = lane
+        self._step, self._friction, self._substeps = step, friction, substeps
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state` at step index `start`."""
+        lane, size = self.lane, 2 * self.lane.chain.cells
+        record = np.empty((steps, 5 * lane.chain.cells))
+        self._integrate(state, start, steps, record)
+        friction = record[:, 2 * size :]
+        return Trajectory(
+            lane.times(start, steps),
+            record[:, :size],
+            record[:, size : 2 * size],
+            friction,
+            self.normal_force(friction, lane.preloads(start, steps)),
+        )
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does, and keep the end only."""
+        motion = self._integrate(state, start, steps, np.empty((0, 5 * self.lane.chain.cells)))
+        return State(motion[:1], motion[1:])
+
+    def normal_force(self, friction: FloatArray, preload: FloatArray) -> FloatArray:
+        """Give λ_N [N] of each step, shape (steps, n), from the friction and the preload; engines' laws override it."""
+        return preload
+
+    def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> FloatArray:
+        """Run the kernel; gives positions and velocities at the end, shape (2, 2n)."""
+        lane, step, friction, parts = self.lane, self._step, self._friction, self._substeps
+        times = step.length * np.arange(start * parts, (start + steps) * parts + 1, dtype=np.float64)
+        bounds = step.impulse_time * lane.chain.friction_coefficient * lane.preloads(start, steps)
+        motion = np.vstack([state.positions[0], state.velocities[0]])
+        _advance(
+            motion,
+            lane.drive.load(lane.chain, times),
+            np.ascontiguousarray(bounds),
+            (step.state, step.load, step.response, step.coupling, step.starting_friction, step.quadratic_drag),
+            (step.length, step.end_weight, step.impulse_time, parts),
+            (friction.compliance, friction.slope, friction.smoothing),
+            record,
+        )
+        return motion
+
+
+@numba.njit(inline="always", error_model="numpy")
+def _impulse(slip: Any, coupling: Any, bound: Any, compliance: Any, slope: Any, smoothing: Any) -> Any:
+    """Solve w = slip + coupling p, p = s φ(w), for p; see `FrictionLaw`."""
+    if smoothing > 0:
+        return _smooth_impulse(slip, coupling, bound, smoothing)
+    impulse = -slip / (coupling + compliance)
+    if abs(impulse) > bound:
+        size = (bound + slope * (abs(slip) - compliance * bound)) / (1 + coupling * slope)
+        return -size if slip > 0 else size
+    return impulse
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _smooth_impulse(slip: Any, coupling: Any, bound: Any, smoothing: Any) -> Any:
+    """Solve w + coupling · bound w / √(w² + z²) = slip by Newton's method, kept in its bracket by bisection."""
+    speed, most = abs(slip), coupling * bound
+    low, high = 0.0, speed
+    end = speed - most if speed > most else speed * smoothing / (smoothing + most)
+    for _ in range(100):
+        root = np.sqrt(end * end + smoothing * smoothing)
+        excess = end + most * end / root - speed
+        if excess > 0:
+            high = end
+        else:
+            low = end
+        following = end - excess / (1 + most * smoothing * smoothing / root**3)
+        if not low < following < high:
+            following = (low + high) / 2
+        if abs(following - end) <= 1e-16 * speed:
+            break
+        end = following
+    size = bound * end / np.sqrt(end * end + smoothing * smoothing)
+    return -size if slip > 0 else size
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _solve(free: Any, coupling: Any, bound: Any, law: Any, impulses: Any) -> None:
+    """Solve all contacts by Gauss–Seidel sweeps; `impulses` is where they start, and the solution."""
+    compliance, slope, smoothing = law
+    cells = free.size
+    for _ in range(MOST_SWEEPS):
+        change = 0.0
+        for i in range(cells):
+            slip = free[i]
+            for j in range(cells):
+                if j != i:
+                    slip += coupling[i, j] * impulses[j]
+            impulse = 0.0
+            if bound[i] > 0:
+                impulse = _impulse(slip, coupling[i, i], bound[i], compliance[i], slope[i], smoothing[i])
+                change = max(change, abs(impulse - impulses[i]) / bound[i])
+            impulses[i] = impulse
+        if change <= SWEPT:
+            return
+
+
+@numba.njit(inline="always", error_model="numpy")
+def _friction_of(slip: Any, bound: Any, compliance: Any, smoothing: Any) -> Any:
+    """Give s φ(w) of a slip velocity that is known; not for Coulomb's law."""
+    if smoothing > 0:
+        return -bound * slip / np.sqrt(slip * slip + smoothing * smoothing)
+    return -min(max(slip / compliance, -bound), bound)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _advance(motion: Any, loads: Any, bounds: Any, matrices: Any, numbers: Any, law: Any, record: Any) -> None:
+    """Advance one lane in place; `record` is (steps, 5n), or has no rows when nothing is kept."""
+    state_matrix, load_matrix, response, coupling, starting, drag = matrices
+    length, weight, impulse_time, parts = numbers
+    cells = coupling.shape[0]
+    count = 2 * cells
+    starts = np.any(starting)
+    drags = np.any(drag)
+    impulses, state = np.zeros(cells), np.empty(2 * count)
+    state[:count], state[count:] = motion[1], motion[0]
+    before = np.empty(count)
+    for step in range(bounds.shape[0]):
+        for part in range(parts):
+            index = step * parts + part
+            free = state_matrix @ state + load_matrix[:, 0] * loads[index] + load_matrix[:, 1] * loads[index + 1]
+            if starts:
+                for i in range(cells):
+                    slip = state[cells + i] - state[i]
+                    force = _friction_of(slip, bounds[step, i], law[0][i], law[2][i]) / impulse_time
+                    free += starting[:, i] * force
+            if drags:
+                for i in range(cells):
+                    outer = length * drag[i] * state[i] * abs(state[i])
+                    inner = length * drag[cells + i] * state[cells + i] * abs(state[cells + i])
+                    free[i] -= outer
+                    free[cells + i] -= inner
+                    free[count + i] -= inner - outer
+            _solve(free[count:], coupling, bounds[step], law, impulses)
+            before[:] = state[:count]
+            state[:count] = free[:count] + response @ impulses
+            state[count:] += length * (weight * state[:count] + (1 - weight) * before)
+        if record.shape[0] > 0:
+            record[step, :count] = state[count:]
+            record[step, count : 2 * count] = state[:count]
+            for i in range(cells):
+                if starts:
+                    slip = state[cells + i] - state[i]
+                    record[step, 2 * count + i] = (
+                        _friction_of(slip, bounds[step, i], law[0][i], law[2][i]) / impulse_time
+                    )
+                else:
+                    record[step, 2 * count + i] = impulses[i] / impulse_time
+    motion[0], motion[1] = state[count:], state[:count]
