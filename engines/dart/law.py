@@ -16,9 +16,7 @@ def own_springs(preset: Preset) -> Law:
             "(M + h C + h² K) q̇_free = M q̇ − h K q + h f(t) e_1; q̇⁺ = q̇_free + M⁻¹ W p; "
             "Coulomb's law, softened by the part ε of (Wᵀ M⁻¹ W)_ii"
         ),
-        constants={
-            "ε": Constant(preset["constraint force mixing"], "", "constraint force mixing", too_small_to_see=True)
-        },
+        constants={"ε": mixing},
         model=_own_springs,
         modulated=True,
     )
