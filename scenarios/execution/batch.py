@@ -5,8 +5,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from engines.interface.variant import Variant
+from scenarios.execution.law_period import run_law_periods
 from scenarios.execution.steady import run_steady_states
 from scenarios.execution.transient import run_transients
+from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.recorded import RecordedPeriodTask
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask, Task
@@ -19,6 +21,7 @@ _RUN: dict[type[Task], Callable[[Any], list[Result]]] = {
     SteadyStateTask: run_steady_states,
     RecordedPeriodTask: run_steady_states,
     TransientTask: run_transients,
+    LawPeriodTask: run_law_periods,
 }
 
 
