@@ -1,9 +1,10 @@
 """One way to simulate the chain: an engine, a formulation, a preset."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
+from engines.interface.law_engine import LAW_SUFFIX, law_of
 from engines.interface.presets import Capabilities, Preset
 from engines.interface.registry import engine
 from reference_lcp.chain.simulation import Lane, Simulation
@@ -58,6 +59,13 @@ class Variant:
     def build(self, lanes: Sequence[Lane]) -> Simulation:
         """Build every lane; see `Engine.build`."""
         return engine(self.engine).build(lanes, self.formulation, self.preset_name)
+
+    @property
+    def law(self) -> Self | None:
+        """Give the variant that is the model of this one's law; ``None`` where it has no model."""
+        if law_of(self.preset) is None or self.engine.endswith(LAW_SUFFIX):
+            return None
+        return replace(self, engine=f"{self.engine}{LAW_SUFFIX}")
 
     @property
     def title(self) -> str:

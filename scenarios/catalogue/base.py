@@ -1,11 +1,12 @@
 """The base class of scenarios: a physical question whose answer is known, checked with every variant."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 from engines.interface.variant import Variant
 from scenarios.execution.evaluator import Evaluator
+from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.verdicts.finding import Finding, Metric
 
 
@@ -26,6 +27,13 @@ class Scenario(ABC):
     def parameters(self) -> list[str]:
         """Give the parameters of the cases that their names leave out (numbers cell by cell, for example), in lines."""
         return []
+
+    def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
+        """Give, by case, the tasks that compare a period of a variant with its law's.
+
+        There are none where whole motions from the same state are compared.
+        """
+        return {}
 
     @abstractmethod
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:

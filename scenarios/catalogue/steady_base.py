@@ -7,6 +7,7 @@ from typing import ClassVar
 from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
+from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE, Finding, Metric
@@ -79,6 +80,10 @@ class SteadyScenario(Scenario):
     def expected_by(self, case: SteadyCase) -> list[SteadyStateTask]:
         """Give the tasks from which `expected` is read: the exact motion, unless overridden."""
         return [case.task(EXACT)]
+
+    def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
+        """Compare a period in every case, with the steps that are judged."""
+        return {case.label: LawPeriodTask.of(case_tasks(variant, case)[1]) for case in self.cases}
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Run every case with every variant; see `Scenario.run`."""

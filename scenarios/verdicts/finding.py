@@ -51,6 +51,36 @@ TRANSMITTANCE = Metric(
 )
 
 
+@dataclass(frozen=True, kw_only=True)
+class Prediction:
+    """What the law of an engine says of a number, and how near the engine is to its law.
+
+    Parameters
+    ----------
+    value
+        The number, of the law's own motion.
+    difference
+        Engine less law, on the scale of the metric.
+    allowed
+        Largest difference that both leave open.
+    distance
+        Largest difference of positions over a period from the same state, over the displacement scale.
+    period_bound
+        Largest one that the law allows.
+    """
+
+    value: float
+    difference: float
+    allowed: float
+    distance: float
+    period_bound: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the engine does what its law says."""
+        return abs(self.difference) <= self.allowed and self.distance <= self.period_bound
+
+
 @dataclass(frozen=True)
 class Finding:
     """One number of one variant, and whether it is what it should be.
@@ -67,6 +97,8 @@ class Finding:
         The variant's number, and what it is compared with; NaN where there is none.
     comparison
         The verdict with its reason.
+    prediction
+        What the law of the variant says of a disagreement; ``None`` where it has none, or the number agrees.
     """
 
     variant: Variant
@@ -75,3 +107,9 @@ class Finding:
     value: float
     expected: float
     comparison: Comparison
+    prediction: Prediction | None = None
+
+    @property
+    def as_predicted(self) -> bool:
+        """Whether the law of the variant predicts a disagreement."""
+        return self.prediction is not None and self.prediction.holds

@@ -98,7 +98,7 @@ def decide(metric: Metric, value: Number, expected: Number, tolerance: Tolerance
     verdict = Verdict.AGREE if abs(difference) <= tolerance.allowed else Verdict.DISAGREE
     space = f" {metric.unit}" if metric.unit else ""
     reason = f"difference {difference:+.2g}{space}, allowed {tolerance}"
-    return Comparison(verdict, reason, difference, tolerance.allowed)
+    return Comparison(verdict, reason, difference, tolerance.allowed, tolerance.resolution)
 
 
 def metric_difference(metric: Metric, value: Number, expected: Number) -> float:

@@ -77,12 +77,15 @@ class Comparison:
         Engine less reference, in the unit of what is compared; NaN where there is none.
     tolerance
         Largest difference allowed.
+    resolution
+        Part of it that is not an error of the time step.
     """
 
     verdict: Verdict
     reason: str
     difference: float = math.nan
     tolerance: float = math.nan
+    resolution: float = 0.0
 
     @property
     def excess(self) -> float:

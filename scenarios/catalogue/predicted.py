@@ -1,0 +1,30 @@
+"""Scenarios run with their predictions: where a variant disagrees, its law is run as well."""
+
+from collections.abc import Sequence
+
+from engines.interface.law_engine import law_of
+from engines.interface.variant import Variant
+from scenarios.catalogue.base import Scenario
+from scenarios.execution.evaluator import Evaluator
+from scenarios.verdicts.finding import Finding
+from scenarios.verdicts.prediction import with_predictions
+from scenarios.verdicts.verdict import Verdict
+
+
+def run_with_predictions(scenario: Scenario, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
+    """Run a scenario, and the laws of those variants that disagree somewhere; gives the variants' findings, in order."""
+    findings = scenario.run(variants, evaluator)
+    wrong = dict.fromkeys(f.variant for f in findings if f.comparison.verdict is Verdict.DISAGREE)
+    laws = {variant: variant.law for variant in wrong if variant.law is not None}
+    predicted = scenario.run(list(laws.values()), evaluator) if laws else []
+    judged: list[Finding] = []
+    for variant in dict.fromkeys(finding.variant for finding in findings):
+        own = [finding for finding in findings if finding.variant == variant]
+        law = law_of(variant.preset) if variant in laws else None
+        if law is not None:
+            tasks = scenario.period_tasks(variant)
+            periods = dict(zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True))
+            of_law = [finding for finding in predicted if finding.variant == laws[variant]]
+            own = with_predictions(own, of_law, periods, law)
+        judged += own
+    return judged

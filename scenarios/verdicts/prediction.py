@@ -1,0 +1,66 @@
+"""Disagreements that the engine's law predicts: number by number, and step by step over a period.
+
+A disagreement is *as its law predicts* where (a) a period of the engine equals the law's from the same state within the
+bound that the law states, and (b) the number equals that of the law's own motion within what both leave open.
+"""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from engines.interface.law import Law
+from scenarios.tasks.result import Result, ResultStatus
+from scenarios.verdicts.finding import Finding, Prediction
+from scenarios.verdicts.judge import metric_difference
+from scenarios.verdicts.steady_case import amplitude_in_db
+from scenarios.verdicts.verdict import Verdict
+
+PERIODS_OF_ERROR = 400
+"""Periods whose differences between engine and law add up at most: motions never drift apart, the longest of the
+catalogue have 320 periods, and a steady state is searched for in as many."""
+
+
+def with_predictions(
+    findings: Iterable[Finding], predicted: Sequence[Finding], periods: Mapping[str, Result], law: Law
+) -> list[Finding]:
+    """Give the findings of a variant, its disagreements with what its law says of them.
+
+    Parameters
+    ----------
+    findings
+        Of the variant.
+    predicted
+        Of its law, in the same cases.
+    periods
+        By case, a period of engine and law from the same state; where there is none, the cases compare whole motions
+        from the same state.
+    law
+        The law.
+    """
+    laws = {(finding.case, finding.metric): finding for finding in predicted}
+    return [
+        replace(finding, prediction=_prediction(finding, laws[finding.case, finding.metric], periods, law))
+        if finding.comparison.verdict is Verdict.DISAGREE and (finding.case, finding.metric) in laws
+        else finding
+        for finding in findings
+    ]
+
+
+def _prediction(finding: Finding, own: Finding, periods: Mapping[str, Result], law: Law) -> Prediction:
+    """Compare a number with that of the law."""
+    error = PERIODS_OF_ERROR * law.period_bound
+    if finding.metric.unit == "dB":
+        error = amplitude_in_db(error, finding.value)
+    period = periods.get(finding.case)
+    return Prediction(
+        value=own.value,
+        difference=metric_difference(finding.metric, finding.value, own.value),
+        allowed=finding.comparison.resolution + own.comparison.resolution + error,
+        distance=0.0 if period is None else _distance(period),
+        period_bound=law.period_bound,
+    )
+
+
+def _distance(period: Result) -> float:
+    """Give the distance of engine and law after a period; NaN where there is none."""
+    return period.series["distance"][0] if period.status is ResultStatus.FINISHED else math.nan
