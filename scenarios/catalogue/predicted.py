@@ -12,7 +12,7 @@ from scenarios.verdicts.verdict import Verdict
 
 
 def run_with_predictions(scenario: Scenario, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
-    """Run a scenario, and the laws of those variants that disagree somewhere; gives the variants' findings, in order."""
+    """Run a scenario, and the laws of variants that disagree somewhere; gives the variants' findings, in order."""
     findings = scenario.run(variants, evaluator)
     wrong = dict.fromkeys(f.variant for f in findings if f.comparison.verdict is Verdict.DISAGREE)
     laws = {variant: variant.law for variant in wrong if variant.law is not None}

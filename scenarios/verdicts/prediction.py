@@ -6,7 +6,7 @@ bound that the law states, and (b) the number equals that of the law's own motio
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from engines.interface.law import Law
 from scenarios.tasks.result import Result, ResultStatus
