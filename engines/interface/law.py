@@ -26,12 +26,16 @@ class Constant:
         The option that it comes from, or where the engine has it.
     too_small_to_see
         The whole of it moves nothing by more than `Law.period_bound`.
+    visible_error
+        Part of it that an error has to reach to move something by more: above a hundredth where the whole moves only
+        some ten bounds.
     """
 
     value: float
     unit: str
     source: str
     too_small_to_see: bool = False
+    visible_error: float = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)

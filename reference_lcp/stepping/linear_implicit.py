@@ -44,21 +44,29 @@ class FrictionLaw:
         κ [N s / (m/s)] >= 0 beyond the bound, shape (n,).
     smoothing
         z [m/s], shape (n,), of the smooth law; zeros for the other one.
+    bound_share
+        b over s μ λ_N: less than one where friction grows on beyond b.
     """
 
     compliance: FloatArray
     slope: FloatArray
     smoothing: FloatArray
+    bound_share: float = 1.0
 
     @classmethod
     def coulomb(
-        cls, cells: int, compliance: FloatArray | float = 0.0, slope: FloatArray | float = 0.0
+        cls,
+        cells: int,
+        compliance: FloatArray | float = 0.0,
+        slope: FloatArray | float = 0.0,
+        bound_share: float = 1.0,
     ) -> "FrictionLaw":
         """Give Coulomb's law, softened if `compliance` is not zero."""
         return cls(
             compliance=np.broadcast_to(compliance, (cells,)).astype(float),
             slope=np.broadcast_to(slope, (cells,)).astype(float),
             smoothing=np.zeros(cells),
+            bound_share=bound_share,
         )
 
     @classmethod
@@ -120,6 +128,12 @@ class LinearStep:
     def explicit(cls, chain: Chain, length: float) -> "LinearStep":
         """Give the step of equation (5): springs, dashpots and load as forces at its start."""
         return cls.of(chain, length, chain.mass_matrix, chain.mass_matrix - length * chain.damping_matrix, (1.0, 0.0))
+
+    @classmethod
+    def implicit(cls, chain: Chain, length: float, response_matrix: FloatArray | None = None) -> "LinearStep":
+        """Give the step with springs and dashpots as forces at its end, and the load as one at its start."""
+        matrix = chain.mass_matrix + length * chain.damping_matrix + length**2 * chain.stiffness_matrix
+        return cls.of(chain, length, matrix, chain.mass_matrix, (1.0, 0.0), response_matrix=response_matrix)
 
     @classmethod
     def of(
@@ -234,7 +248,9 @@ class LinearImplicitLane(LaneModel):
         """Run the kernel; gives positions and velocities at the end, shape (2, 2n)."""
         lane, step, friction, parts = self.lane, self._step, self._friction, self._substeps
         times = step.length * np.arange(start * parts, (start + steps) * parts + 1, dtype=np.float64)
-        bounds = step.impulse_time * lane.chain.friction_coefficient * lane.preloads(start, steps)
+        bounds = (
+            friction.bound_share * step.impulse_time * lane.chain.friction_coefficient * lane.preloads(start, steps)
+        )
         motion = np.vstack([state.positions[0], state.velocities[0]])
         _advance(
             motion,
@@ -252,7 +268,7 @@ class LinearImplicitLane(LaneModel):
 def _impulse(slip: Any, coupling: Any, bound: Any, compliance: Any, slope: Any, smoothing: Any) -> Any:
     """Solve w = slip + coupling p, p = s φ(w), for p; see `FrictionLaw`."""
     if smoothing > 0:
-        return _smooth_impulse(slip, coupling, bound, smoothing)
+        return smooth_impulse(slip, coupling, bound, smoothing)
     impulse = -slip / (coupling + compliance)
     if abs(impulse) > bound:
         size = (bound + slope * (abs(slip) - compliance * bound)) / (1 + coupling * slope)
@@ -261,7 +277,7 @@ def _impulse(slip: Any, coupling: Any, bound: Any, compliance: Any, slope: Any, 
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _smooth_impulse(slip: Any, coupling: Any, bound: Any, smoothing: Any) -> Any:
+def smooth_impulse(slip: Any, coupling: Any, bound: Any, smoothing: Any) -> Any:
     """Solve w + coupling · bound w / √(w² + z²) = slip by Newton's method, kept in its bracket by bisection."""
     speed, most = abs(slip), coupling * bound
     low, high = 0.0, speed
