@@ -11,7 +11,16 @@ from typing import Any
 import numpy as np
 
 from engines.interface.presets import NormalForce, Option, Preset
-from engines.mujoco.model import DEFAULT_OPTIONS, TUNED_OPTIONS, add_chain, add_slider, set_options
+from engines.mujoco.law import pyramidal_contact
+from engines.mujoco.model import (
+    DEFAULT_OPTIONS,
+    DEPTH,
+    LEAST_COEFFICIENT,
+    TUNED_OPTIONS,
+    add_chain,
+    add_slider,
+    set_options,
+)
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -56,9 +65,10 @@ CONTACT_DEFAULT = Preset(
         ),
     },
     known_deviation=(
-        "friction has a time constant of 0.02 s, whatever the time step, so that a stuck contact creeps; the "
-        "edges of the pyramidal cone let friction press, and keep it below the bound"
+        "friction is a soft constraint with a time constant, whatever the time step, so that a stuck contact creeps; "
+        "the edges of the pyramidal cone let friction press, and keep it below the bound"
     ),
+    law=pyramidal_contact,
     split_tolerance=1e-9,
     normal_force=NormalForce.LIFTING,
     modulated_options={
@@ -69,9 +79,6 @@ CONTACT_DEFAULT = Preset(
 
 RADIUS = 4.0
 """Radius of a sphere, and half of a plate's width, over the displacement scale of the drive."""
-
-DEPTH = 1.0
-"""Depth of a sphere in its plate over the displacement scale."""
 
 TOUCH = 2.0**-30
 """Depth of a sphere that may leave its plate, over the displacement scale: at none it would begin without contact."""
@@ -85,8 +92,8 @@ FINENESS = 2.0**14
 MuJoCo's sweep solves for a sliding contact to 1e-10 in the square of its force, whatever the force.
 """
 
-LEAST_COEFFICIENT, LEAST_SHARE = 1e-4, 0.01
-"""Smallest μ, and smallest μ over the largest of a chain: below, MuJoCo takes a contact for singular or cuts μ off."""
+LEAST_SHARE = 0.01
+"""Smallest μ over the largest of a chain: below, MuJoCo takes a contact for singular."""
 
 
 def contact_units(lane: Lane, preset: Preset) -> Units:

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from engines.interface.presets import NormalForce, Option, Preset
+from engines.mujoco.law import joint_friction
 from engines.mujoco.model import DEFAULT_OPTIONS, TUNED_OPTIONS, add_chain, add_slider, set_options
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
@@ -30,13 +31,14 @@ JOINT_DEFAULT = Preset(
     {
         **DEFAULT_OPTIONS,
         "solref_friction": Option(
-            (0.02, 1.0), (0.02, 1.0), "MuJoCo's own: friction stops a contact within 0.02 s, whatever the time step."
+            (0.02, 1.0), (0.02, 1.0), "MuJoCo's own: a time constant of 0.02 s, whatever the time step."
         ),
     },
     known_deviation=(
-        "friction has a time constant of 0.02 s, whatever the time step: a stuck contact creeps, and a finer step"
-        " does not help"
+        "friction is a soft constraint with a time constant, whatever the time step: a stuck contact comes to rest "
+        "with one of 10.6 ms and creeps, and a finer step does not help"
     ),
+    law=joint_friction,
     split_tolerance=1e-9,
     normal_force=NormalForce.MODULATED,
 )

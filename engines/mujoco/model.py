@@ -30,6 +30,12 @@ DEFAULT_OPTIONS = {
 }
 """Options of the whole model that MuJoCo itself chooses."""
 
+DEPTH = 1.0
+"""Depth of a sphere in its plate over the displacement scale."""
+
+LEAST_COEFFICIENT = 1e-4
+"""Smallest μ: MuJoCo cuts smaller ones off."""
+
 
 def set_options(option: Any, time_step: float, preset: Preset) -> None:
     """Set what holds for the whole model."""
