@@ -14,6 +14,7 @@ import numpy as np
 
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.pybullet.connection import Connection, import_pybullet
+from engines.pybullet.law import damped_bodies
 from engines.shared.box_geometry import BOX
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.units import Units, power_of_two
@@ -46,6 +47,7 @@ CONTACT_DEFAULT = Preset(
     known_deviation=(
         "Bullet's linear damping, 0.04 a second, slows every mass down against the ground, whatever the time step"
     ),
+    law=damped_bodies,
     split_tolerance=1e-12,
     normal_force=NormalForce.LIFTING,
 )

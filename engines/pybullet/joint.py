@@ -6,6 +6,7 @@ import numpy as np
 
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.pybullet.connection import Connection, import_pybullet
+from engines.pybullet.law import damped_joints
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
@@ -37,8 +38,10 @@ JOINT_DEFAULT = Preset(
         "maxJointVelocity": Option(100.0, 100.0, "Bullet's own."),
     },
     known_deviation=(
-        "Bullet's linear damping, 0.04 a second, slows every mass down against the ground, whatever the time step"
+        "Bullet's damping, 0.04 /s of the velocity v and 0.04 /m of v |v|, slows every mass down against the ground, "
+        "whatever the time step"
     ),
+    law=damped_joints,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
 )
