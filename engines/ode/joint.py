@@ -1,6 +1,7 @@
 """Presets of ODE's joint formulation: in every cell the motor of a slider; `server` holds its model."""
 
 from engines.interface.presets import NormalForce, Option, Preset
+from engines.ode.law import soft_motors, soft_stops
 
 JOINT_TUNED = Preset(
     "Motors that hold the relative velocity at zero with at most the friction bound, and no softness.",
@@ -27,6 +28,7 @@ JOINT_DEFAULT = Preset(
         "springs": Option("forces", "stops", "As most would write it."),
         "fmax": Option(5, 3, "Needed: pyode's constant is that of another parameter, and no friction acts."),
     },
+    law=soft_motors,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
 )
@@ -43,6 +45,7 @@ JOINT_STOPS = Preset(
         "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
         "the error is of first order, but not yet in proportion to the step"
     ),
+    law=soft_stops,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
 )

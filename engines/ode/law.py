@@ -1,0 +1,53 @@
+"""The laws of ODE in SI units: its softness, and springs of its own in an implicit Euler step."""
+
+from collections.abc import Mapping
+
+from engines.interface.law import Constant, Law, NotModelled
+from engines.interface.presets import Preset
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.stepping.linear_implicit import FrictionLaw, LinearImplicitLane, LinearStep
+
+
+def soft_motors(preset: Preset) -> Law:
+    """Give the law of motors as friction beside springs as forces."""
+    return Law(
+        formula="equation (5), with Coulomb's law softened: (Wᵀ M⁻¹ W)_ii + cfm / h",
+        constants={"cfm": _softness(preset)},
+        model=_soft_motors,
+        modulated=True,
+    )
+
+
+def soft_stops(preset: Preset) -> Law:
+    """Give the law of stops as springs: they are solved together with friction."""
+    return Law(
+        formula=(
+            "(M + h C + h² K) q̇⁺ = M q̇ − h K q + h f(t) e_1 + W p; "
+            "Coulomb's law, softened: (Wᵀ (M + h C + h² K)⁻¹ W)_ii + cfm / h"
+        ),
+        constants={"cfm": _softness(preset)},
+        model=_soft_stops,
+        modulated=True,
+    )
+
+
+def opening_contacts(_: Preset) -> NotModelled:
+    """Say why no model follows boxes on plates."""
+    return NotModelled("round-off tilts boxes on four soft points, and opens one or the other of them for a step")
+
+
+def _softness(preset: Preset) -> Constant:
+    return Constant(preset["cfm"], "m/(s N)", "cfm")
+
+
+def _soft_motors(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
+    return _softened(lane, LinearStep.explicit(lane.chain, lane.time_step), constants)
+
+
+def _soft_stops(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
+    return _softened(lane, LinearStep.implicit(lane.chain, lane.time_step), constants)
+
+
+def _softened(lane: Lane, step: LinearStep, constants: Mapping[str, float]) -> LinearImplicitLane:
+    compliance = constants["cfm"] / lane.time_step
+    return LinearImplicitLane(lane, step, FrictionLaw.coulomb(lane.chain.cells, compliance))
