@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from engines.box2d.bodies import FARTHEST, Box2DLane, import_box2d
+from engines.box2d.law import own_springs
 from engines.interface.presets import Option, Preset
 from engines.shared.box_geometry import PressedBoxes
 from engines.shared.force_loop import Step
@@ -40,6 +41,7 @@ CONTACT_DEFAULT = Preset(
         "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
         "the error is of first order, but not yet in proportion to the step"
     ),
+    law=own_springs,
     split_tolerance=1e-5,
 )
 
@@ -50,6 +52,10 @@ GAP_OVER_SLOP = 3.0
 """Distance of the outlines of a box and its plate over Box2D's linearSlop: each has a skin of twice that, and skins
 overlap by as much as Box2D leaves alone."""
 
+CLEARANCE_OVER_SLOP = 8.0
+"""What cells stand further apart than boxes need without skins, over linearSlop: one gap, and the skins of a box and
+of the plate above it. Without it small boxes touch the cell beside theirs."""
+
 
 class Box2DContactLane(Box2DLane):
     """One chain with a box on a plate in every cell."""
@@ -58,8 +64,9 @@ class Box2DContactLane(Box2DLane):
         """Take the lane's parameters in its units."""
         super().__init__(lane, preset, FINENESS)
         self._sizes = PressedBoxes.of(lane, self._units)
-        cells = self._sizes.spacing * np.arange(lane.chain.cells)
-        self._heights = np.concatenate([cells, cells + GAP_OVER_SLOP * import_box2d().b2_linearSlop])
+        slop = import_box2d().b2_linearSlop
+        cells = (self._sizes.spacing + CLEARANCE_OVER_SLOP * slop) * np.arange(lane.chain.cells)
+        self._heights = np.concatenate([cells, cells + GAP_OVER_SLOP * slop])
         self._pressing = np.concatenate([self._chain.normal_force, -self._chain.normal_force])
 
     def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:

@@ -3,6 +3,7 @@
 from typing import Any
 
 from engines.box2d.bodies import Box2DLane
+from engines.box2d.law import own_springs
 from engines.interface.presets import NormalForce, Option, Preset
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
@@ -39,6 +40,7 @@ JOINT_DEFAULT = Preset(
         "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
         "the error is of first order, but not yet in proportion to the step"
     ),
+    law=own_springs,
     split_tolerance=1e-5,
     normal_force=NormalForce.MODULATED,
 )
