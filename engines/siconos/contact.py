@@ -2,6 +2,7 @@
 
 from engines.interface.presets import Option, Preset
 from engines.siconos.joint import SHARED_TUNED_OPTIONS
+from engines.siconos.law import moreau_jean, opening_contacts
 
 CONTACT_TUNED = Preset(
     "Moreau–Jean with θ = ½, and a contact solver that goes on to round-off.",
@@ -13,6 +14,7 @@ CONTACT_TUNED = Preset(
             1e-6, 0.0, "Gap over the displacement scale up to which a contact acts: round-off is none."
         ),
     },
+    law=moreau_jean,
     split_tolerance=1e-12,
 )
 
@@ -32,4 +34,5 @@ CONTACT_DEFAULT = Preset(
         "a contact acts where its gap is not positive only: round-off opens a closed one now and then for a step or "
         "two, which have no friction; and the contact solver stops at 1e-4"
     ),
+    law=opening_contacts,
 )

@@ -1,6 +1,7 @@
 """Presets of Siconos's joint formulation: in every cell a relay; `server` holds its model."""
 
 from engines.interface.presets import Option, Preset
+from engines.siconos.law import moreau_jean
 
 SHARED_TUNED_OPTIONS = {
     "units": Option("lane", "SI", "Lemke's pivots and the clock of events then meet no built-in small number."),
@@ -20,6 +21,7 @@ JOINT_TUNED = Preset(
         "interactions": Option("one a bound", "one a contact", "One relation of several rows: a quarter of the time."),
         "solver": Option("LEMKE", "AVI_CAOFERRIS", "Exact, and named like the reference's; both give the same."),
     },
+    law=moreau_jean,
     split_tolerance=1e-12,
 )
 
@@ -47,5 +49,6 @@ JOINT_DEFAULT = Preset(
         "interactions": Option("one a contact", "one a contact", "As examples do."),
         "solver": Option("AVI_CAOFERRIS", "AVI_CAOFERRIS", "Siconos's own."),
     },
+    law=moreau_jean,
     split_tolerance=1e-12,
 )
