@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from engines.dart.law import soft_sphere
 from engines.dart.world import new_world
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.shared.box_geometry import PressedBoxes
@@ -39,6 +40,7 @@ CONTACT_DEFAULT = Preset(
         "shape": Option("box", "box", "The plainest body to press on a plate."),
         "deactivation": Option(True, True, "DART's own."),
     },
+    shares_scheme=True,
     split_tolerance=1e-6,
     residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE / 4,
     normal_force=NormalForce.LIFTING,
@@ -50,6 +52,7 @@ CONTACT_SPHERE = Preset(
         **CONTACT_TUNED.options,
         "shape": Option("sphere", "box", "One point of contact, with the whole of its constraint force mixing."),
     },
+    law=soft_sphere,
     split_tolerance=1e-5,
     residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE,
     normal_force=NormalForce.LIFTING,
