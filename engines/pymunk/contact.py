@@ -7,6 +7,7 @@ import numpy as np
 
 from engines.interface.presets import Option, Preset
 from engines.pymunk.bodies import PymunkBodies, World
+from engines.pymunk.law import damped_springs
 from engines.shared.box_geometry import PressedBoxes
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -37,6 +38,7 @@ CONTACT_DEFAULT = Preset(
         "iterations": Option(10, 10, "pymunk's own."),
         "collision_slop": Option(0.1, 0.1, "pymunk's own."),
     },
+    law=damped_springs,
     split_tolerance=1e-12,
 )
 

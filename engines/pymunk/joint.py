@@ -7,6 +7,7 @@ import numpy as np
 
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.pymunk.bodies import PymunkBodies, World
+from engines.pymunk.law import damped_springs
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
@@ -36,6 +37,7 @@ JOINT_DEFAULT = Preset(
         "max_bias": Option(0.0, "infinite", "Needed: a pivot joint pulls its anchors together, as no friction does."),
         "iterations": Option(10, 10, "pymunk's own."),
     },
+    law=damped_springs,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
 )
