@@ -20,9 +20,10 @@ from engines.drake.lane import (
     add_slider,
     set_options,
 )
+from engines.drake.law import lagged_contact, sap_contact, similar_contact
+from engines.drake.sizes import contact_scale, sphere_depth, stiction_speed
 from engines.interface.engine import constant_normal_force
 from engines.interface.presets import Option, Preset
-from engines.shared.units import power_of_two
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
 
@@ -56,6 +57,7 @@ CONTACT_TUNED = Preset(
         "friction is μ λ_N v / √(v² + v_s²) with the stiction velocity v_s = 3e-5 s ω_r: a stuck contact creeps, "
         "and none reaches its bound, whatever the time step"
     ),
+    law=lagged_contact,
     split_tolerance=1e-12,
     stick_margin=SMOOTH_LAW_MARGIN,
 )
@@ -73,6 +75,7 @@ CONTACT_SIMILAR = Preset(
     known_deviation=(
         "friction lifts a sliding sphere by μ |ġ_T| dt: it bounces, and its normal force, which bounds friction, swings"
     ),
+    law=similar_contact,
     split_tolerance=1e-12,
     stick_margin=SMOOTH_LAW_MARGIN,
 )
@@ -91,6 +94,7 @@ CONTACT_SAP = Preset(
     known_deviation=(
         "friction lifts a sliding sphere by μ |ġ_T| dt: it bounces, and its normal force, which bounds friction, swings"
     ),
+    law=sap_contact,
     split_tolerance=1e-12,
     stick_margin=SMOOTH_LAW_MARGIN,
 )
@@ -109,6 +113,7 @@ CONTACT_DEFAULT = Preset(
         "friction is μ λ_N v / √(v² + v_s²) with the stiction velocity v_s = 1e-3 m/s: a stuck contact creeps, "
         "and none reaches its bound, whatever the time step"
     ),
+    law=lagged_contact,
     split_tolerance=1e-12,
     stick_margin=SMOOTH_LAW_MARGIN,
 )
@@ -219,15 +224,14 @@ class DrakeContactLane(DrakeLane):
 
     @property
     def _scale(self) -> float:
-        """Power of two near the displacement scale: depths are then exact."""
-        return power_of_two(self.lane.drive.displacement_scale(self.lane.chain)) / self._units.length
+        return contact_scale(self.lane) / self._units.length
 
     @property
     def _depth(self) -> FloatArray:
         """Depth of every sphere at rest; zero where nothing presses."""
         chain, preset = self._chain, self._preset
         if "depth" in preset.options:
-            depths = np.full(chain.cells, preset["depth"] * self._scale)
+            depths = np.full(chain.cells, sphere_depth(self.lane, preset["depth"]) / self._units.length)
         else:
             depths = chain.normal_force / (preset["point_stiffness"] / 2)
         return np.where(chain.friction_bound > 0, depths, 0.0)
@@ -237,8 +241,7 @@ class DrakeContactLane(DrakeLane):
         """Relative velocity at which friction is near its bound."""
         if "v_stiction" in self._preset.options:
             return float(self._preset["v_stiction"]) / self._units.velocity
-        speed = self.lane.drive.displacement_scale(self.lane.chain) * self.lane.chain.resonator_frequency
-        return float(self._preset["stiction"]) * speed / self._units.velocity
+        return stiction_speed(self.lane, self._preset["stiction"]) / self._units.velocity
 
     def _across(self, state: State) -> FloatArray:
         if state.internal_state is None:

@@ -6,6 +6,7 @@ import numpy as np
 
 from engines.drake.diagram import Mechanism, joint_numbers
 from engines.drake.lane import SHARED_DEFAULT_OPTIONS, SHARED_TUNED_OPTIONS, DrakeLane, add_slider, set_options
+from engines.drake.law import actuator, near_rigid_actuator
 from engines.interface.engine import constant_normal_force
 from engines.interface.presets import Option, Preset
 from reference_lcp.validation import FloatArray
@@ -22,8 +23,10 @@ JOINT_TUNED = Preset(
         ),
     },
     known_deviation=(
-        "a stuck contact is a damper as strong as Drake's near-rigid limit lets it be, and creeps with λ_T / d"
+        "dashpots act with the velocity at the end of a step; a stuck contact is a damper as strong as Drake's "
+        "near-rigid limit lets it be, and creeps with λ_T / d, a thousandth of that"
     ),
+    law=near_rigid_actuator,
     split_tolerance=1e-12,
 )
 
@@ -34,6 +37,7 @@ JOINT_DEFAULT = Preset(
         "PdControllerGains.d": Option(1e3, 0.0, "[N s/m] Needed: a joint of Drake has no dry friction of its own."),
     },
     known_deviation="a stuck contact is a damper of 1e3 N s/m and creeps with λ_T / d, whatever the time step",
+    law=actuator,
     split_tolerance=1e-12,
 )
 
