@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from engines.interface.presets import NormalForce, Option, Preset
+from engines.pinocchio.law import admm
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import ExplicitForcesLane, Step
 from engines.shared.units import Units
@@ -36,6 +37,7 @@ JOINT_DEFAULT = Preset(
         "tolerance": Option(_TOLERANCE, _TOLERANCE, "Pinocchio's own: absolute."),
         "max_iterations": Option(1000, 1000, "Pinocchio's own."),
     },
+    shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
 )
@@ -52,6 +54,7 @@ JOINT_ADMM = Preset(
         "the solver's tolerance of 1e-6 N s is absolute: impulses of friction, F dt, are the less exact the finer"
         " the step"
     ),
+    law=admm,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
 )

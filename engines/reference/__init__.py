@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from engines.interface.engine import Engine
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
+from engines.reference.law import authority
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.exact.event_driven import EventDrivenSimulation
@@ -55,10 +56,12 @@ class Reference(Engine):
                             CONVERGED_SUBSTEPS, 1, "brings the scheme's own first-order error below 0.01 dB"
                         )
                     },
+                    law=authority,
                     normal_force=NormalForce.LIFTING,
                 ),
                 EXACT: Preset(
                     "The motion between events in closed form, without a time step; for harmonic drives or none.",
+                    law=authority,
                     split_tolerance=SERIES_ROUND_OFF,
                     batch_lanes=1,
                     optional=True,
