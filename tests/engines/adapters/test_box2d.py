@@ -47,6 +47,14 @@ def test_motion_of_uneven_cells_equals_the_scheme_to_single_precision(joint: str
     assert distance(lane, state, found) > SINGLE / 10
 
 
+def test_small_boxes_do_not_touch_the_cell_beside_theirs() -> None:
+    """In SI units Box2D's skins are as thick as boxes of a chain that moves by a millimetre."""
+    lane = lane_of()
+    small = dataclasses.replace(lane, drive=dataclasses.replace(lane.drive, amplitude=AMPLITUDE / 10))
+    pressed = run(small, State.at_rest(1, 7), Box2D().preset("contact", "default"), 20, "contact").normal_force
+    np.testing.assert_allclose(pressed, np.broadcast_to(lane.chain.normal_force, pressed.shape), rtol=1e-4)
+
+
 def test_friction_joints_let_small_impulses_go() -> None:
     """Box2D does not normalise a vector shorter than 1.2e-7, and where it should bound one, all but removes it."""
     chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=1e-6, chain_stiffness=1e-3)

@@ -5,7 +5,7 @@ import pytest
 
 from engines.interface.presets import Formulation, Option, Preset
 from engines.mujoco import MuJoCo
-from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.harmonic import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
@@ -60,7 +60,7 @@ def test_in_other_units_the_sweep_over_sliding_contacts_is_inexact() -> None:
 
 @both_formulations
 def test_a_default_contact_creeps_and_a_finer_step_does_not_help(formulation: str) -> None:
-    """A time constant of 0.02 s, whatever the step: friction never stops a contact."""
+    """A time constant of its own, whatever the step: friction never stops a contact."""
     creep = []
     for steps in (STEPS, 4 * STEPS):
         coarse = lane_of(5.0)
@@ -69,6 +69,16 @@ def test_a_default_contact_creeps_and_a_finer_step_does_not_help(formulation: st
         creep.append(np.max(np.abs(trajectory.relative_velocity)) / (AMPLITUDE * lane.drive.angular_frequency))
     assert creep[0] > 0.01
     assert creep[1] == pytest.approx(creep[0], rel=0.1)
+
+
+def test_a_default_joint_that_sticks_comes_to_rest_with_a_time_constant_of_10_6_ms() -> None:
+    """Not the 20 ms of `solref`: of its rate 2 / (0.95 · 20 ms), the impedance of 0.9 acts in stick."""
+    chain = Chain.from_ratios(cells=1, friction_ratio=5.0, chain_stiffness=1e-9, stiffness_ratio=1.0, damping_ratio=0.0)
+    lane = Lane(chain, StillBase(AMPLITUDE), 1e-5)
+    state = State(np.zeros((1, 2)), np.array([[0.0, 1e-12]]))
+    slip = MuJoCo().build([lane], "joint", "default").run(state, 0, 1056)[0].relative_velocity[:, 0]
+    assert slip[-1] == pytest.approx(1e-12 * np.exp(-1056 * 1e-5 * 0.9 * 2 / (0.95 * 0.02)), rel=1e-3)
+    assert slip[-1] == pytest.approx(1e-12 / np.e, rel=2e-3)
 
 
 def test_in_the_default_pyramid_friction_presses_the_contact() -> None:
