@@ -46,7 +46,8 @@ JOINT_DEFAULT = Preset(
     },
     known_deviation=(
         "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
-        "the error is of first order, but not yet in proportion to the step"
+        "the error is of first order, but not yet in proportion to the step; friction is solved after them, with the "
+        "bare masses"
     ),
     law=own_springs,
     split_tolerance=1e-12,
