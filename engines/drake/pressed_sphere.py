@@ -98,7 +98,7 @@ def _advance(motion: Any, across: Any, loads: Any, matrices: Any, numbers: Any, 
     """Advance one lane in place; `record` is (steps, 6n), or has no rows when nothing is kept."""
     state_matrix, load_matrix, response, coupling = matrices
     h, depth = numbers
-    coefficient, normal_force, mass, _, smoothing = contact
+    coefficient, normal_force, mass = contact[:3]
     cells = coupling.shape[0]
     count = 2 * cells
     state = np.concatenate((motion[1], motion[0]))
@@ -106,23 +106,7 @@ def _advance(motion: Any, across: Any, loads: Any, matrices: Any, numbers: Any, 
     for step in range(loads.size):
         free = state_matrix @ state + load_matrix * loads[step]
         for _ in range(MOST_SWEEPS):
-            change = 0.0
-            for i in range(cells):
-                if coefficient[i] == 0:
-                    continue
-                slip = free[count + i]
-                for j in range(cells):
-                    if j != i:
-                        slip += coupling[i, j] * friction[j]
-                before = friction[i]
-                rate = across[1, i] - h * normal_force[i] / mass[i]
-                cell = (slip, coupling[i, i], rate, across[0, i], normal_force[i] / depth, mass[i], coefficient[i], h)
-                if smoothing[i] > 0:
-                    friction[i], normal[i] = _similar(cell, smoothing[i], normal[i])
-                else:
-                    friction[i], normal[i] = _sap(cell, contact[3][i])
-                change = max(change, abs(friction[i] - before) / (h * coefficient[i] * normal_force[i]))
-            if change <= SWEPT:
+            if _sweep(free[count:], coupling, across, (h, depth), contact, friction, normal) <= SWEPT:
                 break
         state[:count] = free[:count] + response @ friction
         state[count:] += h * state[:count]
@@ -135,6 +119,33 @@ def _advance(motion: Any, across: Any, loads: Any, matrices: Any, numbers: Any, 
             record[step, 2 * count : 2 * count + cells] = friction / h
             record[step, 2 * count + cells :] = normal / h
     motion[0], motion[1] = state[count:], state[:count]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _sweep(free: Any, coupling: Any, across: Any, numbers: Any, contact: Any, friction: Any, normal: Any) -> Any:
+    """Solve every contact once, with the friction of the others as it is; gives the largest change over h μ λ_N."""
+    h, depth = numbers
+    coefficient, normal_force, mass, softness, smoothing = contact
+    cells, largest = free.size, 0.0
+    for i in range(cells):
+        if coefficient[i] == 0:
+            continue
+        if across[0, i] >= 0:  # Drake finds no contact at the start of the step
+            friction[i], normal[i] = 0.0, 0.0
+            continue
+        slip = free[i]
+        for j in range(cells):
+            if j != i:
+                slip += coupling[i, j] * friction[j]
+        before = friction[i]
+        rate = across[1, i] - h * normal_force[i] / mass[i]
+        cell = (slip, coupling[i, i], rate, across[0, i], normal_force[i] / depth, mass[i], coefficient[i], h)
+        if smoothing[i] > 0:
+            friction[i], normal[i] = _similar(cell, smoothing[i], normal[i])
+        else:
+            friction[i], normal[i] = _sap(cell, softness[i])
+        largest = max(largest, abs(friction[i] - before) / (h * coefficient[i] * normal_force[i]))
+    return largest
 
 
 @numba.njit(cache=True, error_model="numpy")

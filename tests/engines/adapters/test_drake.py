@@ -11,7 +11,9 @@ import pytest
 
 from engines.drake import Drake
 from engines.interface.engine import NativeStepping
+from engines.interface.law_engine import law_of
 from engines.interface.presets import Formulation, Preset
+from engines.interface.variant import Variant
 from reference_lcp.chain.harmonic import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation
@@ -310,3 +312,16 @@ def test_long_chain_of_contacts_moves_as_that_of_joints_does(capfd) -> None:
     difference = np.max(np.abs(contact.positions - joint.positions)) / AMPLITUDE
     assert difference < 1e-3 < motion, difference
     assert capfd.readouterr().err == "", "Drake warns of something"
+
+
+@gliding
+def test_a_sphere_that_has_left_its_plane_moves_as_the_law_says(preset: str) -> None:
+    """Drake finds contacts at the start of a step: a sphere that lands within one is free until its end."""
+    variant = Variant("drake", "contact", preset)
+    law, lane = law_of(variant.preset), lane_of(0.1, 0.7)
+    assert law is not None
+    model = law.build([lane])
+    state = model.advance(State.at_rest(1, 7), 0, 10 * STEPS)
+    expected, found = (simulation.run(state, 0, STEPS)[0] for simulation in (model, variant.build([lane])))
+    assert np.any(found.normal_force == 0), "no sphere leaves its plane"
+    assert np.max(np.abs(found.positions - expected.positions)) < law.period_bound * AMPLITUDE
