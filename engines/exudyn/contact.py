@@ -17,7 +17,12 @@ CONTACT_TUNED = Preset(
     {
         **REGULARISED_TUNED.options,
         "zone": Option(5e-4, 0.0, "As in the joint, but twice as wide: in a narrower one some orbits do not repeat."),
-        "substeps": Option(4, 1, "Half as many as in the joint formulation: a step costs five times as much."),
+        "zone_per_kick": Option(
+            0.15,
+            0.0,
+            "Smallest width over F h / m_red: a disc does not leave its zone within Newton's iteration.",
+        ),
+        "substeps": Option(4, 1, "An eighth of those in the joint formulation: a step costs five times as much."),
         "discontinuous_tolerance": Option(
             1e-9, 1.0, "iterationTolerance: at 1 a disc leaves the zone at the end of a step only, and orbits stall."
         ),

@@ -24,10 +24,12 @@ REGULARISED_TUNED = Preset(
     {
         **_SHARED_OPTIONS,
         "substeps": Option(
-            8, 1, "Steps inside each dt: the trapezoidal rule rings where F h / m_red is many zones wide."
+            32, 1, "Steps inside each dt: the zone is as wide as they are long, and the error in proportion to it."
         ),
         "zone": Option(2.5e-4, 0.0, "frictionProportionalZone over s ω_r, with s the displacement scale of the drive."),
-        "zone_per_kick": Option(0.15, 0.0, "Smallest frictionProportionalZone over F h / m_red, for h the substep."),
+        "zone_per_kick": Option(
+            0.5, 0.0, "Smallest frictionProportionalZone over F h / m_red, h the substep: in less, Newton may fail."
+        ),
     },
     known_deviation=(
         "friction is proportional to the slip velocity within a zone: a stuck contact creeps, and the error is in"
