@@ -72,15 +72,20 @@ def _allowed(tested: Variant) -> float:
 def _distances(tested: Variant, expected: Engine | Law, given: Sequence[Lane] = ()) -> FloatArray:
     """Largest difference of positions over a period from the same state, over the displacement scale, per lane.
 
-    The lanes are random ones unless some are given.
+    The lanes are random ones unless some are given; those that the law leaves out are left out.
     """
-    lanes = given or random_lanes()
+    lanes = [lane for lane in given or random_lanes() if _is_predicted(tested, lane)]
     state = scaled_state(lanes)
     simulations: list[Simulation] = [tested.build(lanes), expected.build(lanes)]
     runs = [simulation.run(state, 0, STEPS) for simulation in simulations]
     for simulation in simulations:
         simulation.close()
     return np.array([_distance(lane, *pair) for lane, *pair in zip(lanes, *runs, strict=True)])
+
+
+def _is_predicted(tested: Variant, lane: Lane) -> bool:
+    law = law_of(tested.preset)
+    return law is None or law.unmodelled_reason(lane) is None
 
 
 def _distance(lane: Lane, run: Trajectory, expected: Trajectory) -> float:

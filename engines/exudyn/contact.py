@@ -6,6 +6,7 @@ import numpy as np
 
 from engines.exudyn.joint import REGULARISED_DEFAULT, REGULARISED_TUNED, proportional_zone
 from engines.exudyn.lane import ExudynLane
+from engines.exudyn.law import disc
 from engines.interface.engine import constant_normal_force
 from engines.interface.presets import Option, Preset
 from reference_lcp.chain.simulation import Lane
@@ -17,16 +18,22 @@ CONTACT_TUNED = Preset(
     {
         **REGULARISED_TUNED.options,
         "zone": Option(5e-4, 0.0, "As in the joint, but twice as wide: in a narrower one some orbits do not repeat."),
-        "substeps": Option(4, 1, "Half as many as in the joint formulation: a step costs five times as much."),
+        "zone_per_kick": Option(
+            0.15,
+            0.0,
+            "Smallest width over F h / m_red: a disc does not leave its zone within Newton's iteration.",
+        ),
+        "substeps": Option(4, 1, "An eighth of those in the joint formulation: a step costs five times as much."),
         "discontinuous_tolerance": Option(
             1e-9, 1.0, "iterationTolerance: at 1 a disc leaves the zone at the end of a step only, and orbits stall."
         ),
-        "useLinearProportionalZone": Option(True, False, "The zone of the joint formulation; the other is cubic."),
+        "useLinearProportionalZone": Option(True, False, "The zone of the joint formulation; the other is quadratic."),
     },
     known_deviation=(
         "friction is proportional to the slip velocity within a zone: a stuck contact creeps, and the error is in"
         " proportion to the width of the zone, whatever the time step"
     ),
+    law=disc,
     split_tolerance=1e-9,
 )
 
@@ -38,9 +45,10 @@ CONTACT_DEFAULT = Preset(
         "useLinearProportionalZone": Option(False, False, "Exudyn's own."),
     },
     known_deviation=(
-        "friction is a cubic of the slip velocity within a zone of 1e-3 m/s, which a disc leaves at the end of a "
-        "step only"
+        "friction is F s (2 − s) within a zone of 1e-3 m/s, s the slip velocity over its width, which a disc leaves at "
+        "the end of a correction only: until then friction falls again beyond the zone"
     ),
+    law=disc,
     split_tolerance=0.05,
 )
 

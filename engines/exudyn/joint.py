@@ -4,7 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from engines.exudyn.bristle_state import bristles_at
 from engines.exudyn.lane import ExudynLane
+from engines.exudyn.law import bristle, zone
 from engines.interface.presets import Option, Preset
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
@@ -24,15 +26,18 @@ REGULARISED_TUNED = Preset(
     {
         **_SHARED_OPTIONS,
         "substeps": Option(
-            8, 1, "Steps inside each dt: the trapezoidal rule rings where F h / m_red is many zones wide."
+            32, 1, "Steps inside each dt: the zone is as wide as they are long, and the error in proportion to it."
         ),
         "zone": Option(2.5e-4, 0.0, "frictionProportionalZone over s ω_r, with s the displacement scale of the drive."),
-        "zone_per_kick": Option(0.15, 0.0, "Smallest frictionProportionalZone over F h / m_red, for h the substep."),
+        "zone_per_kick": Option(
+            0.5, 0.0, "Smallest frictionProportionalZone over F h / m_red, h the substep: in less, Newton may fail."
+        ),
     },
     known_deviation=(
         "friction is proportional to the slip velocity within a zone: a stuck contact creeps, and the error is in"
         " proportion to the width of the zone, whatever the time step"
     ),
+    law=zone,
     split_tolerance=1e-9,
 )
 
@@ -53,6 +58,7 @@ BRISTLE_TUNED = Preset(
         "a stuck contact is a stiff spring that gives way by F / k_s, and sticks only from the end of a substep "
         "on: short sticks are missed or made up"
     ),
+    law=bristle,
     split_tolerance=1e-9,
 )
 
@@ -81,6 +87,7 @@ REGULARISED_DEFAULT = Preset(
         "friction is proportional to the slip velocity within a zone of 1e-3 m/s: a stuck contact creeps, "
         "whatever the time step"
     ),
+    law=zone,
     split_tolerance=1e-4,
 )
 
@@ -93,6 +100,7 @@ BRISTLE_DEFAULT = Preset(
         "discontinuous_iterations": Option(5, 5, "Exudyn's own."),
     },
     known_deviation="a stuck contact is a spring of 1e4 N/m, so soft that it gives way by as much as the chain moves",
+    law=bristle,
     split_tolerance=0.05,
 )
 
@@ -176,19 +184,14 @@ class BristleLane(ExudynLane):
         return settings
 
     def _set_friction_state(self, state: State, start: int) -> None:
-        if state.internal_state is None:
-            slip, deflection = self._fresh(state, start)
-        else:
-            slip, deflection = np.split(state.internal_state[0], 2)
-            slip, deflection = self._nearest_slip(slip / self._units.force), deflection / self._units.length
-        outer, inner = np.split(state.positions[0] / self._units.length, 2)
-        data = np.stack([slip, inner - outer - deflection, np.zeros_like(slip)], axis=1)[self._rubbing]
+        units = self._units
+        stiffness, damping = self._stiffness * units.force / units.length, self._damping * units.force / units.velocity
+        load = float(self.lane.loads(start, 1)[0])
+        slip, deflection = bristles_at(state, self.lane.chain, load, stiffness, damping)
+        outer, inner = np.split(state.positions[0], 2)
+        foot = (inner - outer - deflection) / units.length
+        data = np.stack([slip / units.force, foot, np.zeros_like(slip)], axis=1)[self._rubbing]
         self._system.systemData.SetDataCoordinates(data.ravel(), self._exudyn.ConfigurationType.Initial)
-
-    def _nearest_slip(self, slip: FloatArray) -> FloatArray:
-        """Slip forces that a bristle can have, 0 or ±μN: a search of periodic orbits mixes those of several periods."""
-        bound = self._chain.friction_bound
-        return np.where(np.abs(slip) > bound / 2, np.copysign(bound, slip), 0.0)
 
     def _friction_state(self) -> FloatArray:
         current = self._exudyn.ConfigurationType.Current
@@ -198,19 +201,3 @@ class BristleLane(ExudynLane):
         slip[self._rubbing] = data[:, 0]
         deflection[self._rubbing] = (inner - outer)[self._rubbing] - data[:, 1]
         return np.concatenate([slip * self._units.force, deflection * self._units.length])
-
-    def _fresh(self, state: State, start: int) -> tuple[FloatArray, FloatArray]:
-        """Slip forces and deflections without a history: each bristle holds the load that it meets.
-
-        A bristle that started unloaded would let go of a stuck contact and ring.
-        """
-        chain = self._chain
-        position, velocity = state.positions[0] / self._units.length, state.velocities[0] / self._units.velocity
-        load = -chain.stiffness_matrix @ position - chain.damping_matrix @ velocity
-        load[0] += self.lane.loads(start, 1)[0] / self._units.force
-        outer, inner = np.split(load / np.diag(chain.mass_matrix), 2)
-        holding = self._reduced_mass * (inner - outer)
-        force = holding + self._damping * (chain.contact_directions.T @ velocity)
-        slips = np.abs(force) >= chain.friction_bound
-        slip = np.where(slips, np.copysign(chain.friction_bound, force), 0.0)
-        return slip, np.where(slips, 0.0, holding / self._stiffness)

@@ -57,6 +57,8 @@ class Law:
         Where that difference comes from.
     modulated
         It holds under a normal force that changes while contacts stay closed, too.
+    unmodelled_reason
+        Says why it does not predict the engine in a lane; gives ``None`` where it does.
     """
 
     formula: str
@@ -65,6 +67,7 @@ class Law:
     period_bound: float = ROUND_OFF_PERIOD
     bound_reason: str = "round-off in double precision"
     modulated: bool = False
+    unmodelled_reason: Callable[[Lane], str | None] = lambda _: None
 
     def build(self, lanes: Sequence[Lane]) -> SequentialSimulation:
         """Build every lane.

@@ -16,7 +16,8 @@ BATCH_LANES = 16
 """Lanes of a batch: they are advanced one after the other, and cost the same alone."""
 
 SPLIT_TOLERANCE = 1e-12
-"""Largest difference between one run and the same run split in two, over the displacement scale: round-off."""
+"""Largest difference between one run and the same run split in two, over the displacement scale: round-off, unless the
+engine itself does not begin where it ended."""
 
 
 class LawEngine(Engine):
@@ -75,7 +76,7 @@ def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
     return {
         name: replace(
             presets[name],
-            split_tolerance=SPLIT_TOLERANCE,
+            split_tolerance=max(SPLIT_TOLERANCE, presets[name].split_tolerance),
             known_deviation="",
             normal_force=NormalForce.MODULATED if law.modulated else NormalForce.CONSTANT,
             modulated_options={},

@@ -300,7 +300,7 @@ def smooth_impulse(slip: Any, coupling: Any, bound: Any, smoothing: Any) -> Any:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _solve(free: Any, coupling: Any, bound: Any, law: Any, impulses: Any) -> None:
+def solve_contacts(free: Any, coupling: Any, bound: Any, law: Any, impulses: Any) -> None:
     """Solve all contacts by Gauss–Seidel sweeps; `impulses` is where they start, and the solution."""
     compliance, slope, smoothing = law
     cells = free.size
@@ -356,7 +356,7 @@ def _advance(motion: Any, loads: Any, bounds: Any, matrices: Any, numbers: Any, 
                     free[i] -= outer
                     free[cells + i] -= inner
                     free[count + i] -= inner - outer
-            _solve(free[count:], coupling, bounds[step], law, impulses)
+            solve_contacts(free[count:], coupling, bounds[step], law, impulses)
             before[:] = state[:count]
             state[:count] = free[:count] + response @ impulses
             state[count:] += length * (weight * state[:count] + (1 - weight) * before)

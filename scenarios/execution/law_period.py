@@ -31,6 +31,9 @@ def _result(task: LawPeriodTask) -> Result:
     if law is None:
         return Result.blocked(f"{task.variant} has no law that is a model")
     lane, steps = task.lane()
+    reason = law.unmodelled_reason(lane)
+    if reason is not None:
+        return Result.blocked(f"{task.variant}: {reason}")
     model = law.build([lane])
     state = model.advance(State.at_rest(1, lane.chain.cells), 0, APPROACH_PERIODS * steps)
     runs = [_period(simulation, state, steps) for simulation in _simulations(task, lane, model)]

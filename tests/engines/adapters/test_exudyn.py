@@ -11,6 +11,7 @@ import pytest
 
 from engines.exudyn import ExudynBristle, ExudynRegularised
 from engines.interface.engine import Engine
+from engines.interface.law_engine import LawEngine, law_of
 from engines.interface.presets import Formulation, Preset
 from reference_lcp.chain.harmonic import Drive, HarmonicBase, HarmonicForce
 from reference_lcp.chain.linear_response import frictionless_response, stuck_transmittance
@@ -314,3 +315,45 @@ def test_error_of_transmittance_is_in_proportion_to_the_zone() -> None:
         errors.append(decibel(transmittance(periodic_orbits(simulation, STEPS)[0])) - exact)
     assert errors[0] / errors[1] == pytest.approx(2, rel=0.05)
     assert errors[1] / errors[2] == pytest.approx(2, rel=0.05)
+
+
+def distance_from_law(tested: Engine, formulation: str, preset: str, lane: Lane) -> float:
+    """Largest difference of positions over U0 in a period from a random state, which a run of half of it follows."""
+    halves = []
+    for engine in (tested, LawEngine(tested, "0")):
+        simulation = engine.build([lane], formulation, preset)
+        middle = simulation.advance(random_state(), 0, STEPS // 2)
+        halves.append(simulation.run(middle, STEPS // 2, STEPS)[0].positions)
+    return float(np.max(np.abs(halves[0] - halves[1]))) / AMPLITUDE
+
+
+@pytest.mark.parametrize(
+    ("tested", "formulation", "preset"),
+    [
+        (ExudynRegularised(), "joint", "tuned"),
+        (ExudynRegularised(), "joint", "default"),
+        (ExudynRegularised(), "contact", "tuned"),
+        (ExudynBristle(), "joint", "tuned"),
+    ],
+    ids=["zone", "default zone", "disc", "bristle"],
+)
+def test_law_begins_a_run_as_exudyn_does_and_leaves_frictionless_cells_alone(
+    tested: Engine, formulation: str, preset: str
+) -> None:
+    lane = lane_of(np.array([0.1, 0.05, 0.0, 0.1, 0.02, 0.0, 0.05]), 1.2)
+    law = law_of(tested.preset(formulation, preset))
+    assert law is not None
+    assert law.unmodelled_reason(lane) is None
+    assert distance_from_law(tested, formulation, preset, lane) <= law.period_bound
+
+
+def test_newton_fails_where_a_kick_is_wider_than_two_zones_and_the_law_says_so() -> None:
+    """Exudyn then halves its steps; its default zone is as narrow as that, its tuned one nowhere."""
+    default, tuned = (law_of(ExudynRegularised().preset("joint", name)) for name in ("default", "tuned"))
+    assert default is not None
+    assert tuned is not None
+    lane = lane_of(1.0, 0.7)
+    assert "Newton's iteration" in str(default.unmodelled_reason(lane))
+    assert distance_from_law(ExudynRegularised(), "joint", "default", lane) > 100 * default.period_bound
+    assert tuned.unmodelled_reason(lane) is None
+    assert distance_from_law(ExudynRegularised(), "joint", "tuned", lane) <= tuned.period_bound
