@@ -12,7 +12,7 @@ import reports.__main__
 import scenarios.__main__
 from reference_lcp import ParameterError
 from reference_lcp.console import WRONG_INPUT, checked_output_file, checked_output_folder, run_command
-from scenarios.catalogue.example_record import write_example
+from scenarios.catalogue.transient.example_record import write_example
 from scenarios.execution.store import ResultStore
 from scenarios.functions import sweep
 from scenarios.sweeps.dataset import write_dataset

@@ -15,7 +15,7 @@ from reference_lcp.output import write_whole
 from reference_lcp.validation import ParameterError
 from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.record import Record
+from scenarios.catalogue.transient.record import Record
 from scenarios.catalogue.verdict_table import (
     Results,
     details,

@@ -9,13 +9,7 @@ import pytest
 from engines.interface.variant import Variant
 from reference_lcp import HarmonicBase, ParameterError, RecordedBase, decibel, frictionless_transmittance
 from scenarios.catalogue import CATALOGUE
-from scenarios.catalogue.example_record import FILE, example_samples, write_example
-from scenarios.catalogue.example_record import PEAK as EXAMPLE_PEAK
-from scenarios.catalogue.filtered_noise import FilteredNoiseScenario
-from scenarios.catalogue.record import Record
-from scenarios.catalogue.ricker_pulse import RickerPulseScenario
-from scenarios.catalogue.swept_sine import SweptSineScenario
-from scenarios.catalogue.transient_base import (
+from scenarios.catalogue.transient.base import (
     BAND_METRICS,
     BANDS,
     BROADBAND_STEPS,
@@ -24,6 +18,12 @@ from scenarios.catalogue.transient_base import (
     RATIOS,
     ROWS_PER_PERIOD,
 )
+from scenarios.catalogue.transient.example_record import FILE, example_samples, write_example
+from scenarios.catalogue.transient.example_record import PEAK as EXAMPLE_PEAK
+from scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
+from scenarios.catalogue.transient.record import Record
+from scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
+from scenarios.catalogue.transient.swept_sine import SweptSineScenario
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore

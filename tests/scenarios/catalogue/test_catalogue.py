@@ -11,11 +11,11 @@ from reference_lcp import Chain, HarmonicForce, steady_state
 from reference_lcp.chain.canonical import CHAIN_STIFFNESS
 from reference_lcp.chain.linear_response import stuck_response
 from scenarios.catalogue import CATALOGUE
-from scenarios.catalogue.den_hartog import POINTS, expected_motion
-from scenarios.catalogue.figure3 import LOWER_EDGE, LOWER_EDGES
-from scenarios.catalogue.linear_limits import LOCKING_FRICTION
-from scenarios.catalogue.steady_base import LONGEST_SECONDS, SAME_STEP, SteadyScenario
-from scenarios.catalogue.unequal_cells import DISORDER_SEED
+from scenarios.catalogue.steady.base import LONGEST_SECONDS, SAME_STEP, SteadyScenario
+from scenarios.catalogue.steady.den_hartog import POINTS, expected_motion
+from scenarios.catalogue.steady.figure3 import LOWER_EDGE, LOWER_EDGES
+from scenarios.catalogue.steady.linear_limits import LOCKING_FRICTION
+from scenarios.catalogue.steady.unequal_cells import DISORDER_SEED
 from scenarios.tasks.result import Result
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.verdict import Verdict

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.catalogue.free_decay import DECAYS, OSCILLATOR_DECAY, FreeDecay, loss_a_cycle
+from scenarios.catalogue.transient.free_decay import DECAYS, OSCILLATOR_DECAY, FreeDecay, loss_a_cycle
 from scenarios.execution.batch import run_batch
 from scenarios.execution.store import ResultStore
 from scenarios.verdicts.verdict import Verdict

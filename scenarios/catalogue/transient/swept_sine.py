@@ -6,7 +6,7 @@ from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.transient import SweptSine
 from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.transient_base import RATIOS, Broadband, TransientCase
+from scenarios.catalogue.transient.base import RATIOS, Broadband, TransientCase
 
 SWEEP, REST = 250, 100
 """Periods 2π / ω_r of the sweep, and of the rest in which the chain dies out."""

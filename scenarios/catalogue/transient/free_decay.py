@@ -12,7 +12,7 @@ from reference_lcp.chain.harmonic import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.transient_base import with_refined_steps
+from scenarios.catalogue.transient.base import with_refined_steps
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import NamedNumbers, Result

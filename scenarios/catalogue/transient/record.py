@@ -8,8 +8,7 @@ from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.record import RecordedBase
 from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.example_record import FILE
-from scenarios.catalogue.transient_base import (
+from scenarios.catalogue.transient.base import (
     BANDS,
     BROADBAND_STEPS,
     RATIOS,
@@ -17,6 +16,7 @@ from scenarios.catalogue.transient_base import (
     Broadband,
     TransientCase,
 )
+from scenarios.catalogue.transient.example_record import FILE
 
 REST = 200
 """Periods 2π / ω_r after the record in which the chain dies out."""

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 from reference_lcp.exact.den_hartog import SlidingMotion
 from reference_lcp.observables.stick_slip import Mode
-from scenarios.catalogue.steady_base import SteadyScenario
+from scenarios.catalogue.steady.base import SteadyScenario
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask

@@ -1,6 +1,6 @@
 """Stick and slip of a single cell."""
 
-from scenarios.catalogue.steady_base import SteadyScenario
+from scenarios.catalogue.steady.base import SteadyScenario
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.verdicts.steady_case import SteadyCase
 

@@ -4,7 +4,7 @@ from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.transient import QUIET, RickerPulse
 from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.transient_base import RATIOS, Broadband, TransientCase
+from scenarios.catalogue.transient.base import RATIOS, Broadband, TransientCase
 
 
 class RickerPulseScenario(Broadband):

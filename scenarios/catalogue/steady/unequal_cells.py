@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from scenarios.catalogue.steady_base import SteadyScenario
+from scenarios.catalogue.steady.base import SteadyScenario
 from scenarios.tasks.parameters import ChainRatios, Ratio
 from scenarios.verdicts.steady_case import SteadyCase
 

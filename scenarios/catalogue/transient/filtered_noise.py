@@ -6,7 +6,7 @@ from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.transient import FilteredNoise
 from reference_lcp.observables.transmissibility import Transmissibility, stationary_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.transient_base import RATIOS, ROWS_PER_PERIOD, Broadband, TransientCase
+from scenarios.catalogue.transient.base import RATIOS, ROWS_PER_PERIOD, Broadband, TransientCase
 
 PERIODS = 300
 """Length of the noise in periods 2π / ω_r; it does not repeat before."""

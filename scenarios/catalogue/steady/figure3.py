@@ -4,7 +4,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 
-from scenarios.catalogue.steady_base import SAME_STEP, SteadyScenario
+from scenarios.catalogue.steady.base import SAME_STEP, SteadyScenario
 from scenarios.sweeps.attenuation_band import BandDefinition
 from scenarios.tasks.result import Result
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Metric
