@@ -99,19 +99,21 @@ class AdaptiveCurve:
         Ends, accuracy and limits.
     peaks
         Frequencies of narrow peaks that are known beforehand.
+
+    Attributes
+    ----------
+    due
+        Frequencies to be evaluated now; none when the curve is done.
+    resolved
+        Whether no interval was left as it is for the sake of spacing or number of points.
     """
 
     def __init__(self, axis: AdaptiveAxis, peaks: Iterable[float] = ()):
         self._axis = axis
         self._values: dict[float, float] = {}
         self._open: list[tuple[float, float]] = []
-        self._due: tuple[float, ...] = axis.start(peaks)
+        self.due = axis.start(peaks)
         self.resolved = True
-
-    @property
-    def due(self) -> tuple[float, ...]:
-        """Frequencies to be evaluated now; none when the curve is done."""
-        return self._due
 
     @property
     def evaluated(self) -> tuple[float, ...]:
@@ -131,14 +133,14 @@ class AdaptiveCurve:
         """
         if self._values:
             predicted = self._interpolant()
-            levels = {eta: level(transmittance_db[eta]) for eta in self._due}
+            levels = {eta: level(transmittance_db[eta]) for eta in self.due}
             wrong = {eta for eta in levels if abs(predicted(eta) - levels[eta]) > MARGIN * self._axis.accuracy_db}
             bends = [(a, b) for a, b in self._open if (a + b) / 2 in wrong]
             halves = [half for a, b in bends for half in ((a, (a + b) / 2), ((a + b) / 2, b))]
         else:
-            known = sorted(eta for eta in self._due if not math.isnan(transmittance_db[eta]))
+            known = sorted(eta for eta in self.due if not math.isnan(transmittance_db[eta]))
             halves = list(itertools.pairwise(known))
-        self._values.update((eta, level(transmittance_db[eta])) for eta in self._due)
+        self._values.update((eta, level(transmittance_db[eta])) for eta in self.due)
         self._choose(halves)
 
     def _interpolant(self) -> PchipInterpolator:
@@ -152,4 +154,4 @@ class AdaptiveCurve:
         room = self._axis.most_points - len(self._values)
         self._open = sorted(sorted(wide, key=lambda interval: interval[0] - interval[1])[: max(room, 0)])
         self.resolved = self.resolved and len(self._open) == len(intervals)
-        self._due = tuple((a + b) / 2 for a, b in self._open)
+        self.due = tuple((a + b) / 2 for a, b in self._open)
