@@ -73,10 +73,7 @@ class TimeError:
 def stick_slip_findings(evidence: Evidence) -> list[Finding]:
     """Compare stick and slip: a finding for each of `STICK_SLIP_METRICS`, in their order."""
     if evidence.missing is not None:
-        return [
-            Finding(evidence.variant, evidence.case.label, metric, math.nan, math.nan, evidence.missing)
-            for metric in STICK_SLIP_METRICS
-        ]
+        return Finding.without_numbers(evidence.variant, evidence.case.label, STICK_SLIP_METRICS, evidence.missing)
     evidence = dataclasses.replace(evidence, expected=as_resolved(evidence))
     return [
         _counted(evidence, MISSED, *_missed(evidence)),

@@ -6,7 +6,6 @@ the steady state is unique. For a < 1 contacts stay closed, and every formulatio
 For a > 1 they open: the inner mass flies, lands without rebound, and its impact rubs.
 """
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -130,7 +129,7 @@ def _findings(variant: Variant, case: ModulatedCase, own: list[Result], expected
     metrics = [TRANSMITTANCE, STUCK, UNMATCHED, TIMES, *([] if case.modulation <= 1 else [OPEN_FRACTION, LARGEST_GAP])]
     gap = _missing("engine", own) or _missing("reference", expected)
     if gap is not None:
-        return [Finding(variant, str(case), metric, math.nan, math.nan, gap) for metric in metrics]
+        return Finding.without_numbers(variant, str(case), metrics, gap)
     judged = [_transmittance(own, expected), _stuck_fraction(own, expected), _unmatched(own, expected),
                 _transition_times(own, expected), *_flights(case.flight(variant), case.multiple, own)]  # fmt: skip
     return [
