@@ -89,7 +89,6 @@ def blocked_reason(result: ComparedSweep, variant: Variant) -> str | None:
 
 
 def _above_floor(result: ComparedSweep, points: Iterable[Point]) -> list[Point]:
-    """Give the points at which the baseline is above `FLOOR_DB`."""
     levels = {case: baseline_curve(result, case) for case in result.cases}
     return [point for point in points if levels[point.case].get(point.frequency_ratio, -math.inf) > FLOOR_DB]
 

@@ -58,7 +58,6 @@ def report_dataset(result: ComparedSweep) -> xr.Dataset:
 
 
 def _edges(result: ComparedSweep) -> dict[str, Any]:
-    """Give the edges of all bands, and their differences."""
     sweep = result.sweep
     edges = [result.edge(variant, case, edge) for variant in sweep.variants for case in sweep.cases for edge in Edge]
     dimensions = ("variant", *sweep.case_axes, "edge")

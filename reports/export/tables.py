@@ -94,6 +94,5 @@ def _summary(own: VariantFindings) -> dict[str, Any]:
 
 
 def _extreme(extreme: Extreme) -> dict[str, Any]:
-    """Give a difference and its point."""
     case = {} if extreme.case is None else extreme.case.by_axis
     return {"difference": extreme.difference, **case, "frequency_ratio": extreme.frequency_ratio}

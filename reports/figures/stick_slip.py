@@ -103,7 +103,6 @@ def _middle(count: int, strip: int, cell: int) -> float:
 
 
 def _bars(rows: dict[Variant, list[Phase]], mode: Mode) -> Bars:
-    """Give the phases of one mode as bars."""
     count = len(rows)
     drawn = [(strip, v, p) for strip, (v, phases) in enumerate(rows.items()) for p in phases if p.mode is mode]
     return Bars(

@@ -101,7 +101,6 @@ def _variant(result: ComparedSweep, variant: Variant, case: Case) -> Series:
 
 
 def _difference(result: ComparedSweep, variant: Variant, case: Case) -> Series:
-    """Mark the differences of one variant."""
     return Series(
         *differences(result, variant, case), style_of(result.sweep, variant), variant.title, "markers",
         "η_r %{x}\ndifference %{y:+.5f} dB",

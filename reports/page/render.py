@@ -103,7 +103,6 @@ class _Registry:
 
 
 def _rendered(part: Section, registry: _Registry) -> RenderedSection:
-    """Render one section."""
     try:
         drawn = {figure.name: registry.html(figure) for figure in part.figures()}
         template = _environment(part.templates).get_template(f"{part.template}.html")

@@ -74,5 +74,4 @@ class OpenPoints(Section):
 
     @staticmethod
     def _times_allowed(judged: Point | BandEdge) -> float:
-        """Difference over what is allowed."""
         return abs(judged.comparison.difference) / judged.comparison.tolerance

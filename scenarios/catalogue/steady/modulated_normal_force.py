@@ -22,6 +22,7 @@ from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Metric
 from scenarios.verdicts.judge import Steps, decide, judge, missing
 from scenarios.verdicts.steady_case import amplitude_in_db
+from scenarios.verdicts.stick_slip_comparison import matched_errors
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
 CASE_STEPS = (400, 800, 1600)
@@ -204,17 +205,11 @@ def _apart(first: Result, second: Result) -> int:
 def _transition_times(own: list[Result], expected: list[Result]) -> Judged:
     """Judge the largest distance of matching transitions; its error is the largest of theirs."""
     baseline = expected[1].transitions
-    times, scheme = ([_time_errors(result, baseline) for result in results] for results in (own, expected))
+    times, scheme = ([matched_errors(result, baseline) for result in results] for results in (own, expected))
     size = max(map(abs, times[1].values()), default=0.0)
     engine, reference = (_largest_error(errors) for errors in (times, scheme))
     tolerance = Tolerance(reference=reference, engine=engine, resolution=1 / CASE_STEPS[1])
     return size, 0.0, decide(TIMES, size, 0.0, tolerance)
-
-
-def _time_errors(result: Result, baseline: Sequence[TimedTransition]) -> dict[TimedTransition, float]:
-    """Distance over the period of every transition that a result has, by the baseline's."""
-    match = match_transitions(result.transitions, baseline, result.period)
-    return {pair[1]: error for pair, error in zip(match.pairs, match.time_errors, strict=True)}
 
 
 def _largest_error(errors: Sequence[Mapping[TimedTransition, float]]) -> float:
