@@ -24,6 +24,19 @@ from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
 
 app = typer.Typer(name="python -m reference_lcp", add_completion=False, pretty_exceptions_enable=False)
 
+DampingRatio = Annotated[float, typer.Option(help="c_c / (2 √(k_c m_o)) between the cells.")]
+StepsPerPeriod = Annotated[
+    int,
+    typer.Option(
+        help=f"Fewest steps a period, >= {FEWEST_STEPS_PER_PERIOD}; more are taken where "
+        f"dt ω_max <= {LARGEST_PHASE_STEP} requires them."
+    ),
+]
+Tolerance = Annotated[
+    float | None,
+    typer.Option(help=f"Periodicity residual to reach; {DEFAULT_RESIDUAL:g}, or {EXACT_RESIDUAL:g} if exact."),
+]
+
 
 @app.callback(invoke_without_command=True)
 def run(
@@ -32,24 +45,13 @@ def run(
     frequency_ratio: Annotated[float, typer.Option(help="Drive frequency over the resonator's, ω / ω_r.")] = 0.9,
     mass_ratio: Annotated[float, typer.Option(help="Inner over outer mass.")] = canonical.MASS_RATIO,
     stiffness_ratio: Annotated[float, typer.Option(help="Inner over chain stiffness.")] = canonical.STIFFNESS_RATIO,
-    damping_ratio: Annotated[
-        float, typer.Option(help="c_c / (2 √(k_c m_o)) between the cells.")
-    ] = canonical.DAMPING_RATIO,
+    damping_ratio: DampingRatio = canonical.DAMPING_RATIO,
     inner_damping_ratio: Annotated[float, typer.Option(help="c_i / (2 √(k_i m_i)) inside the cells.")] = 0.0,
     cells: Annotated[int, typer.Option(help="Number of cells.")] = canonical.CELLS,
     base_amplitude: Annotated[float, typer.Option(help="U0 of the base, in metres.")] = canonical.BASE_AMPLITUDE,
-    steps_per_period: Annotated[
-        int,
-        typer.Option(
-            help=f"Fewest steps a period, >= {FEWEST_STEPS_PER_PERIOD}; more are taken where "
-            f"dt ω_max <= {LARGEST_PHASE_STEP} requires them."
-        ),
-    ] = MINIMUM_STEPS_PER_PERIOD,
+    steps_per_period: StepsPerPeriod = MINIMUM_STEPS_PER_PERIOD,
     solver: Annotated[str, typer.Option(help=f"One of {', '.join(SOLVERS)}.")] = "compiled",
-    tolerance: Annotated[
-        float | None,
-        typer.Option(help=f"Periodicity residual to reach; {DEFAULT_RESIDUAL:g}, or {EXACT_RESIDUAL:g} if exact."),
-    ] = None,
+    tolerance: Tolerance = None,
     max_periods: Annotated[int, typer.Option(help="Periods after which the search gives up.")] = DEFAULT_PERIODS,
     error_bar: Annotated[bool, typer.Option("--error-bar", help="Measure the error of the time step too.")] = False,
     exact_value: Annotated[bool, typer.Option("--exact-value", help="Find the exact transmittance too.")] = False,

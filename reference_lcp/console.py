@@ -121,11 +121,11 @@ def _refuse_package(name: str, path: Path) -> None:
         raise ParameterError(f"{name} = {path} lies in the Python package {package}; allowed: outside of it")
 
 
-def _same_file(one: Path, other: Path) -> bool:
+def _same_file(file: Path, other: Path) -> bool:
     """Tell whether two names lead to one file, through links too; neither has to be there."""
-    if one.exists() and other.exists():
-        return one.samefile(other)
-    return one.resolve() == other.resolve()
+    if file.exists() and other.exists():
+        return file.samefile(other)
+    return file.resolve() == other.resolve()
 
 
 def _is_database(file: Path) -> bool:

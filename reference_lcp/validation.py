@@ -20,7 +20,9 @@ _REQUIREMENTS: dict[str, Callable[[FloatArray], NDArray[np.bool_]]] = {
 }
 
 
-def checked_array(name: str, value: ArrayLike, requirement: str = "finite") -> FloatArray:
+def checked_array(
+    name: str, value: ArrayLike, requirement: str = "finite", shape: tuple[int, ...] | None = None
+) -> FloatArray:
     """Give `value` as a float64 array, or say what is wrong with it.
 
     Parameters
@@ -31,11 +33,13 @@ def checked_array(name: str, value: ArrayLike, requirement: str = "finite") -> F
         A number or an array of numbers.
     requirement
         ``"> 0"``, ``">= 0"`` or ``"finite"``; the first two include finite.
+    shape
+        The only one allowed; any without it.
 
     Raises
     ------
     ParameterError
-        If `value` is not numeric, not finite, or breaks the requirement.
+        If `value` is not numeric, not finite, breaks the requirement, or has another shape.
     """
     try:
         array = np.asarray(value, dtype=np.float64)
@@ -45,7 +49,19 @@ def checked_array(name: str, value: ArrayLike, requirement: str = "finite") -> F
     if not np.all(fulfilled):
         wrong = array[~fulfilled].flat[0]
         raise ParameterError(f"{name} = {wrong:g} is outside its range; allowed: {requirement}, finite")
+    if shape is not None and array.shape != shape:
+        raise ParameterError(f"{name} has shape {array.shape}; allowed: {shape}")
     return array
+
+
+def checked_per_cell(name: str, value: ArrayLike, cells: int, requirement: str = "finite") -> FloatArray:
+    """Give one number a cell, read-only, of a number or an array of them; as `checked_array`."""
+    array = checked_array(name, value, requirement)
+    if array.shape not in ((), (1,), (cells,)):
+        raise ParameterError(f"{name} has shape {array.shape}; allowed: one number or ({cells},)")
+    per_cell = np.broadcast_to(array, (cells,)).copy()
+    per_cell.flags.writeable = False
+    return per_cell
 
 
 def checked_scalar(name: str, value: float, requirement: str = "finite") -> float:

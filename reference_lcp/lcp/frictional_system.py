@@ -7,13 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference_lcp.lcp.time_step import ContactImpulses, FrictionalStep, StepFailed, advanced, solve_step
-from reference_lcp.validation import (
-    FloatArray,
-    ParameterError,
-    checked_array,
-    checked_count,
-    checked_scalar,
-)
+from reference_lcp.validation import FloatArray, checked_array, checked_count, checked_scalar
 
 
 class FrictionalSystem(Protocol):
@@ -96,7 +90,8 @@ def simulate_system(
         If an argument is outside its range or does not fit the system.
     """
     dt = checked_scalar("time_step", time_step, "> 0")
-    u, q = _checked_state("position", position, system), _checked_state("velocity", velocity, system)
+    state, shape = {"position": position, "velocity": velocity}, (system.freedoms,)
+    u, q = (checked_array(name, value, shape=shape).copy() for name, value in state.items())
     first = checked_count("start", start, 0)
     ends = np.arange(first + 1, first + checked_count("steps", steps) + 1, dtype=np.float64)
     record = _empty(dt * ends, system)
@@ -116,14 +111,6 @@ def _solved_step(step: FrictionalStep, basis: NDArray[np.bool_] | None, index: i
         return solve_step(step, warm_start=basis)
     except StepFailed as failure:
         raise StepFailed(f"step {index} at t = {index * step.time_step:.6g} s: {failure}") from failure
-
-
-def _checked_state(name: str, value: ArrayLike, system: FrictionalSystem) -> FloatArray:
-    """Give a position or a velocity as an array of its own."""
-    array = checked_array(name, value)
-    if array.shape != (system.freedoms,):
-        raise ParameterError(f"{name} has shape {array.shape}; allowed: ({system.freedoms},)")
-    return array.copy()
 
 
 def _empty(time: FloatArray, system: FrictionalSystem) -> SystemTrajectory:
