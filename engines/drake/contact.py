@@ -20,7 +20,6 @@ from engines.drake.lane import (
     add_slider,
     set_options,
 )
-from engines.interface.engine import constant_normal_force
 from engines.interface.presets import Option, Preset
 from engines.shared.units import power_of_two
 from reference_lcp.chain.trajectory import State
@@ -253,7 +252,7 @@ class DrakeContactLane(DrakeLane):
 
     def _contact_forces(self, mechanism: Mechanism, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
         steps = rows.shape[0]
-        given = constant_normal_force(self.lane, steps)
+        given = self.lane.preloads(0, steps)
         if mechanism.forces is None:
             return np.zeros((steps, self._chain.cells)), given
         forces = rows * self._units.force

@@ -1,6 +1,5 @@
 """One chain in Drake, whatever its formulation: masses in a row of joints, and states in and out of them."""
 
-import dataclasses
 from abc import abstractmethod
 from functools import cached_property
 from typing import Any
@@ -41,9 +40,8 @@ class DrakeLane(LaneModel):
         """Take the lane's parameters in its units."""
         self.lane = lane
         self._preset = preset
-        units = Units.named(preset["units"], lane)
         # With dt as unit of time a step begins at a whole number.
-        self._units = units if preset["units"] == "SI" else dataclasses.replace(units, time=lane.time_step)
+        self._units = Units.in_steps(preset["units"], lane)
         self._time_step = lane.time_step / self._units.time
         self._chain = self._units.scaled(lane.chain)
         self._rubbing = np.flatnonzero(self._chain.friction_bound > 0)

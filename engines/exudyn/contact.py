@@ -6,9 +6,7 @@ import numpy as np
 
 from engines.exudyn.joint import REGULARISED_DEFAULT, REGULARISED_TUNED, proportional_zone
 from engines.exudyn.lane import ExudynLane
-from engines.interface.engine import constant_normal_force
 from engines.interface.presets import Option, Preset
-from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
 
@@ -23,10 +21,7 @@ CONTACT_TUNED = Preset(
         ),
         "useLinearProportionalZone": Option(True, False, "The zone of the joint formulation; the other is cubic."),
     },
-    known_deviation=(
-        "friction is proportional to the slip velocity within a zone: a stuck contact creeps, and the error is in"
-        " proportion to the width of the zone, whatever the time step"
-    ),
+    known_deviation=REGULARISED_TUNED.known_deviation,
     split_tolerance=1e-9,
 )
 
@@ -55,10 +50,6 @@ class ContactLane(ExudynLane):
     equilibrium nothing moves across the plane, so that a state needs the first ones only.
     """
 
-    def __init__(self, lane: Lane, preset: Preset):
-        self._preset = preset
-        super().__init__(lane, preset)
-
     @property
     def _stiffness(self) -> FloatArray:
         """Contact stiffness: normal oscillations would take some six steps."""
@@ -85,15 +76,15 @@ class ContactLane(ExudynLane):
         return np.stack(rows[0], axis=1), np.stack(rows[1], axis=1)
 
     def _recorded_forces(self, steps: int) -> tuple[FloatArray, FloatArray]:
-        friction, normal = np.zeros((steps, self._chain.cells)), constant_normal_force(self.lane, steps).copy()
+        friction, normal = np.zeros((steps, self._chain.cells)), self.lane.preloads(0, steps).copy()
         for cell, sensor in zip(self._rubbing, self._force_sensors, strict=True):
             force = self._recorded(sensor, steps) * self._units.force
             friction[:, cell], normal[:, cell] = -force[:, 1], force[:, 2]
         return friction, normal
 
-    def _solver_settings(self, preset: Preset) -> Any:
-        settings = super()._solver_settings(preset)
-        settings.timeIntegration.discontinuous.iterationTolerance = preset["discontinuous_tolerance"]
+    def _solver_settings(self) -> Any:
+        settings = super()._solver_settings()
+        settings.timeIntegration.discontinuous.iterationTolerance = self._preset["discontinuous_tolerance"]
         return settings
 
     def _set_friction_state(self, state: State, start: int) -> None:
@@ -102,7 +93,7 @@ class ContactLane(ExudynLane):
         data = np.stack([np.zeros_like(outer), outer - inner, -self._depth], axis=1)[self._rubbing]
         self._system.systemData.SetDataCoordinates(data.ravel(), self._exudyn.ConfigurationType.Initial)
 
-    def _assemble(self, preset: Preset) -> None:
+    def _assemble(self) -> None:
         from exudyn import itemInterface
 
         system, chain = self._system, self._chain
@@ -146,16 +137,10 @@ class ContactLane(ExudynLane):
                 contactStiffness=stiffness,
                 contactDamping=2 * float(np.sqrt(stiffness * self._reduced_mass[cell])),
                 dryFriction=[float(chain.friction_coefficient[cell])] * 2,
-                dryFrictionProportionalZone=self._zone(cell) / self._units.velocity,
+                dryFrictionProportionalZone=proportional_zone(self.lane, cell, self._preset) / self._units.velocity,
                 useLinearProportionalZone=self._preset["useLinearProportionalZone"],
             )
         )
-
-    def _zone(self, cell: int) -> float:
-        """Width of the zone [m/s] in which friction is not yet at its bound."""
-        if "frictionProportionalZone" in self._preset.options:
-            return float(self._preset["frictionProportionalZone"])
-        return proportional_zone(self.lane, cell, self._preset)
 
     def _add_sensors(self, nodes: Any, connectors: Any) -> None:
         """Record the coordinates of every mass, and the force of every contact, in memory only."""

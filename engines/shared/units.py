@@ -42,6 +42,12 @@ class Units:
         return cls(1.0, 1.0, 1.0) if name == "SI" else cls.of(lane)
 
     @classmethod
+    def in_steps(cls, name: str, lane: Lane) -> Self:
+        """As `named`, but the lane's own have its time step as the unit of time, which is no power of two."""
+        units = cls.named(name, lane)
+        return units if name == "SI" else dataclasses.replace(units, time=lane.time_step)
+
+    @classmethod
     def of(cls, lane: Lane) -> Self:
         """Choose the units of `lane`."""
         length = lane.drive.displacement_scale(lane.chain)

@@ -41,4 +41,4 @@ class WheelEngine(Engine):
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         model = self.lane_models[formulation]
-        return SequentialSimulation.build(lanes, lambda lane: model(lane, preset))
+        return SequentialSimulation([model(lane, preset) for lane in lanes])
