@@ -67,12 +67,8 @@ class DrakeLane(LaneModel):
         diagram = self._plain
         end = diagram.advance(self._vector(state), self._loads(start, steps))
         position, velocity = np.split(end[None], 2, axis=1)
-        internal_state = self._internal_state(diagram.mechanism, end)
-        return State(
-            _absolute(diagram.mechanism, position) * self._units.length,
-            _absolute(diagram.mechanism, velocity) * self._units.velocity,
-            None if internal_state is None else internal_state[None],
-        )
+        along = _absolute(diagram.mechanism, position), _absolute(diagram.mechanism, velocity)
+        return self._units.state(*along, self._internal_state(diagram.mechanism, end))
 
     def native_steps(self, steps: int) -> None:
         """Take steps of Drake alone, from rest; see `NativeStepping`."""

@@ -68,11 +68,7 @@ class ExudynLane(LaneModel):
         data, current = self._system.systemData, self._exudyn.ConfigurationType.Current
         position = self._along(np.array(data.GetODE2Coordinates(current)))
         velocity = self._along(np.array(data.GetODE2Coordinates_t(current)))
-        return State(
-            position[None] * self._units.length,
-            velocity[None] * self._units.velocity,
-            None if internal_state is None else internal_state[None],
-        )
+        return self._units.state(position[None], velocity[None], internal_state)
 
     def native_steps(self, steps: int) -> None:
         """Let Exudyn's solver take steps from rest, nothing recorded; it computes the load itself."""
