@@ -87,9 +87,7 @@ CONTACT_SAP = Preset(
             0.0, 0.1, "[s] Dissipation of kSap; at 0.1 s a sliding sphere would leave its plane."
         ),
     },
-    known_deviation=(
-        "friction lifts a sliding sphere by μ |ġ_T| dt: it bounces, and its normal force, which bounds friction, swings"
-    ),
+    known_deviation=CONTACT_SIMILAR.known_deviation,
     split_tolerance=1e-12,
     stick_margin=SMOOTH_LAW_MARGIN,
 )

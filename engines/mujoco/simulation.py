@@ -52,6 +52,7 @@ class MuJoCoSimulation:
         A lane that diverges stops about 1e10 displacement scales away, and its last row is repeated.
         """
         record = self._rollout(state, start, steps, self._recorded)
+        end = self._state(record["qpos"][:, -1], record["qvel"][:, -1]).internal_state
         return [
             Trajectory(
                 lane.times(start, steps),
@@ -59,7 +60,7 @@ class MuJoCoSimulation:
                 self._absolute(record["qvel"][index]) * units.velocity,
                 record["qfrc_constraint"][index, :, 1 :: self._joints] * units.force,
                 self._normal_force(index, record, start, steps),
-                self._normal_state(record["qpos"][index, -1], record["qvel"][index, -1], units),
+                None if end is None else end[index],
                 record["qpos"][index, :, 3 :: self._joints] * units.length if self._opens else None,
             )
             for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
@@ -68,12 +69,7 @@ class MuJoCoSimulation:
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state; see `Simulation.advance`."""
         self._rollout(state, start, steps, ())
-        qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
-        position, velocity = self._absolute(qpos) * self._length, self._absolute(qvel) * self._velocity
-        if not self._opens:
-            return State(position, velocity)
-        across = (qpos[:, 3 :: self._joints] * self._length, qvel[:, 3 :: self._joints] * self._velocity)
-        return State(position, velocity, np.hstack(across))
+        return self._state(self._batch.bind("qpos"), self._batch.bind("qvel"))
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "MuJoCoSimulation":
         """Give the lanes of these indices; they share the models."""
@@ -127,12 +123,13 @@ class MuJoCoSimulation:
             controls.append(np.hstack(columns) / units.force)
         return np.stack(controls)
 
-    def _normal_state(self, position: FloatArray, velocity: FloatArray, units: Units) -> FloatArray | None:
-        """Give gaps and their rates, as a state carries them, of joint coordinates and velocities."""
+    def _state(self, qpos: FloatArray, qvel: FloatArray) -> State:
+        """Give the state of all lanes of joint coordinates and velocities, shape (lanes, nq)."""
+        position, velocity = self._absolute(qpos) * self._length, self._absolute(qvel) * self._velocity
         if not self._opens:
-            return None
-        across = position[3 :: self._joints] * units.length, velocity[3 :: self._joints] * units.velocity
-        return np.concatenate(across)
+            return State(position, velocity)
+        across = (qpos[:, 3 :: self._joints] * self._length, qvel[:, 3 :: self._joints] * self._velocity)
+        return State(position, velocity, np.hstack(across))
 
     def _checked(self, name: str, values: FloatArray, units: FloatArray) -> FloatArray:
         """Give the joint coordinates of a state, or refuse those at which MuJoCo would stop without a message."""

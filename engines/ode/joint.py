@@ -1,6 +1,7 @@
 """Presets of ODE's joint formulation: in every cell the motor of a slider; `server` holds its model."""
 
 from engines.interface.presets import NormalForce, Option, Preset
+from engines.shared.known_deviations import IMPLICIT_SPRINGS
 
 JOINT_TUNED = Preset(
     "Motors that hold the relative velocity at zero with at most the friction bound, and no softness.",
@@ -39,10 +40,7 @@ JOINT_STOPS = Preset(
             "stops", "stops", "Stiffness and damping as ERP and CFM, as the manual says: implicit Euler."
         ),
     },
-    known_deviation=(
-        "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
-        "the error is of first order, but not yet in proportion to the step"
-    ),
+    known_deviation=IMPLICIT_SPRINGS,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
 )
