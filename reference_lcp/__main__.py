@@ -148,7 +148,6 @@ def _study(friction_ratio: float, frequency_ratio: float) -> Convergence:
 
 
 def _print_studies(studies: dict[str, Convergence]) -> None:
-    """Print the orders and the errors at the coarsest step."""
     table = Table("friction, frequency", "order: transmittance", "transition times", "error at 400 steps (dB)")
     for name, study in studies.items():
         orders = f"{study.transmittance_order:.2f}", f"{study.transition_order:.2f}"
@@ -157,7 +156,6 @@ def _print_studies(studies: dict[str, Convergence]) -> None:
 
 
 def _print_lengths(lengths: list[dict[str, float]]) -> None:
-    """Print the cost of chains of several lengths for people."""
     table = Table("cells", "ns per cell-step", "bytes", "bytes per cell")
     for row in lengths:
         nanoseconds, per_cell = 1e9 * row["seconds_per_cell_step"], row["bytes"] / row["cells"]

@@ -50,6 +50,8 @@ class ContactLane(ExudynLane):
     equilibrium nothing moves across the plane, so that a state needs the first ones only.
     """
 
+    _force_variable = "ForceLocal"
+
     @property
     def _stiffness(self) -> FloatArray:
         """Contact stiffness: normal oscillations would take some six steps."""
@@ -64,16 +66,12 @@ class ContactLane(ExudynLane):
         return depth
 
     def _along(self, coordinates: FloatArray) -> FloatArray:
-        return coordinates[0::3]
+        return coordinates[..., 0::3]
 
     def _coordinates(self, along: FloatArray) -> FloatArray:
         coordinates = np.zeros(3 * along.shape[0])
         coordinates[0::3] = along
         return coordinates
-
-    def _recorded_motion(self, steps: int) -> tuple[FloatArray, FloatArray]:
-        rows = [[self._recorded(sensor, steps)[:, 0] for sensor in sensors] for sensors in self._motion_sensors]
-        return np.stack(rows[0], axis=1), np.stack(rows[1], axis=1)
 
     def _recorded_forces(self, steps: int) -> tuple[FloatArray, FloatArray]:
         friction, normal = np.zeros((steps, self._chain.cells)), self.lane.preloads(0, steps).copy()
@@ -141,17 +139,3 @@ class ContactLane(ExudynLane):
                 useLinearProportionalZone=self._preset["useLinearProportionalZone"],
             )
         )
-
-    def _add_sensors(self, nodes: Any, connectors: Any) -> None:
-        """Record the coordinates of every mass, and the force of every contact, in memory only."""
-        from exudyn import itemInterface
-
-        kinds = self._exudyn.OutputVariableType
-        self._motion_sensors = [
-            [self._add_sensor(itemInterface.SensorNode(nodeNumber=node, outputVariableType=kind)) for node in nodes]
-            for kind in (kinds.Coordinates, kinds.Coordinates_t)
-        ]
-        self._force_sensors = [
-            self._add_sensor(itemInterface.SensorObject(objectNumber=contact, outputVariableType=kinds.ForceLocal))
-            for contact in connectors
-        ]

@@ -29,6 +29,9 @@ class ExudynLane(LaneModel):
         Its options.
     """
 
+    _force_variable = "Force"
+    """What sensors record of a connector."""
+
     def __init__(self, lane: Lane, preset: Preset):
         self.lane = lane
         self._preset = preset
@@ -101,7 +104,10 @@ class ExudynLane(LaneModel):
 
     def _recorded_motion(self, steps: int) -> tuple[FloatArray, FloatArray]:
         """Displacements and velocities of all masses at the ends of the steps, in the units of the lane."""
-        positions, velocities = (self._recorded(sensor, steps) for sensor in self._motion_sensors)
+        positions, velocities = (
+            self._along(np.concatenate([self._recorded(sensor, steps) for sensor in sensors], axis=1))
+            for sensors in self._motion_sensors
+        )
         return positions, velocities
 
     def _recorded_forces(self, steps: int) -> tuple[FloatArray, FloatArray]:
@@ -182,7 +188,7 @@ class ExudynLane(LaneModel):
             for cell in self._rubbing.tolist()
         ]
         self._add_load(markers[0])
-        self._add_sensors(node, connectors)
+        self._add_sensors([node], connectors)
         system.Assemble()
 
     def _add_load(self, marker: Any) -> None:
@@ -220,17 +226,18 @@ class ExudynLane(LaneModel):
         part = place - before
         return (1 - part) * self._loads[before] + part * self._loads[before + 1]
 
-    def _add_sensors(self, node: Any, connectors: Sequence[Any]) -> None:
-        """Record the motion of all masses and the force of each connector, in memory only."""
+    def _add_sensors(self, nodes: Sequence[Any], connectors: Sequence[Any]) -> None:
+        """Record the coordinates of all nodes and the force of each connector, in memory only."""
         from exudyn import itemInterface
 
         kinds = self._exudyn.OutputVariableType
         self._motion_sensors = [
-            self._add_sensor(itemInterface.SensorNode(nodeNumber=node, outputVariableType=kind))
+            [self._add_sensor(itemInterface.SensorNode(nodeNumber=node, outputVariableType=kind)) for node in nodes]
             for kind in (kinds.Coordinates, kinds.Coordinates_t)
         ]
+        force = getattr(kinds, self._force_variable)
         self._force_sensors = [
-            self._add_sensor(itemInterface.SensorObject(objectNumber=connector, outputVariableType=kinds.Force))
+            self._add_sensor(itemInterface.SensorObject(objectNumber=connector, outputVariableType=force))
             for connector in connectors
         ]
 

@@ -2,7 +2,7 @@
 
 import contextlib
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,9 +71,9 @@ class MuJoCoSimulation:
         self._rollout(state, start, steps, ())
         return self._state(self._batch.bind("qpos"), self._batch.bind("qvel"))
 
-    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "MuJoCoSimulation":
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
         """Give the lanes of these indices; they share the models."""
-        return MuJoCoSimulation(
+        return type(self)(
             [self.lanes[lane] for lane in lanes],
             [self._units[lane] for lane in lanes],
             [self._models[lane] for lane in lanes],
@@ -164,11 +164,6 @@ class MuJoCoSimulation:
 
 class ModulatedJointSimulation(MuJoCoSimulation):
     """Lanes whose joints rub harder and softer: a bound is a part of the model, and set before every step."""
-
-    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "ModulatedJointSimulation":
-        """Give the lanes of these indices; they share the models."""
-        part = super().subset(lanes)
-        return ModulatedJointSimulation(part.lanes, part._units, part._models)
 
     def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
         steps = controls.shape[1]

@@ -106,12 +106,14 @@ class RefinedSimulation:
         As for every simulation; rows of trajectories are at their time steps.
     substeps
         Euler steps to one time step.
+    fine
+        The lanes with these Euler steps, where they are built already.
     """
 
-    def __init__(self, lanes: Sequence[Lane], substeps: int):
+    def __init__(self, lanes: Sequence[Lane], substeps: int, fine: CompiledSimulation | None = None):
         self.lanes = tuple(lanes)
         self._substeps = checked_count("substeps", substeps)
-        self._fine = CompiledSimulation(
+        self._fine = fine or CompiledSimulation(
             [dataclasses.replace(lane, time_step=lane.time_step / substeps) for lane in self.lanes]
         )
 
@@ -130,11 +132,7 @@ class RefinedSimulation:
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "RefinedSimulation":
         """Give the lanes of these indices."""
-        part = RefinedSimulation.__new__(RefinedSimulation)
-        part.lanes = tuple(self.lanes[lane] for lane in lanes)
-        part._substeps = self._substeps
-        part._fine = self._fine.subset(lanes)
-        return part
+        return RefinedSimulation([self.lanes[lane] for lane in lanes], self._substeps, self._fine.subset(lanes))
 
     def close(self) -> None:
         """Nothing is held outside Python."""

@@ -87,7 +87,6 @@ def bench_cells(lengths: Sequence[int] = CHAIN_LENGTHS) -> list[dict[str, float]
 
 
 def _cost_of_length(cells: int) -> dict[str, float]:
-    """Cost of one chain of canonical cells."""
     chain = Chain.from_ratios(cells=cells, friction_ratio=0.3)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), MINIMUM_STEPS_PER_PERIOD)
     simulation, state = CompiledSimulation([lane]), State.at_rest(1, cells)

@@ -114,7 +114,6 @@ def _solved_step(step: FrictionalStep, basis: NDArray[np.bool_] | None, index: i
 
 
 def _empty(time: FloatArray, system: FrictionalSystem) -> SystemTrajectory:
-    """Make room for a trajectory."""
     motion, contact = (time.size, system.freedoms), (time.size, system.contacts)
     shapes = (motion, motion, contact, contact, contact, contact)
     return SystemTrajectory(time, *(np.empty(shape) for shape in shapes))
@@ -123,7 +122,6 @@ def _empty(time: FloatArray, system: FrictionalSystem) -> SystemTrajectory:
 def _write(
     record: SystemTrajectory, row: int, u: FloatArray, q: FloatArray, impulses: ContactImpulses, time_step: float
 ) -> None:
-    """Write the end of one step."""
     record.positions[row], record.velocities[row] = u, q
     record.normal_force[row] = impulses.normal / time_step
     record.friction[row] = impulses.tangential / time_step
