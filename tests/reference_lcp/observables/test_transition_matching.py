@@ -24,7 +24,7 @@ def test_a_late_transition_has_a_positive_error_over_the_period() -> None:
 
 
 @pytest.mark.parametrize(
-    "found", [(2, 0.5, STICK), (1, 0.5, FORWARD), (1, 0.5 + 1.01 * MATCHING_WINDOW * PERIOD, STICK)]
+    "observed", [(2, 0.5, STICK), (1, 0.5, FORWARD), (1, 0.5 + 1.01 * MATCHING_WINDOW * PERIOD, STICK)]
 )
 def test_another_cell_another_mode_or_too_far_is_missed_and_spurious(observed: tuple[int, float, str]) -> None:
     expected = (1, 0.5, STICK)
