@@ -19,6 +19,7 @@ from reports.write import STORE, check_folder, read_dataset, write_dataset_repor
 from scenarios.cli.options import Limit, Scheduler, Workers
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.executor import TIME_LIMIT
+from scenarios.execution.store_file import existing_store
 from scenarios.studies.figure3 import (
     FRICTION_RATIOS,
     QUICK_FRICTION_RATIOS,
@@ -92,6 +93,8 @@ def report(
     planned = _figure3(_names(chosen), quick) if sweep is None else _sweep(sweep, chosen, quick)
     executor = executor_for(workers, time_limit, scheduler)
     store = store if store is not None else out / STORE
+    if not ask:
+        existing_store(store)
     check_folder("--out", out, [store, sweep])
     try:
         page = write_sweep_report(

@@ -93,8 +93,6 @@ def write_sweep_report(
     executor = executor or executor_for(None, TIME_LIMIT, None)
     file = store or folder / STORE
     check_folder("folder", folder, [file])
-    if not ask and not file.is_file():
-        raise ParameterError(f"--store = {file} does not exist; allowed with --no-ask: a store that is there")
     with ExitStack() as stack:
         stored = stack.enter_context(ResultStore(file))
         if not ask:

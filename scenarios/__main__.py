@@ -34,6 +34,7 @@ from scenarios.execution.evaluator import unavailable_reason
 from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
+from scenarios.execution.store_file import existing_store
 from scenarios.studies.accuracy import Accuracy, accuracies, accuracy_tasks, exact_tasks
 from scenarios.studies.accuracy_table import ACCURACY_COLUMNS, AccuracyRow, accuracy_document, csv_table, remark
 from scenarios.studies.cost import COST_COLUMNS, SECONDS, cost
@@ -99,7 +100,7 @@ def sweep(
     planned = read_sweep(file)
     check_out(out, (".nc", ".csv"), [store, file])
     executor = executor_for(workers, time_limit, scheduler)
-    with ResultStore(store) as stored:
+    with ResultStore(store if ask else existing_store(store)) as stored:
         if ask:
             note_sweep(stored, planned)
             try:

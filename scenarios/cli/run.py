@@ -12,7 +12,6 @@ from rich.markup import escape
 
 from engines.interface.variant import Variant
 from reference_lcp.output import write_whole
-from reference_lcp.validation import ParameterError
 from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.transient.record import Record
@@ -39,6 +38,7 @@ from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
+from scenarios.execution.store_file import existing_store
 from scenarios.tables import printed_table
 from scenarios.verdicts.finding import Finding
 
@@ -160,9 +160,7 @@ def _findings(run: _Run, store: Path | None, executor: Executor) -> dict[Scenari
 
 def _stored_findings(run: _Run, store: Path | None) -> dict[Scenario, list[Finding]]:
     """Judge the results of a store; the rest is inconclusive."""
-    if store is None or not store.is_file():
-        raise ParameterError(f"--no-ask with --store = {store}; allowed: a store that is there")
-    with store_of_run(store) as stored, StoredResults(stored) as evaluator:
+    with store_of_run(existing_store(store)) as stored, StoredResults(stored) as evaluator:
         return {scenario: scenario.run(run.variants, evaluator) for scenario in run.scenarios}
 
 

@@ -6,7 +6,7 @@ Every row has a digest, checked whenever it is read: a damaged number is never b
 import hashlib
 import itertools
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 from reference_lcp.validation import ParameterError
 from scenarios.execution.closing import Closing
+from scenarios.execution.store_file import connected
 from scenarios.tasks.result import Result, ResultStatus, ResultSummary
 from scenarios.tasks.task import Task, key_of
 
@@ -46,9 +47,17 @@ def digest_of(*texts: bytes) -> bytes:
 
 
 def intact(row: _Row) -> bool:
-    """Tell whether the digest at the end of a row is that of the texts before it."""
+    """Tell whether the digest at the end of a row is that of the texts before it, UTF-8 as bytes."""
     *texts, digest = row
-    return all(isinstance(text, bytes) for text in texts) and digest_of(*texts) == digest
+    return all(map(_is_text, texts)) and digest_of(*texts) == digest
+
+
+def _is_text(value: object) -> bool:
+    """Tell whether a value is UTF-8 as bytes."""
+    try:
+        return isinstance(value, bytes) and value.decode() is not None
+    except UnicodeDecodeError:
+        return False
 
 
 class ResultStore(Closing):
@@ -69,8 +78,7 @@ class ResultStore(Closing):
     def __init__(self, file: Path):
         self._file = file
         with errors_of(file):
-            self._connection = sqlite3.connect(file, isolation_level=None)
-            self._connection.text_factory = bytes
+            self._connection = connected(file)
             try:
                 # takes the write lock: a file that cannot be written is found out before any work
                 with self._transaction():
@@ -103,12 +111,10 @@ class ResultStore(Closing):
 
     def all_results(self) -> Iterator[tuple[str, Result]]:
         """Give every task, as `Task.text` has it, and its result, in the order of writing."""
-        with errors_of(self._file):
-            for row in self._connection.execute(
-                "SELECT rowid, key, content, answer, digest FROM answers ORDER BY rowid"
-            ):
-                _, content, answer, _ = self._checked(row)
-                yield content.decode(), self._parsed(Result.from_json, answer)
+        for _, content, answer, _ in self._read(
+            "SELECT rowid, key, content, answer, digest FROM answers ORDER BY rowid"
+        ):
+            yield content.decode(), self._parsed(Result.from_json, answer)
 
     def _parsed(self, parse: Callable[[bytes], _Parsed], text: bytes) -> _Parsed:
         """Read one result; an error names the store."""
@@ -123,10 +129,19 @@ class ResultStore(Closing):
         while chunk := list(itertools.islice(remaining, LOOKUP)):
             keys = [task.key() for task in chunk]
             query = "SELECT rowid, key, content, answer, digest FROM answers WHERE key IN (" + ",".join("?" * len(keys))
-            with errors_of(self._file):
-                rows = map(self._checked, self._connection.execute(query + ")", keys).fetchall())
-            answers = {key: answer for key, _, answer, _ in rows}
+            answers = {key: answer for key, _, answer, _ in self._read(query + ")", keys)}
             yield from (answers.get(key.encode()) for key in keys)
+
+    def _read(self, query: str, keys: Sequence[str] = ()) -> Iterator[_Row]:
+        """Give the rows of a query, checked; together they are no longer than the file, unless pages repeat."""
+        length = 0
+        with errors_of(self._file):
+            for row in self._connection.execute(query, keys):
+                columns = self._checked(row)
+                length += sum(map(len, columns))
+                if length > self._file.stat().st_size:
+                    raise damaged(self._file, "pages stand in it twice")
+                yield columns
 
     def _checked(self, row: _Row) -> _Row:
         """Give a row without its number, if its digest fits."""

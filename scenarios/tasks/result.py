@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Annotated, Self, TypeVar
 
-from pydantic import BeforeValidator, ConfigDict, TypeAdapter, ValidationError
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
 
+from reference_lcp.observables.stick_slip import Mode
 from reference_lcp.steady.orbits import OrbitStatus
 from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE
 from reference_lcp.validation import ParameterError
@@ -51,6 +52,9 @@ class ResultStatus(StrEnum):
 _Status = Annotated[ResultStatus, BeforeValidator(ResultStatus.parse)]
 _Number = Annotated[float, BeforeValidator(lambda value: math.nan if value is None else value)]
 """NaN is written as null."""
+_Count = Annotated[int, Field(ge=0, le=2**53)]
+"""Whole numbers that a float holds."""
+_Mode = Annotated[str, AfterValidator(lambda text: str(Mode(text)))]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,12 +108,12 @@ class Result:
     reason: str = ""
     transmittance_db: _Number = math.nan
     residual: _Number = math.nan
-    periods: int = 0
-    multiple: int = 1
-    steps_per_period: int = 0
+    periods: _Count = 0
+    multiple: _Count = 1
+    steps_per_period: _Count = 0
     period: _Number = math.nan
     stuck_fraction: tuple[float, ...] = ()
-    transitions: tuple[tuple[int, float, str], ...] = ()
+    transitions: tuple[tuple[_Count, float, _Mode], ...] = ()
     creep: tuple[float, ...] = ()
     open_fraction: tuple[float, ...] = ()
     largest_gap: tuple[float, ...] = ()
@@ -161,8 +165,8 @@ class ResultSummary:
     """
 
     status: _Status
-    periods: int = 0
-    multiple: int = 1
+    periods: _Count = 0
+    multiple: _Count = 1
     reason: str = ""
 
     @classmethod

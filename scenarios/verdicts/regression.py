@@ -8,13 +8,29 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter, ValidationError
+
 from engines.interface.tolerances import SCHEME_TOLERANCE_DB
 from reference_lcp.observables.transition_matching import match_transitions
 from reference_lcp.validation import ParameterError, checked_scalar
 from scenarios.execution.store import ResultStore
+from scenarios.execution.store_file import existing_store
 from scenarios.tasks.result import Result
+from scenarios.tasks.validation_message import first_error
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.judge import metric_difference
+
+
+@dataclass(frozen=True)
+class _Content:
+    """The part of a task's content that results are compared by, see `Task.content`."""
+
+    task: dict[str, Any]
+    version: str
+    options: dict[str, str]
+
+
+_CONTENT = TypeAdapter(_Content)
 
 
 @dataclass(frozen=True)
@@ -136,17 +152,23 @@ def read_all(file: Path) -> dict[str, StoredResult]:
     ParameterError
         If the file is missing, is no store, or is damaged.
     """
-    if not file.is_file():
-        raise ParameterError(f"store {file} does not exist; allowed: a store of results")
-    return dict(_rows(file))
+    return dict(_rows(existing_store(file)))
 
 
 def _rows(file: Path) -> Iterator[tuple[str, StoredResult]]:
     with ResultStore(file) as store:
         for content, result in store.all_results():
-            read = json.loads(content)
-            stored = StoredResult(read["task"], read["version"], read["options"], result)
-            yield json.dumps(read["task"], sort_keys=True), stored
+            about = _read(file, content)
+            stored = StoredResult(about.task, about.version, about.options, result)
+            yield json.dumps(stored.task, sort_keys=True), stored
+
+
+def _read(file: Path, content: str) -> _Content:
+    """Read what a row of a store is about."""
+    try:
+        return _CONTENT.validate_json(content)
+    except ValidationError as problem:
+        raise ParameterError(f"store {file}: {first_error(problem, 'task, version, options')}") from None
 
 
 def compare_stores(first: Path, second: Path, thresholds: Thresholds | None = None) -> StoreComparison:
