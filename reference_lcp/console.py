@@ -1,5 +1,6 @@
 """How every command of the suite ends: wrong input gives one clear line and exit code 2."""
 
+import io
 import os
 import sys
 import tempfile
@@ -10,6 +11,7 @@ from typing import Any
 import typer
 
 from reference_lcp.validation import ParameterError
+from reference_lcp.visible import visible
 
 WRONG_INPUT = 2
 """Exit code of a command whose input is refused."""
@@ -35,6 +37,7 @@ def run_command(app: typer.Typer, arguments: list[str] | None = None) -> int:
 
     Wrong options and `ParameterError` become one line on standard error and `WRONG_INPUT`.
     """
+    _prepare()
     command = typer.main.get_command(app)
     try:
         result = command.main(arguments, prog_name=app.info.name, standalone_mode=False)
@@ -42,12 +45,20 @@ def run_command(app: typer.Typer, arguments: list[str] | None = None) -> int:
         print("error: interrupted", file=sys.stderr)
         return INTERRUPTED
     except UsageError as problem:
-        print(f"error: {_message(problem, sys.argv[1:] if arguments is None else arguments)}", file=sys.stderr)
+        print(f"error: {visible(_message(problem, sys.argv[1:] if arguments is None else arguments))}", file=sys.stderr)
         return WRONG_INPUT
     except ParameterError as problem:
-        print(f"error: {problem}", file=sys.stderr)
+        print(f"error: {visible(str(problem))}", file=sys.stderr)
         return WRONG_INPUT
     return result if isinstance(result, int) else 0
+
+
+def _prepare() -> None:
+    """Let no setting of the terminal or of matplotlib end a command."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # an output in ASCII has no μ
+    os.environ["MPLBACKEND"] = "agg"  # commands draw into files; a backend that there is not ends matplotlib
 
 
 def _message(problem: Any, arguments: list[str]) -> str:

@@ -15,6 +15,7 @@ from engines.shared.step_cost import step_cost
 from reference_lcp.console import INTERRUPTED, run_command
 from reference_lcp.output import write_whole
 from reference_lcp.validation import checked_scalar
+from reference_lcp.visible import visible
 from scenarios.catalogue import CATALOGUE
 from scenarios.cli.options import (
     Chosen,
@@ -170,7 +171,7 @@ def cost_command(
     for variant in track(variants, "cost", console=Console(stderr=True), transient=True):
         missing = unavailable_reason(variant)
         if missing is not None:
-            print(f"{variant}: {missing}", file=sys.stderr)
+            print(visible(f"{variant}: {missing}"), file=sys.stderr)
         else:
             costs.append(reference if variant == REFERENCE else cost(variant, seconds))
     rows = [(own, reference) for own in costs]
@@ -205,7 +206,7 @@ def _print_accuracy(rows: list[AccuracyRow]) -> None:
     print_table(text_table(ACCURACY_COLUMNS, rows))
     for row in rows:
         if row[0].certified < row[0].points:
-            print(remark(row[0]))
+            print(visible(remark(row[0])))
 
 
 if __name__ == "__main__":

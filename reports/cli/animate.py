@@ -10,7 +10,7 @@ from engines.interface.variant import Variant
 from reference_lcp.console import checked_output_file
 from reference_lcp.output import replacing
 from reference_lcp.validation import ParameterError, checked_count
-from reports.figures.animation import write_animation
+from reference_lcp.visible import visible
 from scenarios.cli.options import store_of_run
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import TIME_LIMIT
@@ -48,8 +48,10 @@ def animate(
     checked_output_file("--out", out)
     period = period_of(task, time_limit)
     if not period.known:
-        print(f"{variant.title}: {period.reason}", file=sys.stderr)
+        print(visible(f"{variant.title}: {period.reason}"), file=sys.stderr)
         raise typer.Exit(1)
+    from reports.figures.animation import write_animation  # matplotlib is imported once a backend is chosen
+
     with replacing(out) as part:
         write_animation(task, period, frames, part)
     print(out)

@@ -8,12 +8,11 @@ from typing import Annotated
 import pandas as pd
 import typer
 from rich.console import Console
-from rich.markup import escape
 
 from reference_lcp.console import checked_output_file
 from reference_lcp.output import write_whole
 from reference_lcp.validation import ParameterError
-from scenarios.tables import Column, csv_text, full_table, printed_table, text_table
+from scenarios.tables import Column, csv_text, full_table, plain, printed_table, text_table
 from scenarios.verdicts.regression import Change, StoreComparison, Thresholds, compare_stores
 
 CHANGED = 1
@@ -73,7 +72,7 @@ def compare(
     console = Console(width=max(Console().width, 120))
     console.print(printed_table(_overview(comparison)))
     for line in _identities(comparison.changes):
-        console.print(escape(line))
+        console.print(plain(line))
     if comparison.beyond:
         shown = text_table(
             (VARIANT_COLUMN, FRICTION_COLUMN, FREQUENCY_COLUMN, STEPS_COLUMN, BEYOND_COLUMN),

@@ -14,7 +14,6 @@ from plotly.offline import get_plotlyjs
 
 from reports.data.report import Report
 from reports.figures.figure import Figure
-from reports.figures.matplotlib_backend import print_files
 from reports.figures.plotly_backend import plot
 from reports.formatting import fixed, per_cell, ratio, scientific, signed, span, typeset
 from reports.page.section import SUITE_TEMPLATES, Section, registered_sections
@@ -92,6 +91,8 @@ class _Registry:
 
     def html(self, figure: Figure) -> Markup:
         """Draw a figure, keep its files, and give its element."""
+        from reports.figures.matplotlib_backend import print_files  # matplotlib is imported once a backend is chosen
+
         if figure.name in self.plots:
             raise ValueError(f"two figures are called {figure.name!r}; allowed: names of their own")
         self.plots[figure.name] = plot(figure)

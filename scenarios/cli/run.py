@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.markup import escape
 
 from engines.interface.variant import Variant
 from reference_lcp.output import write_whole
@@ -39,7 +38,7 @@ from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store_file import existing_store
-from scenarios.tables import printed_table
+from scenarios.tables import plain, printed_table
 from scenarios.verdicts.finding import Finding
 
 UNEXPLAINED = 1
@@ -168,11 +167,11 @@ def print_results(results: Results) -> None:
     """Print the table of each scenario and what does not agree, and the matrix of several."""
     console = Console(width=max(Console().width, LEAST_WIDTH))
     for scenario, findings in results.items():
-        console.print(f"\n[bold]{scenario.name}[/bold]: {escape(scenario.question)}")
-        console.print(escape("\n".join([f"compared with {scenario.expects}", *scenario.parameters()])))
+        console.print(f"\n[bold]{scenario.name}[/bold]: {plain(scenario.question)}")
+        console.print(plain(f"compared with {scenario.expects}", *scenario.parameters()))
         console.print(printed_table(verdict_table(findings)))
         for variant, remarks in details(findings):
-            console.print(escape("\n".join([f"{variant}:", *(f"  {remark}" for remark in remarks)])), soft_wrap=True)
+            console.print(plain(f"{variant}:", *(f"  {remark}" for remark in remarks)), soft_wrap=True)
     if len(results) > 1:
         console.print(printed_table(matrix(results)))
     _print_explanations(console, [finding for findings in results.values() for finding in findings])
@@ -181,8 +180,8 @@ def print_results(results: Results) -> None:
 def _print_explanations(console: Console, findings: Sequence[Finding]) -> None:
     """Print the known deviations that explain disagreements, and how many disagreements have none."""
     for variant in dict.fromkeys(finding.variant for finding in findings if explained(finding)):
-        console.print(escape(f"explained, {variant}: {variant.preset.known_deviation}"), soft_wrap=True)
+        console.print(plain(f"explained, {variant}: {variant.preset.known_deviation}"), soft_wrap=True)
     left = unexplained(findings)
     if left:
         names = ", ".join(dict.fromkeys(str(finding.variant) for finding in left))
-        console.print(escape(f"unexplained: {len(left)} disagreements, of {names}"), soft_wrap=True)
+        console.print(plain(f"unexplained: {len(left)} disagreements, of {names}"), soft_wrap=True)

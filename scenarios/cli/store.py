@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from reference_lcp.console import WRONG_INPUT, checked_output_file
+from reference_lcp.visible import visible
 from scenarios.execution.store_check import check_store, salvage
 
 store_app = typer.Typer(help="Check a store of results, and save what is good in a damaged one.", no_args_is_help=True)
@@ -33,11 +34,12 @@ def check(
         checked_output_file("--salvage", new, [file])
     found = check_store(file)
     for text in found.damage:
-        print(f"{file}: {text}")
+        print(visible(f"{file}: {text}"))
     results, sweeps = len(found.good["answers"]), len(found.good["sweeps"])
-    print(f"{file}: {results} intact results, {sweeps} intact sweeps, {len(found.damage) or 'no'} damages")
+    damages = len(found.damage) or "no"
+    print(visible(f"{file}: {results} intact results, {sweeps} intact sweeps, {damages} damages"))
     if new is not None:
         salvage(found, new)
-        print(f"{new}: {results} results; what is missing is computed again")
+        print(visible(f"{new}: {results} results; what is missing is computed again"))
     elif found.damage:
         raise typer.Exit(WRONG_INPUT)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from engines.interface.variant import Variant
+from reference_lcp.visible import visible
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
@@ -47,7 +48,7 @@ def print_summary(sweep: Sweep, summary: SweepSummary) -> None:
         rows.append({"engine:formulation:preset": str(variant), **row})
     print_table(pd.DataFrame(rows))
     for (variant, reason), count in sorted(summary.reasons.items(), key=_by_variant):
-        print(f"{variant}: {count} point{'s' if count > 1 else ''}: {reason}")
+        print(visible(f"{variant}: {count} point{'s' if count > 1 else ''}: {reason}"))
 
 
 def print_verdicts(sweep: Sweep, points: Sequence[Point]) -> None:
