@@ -15,7 +15,7 @@ from reference_lcp.validation import ParameterError
 from reports.cli.animate import animate
 from reports.cli.compare import compare
 from reports.data.collect import QUICK, Scope
-from reports.write import STORE, check_folder, read_dataset, write_dataset_report, write_sweep_report
+from reports.write import STORE, check_folder, write_dataset_report, write_sweep_report
 from scenarios.cli.options import Limit, Scheduler, Workers
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.executor import TIME_LIMIT
@@ -27,6 +27,7 @@ from scenarios.studies.figure3 import (
     figure3,
     quick_frequency_ratios,
 )
+from scenarios.sweeps.dataset_file import read_dataset
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.parameters import ChainRatios

@@ -16,6 +16,7 @@ from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
+from scenarios.sweeps.dataset_file import read_dataset
 from scenarios.sweeps.noted import note_sweep, noted_sweep
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
@@ -37,26 +38,13 @@ def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Path:
     return write_dataset_report(read_dataset(file), folder, command, file)
 
 
-def read_dataset(file: Path) -> xr.Dataset:
-    """Read the dataset of a sweep.
-
-    Raises
-    ------
-    ParameterError
-        If the file cannot be read, or is no NetCDF.
-    """
-    if file.suffix != ".nc":
-        raise ParameterError(f"{file} has the ending {file.suffix!r}; allowed: .nc, .toml or .sqlite")
-    try:
-        return xr.load_dataset(file, engine="h5netcdf")
-    except (OSError, ValueError) as problem:
-        raise ParameterError(f"{file} cannot be read: {problem}") from None
-
-
 def write_dataset_report(data: xr.Dataset, folder: Path, command: str, file: Path | None = None) -> Path:
     """Write the report of what a dataset, read from `file` if it was, holds; nothing is computed."""
     check_folder("folder", folder, [file])
-    report = collect_dataset(data, command)
+    try:
+        report = collect_dataset(data, command)
+    except ParameterError as problem:
+        raise ParameterError(f"{file}: {problem}" if file is not None else str(problem)) from None
     return _written(report, folder)
 
 

@@ -66,7 +66,7 @@ def text_table(columns: Sequence[Column[Row]], rows: Iterable[Row]) -> pd.DataFr
 def csv_text(table: pd.DataFrame, missing: str = "nan") -> str:
     """Give a table as CSV, with a word for missing values; texts are those of `csv_cell`, numbers are as they are."""
     texts = {
-        name: pd.Series([csv_cell(value) for value in column], index=table.index, dtype=object)
+        str(name): pd.Series([csv_cell(value) for value in column], index=table.index, dtype=object)
         for name, column in table.items()
         if column.dtype.kind == "O"
     }

@@ -1,6 +1,5 @@
 """From a sweep to everything that its report shows."""
 
-import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,6 +21,7 @@ from scenarios.studies.friction_map import (
 )
 from scenarios.studies.work_precision import StepPoint, exact_step_tasks, step_study, step_tasks
 from scenarios.sweeps.compared import compare_sweep, judged_points
+from scenarios.sweeps.dataset_check import recorded_variants
 from scenarios.sweeps.dataset_results import DatasetResults
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import grid, tasks_of
@@ -109,7 +109,7 @@ def collect_dataset(data: xr.Dataset, command: str) -> Report:
         If it is not the dataset of a sweep.
     """
     results = DatasetResults(data)
-    recorded = json.loads(data.attrs["variants"])
+    recorded = recorded_variants(data)
     points = sorted(results.points, key=lambda point: point[2])
     result = judged_points(results.sweep.ascending(), points, results)
     return Report(result, command, steps=None, recorded=recorded)

@@ -119,10 +119,16 @@ class StoredResults(Evaluator):
     ----------
     store
         Where results are looked up.
+
+    Raises
+    ------
+    ParameterError
+        If the store is damaged so that results might seem to be missing.
     """
 
     def __init__(self, store: ResultStore):
         super().__init__(store, InProcessExecutor())  # it gets no tasks
+        store.check_pages()
 
     def _stored(
         self, tasks: Sequence[Task], look_up: Callable[[Iterable[Task]], Iterator[_Stored | None]]

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 from reference_lcp.validation import ParameterError
 from scenarios.execution.closing import Closing
-from scenarios.execution.store_file import connected
+from scenarios.execution.store_file import connected, problems_of
 from scenarios.tasks.result import Result, ResultStatus, ResultSummary
 from scenarios.tasks.task import Task, key_of
 
@@ -94,6 +94,19 @@ class ResultStore(Closing):
         self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
         for table in TABLES.values():
             self._connection.execute(table)
+
+    def check_pages(self) -> None:
+        """Refuse a store whose tables or indices are damaged: what is in it would seem to be missing.
+
+        Raises
+        ------
+        ParameterError
+            Says what is damaged first.
+        """
+        with errors_of(self._file):
+            problems = problems_of(self._connection, self._file.stat().st_size)
+        if problems:
+            raise damaged(self._file, problems[0])
 
     def find(self, task: Task) -> Result | None:
         """Give the result of an equal task, or ``None``."""

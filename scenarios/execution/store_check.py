@@ -2,14 +2,14 @@
 
 import itertools
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
 from reference_lcp.validation import ParameterError
 from scenarios.execution.store import ResultStore, check_layout, errors_of, intact
-from scenarios.execution.store_file import connected, existing_store
+from scenarios.execution.store_file import connected, existing_store, problems_of
 
 COLUMNS = {"answers": ("key", "content", "answer", "digest"), "sweeps": ("sweep", "digest")}
 """Columns of each table, without its row numbers, the digest last."""
@@ -19,12 +19,6 @@ ORDERS = ("rowid", "rowid DESC", "{index}", "{index} DESC")
 
 LEAST_ROW = 64
 """Bytes that a row takes at least: two hashes, the shorter one as bytes."""
-
-STEPS_A_BYTE = 1
-"""Steps of SQLite that a check may take, over the bytes of the file; an intact store takes a fiftieth of one."""
-
-STEPS_A_CALL = 100_000
-"""Steps of SQLite after which it asks whether to go on: a thousandth of a second."""
 
 Row = tuple[object, ...]
 
@@ -56,7 +50,7 @@ def check_store(file: Path) -> StoreCheck:
     with errors_of(existing_store(file)), closing(connected(file, read_only=True)) as connection:
         check_layout(connection, file)
         size = file.stat().st_size
-        damage = [f"file: {text}" for text in _integrity(connection, size)]
+        damage = [f"file: {text}" for text in problems_of(connection, size)]
         good: dict[str, list[Row]] = {}
         for table in COLUMNS:
             good[table] = []
@@ -91,18 +85,6 @@ def salvage(check: StoreCheck, new: Path) -> None:
             ]  # fmt: skip
             marks = ", ".join("?" * len(columns))
             connection.executemany(f"INSERT OR IGNORE INTO {table} ({', '.join(columns)}) VALUES ({marks})", values)
-
-
-def _integrity(connection: sqlite3.Connection, size: int) -> Iterator[str]:
-    """Give what SQLite finds wrong with pages and indices of a file of so many bytes."""
-    calls = itertools.count()  # pages that lead to each other never end
-    connection.set_progress_handler(lambda: next(calls) * STEPS_A_CALL > STEPS_A_BYTE * size, STEPS_A_CALL)
-    try:
-        texts = [row[0].decode(errors="replace") for row in connection.execute("PRAGMA integrity_check")]
-    except sqlite3.Error as problem:
-        texts = [str(problem)]
-    connection.set_progress_handler(None, 0)
-    yield from (" ".join(text.split()) for text in texts if text != "ok")
 
 
 def _numbers(connection: sqlite3.Connection, table: str, most: int) -> set[int]:

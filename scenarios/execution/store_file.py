@@ -1,5 +1,6 @@
 """The file of a store, opened as if a stranger had written it."""
 
+import itertools
 import sqlite3
 from pathlib import Path
 
@@ -10,6 +11,12 @@ LARGEST_TEXT = 2**28
 
 SPECIAL_NAMES = (":", "file:")
 """How names begin that SQLite knows for something else than a file of this name."""
+
+STEPS_A_BYTE = 1
+"""Steps of SQLite that a check may take, over the bytes of the file; an intact store takes a fiftieth of one."""
+
+STEPS_A_CALL = 100_000
+"""Steps of SQLite after which it asks whether to go on: a thousandth of a second."""
 
 
 def checked_store(file: Path) -> Path:
@@ -57,3 +64,15 @@ def connected(file: Path, *, read_only: bool = False) -> sqlite3.Connection:
     # views, triggers and generated columns, which no store has, could not call anything either
     connection.execute("PRAGMA trusted_schema = OFF")
     return connection
+
+
+def problems_of(connection: sqlite3.Connection, size: int) -> list[str]:
+    """Give what SQLite finds wrong with pages and indices of a file of so many bytes; nothing where it is whole."""
+    calls = itertools.count()  # pages that lead to each other never end
+    connection.set_progress_handler(lambda: next(calls) * STEPS_A_CALL > STEPS_A_BYTE * size, STEPS_A_CALL)
+    try:
+        texts = [row[0].decode(errors="replace") for row in connection.execute("PRAGMA integrity_check")]
+    except sqlite3.DatabaseError as problem:
+        texts = [str(problem)]
+    connection.set_progress_handler(None, 0)
+    return [" ".join(text.split()) for text in texts if text != "ok"]

@@ -26,6 +26,7 @@ def noted_sweep(file: Path) -> Sweep:
         If there is none, or the file is no store.
     """
     with ResultStore(existing_store(file)) as store:
+        store.check_pages()
         text = store.noted()
     if text is None:
         raise ParameterError(f"store {file} holds no sweep; allowed: a store of a sweep or of a report")

@@ -157,6 +157,7 @@ def read_all(file: Path) -> dict[str, StoredResult]:
 
 def _rows(file: Path) -> Iterator[tuple[str, StoredResult]]:
     with ResultStore(file) as store:
+        store.check_pages()
         for content, result in store.all_results():
             about = _read(file, content)
             stored = StoredResult(about.task, about.version, about.options, result)
