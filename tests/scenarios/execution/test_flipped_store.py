@@ -157,3 +157,19 @@ def test_a_damaged_store_is_refused_or_read_as_it_was(whole, sweep_file, sweep, 
     print({name: outcomes[name] for name in sorted(outcomes)})
     assert outcomes["refused"] + outcomes["refused in part"] > trials / 3, "some damage hits free space or no number"
     assert outcomes["some saved"] > trials / 10
+
+
+def test_a_flipped_bit_of_a_key_hides_no_result(whole, sweep_file, sweep, tmp_path, capsys) -> None:
+    """The key of a row stands in the table and in its index; a result that is not found there would seem missing."""
+    content, key = whole.read_bytes(), next(sweep.tasks()).key().encode()
+    places = [place for place in range(len(content)) if content.startswith(key, place)]
+    assert len(places) == 2
+    for place in places:
+        file = tmp_path / f"{place}.sqlite"
+        file.write_bytes(content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :])
+        line = ["sweep", str(sweep_file), "--no-ask", "--store", str(file), "--out", str(tmp_path / "out.csv")]
+        assert run_command(app, line) == WRONG_INPUT
+        assert f"store {file} is damaged" in capsys.readouterr().err
+        new = tmp_path / f"{place}-good.sqlite"
+        assert run_command(app, ["store", "check", str(file), "--salvage", str(new)]) == 0
+        assert "damages" in capsys.readouterr().out

@@ -81,6 +81,27 @@ def test_pages_that_lead_to_each_other_for_ever_are_damage(file, tmp_path) -> No
     assert run_command(app, ["store", "check", str(file), "--salvage", str(tmp_path / "good.sqlite")]) == 0
 
 
+@pytest.mark.parametrize(
+    "script",
+    [
+        "DROP TABLE answers; CREATE VIEW answers AS WITH RECURSIVE n(key, content, answer, digest) AS "
+        "(SELECT '', '', '', x'' UNION ALL SELECT key, content, answer, digest FROM n) SELECT * FROM n",
+        "ALTER TABLE answers ADD COLUMN more GENERATED ALWAYS AS (length(answer))",
+        "CREATE INDEX more ON answers (length(answer))",
+        "CREATE TRIGGER more AFTER INSERT ON answers BEGIN UPDATE answers SET answer = '{}'; END",
+        "DROP TABLE sweeps; CREATE TABLE sweeps (number INTEGER PRIMARY KEY, sweep TEXT DEFAULT (randomblob(9)))",
+    ],
+)
+def test_only_the_tables_of_a_store_are_read(file, script) -> None:
+    with closing(sqlite3.connect(file)) as connection:
+        connection.executescript(script)
+    before = file.read_bytes()
+    for read in (ResultStore, check_store, noted_sweep, read_all):
+        with pytest.raises(ParameterError, match="its tables are not those of a store"):
+            read(file)
+    assert file.read_bytes() == before
+
+
 def test_a_text_beyond_the_limit_is_not_read(file, monkeypatch) -> None:
     monkeypatch.setattr(store_file, "LARGEST_TEXT", 2_000)
     write(file, "answers", "answer", json.dumps({"status": "converged", "reason": "x" * 3_000}).encode())
