@@ -42,7 +42,9 @@ def existing_store(file: Path | None) -> Path:
     ParameterError
         If it is not.
     """
-    if file is None or not checked_store(file).is_file():
+    if file is None:
+        raise ParameterError("--store is missing; allowed where nothing is run: a store that is there")
+    if not checked_store(file).is_file():
         raise ParameterError(f"store {file} does not exist; allowed where nothing is run: a store that is there")
     return file
 

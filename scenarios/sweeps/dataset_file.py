@@ -22,7 +22,7 @@ def read_dataset(file: Path) -> xr.Dataset:
     if file.suffix != ".nc":
         raise ParameterError(f"{file} has the ending {file.suffix!r}; allowed: .nc, .toml or .sqlite")
     if not file.is_file():
-        raise ParameterError(f"{file} does not exist; allowed: a file")
+        raise ParameterError(f"{file} cannot be read: there is no such file; allowed: NetCDF")
     try:
         _check_links(file)
         with xr.open_dataset(file, engine="h5netcdf") as opened:
