@@ -7,7 +7,7 @@ from pathlib import Path
 import xarray as xr
 
 from reference_lcp.console import checked_output_file, checked_output_folder
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import ParameterError, checked_path
 from reports.data.collect import Scope, collect, collect_dataset, expected_tasks
 from reports.data.report import Report
 from reports.export.files import FIGURES, FILES, PAGE, files_of, write_all
@@ -27,10 +27,10 @@ STORE = "results.sqlite"
 
 def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Path:
     """Write the report of a dataset, of the file of a sweep, or of a store; see `reports.report`."""
-    folder = Path(folder)
+    folder = checked_path("folder", folder)
     if isinstance(data, xr.Dataset):
         return write_dataset_report(data, folder, "reports.report(data, folder)")
-    file, command = Path(data), f"reports.report({str(data)!r}, folder)"
+    file, command = checked_path("data", data), f"reports.report({str(data)!r}, folder)"
     if file.suffix == ".toml":
         return write_sweep_report(read_sweep(file).with_reference(), folder, command)
     if file.suffix == ".sqlite":

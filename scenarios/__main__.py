@@ -14,7 +14,7 @@ from engines.interface.variant import Variant
 from engines.shared.step_cost import step_cost
 from reference_lcp.console import INTERRUPTED, run_command
 from reference_lcp.output import write_whole
-from reference_lcp.validation import checked_scalar
+from reference_lcp.validation import ParameterError, checked_scalar
 from reference_lcp.visible import visible
 from scenarios.catalogue import CATALOGUE
 from scenarios.cli.options import (
@@ -164,10 +164,11 @@ def cost_command(
     Example: python -m scenarios run cost --engine mujoco:joint
     """
     check_out(out, (".md", ".csv"), [])
-    checked_scalar("seconds", seconds, "> 0")
+    if checked_scalar("seconds", seconds, "> 0") > TIME_LIMIT:
+        raise ParameterError(f"seconds = {seconds:g}; allowed: > 0 and <= {TIME_LIMIT:g}")
+    variants = chosen_variants(chosen)
     reference = cost(REFERENCE, seconds)
     costs = []
-    variants = chosen_variants(chosen)
     for variant in track(variants, "cost", console=Console(stderr=True), transient=True):
         missing = unavailable_reason(variant)
         if missing is not None:

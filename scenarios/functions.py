@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from engines.interface.registry import default_engine_names
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.validation import FloatArray, ParameterError, checked_choice
+from reference_lcp.validation import FloatArray, ParameterError, checked_choice, checked_path, shown
 from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.verdict_table import finding_table
 from scenarios.cli.sweep import evaluate_sweep
@@ -111,7 +111,7 @@ def sweep(
         "steps_per_period": steps_per_period,
         **({} if tolerance_db is None else {"tolerances": {"transmittance_db": tolerance_db}}),
     })  # fmt: skip
-    file = None if store is None else Path(store)
+    file = None if store is None else checked_path("store", store)
     with opened_store(file) as stored, executor_for(workers, time_limit, scheduler) as executor:
         note_sweep(stored, planned)
         _evaluate(planned, stored, executor)
@@ -153,7 +153,7 @@ def check(
     chosen = list(CATALOGUE.values()) if scenario == ALL_SCENARIOS else [CATALOGUE[scenario]]
     variants = [Variant.parse(name) for name in _names(default_engine_names() if engines is None else engines)]
     with (
-        opened_store(None if store is None else Path(store)) as stored,
+        opened_store(None if store is None else checked_path("store", store)) as stored,
         ProgressBars(variants) as bars,
         CountingEvaluator(stored, executor_for(workers, time_limit, scheduler), [], bars) as evaluator,
     ):
@@ -183,7 +183,10 @@ def _evaluate(planned: Sweep, store: ResultStore, executor: Executor) -> None:
 
 def _names(engines: str | Sequence[str]) -> list[str]:
     """Give the names, also where there is only one."""
-    return [engines] if isinstance(engines, str) else list(engines)
+    names = [engines] if isinstance(engines, str) else engines
+    if not isinstance(names, Sequence) or not all(isinstance(name, str) for name in names):
+        raise ParameterError(f"engines = {shown(engines)}; allowed: a name, or a list of names")
+    return list(names)
 
 
 def _full_name(variant: Variant) -> str:
@@ -196,8 +199,11 @@ def _axis(values: AxisValues) -> Any:
     if isinstance(values, Mapping):
         return dict(values)
     if isinstance(values, tuple) and len(values) == 3 and isinstance(values[2], int):
-        return {"first": float(values[0]), "last": float(values[1]), "points": values[2]}
-    return np.atleast_1d(np.asarray(values, dtype=float)).tolist()
+        return {"first": values[0], "last": values[1], "points": values[2]}
+    try:
+        return np.atleast_1d(np.asarray(values, dtype=float)).tolist()
+    except (TypeError, ValueError, OverflowError):
+        return values  # the check of the sweep names it
 
 
 def _numbers(value: Any) -> Any:

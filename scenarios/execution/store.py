@@ -12,7 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TypeVar
 
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import ParameterError, checked_path
 from scenarios.execution.closing import Closing
 from scenarios.execution.store_file import connected, problems_of
 from scenarios.tasks.result import Result, ResultStatus, ResultSummary
@@ -76,7 +76,7 @@ class ResultStore(Closing):
     """
 
     def __init__(self, file: Path):
-        self._file = file
+        self._file = checked_path("store", file)
         with errors_of(file):
             self._connection = connected(file)
             try:
