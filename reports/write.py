@@ -18,6 +18,7 @@ from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.dataset_file import read_dataset
 from scenarios.sweeps.noted import note_sweep, noted_sweep
+from scenarios.sweeps.size import check_size
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
 
@@ -32,7 +33,9 @@ def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Path:
         return write_dataset_report(data, folder, "reports.report(data, folder)")
     file, command = checked_path("data", data), f"reports.report({str(data)!r}, folder)"
     if file.suffix == ".toml":
-        return write_sweep_report(read_sweep(file).with_reference(), folder, command)
+        planned = read_sweep(file).with_reference()
+        check_size(planned)
+        return write_sweep_report(planned, folder, command)
     if file.suffix == ".sqlite":
         return write_sweep_report(noted_sweep(file).with_reference(), folder, command, store=file, ask=False)
     return write_dataset_report(read_dataset(file), folder, command, file)

@@ -42,6 +42,7 @@ from scenarios.studies.cost import COST_COLUMNS, SECONDS, cost
 from scenarios.sweeps.dataset import sweep_dataset, write_dataset
 from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.run import stored_table
+from scenarios.sweeps.size import UNCONFIRMED_POINTS, check_size, size_text
 from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
 from scenarios.sweeps.table import points_of
 from scenarios.tables import csv_text, full_table, markdown_lines, print_table, text_table
@@ -88,6 +89,7 @@ def sweep(
         Path | None, typer.Option(help="Write the results that the store holds: NetCDF as .nc, a table as .csv.")
     ] = None,
     ask: Annotated[bool, typer.Option(help="Run what is missing; --no-ask writes what there is.")] = True,
+    yes: Annotated[bool, typer.Option("--yes", help=f"Run more than {UNCONFIRMED_POINTS:,} points.")] = False,
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
@@ -99,10 +101,13 @@ def sweep(
     Example: python -m scenarios sweep sweep.toml --out sweep.nc
     """
     planned = read_sweep(file)
+    if ask:
+        check_size(planned, yes=yes, how="--yes")
     check_out(out, (".nc", ".csv"), [store, file])
     executor = executor_for(workers, time_limit, scheduler)
     with ResultStore(store if ask else existing_store(store)) as stored:
         if ask:
+            print(size_text(planned), file=sys.stderr)
             note_sweep(stored, planned)
             try:
                 print_summary(planned, evaluate_sweep(planned, stored, executor))

@@ -27,6 +27,7 @@ from scenarios.execution.store import ResultStore, opened_store
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.run import run_sweep, stored_table
+from scenarios.sweeps.size import check_size
 from scenarios.sweeps.spec_file import SweepFile
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import tasks_of
@@ -56,6 +57,7 @@ def sweep(
     workers: int | None = None,
     time_limit: float = TIME_LIMIT,
     scheduler: str | None = None,
+    yes: bool = False,
 ) -> xr.Dataset:
     """Simulate every combination of values by every engine, and give the steady states as labelled arrays.
 
@@ -89,6 +91,8 @@ def sweep(
         Seconds that a batch of points may take; an engine that hangs is stopped then.
     scheduler
         Address of a dask scheduler whose workers compute, instead of this machine's.
+    yes
+        Run more than a million points.
 
     Returns
     -------
@@ -111,6 +115,7 @@ def sweep(
         "steps_per_period": steps_per_period,
         **({} if tolerance_db is None else {"tolerances": {"transmittance_db": tolerance_db}}),
     })  # fmt: skip
+    check_size(planned, yes=yes, how="yes=True")
     file = None if store is None else checked_path("store", store)
     with opened_store(file) as stored, executor_for(workers, time_limit, scheduler) as executor:
         note_sweep(stored, planned)
@@ -172,12 +177,12 @@ def _validated(content: Mapping[str, Any]) -> Sweep:
 
 def _evaluate(planned: Sweep, store: ResultStore, executor: Executor) -> None:
     """Evaluate the points, and with other numbers of steps too where verdicts need the errors of steps."""
-    if CONVERGED not in planned.variants:
-        evaluate_sweep(planned, store, executor)
+    judged = CONVERGED in planned.variants
+    if planned.frequencies is None or not judged:
+        evaluate_sweep(planned, store, executor, judged=judged)
         return
     with ProgressBars(planned.variants) as bars, CountingEvaluator(store, executor, [], bars) as evaluator:
-        if planned.frequencies is not None:
-            run_sweep(planned, evaluator)
+        run_sweep(planned, evaluator)
         evaluator.evaluate(tasks_of(*stored_table(planned, store)))
 
 

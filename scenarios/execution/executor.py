@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Collection, Iterable, Iterator
 from typing import Generic, Protocol, TypeVar
 
-from reference_lcp.validation import LONGEST_TIME_LIMIT, MOST_WORKERS, ParameterError, checked_count, checked_scalar
+from reference_lcp.validation import LONGEST_TIME_LIMIT, MOST_WORKERS, checked_count, checked_scalar
 from scenarios.execution.batch import Batch, run_batch
 from scenarios.execution.closing import Closing
 from scenarios.tasks.result import Result
@@ -73,9 +73,7 @@ class WorkerExecutor(Closing, Generic[Run]):
 
     def __init__(self, slots: int, time_limit: float):
         self._slots = checked_count("workers", slots, 1, MOST_WORKERS)
-        self._limit = checked_scalar("time_limit", time_limit, "> 0")
-        if self._limit > LONGEST_TIME_LIMIT:
-            raise ParameterError(f"time_limit = {time_limit:g} s; allowed: > 0 and <= {LONGEST_TIME_LIMIT:g}")
+        self._limit = checked_scalar("time_limit", time_limit, "> 0", LONGEST_TIME_LIMIT)
 
     def run(self, batches: Iterable[Batch]) -> Iterator[tuple[Batch, list[Result]]]:
         """Run batches; see `Executor.run`. One whose worker dies is run again task by task."""
