@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import ConfigDict, Field
 from scipy.interpolate import PchipInterpolator
 
-from reference_lcp.validation import FloatArray, ParameterError, checked_count, checked_scalar
+from reference_lcp.validation import LARGEST_PARAMETER, FloatArray, ParameterError, checked_count, checked_scalar
 from scenarios.tasks.parameters import Decibel, Positive
 from scenarios.verdicts.finding import FLOOR_DB
 
@@ -72,7 +72,7 @@ class AdaptiveAxis:
 
     def __post_init__(self) -> None:
         for name in ("first", "last", "accuracy_db", "least_spacing"):
-            checked_scalar(f"grid.frequency_ratio.{name}", getattr(self, name), "> 0")
+            checked_scalar(f"grid.frequency_ratio.{name}", getattr(self, name), "> 0", LARGEST_PARAMETER)
         checked_count("grid.frequency_ratio.most_points", self.most_points, START_POINTS, MOST_VALUES)
         if self.last <= self.first:
             raise ParameterError(f"grid.frequency_ratio.last = {self.last:g}; allowed: > first = {self.first:g}")

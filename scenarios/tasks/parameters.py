@@ -19,9 +19,9 @@ from reference_lcp.validation import (
     checked_scalar,
 )
 
-Positive = Annotated[float, Field(ge=1 / LARGEST_PARAMETER, le=LARGEST_PARAMETER, allow_inf_nan=False, strict=True)]
+Positive = Annotated[float, Field(gt=0, le=LARGEST_PARAMETER, allow_inf_nan=False, strict=True)]
 NotNegative = Annotated[float, Field(ge=0, le=LARGEST_PARAMETER, allow_inf_nan=False, strict=True)]
-Decibel = Annotated[float, Field(ge=1 / LARGEST_PARAMETER, le=LARGEST_DECIBEL, allow_inf_nan=False, strict=True)]
+Decibel = Annotated[float, Field(gt=0, le=LARGEST_DECIBEL, allow_inf_nan=False, strict=True)]
 
 
 def _kind_of_ratio(value: object) -> str:
