@@ -1,5 +1,11 @@
 """``python -m engines``: which engines there are, what they can do, and which are installed."""
 
+if __name__ == "__main__":
+    from reference_lcp.interrupt import heed_interrupts
+
+    heed_interrupts()
+
+# isort: split
 import json
 import sys
 from typing import Annotated, Any

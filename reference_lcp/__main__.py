@@ -1,5 +1,11 @@
 """``python -m reference_lcp``: the steady state of one chain, from the command line."""
 
+if __name__ == "__main__":
+    from reference_lcp.interrupt import heed_interrupts
+
+    heed_interrupts()
+
+# isort: split
 import json
 import sys
 from pathlib import Path

@@ -10,14 +10,15 @@ from typing import Any
 
 import typer
 
-from reference_lcp.validation import SHOWN, ParameterError, checked_path
+from reference_lcp.interrupt import INTERRUPTED, announce_interrupt, closing_on_interrupt, interrupt_pending
+from reference_lcp.validation import SHOWN, ParameterError, RunError, checked_path
 from reference_lcp.visible import visible
 
 WRONG_INPUT = 2
 """Exit code of a command whose input is refused."""
 
-INTERRUPTED = 130
-"""Exit code of a command that was stopped by Ctrl-C, as shells give it."""
+RUN_FAILED = 3
+"""Exit code of a command whose run cannot go on."""
 
 INSTALLED = Path(__file__).resolve().parents[1]
 """Where the packages of the suite lie."""
@@ -38,14 +39,29 @@ UsageError: Any = typer.BadParameter.__base__
 def run_command(app: typer.Typer, arguments: list[str] | None = None) -> int:
     """Run a command line and give its exit code.
 
-    Wrong options and `ParameterError` become one line on standard error and `WRONG_INPUT`.
+    Wrong options and `ParameterError` become one line on standard error and `WRONG_INPUT`, `RunError` and
+    `RUN_FAILED`, Ctrl-C and `INTERRUPTED`.
     """
     _prepare()
+    with closing_on_interrupt():
+        try:
+            code = _exit_code(app, arguments)
+        except KeyboardInterrupt:
+            code = INTERRUPTED
+        except Exception:
+            if not interrupt_pending():
+                raise
+            code = INTERRUPTED  # a module that was being imported may turn Ctrl-C into an error of its own
+        if code == INTERRUPTED:
+            announce_interrupt("error: interrupted")
+        return code
+
+
+def _exit_code(app: typer.Typer, arguments: list[str] | None) -> int:
     command = typer.main.get_command(app)
     try:
         result = command.main(arguments, prog_name=app.info.name, standalone_mode=False)
-    except (typer.Abort, KeyboardInterrupt):
-        print("error: interrupted", file=sys.stderr)
+    except typer.Abort:
         return INTERRUPTED
     except UsageError as problem:
         print_error(_message(problem, sys.argv[1:] if arguments is None else arguments))
@@ -53,6 +69,9 @@ def run_command(app: typer.Typer, arguments: list[str] | None = None) -> int:
     except ParameterError as problem:
         print_error(str(problem))
         return WRONG_INPUT
+    except RunError as problem:
+        print_error(str(problem))
+        return RUN_FAILED
     return result if isinstance(result, int) else 0
 
 

@@ -15,6 +15,10 @@ class ParameterError(ValueError):
     """A parameter outside its allowed range; the message is one line."""
 
 
+class RunError(RuntimeError):
+    """A run cannot go on, and what it has computed so far is kept; the message is one line."""
+
+
 LARGEST_NUMBER = 1e100
 """Largest size of any number: squares and products of three stay below the 1.8e308 of float64."""
 
@@ -44,6 +48,12 @@ MOST_WORKERS = 1024
 
 SHOWN = 80
 """Characters of a value that a message shows."""
+
+
+def shortened(text: str, length: int) -> str:
+    """Give a text, its end left out if it has more than so many characters, and how many."""
+    return text if len(text) <= length else f"{text[:length]}… ({len(text) - length} characters more)"
+
 
 _REQUIREMENTS: dict[str, Callable[[FloatArray], NDArray[np.bool_]]] = {
     "> 0": lambda values: values > 0,

@@ -1,5 +1,11 @@
 """``python -m reports``: one page on every engine, with its figures and tables; comparisons and animations."""
 
+if __name__ == "__main__":
+    from reference_lcp.interrupt import heed_interrupts
+
+    heed_interrupts()
+
+# isort: split
 import gc
 import shlex
 import sys
@@ -10,7 +16,8 @@ import typer
 
 from engines.interface.registry import default_engine_names, engine_names
 from engines.interface.variant import Variant
-from reference_lcp.console import INTERRUPTED, run_command
+from reference_lcp.console import run_command
+from reference_lcp.interrupt import INTERRUPTED, announce_interrupt
 from reference_lcp.validation import ParameterError
 from reports.cli.animate import animate
 from reports.cli.compare import compare
@@ -104,7 +111,7 @@ def report(
             executor=executor,
         )  # fmt: skip
     except KeyboardInterrupt:
-        print(f"interrupted: results are kept in {store}; the same command goes on from there", file=sys.stderr)
+        announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
         raise typer.Exit(INTERRUPTED) from None
     print(page)
 

@@ -1,5 +1,11 @@
 """``python -m scenarios``: experiments with engines, by name."""
 
+if __name__ == "__main__":
+    from reference_lcp.interrupt import heed_interrupts
+
+    heed_interrupts()
+
+# isort: split
 import shlex
 import sys
 from pathlib import Path
@@ -12,7 +18,8 @@ from rich.progress import track
 
 from engines.interface.variant import Variant
 from engines.shared.step_cost import step_cost
-from reference_lcp.console import INTERRUPTED, run_command
+from reference_lcp.console import run_command
+from reference_lcp.interrupt import INTERRUPTED, announce_interrupt
 from reference_lcp.output import write_whole
 from reference_lcp.validation import ParameterError, checked_scalar
 from reference_lcp.visible import visible
@@ -112,7 +119,7 @@ def sweep(
             try:
                 print_summary(planned, evaluate_sweep(planned, stored, executor))
             except KeyboardInterrupt:
-                print(f"interrupted: results are kept in {store}; the same command goes on from there", file=sys.stderr)
+                announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
                 raise typer.Exit(INTERRUPTED) from None
         if out is None and planned.tolerance is None:
             return

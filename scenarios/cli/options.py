@@ -1,6 +1,5 @@
 """What the commands of ``python -m scenarios`` have in common: options, checks, a store for the run."""
 
-import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,7 +9,8 @@ import typer
 
 from engines.interface.registry import engine_names
 from engines.interface.variant import Variant, variants_named
-from reference_lcp.console import INTERRUPTED, checked_output_file
+from reference_lcp.console import checked_output_file
+from reference_lcp.interrupt import INTERRUPTED, announce_interrupt
 from reference_lcp.validation import ParameterError
 from scenarios.execution.store import ResultStore, opened_store
 
@@ -78,5 +78,5 @@ def store_of_run(store: Path | None) -> Iterator[ResultStore]:
             where = "nothing is kept without --store"
             if store is not None:
                 where = f"results are kept in {store}; the same command goes on from there"
-            print(f"interrupted: {where}", file=sys.stderr)
+            announce_interrupt(f"interrupted: {where}")
             raise typer.Exit(INTERRUPTED) from None

@@ -9,11 +9,11 @@ import sqlite3
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, TypeVar
 
 from reference_lcp.validation import ParameterError, checked_path
 from scenarios.execution.closing import Closing
+from scenarios.execution.scratch import ScratchFolder
 from scenarios.execution.store_file import connected, problems_of
 from scenarios.tasks.result import Result, ResultStatus, ResultSummary
 from scenarios.tasks.task import Task, key_of
@@ -209,8 +209,8 @@ def opened_store(file: Path | None) -> Iterator[ResultStore]:
         If `file` cannot be used.
     """
     with (
-        nullcontext(file) if file is not None else TemporaryDirectory() as place,
-        ResultStore(Path(place) / "results.sqlite" if file is None else file) as store,
+        nullcontext(file) if file is not None else ScratchFolder() as place,
+        ResultStore(place.path / "results.sqlite" if isinstance(place, ScratchFolder) else place) as store,
     ):
         yield store
 

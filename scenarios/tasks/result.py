@@ -11,8 +11,11 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAda
 from reference_lcp.observables.stick_slip import Mode
 from reference_lcp.steady.orbits import OrbitStatus
 from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import ParameterError, shortened
 from scenarios.tasks.validation_message import first_error
+
+LONGEST_REASON = 500
+"""Characters of a reason: an engine may put a whole state into the text of an error."""
 
 NamedNumbers = Mapping[str, tuple[float, ...]]
 """Numbers by name."""
@@ -130,8 +133,8 @@ class Result:
 
     @classmethod
     def blocked(cls, reason: str) -> Self:
-        """Give a result without numbers, with the reason."""
-        return cls(status=ResultStatus.BLOCKED, reason=" ".join(reason.split()))
+        """Give a result without numbers, with the reason, in one line of at most about `LONGEST_REASON` characters."""
+        return cls(status=ResultStatus.BLOCKED, reason=shortened(" ".join(reason.split()), LONGEST_REASON))
 
     @classmethod
     def missing(cls) -> Self:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.execution.local_processes import START_SECONDS
+from scenarios.execution.local_worker import START_SECONDS
 
 SCRIPT = """
 import json, sys, time
