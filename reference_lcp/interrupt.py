@@ -91,6 +91,7 @@ def _pass(_signal: int, _frame: object) -> None:
 
 def _raise(_signal: int, _frame: object) -> None:
     _State.pending = True
+    signal.signal(signal.SIGINT, _pass)  # the second one is for the thread
     raise KeyboardInterrupt
 
 

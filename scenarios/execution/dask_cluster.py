@@ -15,6 +15,9 @@ from scenarios.execution.identity import identity_of
 from scenarios.execution.local_processes import LocalExecutor
 from scenarios.tasks.result import Result
 
+NOISY = ("distributed", "distributed.client", "distributed.core", "distributed.utils", "tornado.application", "asyncio")
+"""Loggers that print tracebacks where a scheduler is lost, which this module says in one line."""
+
 CONNECT_SECONDS = 15
 """How long connecting to a scheduler may take."""
 
@@ -139,7 +142,8 @@ def _connected(address: str) -> Any:
         raise ParameterError(
             f"scheduler = {address!r}: dask.distributed is not installed; pip install 'multibody-xval[cluster]'"
         ) from None
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # a lost scheduler is one line, which this module says
+    for name in NOISY:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         return Client(address, timeout=CONNECT_SECONDS)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as problem:
