@@ -10,7 +10,13 @@ from typing import Any
 
 import typer
 
-from reference_lcp.interrupt import INTERRUPTED, announce_interrupt, closing_on_interrupt, interrupt_pending
+from reference_lcp.interrupt import (
+    INTERRUPTED,
+    announce_interrupt,
+    closing_on_interrupt,
+    end_interrupted,
+    interrupt_pending,
+)
 from reference_lcp.validation import SHOWN, ParameterError, RunError, checked_path
 from reference_lcp.visible import visible
 
@@ -54,6 +60,7 @@ def run_command(app: typer.Typer, arguments: list[str] | None = None) -> int:
             code = INTERRUPTED  # a module that was being imported may turn Ctrl-C into an error of its own
         if code == INTERRUPTED:
             announce_interrupt("error: interrupted")
+            end_interrupted()
         return code
 
 

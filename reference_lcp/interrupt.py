@@ -85,6 +85,14 @@ def announce_interrupt(message: str) -> None:
         print(message, file=sys.stderr, flush=True)
 
 
+def end_interrupted() -> None:
+    """End an interrupted command that has closed what it holds, without Python's own end, which takes seconds."""
+    if _State.watched:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(INTERRUPTED)
+
+
 def _pass(_signal: int, _frame: object) -> None:
     """Leave the signal to the thread."""
 
