@@ -18,6 +18,7 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.console import checked_output_file, run_command
 from reference_lcp.exact.steady import EXACT_RESIDUAL
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.observables.stick_slip import Transition
 from reference_lcp.one_call import SOLVERS, SteadyState, steady_state
 from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
@@ -98,7 +99,7 @@ def run(
         _print(state, reason)
     if plot is not None:
         plot_period(state.orbit, plot)
-    raise typer.Exit(0 if state.orbit.converged else 1)
+    raise typer.Exit(ExitCode.DONE if state.orbit.converged else ExitCode.FAILED)
 
 
 @app.command("bench")

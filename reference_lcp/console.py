@@ -1,23 +1,19 @@
-"""How every command of the suite ends: wrong input gives one clear line and exit code 2."""
+"""How every command of the suite ends: with an exit code of one table, and one clear line where it is not 0."""
 
 import io
 import os
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import typer
 
-from reference_lcp.validation import ParameterError
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.validation import ParameterError, RunError
 from reference_lcp.visible import visible
-
-WRONG_INPUT = 2
-"""Exit code of a command whose input is refused."""
-
-INTERRUPTED = 130
-"""Exit code of a command that was stopped by Ctrl-C, as shells give it."""
 
 INSTALLED = Path(__file__).resolve().parents[1]
 """Where the packages of the suite lie."""
@@ -33,24 +29,44 @@ UsageError: Any = typer.BadParameter.__base__
 
 
 def run_command(app: typer.Typer, arguments: list[str] | None = None) -> int:
-    """Run a command line and give its exit code.
+    """Run a command line and give its `ExitCode`.
 
-    Wrong options and `ParameterError` become one line on standard error and `WRONG_INPUT`.
+    Wrong options, `ParameterError`, `RunError` and Ctrl-C become one line on standard error.
     """
     _prepare()
-    command = typer.main.get_command(app)
+    given = sys.argv[1:] if arguments is None else arguments
     try:
-        result = command.main(arguments, prog_name=app.info.name, standalone_mode=False)
+        with _standard_output():
+            result = typer.main.get_command(app).main(arguments, prog_name=app.info.name, standalone_mode=False)
     except (typer.Abort, KeyboardInterrupt):
-        print("error: interrupted", file=sys.stderr)
-        return INTERRUPTED
+        return _ended(ExitCode.INTERRUPTED, "interrupted")
     except UsageError as problem:
-        print(f"error: {visible(_message(problem, sys.argv[1:] if arguments is None else arguments))}", file=sys.stderr)
-        return WRONG_INPUT
+        return _ended(ExitCode.WRONG_INPUT, _message(problem, given))
     except ParameterError as problem:
-        print(f"error: {visible(str(problem))}", file=sys.stderr)
-        return WRONG_INPUT
-    return result if isinstance(result, int) else 0
+        return _ended(ExitCode.WRONG_INPUT, str(problem))
+    except RunError as problem:
+        return _ended(ExitCode.RUN_FAILED, str(problem))
+    return result if isinstance(result, int) else ExitCode.DONE
+
+
+def _ended(code: ExitCode, message: str) -> ExitCode:
+    """Say why a command ends early."""
+    print(f"error: {visible(message)}", file=sys.stderr)
+    return code
+
+
+@contextmanager
+def _standard_output() -> Iterator[None]:
+    """Make sure at the end that all that was printed has arrived: it may go into a file on a full disk."""
+    try:
+        yield
+        sys.stdout.flush()
+    except (OSError, SystemExit) as problem:  # click ends the program where a pipe is closed
+        if getattr(problem, "filename", None) is not None:
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python writes what is left at its end
+        reason = getattr(problem, "strerror", "closed pipe")
+        raise RunError(f"standard output cannot be written: {reason}") from None
 
 
 def _prepare() -> None:

@@ -13,6 +13,10 @@ class ParameterError(ValueError):
     """A parameter outside its allowed range; the message is one line."""
 
 
+class RunError(RuntimeError):
+    """A run cannot go on, and what it has computed so far is kept; the message is one line."""
+
+
 _REQUIREMENTS: dict[str, Callable[[FloatArray], NDArray[np.bool_]]] = {
     "> 0": lambda values: values > 0,
     ">= 0": lambda values: values >= 0,

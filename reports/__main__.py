@@ -10,7 +10,8 @@ import typer
 
 from engines.interface.registry import default_engine_names, engine_names
 from engines.interface.variant import Variant
-from reference_lcp.console import INTERRUPTED, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.validation import ParameterError
 from reports.cli.animate import animate
 from reports.cli.compare import compare
@@ -104,7 +105,7 @@ def report(
         )  # fmt: skip
     except KeyboardInterrupt:
         print(f"interrupted: results are kept in {store}; the same command goes on from there", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
+        raise typer.Exit(ExitCode.INTERRUPTED) from None
     print(page)
 
 

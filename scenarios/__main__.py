@@ -12,7 +12,8 @@ from rich.progress import track
 
 from engines.interface.variant import Variant
 from engines.shared.step_cost import step_cost
-from reference_lcp.console import INTERRUPTED, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.output import write_whole
 from reference_lcp.validation import checked_scalar
 from reference_lcp.visible import visible
@@ -108,7 +109,7 @@ def sweep(
                 print_summary(planned, evaluate_sweep(planned, stored, executor))
             except KeyboardInterrupt:
                 print(f"interrupted: results are kept in {store}; the same command goes on from there", file=sys.stderr)
-                raise typer.Exit(INTERRUPTED) from None
+                raise typer.Exit(ExitCode.INTERRUPTED) from None
         if out is None and planned.tolerance is None:
             return
         whole, table = stored_table(planned, stored)

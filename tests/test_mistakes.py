@@ -10,7 +10,8 @@ import engines.__main__
 import reference_lcp.__main__
 import reports.__main__
 import scenarios.__main__
-from reference_lcp.console import WRONG_INPUT, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from scenarios.catalogue import CATALOGUE
 
 APPS = {
@@ -127,7 +128,7 @@ def files_in(folder: Path) -> dict[Path, bytes | None]:
 def test_wrong_command_line_is_refused_with_its_value(folder, capsys, line, message) -> None:
     before = files_in(folder)
     name, *arguments = line.split()
-    assert run_command(APPS[name], arguments) == WRONG_INPUT
+    assert run_command(APPS[name], arguments) == ExitCode.WRONG_INPUT
     printed = capsys.readouterr()
     assert printed.err.startswith("error: ")
     assert len(printed.err.splitlines()) == 1
@@ -140,7 +141,7 @@ def test_wrong_command_line_is_refused_with_its_value(folder, capsys, line, mess
 def test_wrong_sweep_file_is_refused_with_file_key_and_value(folder, capsys, content, message) -> None:
     (folder / "mine.toml").write_text(content)
     before = files_in(folder)
-    assert run_command(APPS["scenarios"], ["sweep", "mine.toml"]) == WRONG_INPUT
+    assert run_command(APPS["scenarios"], ["sweep", "mine.toml"]) == ExitCode.WRONG_INPUT
     printed = capsys.readouterr().err
     assert printed.startswith("error: mine.toml")
     assert re.search(message, printed), printed

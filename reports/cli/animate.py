@@ -8,6 +8,7 @@ import typer
 
 from engines.interface.variant import Variant
 from reference_lcp.console import checked_output_file
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.output import replacing
 from reference_lcp.validation import ParameterError, checked_count
 from reference_lcp.visible import visible
@@ -49,7 +50,7 @@ def animate(
     period = period_of(task, time_limit)
     if not period.known:
         print(visible(f"{variant.title}: {period.reason}"), file=sys.stderr)
-        raise typer.Exit(1)
+        raise typer.Exit(ExitCode.FAILED)
     from reports.figures.animation import write_animation  # matplotlib is imported once a backend is chosen
 
     with replacing(out) as part:

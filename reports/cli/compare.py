@@ -10,13 +10,11 @@ import typer
 from rich.console import Console
 
 from reference_lcp.console import checked_output_file
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.output import write_whole
 from reference_lcp.validation import ParameterError
 from scenarios.tables import Column, csv_text, full_table, plain, printed_table, text_table
 from scenarios.verdicts.regression import Change, StoreComparison, Thresholds, compare_stores
-
-CHANGED = 1
-"""Exit code if something passes its threshold."""
 
 MOST_ROWS = 20
 """Affected points that are printed; a file holds all of them."""
@@ -82,7 +80,7 @@ def compare(
         console.print(printed_table(shown, title=f"{len(comparison.beyond)} points beyond{more}"))
     if out is not None:
         write_whole(out, csv_text(full_table(CHANGE_COLUMNS, comparison.changes)))
-    raise typer.Exit(CHANGED if comparison.beyond else 0)
+    raise typer.Exit(ExitCode.FAILED if comparison.beyond else ExitCode.DONE)
 
 
 def _overview(comparison: StoreComparison) -> pd.DataFrame:

@@ -10,7 +10,8 @@ import typer
 
 from engines.interface.registry import engine_names
 from engines.interface.variant import Variant, variants_named
-from reference_lcp.console import INTERRUPTED, checked_output_file
+from reference_lcp.console import checked_output_file
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.validation import ParameterError
 from scenarios.execution.store import ResultStore, opened_store
 
@@ -79,4 +80,4 @@ def store_of_run(store: Path | None) -> Iterator[ResultStore]:
             if store is not None:
                 where = f"results are kept in {store}; the same command goes on from there"
             print(f"interrupted: {where}", file=sys.stderr)
-            raise typer.Exit(INTERRUPTED) from None
+            raise typer.Exit(ExitCode.INTERRUPTED) from None

@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 
 from engines.interface.variant import Variant
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.output import write_whole
 from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.base import Scenario
@@ -40,9 +41,6 @@ from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store_file import existing_store
 from scenarios.tables import plain, printed_table
 from scenarios.verdicts.finding import Finding
-
-UNEXPLAINED = 1
-"""Exit code where no known deviation explains a disagreement."""
 
 LEAST_WIDTH = 200
 """Columns that tables may take where the output is no terminal."""
@@ -144,7 +142,7 @@ def _perform(run: _Run, store: Path | None, out: Path | None, executor: Executor
     if out is not None:
         write_whole(out, verdicts_text(results, run.command, out.suffix))
     if any(unexplained(findings) for findings in results.values()):
-        raise typer.Exit(UNEXPLAINED)
+        raise typer.Exit(ExitCode.FAILED)
 
 
 def _findings(run: _Run, store: Path | None, executor: Executor) -> dict[Scenario, list[Finding]]:

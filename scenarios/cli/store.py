@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from reference_lcp.console import WRONG_INPUT, checked_output_file
+from reference_lcp.console import checked_output_file
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.visible import visible
 from scenarios.execution.store_check import check_store, salvage
 
@@ -42,4 +43,4 @@ def check(
         salvage(found, new)
         print(visible(f"{new}: {results} results; what is missing is computed again"))
     elif found.damage:
-        raise typer.Exit(WRONG_INPUT)
+        raise typer.Exit(ExitCode.WRONG_INPUT)
