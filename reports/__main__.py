@@ -17,7 +17,7 @@ from reports.cli.animate import animate
 from reports.cli.compare import compare
 from reports.data.collect import QUICK, Scope
 from reports.write import STORE, check_folder, write_dataset_report, write_sweep_report
-from scenarios.cli.options import Limit, Scheduler, Workers
+from scenarios.cli.options import Limit, Retry, Scheduler, Workers, check_retry
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.executor import TIME_LIMIT
 from scenarios.execution.store_file import existing_store
@@ -77,6 +77,7 @@ def report(
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
+    retry_blocked: Retry = False,
 ) -> None:
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
@@ -87,6 +88,7 @@ def report(
     """
     if context.invoked_subcommand is not None:
         return
+    check_retry(ask, retry_blocked)
     if data is not None:
         if sweep is not None or chosen or quick:
             raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
@@ -101,7 +103,7 @@ def report(
     try:
         page = write_sweep_report(
             planned, out, _command(chosen, quick, sweep), store=store, ask=ask, scope=QUICK if quick else Scope(),
-            executor=executor,
+            executor=executor, retry_blocked=retry_blocked,
         )  # fmt: skip
     except KeyboardInterrupt:
         print(f"interrupted: results are kept in {store}; the same command goes on from there", file=sys.stderr)

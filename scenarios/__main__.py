@@ -21,10 +21,12 @@ from scenarios.catalogue import CATALOGUE
 from scenarios.cli.options import (
     Chosen,
     Limit,
+    Retry,
     Scheduler,
     Store,
     Workers,
     check_out,
+    check_retry,
     chosen_variants,
     store_of_run,
 )
@@ -92,6 +94,7 @@ def sweep(
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
+    retry_blocked: Retry = False,
 ) -> None:
     """Run every combination of parameters of a file, with every engine of the file.
 
@@ -99,6 +102,7 @@ def sweep(
 
     Example: python -m scenarios sweep sweep.toml --out sweep.nc
     """
+    check_retry(ask, retry_blocked)
     planned = read_sweep(file)
     check_out(out, (".nc", ".csv"), [store, file])
     executor = executor_for(workers, time_limit, scheduler)
@@ -106,7 +110,7 @@ def sweep(
         if ask:
             note_sweep(stored, planned)
             try:
-                print_summary(planned, evaluate_sweep(planned, stored, executor))
+                print_summary(planned, evaluate_sweep(planned, stored, executor, retry_blocked=retry_blocked))
             except KeyboardInterrupt:
                 print(f"interrupted: results are kept in {store}; the same command goes on from there", file=sys.stderr)
                 raise typer.Exit(ExitCode.INTERRUPTED) from None
@@ -131,6 +135,7 @@ def accuracy(
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
+    retry_blocked: Retry = False,
 ) -> None:
     """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
 
@@ -140,7 +145,7 @@ def accuracy(
     """
     variants = chosen_variants(chosen)
     check_out(out, (".md", ".csv"), [store])
-    measured = _accuracies(variants, store, executor_for(workers, time_limit, scheduler))
+    measured = _accuracies(variants, store, executor_for(workers, time_limit, scheduler), retry_blocked)
     rows: list[AccuracyRow] = [(row, step_cost(row.variant) if cost and row.certified else None) for row in measured]
     _print_accuracy(rows)
     if out is not None:
@@ -191,13 +196,13 @@ def _print_catalogue() -> None:
     print("python -m scenarios run NAME runs one, python -m scenarios run all every scenario.")
 
 
-def _accuracies(variants: list[Variant], store: Path | None, executor: Executor) -> list[Accuracy]:
+def _accuracies(variants: list[Variant], store: Path | None, executor: Executor, retry_blocked: bool) -> list[Accuracy]:
     """Run everything, with bars on the way."""
     expected = [*exact_tasks().values(), *(task for variant in variants for task in accuracy_tasks(variant))]
     with (
         store_of_run(store) as stored,
         ProgressBars([EXACT, *variants]) as bars,
-        CountingEvaluator(stored, executor, expected, bars) as evaluator,
+        CountingEvaluator(stored, executor, expected, bars, retry_blocked=retry_blocked) as evaluator,
     ):
         return accuracies(variants, evaluator)
 

@@ -56,6 +56,7 @@ def sweep(
     workers: int | None = None,
     time_limit: float = TIME_LIMIT,
     scheduler: str | None = None,
+    retry_blocked: bool = False,
 ) -> xr.Dataset:
     """Simulate every combination of values by every engine, and give the steady states as labelled arrays.
 
@@ -89,6 +90,9 @@ def sweep(
         Seconds that a batch of points may take; an engine that hangs is stopped then.
     scheduler
         Address of a dask scheduler whose workers compute, instead of this machine's.
+    retry_blocked
+        Whether points are run again at which, by the store, their engine has failed: crashed, raised an error or
+        passed the time limit.
 
     Returns
     -------
@@ -114,7 +118,7 @@ def sweep(
     file = None if store is None else Path(store)
     with opened_store(file) as stored, executor_for(workers, time_limit, scheduler) as executor:
         note_sweep(stored, planned)
-        _evaluate(planned, stored, executor)
+        _evaluate(planned, stored, executor, retry_blocked)
         return sweep_dataset(*stored_table(planned, stored), file)
 
 
@@ -126,6 +130,7 @@ def check(
     workers: int | None = None,
     time_limit: float = TIME_LIMIT,
     scheduler: str | None = None,
+    retry_blocked: bool = False,
 ) -> pd.DataFrame:
     """Run a scenario of the catalogue and judge every number of every engine.
 
@@ -135,7 +140,7 @@ def check(
         Its name, see ``python -m scenarios``, or ``"all"``.
     engines
         Names as for `sweep`; those that come with the suite without it.
-    store, workers, time_limit, scheduler
+    store, workers, time_limit, scheduler, retry_blocked
         As for `sweep`.
 
     Returns
@@ -155,7 +160,9 @@ def check(
     with (
         opened_store(None if store is None else Path(store)) as stored,
         ProgressBars(variants) as bars,
-        CountingEvaluator(stored, executor_for(workers, time_limit, scheduler), [], bars) as evaluator,
+        CountingEvaluator(
+            stored, executor_for(workers, time_limit, scheduler), [], bars, retry_blocked=retry_blocked
+        ) as evaluator,
     ):
         return finding_table({item: item.run(variants, evaluator) for item in chosen})
 
@@ -170,12 +177,15 @@ def _validated(content: Mapping[str, Any]) -> Sweep:
     return planned.with_reference() if judged else planned
 
 
-def _evaluate(planned: Sweep, store: ResultStore, executor: Executor) -> None:
+def _evaluate(planned: Sweep, store: ResultStore, executor: Executor, retry_blocked: bool) -> None:
     """Evaluate the points, and with other numbers of steps too where verdicts need the errors of steps."""
     if CONVERGED not in planned.variants:
-        evaluate_sweep(planned, store, executor)
+        evaluate_sweep(planned, store, executor, retry_blocked=retry_blocked)
         return
-    with ProgressBars(planned.variants) as bars, CountingEvaluator(store, executor, [], bars) as evaluator:
+    with (
+        ProgressBars(planned.variants) as bars,
+        CountingEvaluator(store, executor, [], bars, retry_blocked=retry_blocked) as evaluator,
+    ):
         if planned.frequencies is not None:
             run_sweep(planned, evaluator)
         evaluator.evaluate(tasks_of(*stored_table(planned, store)))

@@ -34,6 +34,14 @@ Limit = Annotated[
 Scheduler = Annotated[
     str | None, typer.Option(help="Address of a dask scheduler whose workers compute, instead of this machine's.")
 ]
+Retry = Annotated[
+    bool,
+    typer.Option(
+        "--retry-blocked",
+        help="Run again the points at which, by the store, their engine has failed: crashed, raised an error or passed "
+        "the time limit.",
+    ),
+]
 
 
 def chosen_variants(chosen: list[str] | None) -> list[Variant]:
@@ -61,6 +69,18 @@ def check_out(out: Path | None, endings: tuple[str, ...], inputs: Iterable[Path 
     if out.suffix not in endings:
         raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(endings)}")
     checked_output_file("--out", out, inputs)
+
+
+def check_retry(ask: bool, retry_blocked: bool) -> None:
+    """Refuse to run points again where nothing is run.
+
+    Raises
+    ------
+    ParameterError
+        If both are wanted.
+    """
+    if retry_blocked and not ask:
+        raise ParameterError("--retry-blocked with --no-ask, which runs nothing; allowed: one of the two")
 
 
 @contextmanager

@@ -27,10 +27,12 @@ from scenarios.catalogue.verdict_table import (
 from scenarios.cli.options import (
     Chosen,
     Limit,
+    Retry,
     Scheduler,
     Store,
     Workers,
     check_out,
+    check_retry,
     chosen_variants,
     store_of_run,
 )
@@ -63,6 +65,7 @@ class _Run:
     scenarios: Sequence[Scenario]
     variants: Sequence[Variant]
     command: str
+    retry_blocked: bool
 
 
 def add_scenarios(run: typer.Typer) -> None:
@@ -94,9 +97,11 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[Scenario], summary: st
         workers: Workers = None,
         time_limit: Limit = TIME_LIMIT,
         scheduler: Scheduler = None,
+        retry_blocked: Retry = False,
     ) -> None:
+        check_retry(ask, retry_blocked)
         check_out(out, ENDINGS, [store])
-        chosen_run = _chosen_run(name, scenarios, chosen, [] if ask else ["--no-ask"])
+        chosen_run = _chosen_run(name, scenarios, chosen, [] if ask else ["--no-ask"], retry_blocked)
         _perform(chosen_run, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
 
 
@@ -116,7 +121,9 @@ def _add_record(run: typer.Typer, name: str, scenarios: Sequence[Scenario], summ
         workers: Workers = None,
         time_limit: Limit = TIME_LIMIT,
         scheduler: Scheduler = None,
+        retry_blocked: Retry = False,
     ) -> None:
+        check_retry(ask, retry_blocked)
         check_out(out, ENDINGS, [store, record])
         own: Sequence[Scenario] = scenarios
         if record is not None:
@@ -124,15 +131,17 @@ def _add_record(run: typer.Typer, name: str, scenarios: Sequence[Scenario], summ
             scenario.check()
             own = [scenario]
         options = [] if record is None else [f"--record={record}"]
-        chosen_run = _chosen_run(name, own, chosen, options if ask else [*options, "--no-ask"])
+        chosen_run = _chosen_run(name, own, chosen, options if ask else [*options, "--no-ask"], retry_blocked)
         _perform(chosen_run, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
 
 
-def _chosen_run(name: str, scenarios: Sequence[Scenario], chosen: list[str] | None, options: list[str]) -> _Run:
+def _chosen_run(
+    name: str, scenarios: Sequence[Scenario], chosen: list[str] | None, options: list[str], retry_blocked: bool
+) -> _Run:
     """Give what the options choose, before any work."""
     variants = chosen_variants(chosen)
     words = ["python", "-m", "scenarios", "run", name, *(f"--engine={c}" for c in chosen or []), *options]
-    return _Run(scenarios, variants, shlex.join(words))
+    return _Run(scenarios, variants, shlex.join(words), retry_blocked)
 
 
 def _perform(run: _Run, store: Path | None, out: Path | None, executor: Executor | None) -> None:
@@ -150,7 +159,7 @@ def _findings(run: _Run, store: Path | None, executor: Executor) -> dict[Scenari
     with (
         store_of_run(store) as stored,
         ProgressBars(run.variants) as bars,
-        CountingEvaluator(stored, executor, [], bars) as evaluator,
+        CountingEvaluator(stored, executor, [], bars, retry_blocked=run.retry_blocked) as evaluator,
     ):
         return {scenario: scenario.run(run.variants, evaluator) for scenario in run.scenarios}
 

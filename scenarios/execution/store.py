@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 from reference_lcp.validation import ParameterError, RunError
 from scenarios.execution.closing import Closing
 from scenarios.execution.store_file import ATTEMPT_SECONDS, connected, problems_of
-from scenarios.tasks.result import Result, ResultStatus, ResultSummary
+from scenarios.tasks.result import Result, ResultSummary
 from scenarios.tasks.task import Task, key_of
 
 APPLICATION_ID = 0x4D425856
@@ -37,6 +37,13 @@ TABLES = {
     "sweeps": "CREATE TABLE sweeps (number INTEGER PRIMARY KEY, sweep TEXT UNIQUE NOT NULL, digest BLOB NOT NULL)",
 }
 """Everything that a store consists of; another table, a view or a trigger is not read."""
+
+KEEP = """
+INSERT INTO answers VALUES (?, ?, ?, ?)
+ON CONFLICT (key) DO UPDATE SET content = excluded.content, answer = excluded.answer, digest = excluded.digest
+WHERE json_extract(excluded.answer, '$.status') != 'blocked' OR json_extract(answers.answer, '$.status') = 'blocked'
+"""
+"""Keeps a result, and a blocked one only where there is no other: two processes may run the same task."""
 
 DAMAGE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_TOOBIG)
 """Errors of SQLite that come from what stands in the file; others come from the disk, locks and permissions."""
@@ -192,13 +199,11 @@ class ResultStore(Closing):
         return tuple(columns)
 
     def keep(self, results: Iterable[tuple[Task, Result]]) -> None:
-        """Write results in one transaction; blocked ones are not kept, so that they are tried again."""
-        texts = [
-            (task.text(), result.to_json()) for task, result in results if result.status is not ResultStatus.BLOCKED
-        ]
+        """Write results in one transaction; a blocked one does not take the place of another."""
+        texts = [(task.text(), result.to_json()) for task, result in results]
         rows = [(key_of(task), task, result) for task, result in texts]
         signed = [(*row, digest_of(*(text.encode() for text in row))) for row in rows]
-        self._write("INSERT OR REPLACE INTO answers VALUES (?, ?, ?, ?)", signed)
+        self._write(KEEP, signed)
 
     def note(self, sweep: str) -> None:
         """Write a sweep, as JSON, as the latest one."""

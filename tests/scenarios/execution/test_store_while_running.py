@@ -175,6 +175,7 @@ ROOM = 300_000
 """Bytes of the largest file: room for some of the batches, one a number of cells."""
 
 
+@pytest.mark.slow
 def test_a_sweep_that_runs_out_of_room_ends_with_exit_code_3_and_goes_on_from_there(
     tmp_path, monkeypatch, capsys
 ) -> None:
