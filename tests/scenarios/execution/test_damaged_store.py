@@ -1,6 +1,7 @@
 """Damage of a store: no traceback, no wrong number believed, nothing overwritten, good rows saved."""
 
 import random
+import resource
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -11,6 +12,7 @@ from engines.interface.variant import Variant
 from reference_lcp import ParameterError
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
+from reference_lcp.validation import RunError
 from reports.__main__ import app as reports_app
 from scenarios.__main__ import app
 from scenarios.execution.store import ResultStore
@@ -164,6 +166,20 @@ def test_an_intact_store_has_no_damage_and_a_salvage_overwrites_nothing(file, ca
     assert run_command(app, ["store", "check", str(file)]) == 0
     assert "12 intact results, 1 intact sweeps, no damages" in capsys.readouterr().out
     assert file.read_bytes() == before
+
+
+def test_a_salvage_that_finds_no_room_leaves_nothing(file, tmp_path) -> None:
+    """A limit on the size of files stands for the disk."""
+    good = check_store(file)
+    before = set(tmp_path.iterdir())
+    old = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (file.stat().st_size - 4096, old[1]))
+    try:
+        with pytest.raises(RunError, match=r"good\.sqlite cannot be written: .*; it is not there"):
+            salvage(good, tmp_path / "good.sqlite")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, old)
+    assert set(tmp_path.iterdir()) == before
 
 
 @pytest.mark.parametrize(
