@@ -63,7 +63,8 @@ def run(
 
     The scheme is Euler's discretisation with a linear complementarity problem in every step; the
     solver "exact" goes from event to event instead, and has no error of a time step.
-    Exit code 0: converged; 1: no steady state within the periods; 2: wrong input.
+    Exit code 0: converged; 1: no steady state within the periods; 2: wrong input; 3: --plot could not be written at
+    the end; 130: interrupted.
 
     Example: python -m reference_lcp --friction-ratio 0.6 --frequency-ratio 1.3 --plot period.png
     """
@@ -109,6 +110,8 @@ def print_bench(
 ) -> None:
     """Measure the speed of the reference on this machine.
 
+    Exit code 0: measured; 2: wrong input; 130: interrupted.
+
     Example: python -m reference_lcp bench --cells
     """
     if cells:
@@ -127,6 +130,8 @@ def print_convergence(
     """Halve the time step six times from 400 steps a period, and compare with the exact solver.
 
     Canonical chain, at the stick-slip points (friction ratio, frequency ratio) of the test suite.
+    Exit code 0: compared, whatever the orders; 2: wrong input; 3: --plot could not be written at the end; 130:
+    interrupted.
 
     Example: python -m reference_lcp convergence --plot convergence.png
     """

@@ -82,7 +82,8 @@ def report(
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
     Results are kept: a second run takes seconds, and an interrupted one goes on where it was.
-    Exit code 0: the page is written, whatever the verdicts; 2: wrong input.
+    Exit code 0: the page is written, whatever the verdicts; 2: wrong input; 3: results or the page could not be kept;
+    130: interrupted.
 
     Example: python -m reports --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
     """

@@ -66,6 +66,8 @@ add_scenarios(run)
 def catalogue(context: typer.Context) -> None:
     """List scenarios and measurements; `python -m scenarios run NAME` runs one, `run all` every scenario.
 
+    Exit code 0: listed; 2: wrong input; 130: interrupted.
+
     Example: python -m scenarios run unit-cell --engine mujoco --engine pybullet:joint
     """
     if context.invoked_subcommand is None:
@@ -75,6 +77,8 @@ def catalogue(context: typer.Context) -> None:
 @app.command()
 def example() -> None:
     """Print a commented file of parameters for `sweep`.
+
+    Exit code 0: printed; 2: wrong input; 3: standard output could not be written; 130: interrupted.
 
     Example: python -m scenarios example > sweep.toml
     """
@@ -98,7 +102,8 @@ def sweep(
 ) -> None:
     """Run every combination of parameters of a file, with every engine of the file.
 
-    Exit code 0: every point has a result or a reason why not; 2: wrong input; 130: interrupted.
+    Exit code 0: every point has a result or a reason why not; 2: wrong input; 3: results or --out could not be kept;
+    130: interrupted.
 
     Example: python -m scenarios sweep sweep.toml --out sweep.nc
     """
@@ -139,7 +144,8 @@ def accuracy(
 ) -> None:
     """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
 
-    Exit code 0: the table is complete, whatever it says; 2: wrong input.
+    Exit code 0: the table is complete, whatever it says; 2: wrong input; 3: results or --out could not be kept; 130:
+    interrupted.
 
     Example: python -m scenarios run accuracy --store accuracy.sqlite --out accuracy.md
     """
@@ -166,6 +172,7 @@ def cost_command(
     """Time steps and steady states of each variant, with one and with two worker processes, beside the reference.
 
     A step: in the adapter, without (advance) and with a record (run), and in the engine's own bare loop.
+    Exit code 0: measured; 2: wrong input; 3: --out could not be written at the end; 130: interrupted.
 
     Example: python -m scenarios run cost --engine mujoco:joint
     """

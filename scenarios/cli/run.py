@@ -80,7 +80,7 @@ def _help(name: str, summary: str, options: str = "") -> str:
     """Give the help of a command: the physical question, the exit codes, an example."""
     return (
         f"{summary}\n\nExit code 0: a known deviation explains every disagreement, if there is any; 1: not so; "
-        "2: wrong input; 130: interrupted.\n\n"
+        "2: wrong input; 3: results or --out could not be kept; 130: interrupted.\n\n"
         f"Example: python -m scenarios run {name}{options} --engine mujoco --out verdicts.md"
     )
 

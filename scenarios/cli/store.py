@@ -27,7 +27,8 @@ def check(
 ) -> None:
     """Read every row of a store, and say what is damaged.
 
-    Exit code 0: everything is intact, or the good rows are in NEW; 2: damaged, or no store.
+    Exit code 0: everything is intact, or the good rows are in NEW; 2: damaged, or no store; 3: NEW could not be
+    written; 130: interrupted.
 
     Example: python -m scenarios store check results.sqlite --salvage good.sqlite
     """

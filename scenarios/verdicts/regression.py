@@ -21,6 +21,12 @@ from scenarios.tasks.validation_message import first_error
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.judge import metric_difference
 
+NUMBERS = ("transmittance_db", "residual", "period", "stuck_fraction", "creep", "open_fraction", "largest_gap")
+"""Numbers of a result, one or one a contact, that do not depend on how it was found."""
+
+TRANSITION_TIME = "time of a transition"
+"""Beside them; a transition that is gone is one without a partner."""
+
 
 @dataclass(frozen=True)
 class _Content:
@@ -217,28 +223,29 @@ def change(first: StoredResult, second: StoredResult, thresholds: Thresholds) ->
         reason = f": {new.reason}" if new.status is ResultStatus.BLOCKED else ""
         return Change(first, second, beyond=(f"{old.status} before, {new.status} now{reason}",))
     lost = _lost_numbers(old, new)
-    if not old.converged or len(old.stuck_fraction) != len(new.stuck_fraction):
+    if lost or not old.converged:
         return Change(first, second, beyond=lost)
-    changed = _changed_numbers(first, second, thresholds)
-    return replace(changed, beyond=(*lost, *changed.beyond))
+    return _changed_numbers(first, second, thresholds)
 
 
 def _lost_numbers(old: Result, new: Result) -> tuple[str, ...]:
-    """Say which numbers are no longer there, or no longer finite; times of computing are no numbers of the motion."""
+    """Say which numbers are no longer there, or no longer finite."""
     lost = []
     after = _numbers(new)
     for name, before in _numbers(old).items():
-        now = after.get(name, ())
-        if np.isfinite(before).sum() > np.isfinite(now).sum():
-            lost.append(f"{name.replace('_', ' ')} is no longer {'finite' if len(now) == len(before) else 'complete'}")
+        now = after.get(name, np.empty(0))
+        if np.sum(~np.isfinite(now)) > np.sum(~np.isfinite(before)):
+            lost.append(f"{name.replace('_', ' ')} is no longer finite")
+        elif len(now) == 0 < len(before) and name != TRANSITION_TIME:
+            lost.append(f"{name.replace('_', ' ')} is no longer complete")
     return tuple(lost)
 
 
 def _numbers(result: Result) -> dict[str, FloatArray]:
-    """Give the numbers of a result that do not depend on how it was found, as arrays by name."""
-    single = {name: getattr(result, name) for name in ("transmittance_db", "residual", "period")}
-    contacts = {name: getattr(result, name) for name in ("stuck_fraction", "creep", "open_fraction", "largest_gap")}
-    return {name: np.atleast_1d(values) for name, values in {**single, **contacts, **result.series}.items()}
+    """Give `NUMBERS`, the times of all transitions and the series of a result, as arrays by name."""
+    named = {name: np.atleast_1d(getattr(result, name)) for name in NUMBERS}
+    times = np.array([time for _, time, _ in result.transitions])
+    return {**named, TRANSITION_TIME: times, **{name: np.array(values) for name, values in result.series.items()}}
 
 
 def _changed_numbers(first: StoredResult, second: StoredResult, thresholds: Thresholds) -> Change:
