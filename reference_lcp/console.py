@@ -12,7 +12,7 @@ from typing import Any
 import typer
 
 from reference_lcp.exit_code import ExitCode
-from reference_lcp.validation import ParameterError, RunError
+from reference_lcp.validation import SHOWN, ParameterError, RunError, checked_path
 from reference_lcp.visible import visible
 
 INSTALLED = Path(__file__).resolve().parents[1]
@@ -23,6 +23,9 @@ DATABASE = b"SQLite format 3\0"
 
 PROBED = 4096
 """Bytes that are written to find out whether a folder can be: a block of most file systems."""
+
+LONGEST_MESSAGE = 1000
+"""Characters of an error that are printed; of a longer one, beginning and end."""
 
 UsageError: Any = typer.BadParameter.__base__
 """What an unknown option, a missing one or a value of the wrong type raises; typer exports only a subclass of it."""
@@ -51,7 +54,7 @@ def run_command(app: typer.Typer, arguments: list[str] | None = None) -> int:
 
 def _ended(code: ExitCode, message: str) -> ExitCode:
     """Say why a command ends early."""
-    print(f"error: {visible(message)}", file=sys.stderr)
+    print_error(message)
     return code
 
 
@@ -77,15 +80,24 @@ def _prepare() -> None:
     os.environ["MPLBACKEND"] = "agg"  # commands draw into files; a backend that there is not ends matplotlib
 
 
+def print_error(text: str) -> None:
+    """Print an error as one line that any terminal shows, whatever somebody has written into a name."""
+    line = visible(" ".join(text.split()))
+    if len(line) > LONGEST_MESSAGE:
+        half = LONGEST_MESSAGE // 2
+        line = f"{line[:half]} … {line[-half:]}"
+    print(f"error: {line}", file=sys.stderr)
+
+
 def _message(problem: Any, arguments: list[str]) -> str:
     """Say in one line what is wrong, with the value that was given for an option."""
     message = " ".join(problem.format_message().split())
     names = getattr(getattr(problem, "param", None), "opts", [])
     for name, value in zip(arguments, [*arguments[1:], None], strict=True):
         if name in names and value is not None:
-            return f"{message} (given: {value})"
+            return f"{message} (given: {value[:SHOWN]})"
         if name.partition("=")[0] in names:
-            return f"{message} (given: {name.partition('=')[2]})"
+            return f"{message} (given: {name.partition('=')[2][:SHOWN]})"
     return message
 
 
@@ -107,6 +119,7 @@ def checked_output_file(name: str, file: Path, inputs: Iterable[Path | None] = (
         If the folder is missing or not writable, or `file` is a folder, one of `inputs`, a database, or lies in a
         Python package.
     """
+    checked_path(name, file)
     _refuse_package(name, file)
     for other in inputs:
         if other is not None and _same_file(file, other):
@@ -129,6 +142,7 @@ def checked_output_folder(name: str, folder: Path) -> Path:
     ParameterError
         If it cannot be made or written, is a file, or lies in a Python package.
     """
+    checked_path(name, folder)
     _refuse_package(name, folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)

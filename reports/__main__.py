@@ -29,6 +29,7 @@ from scenarios.studies.figure3 import (
     quick_frequency_ratios,
 )
 from scenarios.sweeps.dataset_file import read_dataset
+from scenarios.sweeps.size import check_size
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.parameters import ChainRatios
@@ -134,7 +135,9 @@ def _sweep(file: Path, chosen: list[str] | None, quick: bool) -> Sweep:
     """Read a sweep from its file."""
     if chosen or quick:
         raise ParameterError("--sweep names engines and grid; allowed beside it: neither --engine nor --quick")
-    return read_sweep(file).with_reference()
+    planned = read_sweep(file).with_reference()
+    check_size(planned)
+    return planned
 
 
 def _command(chosen: list[str] | None, quick: bool, sweep: Path | None) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 import xarray as xr
 
 from reference_lcp.console import checked_output_file, checked_output_folder
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import ParameterError, checked_path
 from reports.data.collect import Scope, collect, collect_dataset, expected_tasks
 from reports.data.report import Report
 from reports.export.files import FIGURES, FILES, PAGE, files_of, write_all
@@ -18,6 +18,7 @@ from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.dataset_file import read_dataset
 from scenarios.sweeps.noted import note_sweep, noted_sweep
+from scenarios.sweeps.size import check_size
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
 
@@ -27,12 +28,14 @@ STORE = "results.sqlite"
 
 def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Path:
     """Write the report of a dataset, of the file of a sweep, or of a store; see `reports.report`."""
-    folder = Path(folder)
+    folder = checked_path("folder", folder)
     if isinstance(data, xr.Dataset):
         return write_dataset_report(data, folder, "reports.report(data, folder)")
-    file, command = Path(data), f"reports.report({str(data)!r}, folder)"
+    file, command = checked_path("data", data), f"reports.report({str(data)!r}, folder)"
     if file.suffix == ".toml":
-        return write_sweep_report(read_sweep(file).with_reference(), folder, command)
+        planned = read_sweep(file).with_reference()
+        check_size(planned)
+        return write_sweep_report(planned, folder, command)
     if file.suffix == ".sqlite":
         return write_sweep_report(noted_sweep(file).with_reference(), folder, command, store=file, ask=False)
     return write_dataset_report(read_dataset(file), folder, command, file)

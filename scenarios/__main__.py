@@ -15,7 +15,7 @@ from engines.shared.step_cost import step_cost
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.output import write_whole
-from reference_lcp.validation import checked_scalar
+from reference_lcp.validation import ParameterError, checked_scalar
 from reference_lcp.visible import visible
 from scenarios.catalogue import CATALOGUE
 from scenarios.cli.options import (
@@ -45,6 +45,7 @@ from scenarios.studies.cost import COST_COLUMNS, SECONDS, cost
 from scenarios.sweeps.dataset import sweep_dataset, write_dataset
 from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.run import stored_table
+from scenarios.sweeps.size import UNCONFIRMED_POINTS, check_size, size_text
 from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
 from scenarios.sweeps.table import points_of
 from scenarios.tables import csv_text, full_table, markdown_lines, print_table, text_table
@@ -95,6 +96,7 @@ def sweep(
         Path | None, typer.Option(help="Write the results that the store holds: NetCDF as .nc, a table as .csv.")
     ] = None,
     ask: Annotated[bool, typer.Option(help="Run what is missing; --no-ask writes what there is.")] = True,
+    yes: Annotated[bool, typer.Option("--yes", help=f"Run more than {UNCONFIRMED_POINTS:,} points.")] = False,
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
@@ -109,10 +111,13 @@ def sweep(
     """
     check_retry(ask, retry_blocked)
     planned = read_sweep(file)
+    if ask:
+        check_size(planned, yes=yes, how="--yes")
     check_out(out, (".nc", ".csv"), [store, file])
     executor = executor_for(workers, time_limit, scheduler)
     with ResultStore(store if ask else existing_store(store)) as stored:
         if ask:
+            print(size_text(planned), file=sys.stderr)
             note_sweep(stored, planned)
             try:
                 print_summary(planned, evaluate_sweep(planned, stored, executor, retry_blocked=retry_blocked))
@@ -177,10 +182,11 @@ def cost_command(
     Example: python -m scenarios run cost --engine mujoco:joint
     """
     check_out(out, (".md", ".csv"), [])
-    checked_scalar("seconds", seconds, "> 0")
+    if checked_scalar("seconds", seconds, "> 0") > TIME_LIMIT:
+        raise ParameterError(f"seconds = {seconds:g}; allowed: > 0 and <= {TIME_LIMIT:g}")
+    variants = chosen_variants(chosen)
     reference = cost(REFERENCE, seconds)
     costs = []
-    variants = chosen_variants(chosen)
     for variant in track(variants, "cost", console=Console(stderr=True), transient=True):
         missing = unavailable_reason(variant)
         if missing is not None:

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Self
 
 import numpy as np
@@ -11,7 +11,15 @@ from numpy.typing import ArrayLike
 
 from reference_lcp.chain import canonical
 from reference_lcp.chain.natural_frequency import highest_square
-from reference_lcp.validation import FloatArray, checked_array, checked_count, checked_per_cell, checked_scalar
+from reference_lcp.validation import (
+    LARGEST_PARAMETER,
+    MOST_CELLS,
+    FloatArray,
+    checked_array,
+    checked_count,
+    checked_per_cell,
+    checked_scalar,
+)
 
 _REQUIREMENTS = {
     "outer_mass": "> 0",
@@ -65,7 +73,7 @@ class Chain:
     friction_coefficient: FloatArray = dataclasses.field(default_factory=lambda: np.zeros(()))
 
     def __post_init__(self) -> None:
-        checked_count("cells", self.cells)
+        checked_count("cells", self.cells, 1, MOST_CELLS)
         for name, requirement in _REQUIREMENTS.items():
             object.__setattr__(self, name, checked_per_cell(name, getattr(self, name), self.cells, requirement))
 
@@ -112,13 +120,20 @@ class Chain:
         ParameterError
             If a ratio is outside its range; the message names the ratio.
         """
-        units = {"outer_mass": outer_mass, "chain_stiffness": chain_stiffness, "base_amplitude": base_amplitude}
-        mass, stiffness, amplitude = (checked_scalar(name, value, "> 0") for name, value in units.items())
-        mu = checked_scalar("friction_coefficient", friction_coefficient, "> 0")
-        outer = checked_array("outer_mass_ratio", outer_mass_ratio, "> 0") * mass
-        springs = checked_array("chain_stiffness_ratio", chain_stiffness_ratio, "> 0") * stiffness
-        inner_mass = checked_array("mass_ratio", mass_ratio, "> 0") * outer
-        inner_stiffness = checked_array("stiffness_ratio", stiffness_ratio, "> 0") * springs
+        units = {
+            "outer_mass": outer_mass,
+            "chain_stiffness": chain_stiffness,
+            "base_amplitude": base_amplitude,
+            "friction_coefficient": friction_coefficient,
+        }
+        checked = (checked_scalar(name, value, "> 0", LARGEST_PARAMETER) for name, value in units.items())
+        mass, stiffness, amplitude, mu = checked
+        positive = partial(checked_array, requirement="> 0", largest=LARGEST_PARAMETER)
+        outer = positive("outer_mass_ratio", outer_mass_ratio) * mass
+        springs = positive("chain_stiffness_ratio", chain_stiffness_ratio) * stiffness
+        inner_mass = positive("mass_ratio", mass_ratio) * outer
+        inner_stiffness = positive("stiffness_ratio", stiffness_ratio) * springs
+        friction = checked_array("friction_ratio", friction_ratio, ">= 0", largest=LARGEST_PARAMETER)
         return cls(
             cells=cells,
             outer_mass=outer,
@@ -127,7 +142,7 @@ class Chain:
             inner_stiffness=inner_stiffness,
             chain_damping=_dashpot("damping_ratio", damping_ratio, springs, outer),
             inner_damping=_dashpot("inner_damping_ratio", inner_damping_ratio, inner_stiffness, inner_mass),
-            normal_force=checked_array("friction_ratio", friction_ratio, ">= 0") * stiffness * amplitude / mu,
+            normal_force=friction * stiffness * amplitude / mu,
             friction_coefficient=np.asarray(mu),
         )
 
@@ -188,4 +203,4 @@ class Chain:
 
 def _dashpot(name: str, ratio: ArrayLike, stiffness: FloatArray, mass: FloatArray) -> FloatArray:
     """Give c = 2 ζ √(k m) of the ratio ζ that has this name."""
-    return 2 * checked_array(name, ratio, ">= 0") * np.sqrt(stiffness * mass)
+    return 2 * checked_array(name, ratio, ">= 0", largest=LARGEST_PARAMETER) * np.sqrt(stiffness * mass)

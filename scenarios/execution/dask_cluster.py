@@ -4,7 +4,7 @@ from collections.abc import Collection
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Any
 
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import ParameterError, shown
 from scenarios.execution.batch import Batch
 from scenarios.execution.executor import TIME_LIMIT, WorkerDied, WorkerExecutor
 from scenarios.execution.identity import identity_of
@@ -26,6 +26,8 @@ def executor_for(workers: int | None, time_limit: float, scheduler: str | None) 
     """
     if scheduler is None:
         return LocalExecutor(workers, time_limit)
+    if not isinstance(scheduler, str):
+        raise ParameterError(f"scheduler = {shown(scheduler)}; allowed: an address such as 'tcp://node1:8786'")
     if workers is not None:
         raise ParameterError(f"workers = {workers} with scheduler = {scheduler!r}; allowed: one of the two")
     return DaskExecutor(scheduler, time_limit)

@@ -14,16 +14,23 @@ from scenarios.execution.store import ResultStore
 from scenarios.tasks.result import Result, ResultStatus, ResultSummary
 from scenarios.tasks.task import Task
 
-AT_ONCE = 20_000
-"""Tasks of `Evaluator.complete` that are in memory at a time."""
+AT_ONCE = 500
+"""Tasks that are looked up in the store at a time: workers wait for it, and the rest is not in memory so far."""
 
 Progress = Callable[[Variant, int], None]
 """Takes how many results a variant has just got: computed ones, or such as need no computation."""
+
+Ended = Callable[[Task, ResultSummary], None]
+"""Takes a task and how it ended."""
 
 _Stored = TypeVar("_Stored", Result, ResultSummary)
 
 
 def _no_progress(_variant: Variant, _count: int) -> None:
+    return
+
+
+def _no_note(_task: Task, _ended: ResultSummary) -> None:
     return
 
 
@@ -67,21 +74,32 @@ class Evaluator(Closing):
         self._results.update(self._run(missing))
         return [self._results[task] for task in tasks]
 
-    def complete(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, ResultSummary]]:
-        """Run what the store does not hold, and release each result once it is stored; gives how each task ended.
+    def complete(self, tasks: Iterable[Task], ended: Ended = _no_note) -> None:
+        """Run what the store does not hold, and release each result once it is stored.
 
-        However many tasks there are, neither they nor their results are in memory together.
+        Tasks are taken as there are workers for them: however many there are, neither they nor their results are in
+        memory together.
+
+        Parameters
+        ----------
+        tasks
+            What is run.
+        ended
+            Called with each task and how it ended.
         """
+        for task, result in self._run(self._missing(tasks, ended)):
+            ended(task, ResultSummary.of(result))
+
+    def _missing(self, tasks: Iterable[Task], ended: Ended) -> Iterator[Task]:
+        """Give the tasks that the store does not hold, and note the others."""
         remaining = iter(tasks)
         while some := list(itertools.islice(remaining, AT_ONCE)):
-            missing = []
             for task, stored in self._stored(some, self._store.summaries):
                 if stored is None:
-                    missing.append(task)
+                    yield task
                 else:
                     self.recalled(task.variant, 1)
-                    yield task, ResultSummary.of(stored)
-            yield from ((task, ResultSummary.of(result)) for task, result in self._run(missing))
+                    ended(task, ResultSummary.of(stored))
 
     def new_tasks(self, tasks: Sequence[Task]) -> list[Task]:
         """Give the tasks that this evaluator has not evaluated so far, each once."""
@@ -106,7 +124,7 @@ class Evaluator(Closing):
             return stored
         return stored if stored.by_engine and not self._retry_blocked else None
 
-    def _run(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Result]]:
+    def _run(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Result]]:
         """Run tasks; gives each with its result, once that is kept."""
         for batch, results in self._executor.run(batches_of(tasks)):
             self._store.keep(zip(batch, results, strict=True))

@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Collection, Iterable, Iterator
 from typing import Generic, Protocol, TypeVar
 
-from reference_lcp.validation import checked_count, checked_scalar
+from reference_lcp.validation import LONGEST_TIME_LIMIT, MOST_WORKERS, checked_count, checked_scalar
 from scenarios.execution.batch import Batch, run_batch
 from scenarios.execution.closing import Closing
 from scenarios.tasks.result import Result
@@ -84,8 +84,8 @@ class WorkerExecutor(Closing, Generic[Run]):
     """
 
     def __init__(self, slots: int, time_limit: float):
-        self._slots = checked_count("workers", slots)
-        self._limit = checked_scalar("time_limit", time_limit, "> 0")
+        self._slots = checked_count("workers", slots, 1, MOST_WORKERS)
+        self._limit = checked_scalar("time_limit", time_limit, "> 0", LONGEST_TIME_LIMIT)
 
     def run(self, batches: Iterable[Batch]) -> Iterator[tuple[Batch, list[Result]]]:
         """Run batches; see `Executor.run`. One whose worker dies is run again task by task."""

@@ -13,6 +13,7 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
 from reference_lcp.one_call import SteadyState
 from reference_lcp.steady.orbits import OrbitStatus, periodic_orbits
+from reference_lcp.validation import ParameterError
 from scenarios.execution.checked_simulation import CheckedSimulation, check_trajectory
 from scenarios.execution.failures import results_together
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
@@ -23,12 +24,14 @@ from scenarios.tasks.task import SteadyStateTask
 def run_steady_states(tasks: Sequence[SteadyStateTask]) -> list[Result]:
     """Find the steady states of tasks of one kind, for one variant, on chains of one length, in order."""
     by_steps: dict[int, list[int]] = defaultdict(list)
-    lanes = []
-    for index, task in enumerate(tasks):
-        lane, steps = task.lane()
-        by_steps[steps].append(index)
-        lanes.append(lane)
+    lanes: dict[int, Lane] = {}
     results: dict[int, Result] = {}
+    for index, task in enumerate(tasks):
+        try:
+            lanes[index], steps = task.lane()
+            by_steps[steps].append(index)
+        except ParameterError as problem:
+            results[index] = Result.blocked(f"cannot be represented: {problem}")
     for steps, indices in by_steps.items():
         recorded = isinstance(tasks[0], RecordedPeriodTask)
         attempt = partial(_results_of_lanes, tasks[0].variant, steps=steps, recorded=recorded)

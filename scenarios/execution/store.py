@@ -16,7 +16,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory, mkdtemp
 from typing import Any, TypeVar
 
-from reference_lcp.validation import ParameterError, RunError
+from reference_lcp.validation import ParameterError, RunError, checked_path
 from scenarios.execution.closing import Closing
 from scenarios.execution.store_file import ATTEMPT_SECONDS, connected, problems_of
 from scenarios.tasks.result import Result, ResultSummary
@@ -98,7 +98,7 @@ class ResultStore(Closing):
     """
 
     def __init__(self, file: Path):
-        self._file = file
+        self._file = checked_path("store", file)
         with errors_of(file):
             self._connection = connected(file)
             try:

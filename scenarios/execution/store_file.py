@@ -4,7 +4,7 @@ import itertools
 import sqlite3
 from pathlib import Path
 
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import ParameterError, checked_path
 
 LARGEST_TEXT = 2**28
 """Bytes that one text of a store may have; a period of 1,000 cells, recorded in full, takes a tenth of it."""
@@ -32,7 +32,7 @@ def checked_store(file: Path) -> Path:
     """
     if str(file).startswith(SPECIAL_NAMES):
         raise ParameterError(f"store {file} keeps nothing or means another file; allowed: the path of a file")
-    if file.is_dir():
+    if checked_path("store", file).is_dir():
         raise ParameterError(f"store {file} is a folder; allowed: a file")
     return file
 

@@ -16,8 +16,8 @@ import numpy as np
 from pydantic import ConfigDict, Field
 from scipy.interpolate import PchipInterpolator
 
-from reference_lcp.validation import FloatArray, ParameterError, checked_count, checked_scalar
-from scenarios.tasks.parameters import Positive
+from reference_lcp.validation import LARGEST_PARAMETER, FloatArray, ParameterError, checked_count, checked_scalar
+from scenarios.tasks.parameters import Decibel, Positive
 from scenarios.verdicts.finding import FLOOR_DB
 
 START_POINTS = 17
@@ -28,6 +28,9 @@ LEAST_SPACING = 5e-5
 
 MOST_POINTS = 500
 """Points after which a curve is left as it is unless a number is given."""
+
+MOST_VALUES = 1_000_000
+"""Most values of one axis: they are in memory, 100 MB of them, while the points of a grid are not."""
 
 MARGIN = 0.5
 """Part of the accuracy that the prediction of a middle may miss by.
@@ -63,14 +66,14 @@ class AdaptiveAxis:
 
     first: Positive
     last: Positive
-    accuracy_db: Positive
+    accuracy_db: Decibel
     least_spacing: Positive = LEAST_SPACING
-    most_points: Annotated[int, Field(ge=START_POINTS, strict=True)] = MOST_POINTS
+    most_points: Annotated[int, Field(ge=START_POINTS, le=MOST_VALUES, strict=True)] = MOST_POINTS
 
     def __post_init__(self) -> None:
         for name in ("first", "last", "accuracy_db", "least_spacing"):
-            checked_scalar(f"grid.frequency_ratio.{name}", getattr(self, name), "> 0")
-        checked_count("grid.frequency_ratio.most_points", self.most_points, START_POINTS)
+            checked_scalar(f"grid.frequency_ratio.{name}", getattr(self, name), "> 0", LARGEST_PARAMETER)
+        checked_count("grid.frequency_ratio.most_points", self.most_points, START_POINTS, MOST_VALUES)
         if self.last <= self.first:
             raise ParameterError(f"grid.frequency_ratio.last = {self.last:g}; allowed: > first = {self.first:g}")
 

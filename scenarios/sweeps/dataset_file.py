@@ -5,7 +5,7 @@ from pathlib import Path
 import h5py
 import xarray as xr
 
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import ParameterError, checked_path
 
 LARGEST_DATASET = 2**30
 """Bytes of all arrays of a dataset in memory; 20,000 points take a fiftieth of it. A compressed file may claim more."""
@@ -21,7 +21,7 @@ def read_dataset(file: Path) -> xr.Dataset:
     """
     if file.suffix != ".nc":
         raise ParameterError(f"{file} has the ending {file.suffix!r}; allowed: .nc, .toml or .sqlite")
-    if not file.is_file():
+    if not checked_path("dataset", file).is_file():
         raise ParameterError(f"{file} cannot be read: there is no such file; allowed: NetCDF")
     try:
         _check_links(file)

@@ -13,7 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from engines.interface.tolerances import SCHEME_TOLERANCE_DB
 from reference_lcp.observables.transition_matching import match_transitions
-from reference_lcp.validation import FloatArray, ParameterError, checked_scalar
+from reference_lcp.validation import LARGEST_DECIBEL, FloatArray, ParameterError, checked_scalar
 from scenarios.execution.store import ResultStore
 from scenarios.execution.store_file import existing_store
 from scenarios.tasks.result import Result, ResultStatus
@@ -66,7 +66,9 @@ class Thresholds:
     transition: float = 0.005
 
     def __post_init__(self) -> None:
-        checked_scalar("threshold of transmittance", self.transmittance_db, "> 0")
+        level = checked_scalar("threshold of transmittance", self.transmittance_db, "> 0")
+        if level > LARGEST_DECIBEL:
+            raise ParameterError(f"threshold of transmittance = {level:g} dB; allowed: > 0 and <= {LARGEST_DECIBEL:g}")
         for name in ("stuck_fraction", "transition"):
             if not 0 < getattr(self, name) <= 1:
                 raise ParameterError(f"threshold of {name} = {getattr(self, name)}; allowed: > 0 and <= 1")

@@ -187,8 +187,9 @@ def test_stored_answers_complete_with_what_is_kept_and_say_what_is_missing(store
     counted = []
     with StoredResults(store) as stored:
         stored.recalled = lambda asked, count: counted.append((asked, count))
-        found = list(stored.complete([kept, unknown, absent]))
-    assert found == [
+        ends = []
+        stored.complete([kept, unknown, absent], lambda *end: ends.append(end))
+    assert ends == [
         (kept, ResultSummary(ResultStatus.PERIOD_LIMIT, 400, 0)),
         (unknown, ResultSummary(ResultStatus.MISSING, reason="not evaluated so far")),
         (absent, ResultSummary(ResultStatus.BLOCKED, reason="not installed: no wheel")),
@@ -196,7 +197,7 @@ def test_stored_answers_complete_with_what_is_kept_and_say_what_is_missing(store
     assert counted == [(asked.variant, 1) for asked in (kept, unknown, absent)]
 
 
-def test_complete_takes_tasks_and_gives_their_ends_a_part_at_a_time(store, monkeypatch) -> None:
+def test_complete_takes_tasks_a_part_at_a_time_as_their_results_come(store, monkeypatch) -> None:
     """Ten thousand tasks or ten: as many as `AT_ONCE` are in memory, and no result."""
     monkeypatch.setattr(evaluation, "AT_ONCE", 3)
     monkeypatch.setattr(evaluation, "batches_of", lambda tasks: ([task] for task in tasks))
@@ -208,12 +209,15 @@ def test_complete_takes_tasks_and_gives_their_ends_a_part_at_a_time(store, monke
             return ((batch, [Result(status="converged", periods=9)]) for batch in batches)
 
     evaluator = Evaluator(store, Invented())
-    ends = evaluator.complete(taken.append(task) or task for task in tasks)
-    assert next(ends) == (tasks[0], ResultSummary(ResultStatus.CONVERGED, 9))
-    assert taken == tasks[:3]
-    assert {task.frequency_ratio: end.periods for task, end in ends} == {
-        task.frequency_ratio: 400 if task == tasks[4] else 9 for task in tasks[1:]
-    }
+    ends, in_memory = {}, []
+
+    def note(task, end) -> None:
+        ends[task.frequency_ratio] = end.periods
+        in_memory.append(len(taken) - len(ends))
+
+    evaluator.complete((taken.append(task) or task for task in tasks), note)
+    assert max(in_memory) < 3
+    assert ends == {task.frequency_ratio: 400 if task == tasks[4] else 9 for task in tasks}
     assert evaluator.new_tasks(tasks) == tasks
     assert [result.periods for result in store.results(tasks)] == [9, 9, 9, 9, 400, 9, 9]
 
