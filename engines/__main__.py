@@ -25,6 +25,8 @@ app = typer.Typer(name="python -m engines", add_completion=False, pretty_excepti
 def engines(as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
     """List every registered engine: its version, its friction law, what it supports, and why it is missing if it is.
 
+    Exit code 0: listed, installed or not; 2: wrong input; 130: interrupted.
+
     Example: python -m engines --json
     """
     rows = [described(name) for name in registered_names()]

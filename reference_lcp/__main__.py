@@ -24,6 +24,7 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.console import checked_output_file, run_command
 from reference_lcp.exact.steady import EXACT_RESIDUAL
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.observables.stick_slip import Transition
 from reference_lcp.one_call import SOLVERS, SteadyState, steady_state
 from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
@@ -68,7 +69,8 @@ def run(
 
     The scheme is Euler's discretisation with a linear complementarity problem in every step; the
     solver "exact" goes from event to event instead, and has no error of a time step.
-    Exit code 0: converged; 1: no steady state within the periods; 2: wrong input.
+    Exit code 0: converged; 1: no steady state within the periods; 2: wrong input; 3: --plot could not be written at
+    the end; 130: interrupted.
 
     Example: python -m reference_lcp --friction-ratio 0.6 --frequency-ratio 1.3 --plot period.png
     """
@@ -104,7 +106,7 @@ def run(
         _print(state, reason)
     if plot is not None:
         plot_period(state.orbit, plot)
-    raise typer.Exit(0 if state.orbit.converged else 1)
+    raise typer.Exit(ExitCode.DONE if state.orbit.converged else ExitCode.FAILED)
 
 
 @app.command("bench")
@@ -113,6 +115,8 @@ def print_bench(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Measure the speed of the reference on this machine.
+
+    Exit code 0: measured; 2: wrong input; 130: interrupted.
 
     Example: python -m reference_lcp bench --cells
     """
@@ -132,6 +136,8 @@ def print_convergence(
     """Halve the time step six times from 400 steps a period, and compare with the exact solver.
 
     Canonical chain, at the stick-slip points (friction ratio, frequency ratio) of the test suite.
+    Exit code 0: compared, whatever the orders; 2: wrong input; 3: --plot could not be written at the end; 130:
+    interrupted.
 
     Example: python -m reference_lcp convergence --plot convergence.png
     """

@@ -1,30 +1,20 @@
-"""How every command of the suite ends: wrong input gives one clear line and exit code 2."""
+"""How every command of the suite ends: with an exit code of one table, and one clear line where it is not 0."""
 
 import io
 import os
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import typer
 
-from reference_lcp.interrupt import (
-    INTERRUPTED,
-    announce_interrupt,
-    closing_on_interrupt,
-    end_interrupted,
-    interrupt_pending,
-)
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.interrupt import announce_interrupt, closing_on_interrupt, end_interrupted, interrupt_pending
 from reference_lcp.validation import SHOWN, ParameterError, RunError, checked_path
 from reference_lcp.visible import visible
-
-WRONG_INPUT = 2
-"""Exit code of a command whose input is refused."""
-
-RUN_FAILED = 3
-"""Exit code of a command whose run cannot go on."""
 
 INSTALLED = Path(__file__).resolve().parents[1]
 """Where the packages of the suite lie."""
@@ -43,43 +33,59 @@ UsageError: Any = typer.BadParameter.__base__
 
 
 def run_command(app: typer.Typer, arguments: list[str] | None = None) -> int:
-    """Run a command line and give its exit code.
+    """Run a command line and give its `ExitCode`.
 
-    Wrong options and `ParameterError` become one line on standard error and `WRONG_INPUT`, `RunError` and
-    `RUN_FAILED`, Ctrl-C and `INTERRUPTED`.
+    Wrong options, `ParameterError`, `RunError` and Ctrl-C become one line on standard error.
     """
     _prepare()
     with closing_on_interrupt():
         try:
-            code = _exit_code(app, arguments)
+            code = _exit_code(app, sys.argv[1:] if arguments is None else arguments)
         except KeyboardInterrupt:
-            code = INTERRUPTED
+            code = ExitCode.INTERRUPTED
         except Exception:
             if not interrupt_pending():
                 raise
-            code = INTERRUPTED  # a module that was being imported may turn Ctrl-C into an error of its own
-        if code == INTERRUPTED:
+            code = ExitCode.INTERRUPTED  # a module that was being imported may turn Ctrl-C into an error of its own
+        if code == ExitCode.INTERRUPTED:
             announce_interrupt("error: interrupted")
             end_interrupted()
         return code
 
 
-def _exit_code(app: typer.Typer, arguments: list[str] | None) -> int:
-    command = typer.main.get_command(app)
+def _exit_code(app: typer.Typer, arguments: list[str]) -> int:
     try:
-        result = command.main(arguments, prog_name=app.info.name, standalone_mode=False)
+        with _standard_output():
+            result = typer.main.get_command(app).main(arguments, prog_name=app.info.name, standalone_mode=False)
     except typer.Abort:
-        return INTERRUPTED
+        return ExitCode.INTERRUPTED
     except UsageError as problem:
-        print_error(_message(problem, sys.argv[1:] if arguments is None else arguments))
-        return WRONG_INPUT
+        return _ended(ExitCode.WRONG_INPUT, _message(problem, arguments))
     except ParameterError as problem:
-        print_error(str(problem))
-        return WRONG_INPUT
+        return _ended(ExitCode.WRONG_INPUT, str(problem))
     except RunError as problem:
-        print_error(str(problem))
-        return RUN_FAILED
-    return result if isinstance(result, int) else 0
+        return _ended(ExitCode.RUN_FAILED, str(problem))
+    return result if isinstance(result, int) else ExitCode.DONE
+
+
+def _ended(code: ExitCode, message: str) -> ExitCode:
+    """Say why a command ends early."""
+    print_error(message)
+    return code
+
+
+@contextmanager
+def _standard_output() -> Iterator[None]:
+    """Make sure at the end that all that was printed has arrived: it may go into a file on a full disk."""
+    try:
+        yield
+        sys.stdout.flush()
+    except (OSError, SystemExit) as problem:  # click ends the program where a pipe is closed
+        if getattr(problem, "filename", None) is not None:
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python writes what is left at its end
+        reason = getattr(problem, "strerror", "closed pipe")
+        raise RunError(f"standard output cannot be written: {reason}") from None
 
 
 def _prepare() -> None:

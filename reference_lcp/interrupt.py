@@ -1,6 +1,6 @@
 """Ctrl-C ends a command within two seconds, with one line and its exit code, also while its modules are imported.
 
-This module imports the standard library only: a command calls `heed_interrupts` before it imports anything else.
+This module imports little but the standard library: a command calls `heed_interrupts` before it imports anything else.
 """
 
 import os
@@ -12,8 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Thread
 
-INTERRUPTED = 130
-"""Exit code of a command that was stopped by Ctrl-C, as shells give it."""
+from reference_lcp.exit_code import ExitCode
 
 CLOSE_SECONDS = 1.5
 """What a command has to close what it holds; then it ends as it is. Stores and outputs bear that."""
@@ -90,7 +89,7 @@ def end_interrupted() -> None:
     if _State.watched:
         sys.stdout.flush()
         sys.stderr.flush()
-        os._exit(INTERRUPTED)
+        os._exit(ExitCode.INTERRUPTED)
 
 
 def _pass(_signal: int, _frame: object) -> None:
@@ -109,7 +108,7 @@ def _end_process(reader: int) -> None:
     _wait_for_interrupt(reader, _State.seconds)
     if not _State.announced:
         os.write(2, b"error: interrupted\n")
-    os._exit(INTERRUPTED)
+    os._exit(ExitCode.INTERRUPTED)
 
 
 def _wait_for_interrupt(reader: int, seconds: float | None) -> None:

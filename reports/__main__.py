@@ -17,13 +17,14 @@ import typer
 from engines.interface.registry import default_engine_names, engine_names
 from engines.interface.variant import Variant
 from reference_lcp.console import run_command
-from reference_lcp.interrupt import INTERRUPTED, announce_interrupt
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.interrupt import announce_interrupt
 from reference_lcp.validation import ParameterError
 from reports.cli.animate import animate
 from reports.cli.compare import compare
 from reports.data.collect import QUICK, Scope
 from reports.write import STORE, check_folder, write_dataset_report, write_sweep_report
-from scenarios.cli.options import Limit, Scheduler, Workers
+from scenarios.cli.options import Limit, Retry, Scheduler, Workers, check_retry
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.executor import TIME_LIMIT
 from scenarios.execution.store_file import existing_store
@@ -84,16 +85,19 @@ def report(
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
+    retry_blocked: Retry = False,
 ) -> None:
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
     Results are kept: a second run takes seconds, and an interrupted one goes on where it was.
-    Exit code 0: the page is written, whatever the verdicts; 2: wrong input.
+    Exit code 0: the page is written, whatever the verdicts; 2: wrong input; 3: results or the page could not be kept;
+    130: interrupted.
 
     Example: python -m reports --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
     """
     if context.invoked_subcommand is not None:
         return
+    check_retry(ask, retry_blocked)
     if data is not None:
         if sweep is not None or chosen or quick:
             raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
@@ -108,11 +112,11 @@ def report(
     try:
         page = write_sweep_report(
             planned, out, _command(chosen, quick, sweep), store=store, ask=ask, scope=QUICK if quick else Scope(),
-            executor=executor,
+            executor=executor, retry_blocked=retry_blocked,
         )  # fmt: skip
     except KeyboardInterrupt:
         announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
-        raise typer.Exit(INTERRUPTED) from None
+        raise typer.Exit(ExitCode.INTERRUPTED) from None
     print(page)
 
 

@@ -60,6 +60,7 @@ def write_sweep_report(
     ask: bool = True,
     scope: Scope | None = None,
     executor: Executor | None = None,
+    retry_blocked: bool = False,
 ) -> Path:
     """Write the report of a sweep, in which the reference takes part.
 
@@ -79,6 +80,8 @@ def write_sweep_report(
         The parts of the report beside the grid.
     executor
         Runs the tasks; processes on this machine without it.
+    retry_blocked
+        Whether points are run again at which their engine has failed before.
     """
     chosen = scope or Scope()
     executor = executor or executor_for(None, TIME_LIMIT, None)
@@ -90,7 +93,10 @@ def write_sweep_report(
             return _written(collect(sweep, stored, StoredResults(stored), command, scope=chosen), folder)
         note_sweep(stored, sweep)
         bars = stack.enter_context(ProgressBars(sweep.variants))
-        evaluator = stack.enter_context(CountingEvaluator(stored, executor, expected_tasks(sweep, chosen), bars))
+        expected = expected_tasks(sweep, chosen)
+        evaluator = stack.enter_context(
+            CountingEvaluator(stored, executor, expected, bars, retry_blocked=retry_blocked)
+        )
         report = collect(sweep, stored, evaluator, command, scope=chosen)
     return _written(report, folder)
 

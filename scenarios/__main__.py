@@ -19,7 +19,8 @@ from rich.progress import track
 from engines.interface.variant import Variant
 from engines.shared.step_cost import step_cost
 from reference_lcp.console import run_command
-from reference_lcp.interrupt import INTERRUPTED, announce_interrupt
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.interrupt import announce_interrupt
 from reference_lcp.output import write_whole
 from reference_lcp.validation import ParameterError, checked_scalar
 from reference_lcp.visible import visible
@@ -27,10 +28,12 @@ from scenarios.catalogue import CATALOGUE
 from scenarios.cli.options import (
     Chosen,
     Limit,
+    Retry,
     Scheduler,
     Store,
     Workers,
     check_out,
+    check_retry,
     chosen_variants,
     store_of_run,
 )
@@ -71,6 +74,8 @@ add_scenarios(run)
 def catalogue(context: typer.Context) -> None:
     """List scenarios and measurements; `python -m scenarios run NAME` runs one, `run all` every scenario.
 
+    Exit code 0: listed; 2: wrong input; 130: interrupted.
+
     Example: python -m scenarios run unit-cell --engine mujoco --engine pybullet:joint
     """
     if context.invoked_subcommand is None:
@@ -80,6 +85,8 @@ def catalogue(context: typer.Context) -> None:
 @app.command()
 def example() -> None:
     """Print a commented file of parameters for `sweep`.
+
+    Exit code 0: printed; 2: wrong input; 3: standard output could not be written; 130: interrupted.
 
     Example: python -m scenarios example > sweep.toml
     """
@@ -100,13 +107,16 @@ def sweep(
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
+    retry_blocked: Retry = False,
 ) -> None:
     """Run every combination of parameters of a file, with every engine of the file.
 
-    Exit code 0: every point has a result or a reason why not; 2: wrong input; 130: interrupted.
+    Exit code 0: every point has a result or a reason why not; 2: wrong input; 3: results or --out could not be kept;
+    130: interrupted.
 
     Example: python -m scenarios sweep sweep.toml --out sweep.nc
     """
+    check_retry(ask, retry_blocked)
     planned = read_sweep(file)
     if ask:
         check_size(planned, yes=yes, how="--yes")
@@ -117,10 +127,10 @@ def sweep(
             print(size_text(planned), file=sys.stderr)
             note_sweep(stored, planned)
             try:
-                print_summary(planned, evaluate_sweep(planned, stored, executor))
+                print_summary(planned, evaluate_sweep(planned, stored, executor, retry_blocked=retry_blocked))
             except KeyboardInterrupt:
                 announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
-                raise typer.Exit(INTERRUPTED) from None
+                raise typer.Exit(ExitCode.INTERRUPTED) from None
         if out is None and planned.tolerance is None:
             return
         whole, table = stored_table(planned, stored)
@@ -142,16 +152,18 @@ def accuracy(
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
+    retry_blocked: Retry = False,
 ) -> None:
     """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
 
-    Exit code 0: the table is complete, whatever it says; 2: wrong input.
+    Exit code 0: the table is complete, whatever it says; 2: wrong input; 3: results or --out could not be kept; 130:
+    interrupted.
 
     Example: python -m scenarios run accuracy --store accuracy.sqlite --out accuracy.md
     """
     variants = chosen_variants(chosen)
     check_out(out, (".md", ".csv"), [store])
-    measured = _accuracies(variants, store, executor_for(workers, time_limit, scheduler))
+    measured = _accuracies(variants, store, executor_for(workers, time_limit, scheduler), retry_blocked)
     rows: list[AccuracyRow] = [(row, step_cost(row.variant) if cost and row.certified else None) for row in measured]
     _print_accuracy(rows)
     if out is not None:
@@ -172,6 +184,7 @@ def cost_command(
     """Time steps and steady states of each variant, with one and with two worker processes, beside the reference.
 
     A step: in the adapter, without (advance) and with a record (run), and in the engine's own bare loop.
+    Exit code 0: measured; 2: wrong input; 3: --out could not be written at the end; 130: interrupted.
 
     Example: python -m scenarios run cost --engine mujoco:joint
     """
@@ -203,13 +216,13 @@ def _print_catalogue() -> None:
     print("python -m scenarios run NAME runs one, python -m scenarios run all every scenario.")
 
 
-def _accuracies(variants: list[Variant], store: Path | None, executor: Executor) -> list[Accuracy]:
+def _accuracies(variants: list[Variant], store: Path | None, executor: Executor, retry_blocked: bool) -> list[Accuracy]:
     """Run everything, with bars on the way."""
     expected = [*exact_tasks().values(), *(task for variant in variants for task in accuracy_tasks(variant))]
     with (
         store_of_run(store) as stored,
         ProgressBars([EXACT, *variants]) as bars,
-        CountingEvaluator(stored, executor, expected, bars) as evaluator,
+        CountingEvaluator(stored, executor, expected, bars, retry_blocked=retry_blocked) as evaluator,
     ):
         return accuracies(variants, evaluator)
 

@@ -57,6 +57,7 @@ def sweep(
     workers: int | None = None,
     time_limit: float = TIME_LIMIT,
     scheduler: str | None = None,
+    retry_blocked: bool = False,
     yes: bool = False,
 ) -> xr.Dataset:
     """Simulate every combination of values by every engine, and give the steady states as labelled arrays.
@@ -91,6 +92,9 @@ def sweep(
         Seconds that a batch of points may take; an engine that hangs is stopped then.
     scheduler
         Address of a dask scheduler whose workers compute, instead of this machine's.
+    retry_blocked
+        Whether points are run again at which, by the store, their engine has failed: crashed, raised an error or
+        passed the time limit.
     yes
         Run more than a million points.
 
@@ -119,7 +123,7 @@ def sweep(
     file = None if store is None else checked_path("store", store)
     with opened_store(file) as stored, executor_for(workers, time_limit, scheduler) as executor:
         note_sweep(stored, planned)
-        _evaluate(planned, stored, executor)
+        _evaluate(planned, stored, executor, retry_blocked)
         return sweep_dataset(*stored_table(planned, stored), file)
 
 
@@ -131,6 +135,7 @@ def check(
     workers: int | None = None,
     time_limit: float = TIME_LIMIT,
     scheduler: str | None = None,
+    retry_blocked: bool = False,
 ) -> pd.DataFrame:
     """Run a scenario of the catalogue and judge every number of every engine.
 
@@ -140,7 +145,7 @@ def check(
         Its name, see ``python -m scenarios``, or ``"all"``.
     engines
         Names as for `sweep`; those that come with the suite without it.
-    store, workers, time_limit, scheduler
+    store, workers, time_limit, scheduler, retry_blocked
         As for `sweep`.
 
     Returns
@@ -160,7 +165,9 @@ def check(
     with (
         opened_store(None if store is None else checked_path("store", store)) as stored,
         ProgressBars(variants) as bars,
-        CountingEvaluator(stored, executor_for(workers, time_limit, scheduler), [], bars) as evaluator,
+        CountingEvaluator(
+            stored, executor_for(workers, time_limit, scheduler), [], bars, retry_blocked=retry_blocked
+        ) as evaluator,
     ):
         return finding_table({item: item.run(variants, evaluator) for item in chosen})
 
@@ -175,13 +182,16 @@ def _validated(content: Mapping[str, Any]) -> Sweep:
     return planned.with_reference() if judged else planned
 
 
-def _evaluate(planned: Sweep, store: ResultStore, executor: Executor) -> None:
+def _evaluate(planned: Sweep, store: ResultStore, executor: Executor, retry_blocked: bool) -> None:
     """Evaluate the points, and with other numbers of steps too where verdicts need the errors of steps."""
     judged = CONVERGED in planned.variants
     if planned.frequencies is None or not judged:
-        evaluate_sweep(planned, store, executor, judged=judged)
+        evaluate_sweep(planned, store, executor, judged=judged, retry_blocked=retry_blocked)
         return
-    with ProgressBars(planned.variants) as bars, CountingEvaluator(store, executor, [], bars) as evaluator:
+    with (
+        ProgressBars(planned.variants) as bars,
+        CountingEvaluator(store, executor, [], bars, retry_blocked=retry_blocked) as evaluator,
+    ):
         run_sweep(planned, evaluator)
         evaluator.evaluate(tasks_of(*stored_table(planned, store)))
 

@@ -13,7 +13,8 @@ import reference_lcp.one_call
 import reports.__main__
 import reports.cli.animate
 import scenarios.__main__
-from reference_lcp.console import WRONG_INPUT, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import WorkerExecutor
 from scenarios.sweeps.spec_file import EXAMPLE
@@ -201,10 +202,10 @@ def refusal(name: str, arguments: list[str], capsys: pytest.CaptureFixture[str])
         capsys.readouterr()
         return f"{type(problem).__name__}: {problem!s:.200}"
     error = capsys.readouterr().err
-    if code not in (0, WRONG_INPUT):
+    if code not in (0, ExitCode.WRONG_INPUT):
         return f"exit code {code}: {error:.200}"
     lines = [line for line in error.splitlines() if line.startswith("error: ")]
-    if code == WRONG_INPUT and (len(lines) != 1 or len(error) > LONGEST_LINE or "Traceback" in error):
+    if code == ExitCode.WRONG_INPUT and (len(lines) != 1 or len(error) > LONGEST_LINE or "Traceback" in error):
         return f"{len(lines)} lines, {len(error)} characters: {error:.200}"
     return None
 

@@ -10,7 +10,8 @@ import engines.__main__
 import reference_lcp.__main__
 import reports.__main__
 import scenarios.__main__
-from reference_lcp.console import WRONG_INPUT, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from scenarios.catalogue import CATALOGUE
 
 APPS = {
@@ -144,7 +145,7 @@ def files_in(folder: Path) -> dict[Path, bytes | None]:
 def test_wrong_command_line_is_refused_with_its_value(folder, capsys, line, message) -> None:
     before = files_in(folder)
     name, *arguments = line.split()
-    assert run_command(APPS[name], arguments) == WRONG_INPUT
+    assert run_command(APPS[name], arguments) == ExitCode.WRONG_INPUT
     printed = capsys.readouterr()
     assert printed.err.startswith("error: ")
     assert len(printed.err.splitlines()) == 1
@@ -157,7 +158,7 @@ def test_wrong_command_line_is_refused_with_its_value(folder, capsys, line, mess
 def test_wrong_sweep_file_is_refused_with_file_key_and_value(folder, capsys, content, message) -> None:
     (folder / "mine.toml").write_text(content)
     before = files_in(folder)
-    assert run_command(APPS["scenarios"], ["sweep", "mine.toml"]) == WRONG_INPUT
+    assert run_command(APPS["scenarios"], ["sweep", "mine.toml"]) == ExitCode.WRONG_INPUT
     printed = capsys.readouterr().err
     assert printed.startswith("error: mine.toml")
     assert re.search(message, printed), printed
@@ -174,12 +175,12 @@ def test_sweep_of_ten_million_points_says_its_size_and_asks_for_a_yes(folder, ca
     (folder / "large.toml").write_text(LARGE)
     before = files_in(folder)
     name, *arguments = command.split()
-    assert run_command(APPS[name], arguments) == WRONG_INPUT
+    assert run_command(APPS[name], arguments) == ExitCode.WRONG_INPUT
     assert re.search(r"0,000,000 points, .* h of .*allowed: <= 1,000,000 points", capsys.readouterr().err)
     assert files_in(folder) == before
 
 
 def test_misspelt_engine_is_refused_before_the_reference_is_measured(folder, capsys, monkeypatch) -> None:
     monkeypatch.setattr(scenarios.__main__, "cost", lambda *_: pytest.fail("something was measured"))
-    assert run_command(APPS["scenarios"], ["run", "cost", "--engine", "mujocko"]) == WRONG_INPUT
+    assert run_command(APPS["scenarios"], ["run", "cost", "--engine", "mujocko"]) == ExitCode.WRONG_INPUT
     assert "engine = 'mujocko' is unknown" in capsys.readouterr().err

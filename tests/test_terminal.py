@@ -11,7 +11,8 @@ import engines.__main__
 import reference_lcp.__main__
 import reports.__main__
 import scenarios.__main__
-from reference_lcp.console import WRONG_INPUT, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.visible import visible
 
 APPS = {
@@ -50,7 +51,7 @@ def test_an_output_without_greek_letters_ends_no_command(monkeypatch, line, enco
 
 def test_a_file_name_that_is_no_text_is_printed(monkeypatch) -> None:
     monkeypatch.setattr(sys, "stderr", io.TextIOWrapper(io.BytesIO(), encoding="utf-8"))
-    assert run_command(APPS["scenarios"], ["sweep", os.fsdecode(b"\xff.toml")]) == WRONG_INPUT
+    assert run_command(APPS["scenarios"], ["sweep", os.fsdecode(b"\xff.toml")]) == ExitCode.WRONG_INPUT
     sys.stderr.flush()
     assert sys.stderr.buffer.getvalue().startswith(rb"error: \udcff.toml cannot be read")
 
@@ -83,7 +84,7 @@ def test_a_message_about_a_strangers_file_is_one_line_that_no_terminal_obeys(tmp
     file.write_text(
         'engines = ["\\u001b]0;owned\\u0007\\nerror: fine"]\n[grid]\nfriction_ratio = [0]\nfrequency_ratio = [1]'
     )
-    assert run_command(APPS["scenarios"], ["sweep", str(file)]) == WRONG_INPUT
+    assert run_command(APPS["scenarios"], ["sweep", str(file)]) == ExitCode.WRONG_INPUT
     printed = capsys.readouterr().err
     assert "\x1b" not in printed
     assert len(printed.splitlines()) == 1

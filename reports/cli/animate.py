@@ -8,11 +8,12 @@ import typer
 
 from engines.interface.variant import Variant
 from reference_lcp.console import checked_output_file
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.output import replacing
 from reference_lcp.validation import ParameterError, checked_count
 from reference_lcp.visible import visible
 from scenarios.cli.options import store_of_run
-from scenarios.execution.evaluator import Evaluator
+from scenarios.execution.evaluator import Evaluator, unavailable_reason
 from scenarios.execution.executor import TIME_LIMIT
 from scenarios.execution.local_processes import LocalExecutor
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
@@ -33,7 +34,8 @@ def animate(
 ) -> None:
     """Animate one period of the steady state: outer masses as frames, inner masses coloured by stick and slip.
 
-    Exit code 0: the file is written; 1: the engine has no steady state there, with the reason; 2: wrong input.
+    Exit code 0: the file is written; 1: the engine has no steady state there, with the reason; 2: wrong input, or the
+    engine is not installed; 3: the file could not be written at the end; 130: interrupted.
 
     Example: python -m reports animate --engine mujoco:contact --friction-ratio 0.3 --out chain.gif
     """
@@ -46,10 +48,13 @@ def animate(
     if out.suffix not in ENDINGS:
         raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(ENDINGS)}")
     checked_output_file("--out", out)
+    missing = unavailable_reason(variant)
+    if missing is not None:
+        raise ParameterError(f"--engine = {chosen} is not installed: {missing}; allowed: one that is")
     period = period_of(task, time_limit)
     if not period.known:
         print(visible(f"{variant.title}: {period.reason}"), file=sys.stderr)
-        raise typer.Exit(1)
+        raise typer.Exit(ExitCode.FAILED)
     from reports.figures.animation import write_animation  # matplotlib is imported once a backend is chosen
 
     with replacing(out) as part:

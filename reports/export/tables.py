@@ -28,6 +28,7 @@ BAND_EDGE_COLUMNS: tuple[Column[BandEdge], ...] = (
 POINT_COLUMNS: tuple[Column[Point], ...] = (Column("frequency_ratio", lambda point: point.frequency_ratio),)
 TRANSMITTANCE_COLUMNS: tuple[Column[Point], ...] = (
     *POINT_COLUMNS,
+    Column("status", lambda point: str(point.result.status)),
     Column("transmittance_db", lambda point: point.result.transmittance_db),
     Column("residual", lambda point: point.result.residual),
     Column("difference_db", lambda point: point.comparison.difference),

@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 
 from engines.interface.variant import Variant
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.output import write_whole
 from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.base import Scenario
@@ -26,10 +27,12 @@ from scenarios.catalogue.verdict_table import (
 from scenarios.cli.options import (
     Chosen,
     Limit,
+    Retry,
     Scheduler,
     Store,
     Workers,
     check_out,
+    check_retry,
     chosen_variants,
     store_of_run,
 )
@@ -40,9 +43,6 @@ from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store_file import existing_store
 from scenarios.tables import plain, printed_table
 from scenarios.verdicts.finding import Finding
-
-UNEXPLAINED = 1
-"""Exit code where no known deviation explains a disagreement."""
 
 LEAST_WIDTH = 200
 """Columns that tables may take where the output is no terminal."""
@@ -65,6 +65,7 @@ class _Run:
     scenarios: Sequence[Scenario]
     variants: Sequence[Variant]
     command: str
+    retry_blocked: bool
 
 
 def add_scenarios(run: typer.Typer) -> None:
@@ -79,7 +80,7 @@ def _help(name: str, summary: str, options: str = "") -> str:
     """Give the help of a command: the physical question, the exit codes, an example."""
     return (
         f"{summary}\n\nExit code 0: a known deviation explains every disagreement, if there is any; 1: not so; "
-        "2: wrong input; 130: interrupted.\n\n"
+        "2: wrong input; 3: results or --out could not be kept; 130: interrupted.\n\n"
         f"Example: python -m scenarios run {name}{options} --engine mujoco --out verdicts.md"
     )
 
@@ -96,9 +97,11 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[Scenario], summary: st
         workers: Workers = None,
         time_limit: Limit = TIME_LIMIT,
         scheduler: Scheduler = None,
+        retry_blocked: Retry = False,
     ) -> None:
+        check_retry(ask, retry_blocked)
         check_out(out, ENDINGS, [store])
-        chosen_run = _chosen_run(name, scenarios, chosen, [] if ask else ["--no-ask"])
+        chosen_run = _chosen_run(name, scenarios, chosen, [] if ask else ["--no-ask"], retry_blocked)
         _perform(chosen_run, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
 
 
@@ -118,7 +121,9 @@ def _add_record(run: typer.Typer, name: str, scenarios: Sequence[Scenario], summ
         workers: Workers = None,
         time_limit: Limit = TIME_LIMIT,
         scheduler: Scheduler = None,
+        retry_blocked: Retry = False,
     ) -> None:
+        check_retry(ask, retry_blocked)
         check_out(out, ENDINGS, [store, record])
         own: Sequence[Scenario] = scenarios
         if record is not None:
@@ -126,15 +131,17 @@ def _add_record(run: typer.Typer, name: str, scenarios: Sequence[Scenario], summ
             scenario.check()
             own = [scenario]
         options = [] if record is None else [f"--record={record}"]
-        chosen_run = _chosen_run(name, own, chosen, options if ask else [*options, "--no-ask"])
+        chosen_run = _chosen_run(name, own, chosen, options if ask else [*options, "--no-ask"], retry_blocked)
         _perform(chosen_run, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
 
 
-def _chosen_run(name: str, scenarios: Sequence[Scenario], chosen: list[str] | None, options: list[str]) -> _Run:
+def _chosen_run(
+    name: str, scenarios: Sequence[Scenario], chosen: list[str] | None, options: list[str], retry_blocked: bool
+) -> _Run:
     """Give what the options choose, before any work."""
     variants = chosen_variants(chosen)
     words = ["python", "-m", "scenarios", "run", name, *(f"--engine={c}" for c in chosen or []), *options]
-    return _Run(scenarios, variants, shlex.join(words))
+    return _Run(scenarios, variants, shlex.join(words), retry_blocked)
 
 
 def _perform(run: _Run, store: Path | None, out: Path | None, executor: Executor | None) -> None:
@@ -144,7 +151,7 @@ def _perform(run: _Run, store: Path | None, out: Path | None, executor: Executor
     if out is not None:
         write_whole(out, verdicts_text(results, run.command, out.suffix))
     if any(unexplained(findings) for findings in results.values()):
-        raise typer.Exit(UNEXPLAINED)
+        raise typer.Exit(ExitCode.FAILED)
 
 
 def _findings(run: _Run, store: Path | None, executor: Executor) -> dict[Scenario, list[Finding]]:
@@ -152,7 +159,7 @@ def _findings(run: _Run, store: Path | None, executor: Executor) -> dict[Scenari
     with (
         store_of_run(store) as stored,
         ProgressBars(run.variants) as bars,
-        CountingEvaluator(stored, executor, [], bars) as evaluator,
+        CountingEvaluator(stored, executor, [], bars, retry_blocked=run.retry_blocked) as evaluator,
     ):
         return {scenario: scenario.run(run.variants, evaluator) for scenario in run.scenarios}
 

@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from reference_lcp.console import WRONG_INPUT, checked_output_file
+from reference_lcp.console import checked_output_file
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.visible import visible
 from scenarios.execution.store_check import check_store, salvage
 
@@ -26,7 +27,8 @@ def check(
 ) -> None:
     """Read every row of a store, and say what is damaged.
 
-    Exit code 0: everything is intact, or the good rows are in NEW; 2: damaged, or no store.
+    Exit code 0: everything is intact, or the good rows are in NEW; 2: damaged, or no store; 3: NEW could not be
+    written; 130: interrupted.
 
     Example: python -m scenarios store check results.sqlite --salvage good.sqlite
     """
@@ -42,4 +44,4 @@ def check(
         salvage(found, new)
         print(visible(f"{new}: {results} results; what is missing is computed again"))
     elif found.damage:
-        raise typer.Exit(WRONG_INPUT)
+        raise typer.Exit(ExitCode.WRONG_INPUT)

@@ -24,13 +24,21 @@ PARTS = (0.5, 0.99, 1.0)
 """Parts of the points whose number of periods is printed: median, 99 % and all."""
 
 
-def evaluate_sweep(sweep: Sweep, store: ResultStore, executor: Executor, *, judged: bool = False) -> SweepSummary:
-    """Run what the store does not hold, with progress bars; for verdicts, with other numbers of steps too."""
+def evaluate_sweep(
+    sweep: Sweep, store: ResultStore, executor: Executor, *, judged: bool = False, retry_blocked: bool = False
+) -> SweepSummary:
+    """Run what the store does not hold, with progress bars; for verdicts, with other numbers of steps too.
+
+    For `retry_blocked` see `Evaluator`.
+    """
     if sweep.frequencies is not None:
         start = [sweep.task(*point) for point in ForTheAccuracy(sweep).due()]
-        with ProgressBars(sweep.variants) as bars, CountingEvaluator(store, executor, start, bars) as counting:
+        with (
+            ProgressBars(sweep.variants) as bars,
+            CountingEvaluator(store, executor, start, bars, retry_blocked=retry_blocked) as counting,
+        ):
             return run_sweep(sweep, counting)
-    with ProgressBars(sweep.variants) as bars, Evaluator(store, executor) as evaluator:
+    with ProgressBars(sweep.variants) as bars, Evaluator(store, executor, retry_blocked=retry_blocked) as evaluator:
         for variant in sweep.variants:
             others = len(refinements(variant, sweep.tolerance)) if judged else 0
             bars.expect(variant, sweep.points // len(sweep.variants) * (1 + others))

@@ -11,7 +11,7 @@ from scenarios.execution.batch import batches_of
 from scenarios.execution.closing import Closing
 from scenarios.execution.executor import Executor, InProcessExecutor
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.result import Result, ResultSummary
+from scenarios.tasks.result import Result, ResultStatus, ResultSummary
 from scenarios.tasks.task import Task
 
 AT_ONCE = 500
@@ -43,6 +43,9 @@ class Evaluator(Closing):
         Where results are looked up and kept.
     executor
         What runs the tasks; it is closed with the evaluator.
+    retry_blocked
+        Whether tasks are run again at which their engine has failed before. Those that other reasons blocked, such as
+        a worker that was killed, are run again in any case.
 
     Attributes
     ----------
@@ -50,8 +53,9 @@ class Evaluator(Closing):
         Called with results that have been computed, and with those that needed no computation.
     """
 
-    def __init__(self, store: ResultStore, executor: Executor):
+    def __init__(self, store: ResultStore, executor: Executor, *, retry_blocked: bool = False):
         self._store = store
+        self._retry_blocked = retry_blocked
         self._executor = executor
         self._results: dict[Task, Result] = {}
         self._unavailable = cache(unavailable_reason)  # looked up once a variant: 100,000 points take no time
@@ -112,7 +116,13 @@ class Evaluator(Closing):
         reasons = [self._skip_reason(task) for task in tasks]
         stored = look_up([task for task, reason in zip(tasks, reasons, strict=True) if reason is None])
         for task, reason in zip(tasks, reasons, strict=True):
-            yield task, next(stored) if reason is None else Result.blocked(reason)
+            yield task, self._recalled(next(stored)) if reason is None else Result.blocked(reason)
+
+    def _recalled(self, stored: _Stored | None) -> _Stored | Result | None:
+        """Give a result of the store; ``None`` if its task is to be run again."""
+        if stored is None or stored.status is not ResultStatus.BLOCKED:
+            return stored
+        return stored if stored.by_engine and not self._retry_blocked else None
 
     def _run(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Result]]:
         """Run tasks; gives each with its result, once that is kept."""
@@ -148,11 +158,8 @@ class StoredResults(Evaluator):
         super().__init__(store, InProcessExecutor())  # it gets no tasks
         store.check_pages()
 
-    def _stored(
-        self, tasks: Sequence[Task], look_up: Callable[[Iterable[Task]], Iterator[_Stored | None]]
-    ) -> Iterator[tuple[Task, _Stored | Result | None]]:
-        for task, stored in super()._stored(tasks, look_up):
-            yield task, stored or Result.missing()
+    def _recalled(self, stored: _Stored | None) -> _Stored | Result | None:
+        return stored or Result.missing()
 
 
 def unavailable_reason(variant: Variant) -> str | None:

@@ -11,6 +11,9 @@ from scenarios.tasks.result import Result
 
 Item = TypeVar("Item")
 
+CIRCUMSTANCES = (MemoryError, OSError)
+"""Errors that say more of the machine than of the engine: too little memory, too many open files, a full disk."""
+
 
 class ExecutorError(RunError):
     """Nothing can be run any more: no process can be started, or no worker of a cluster is left."""
@@ -43,7 +46,7 @@ def results_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]], 
             raise
         if len(items) > 1:
             return [results_together([item], attempt)[0] for item in items]
-        return [Result.blocked(_reason(problem))]
+        return [Result.blocked(_reason(problem), by_engine=not isinstance(problem, CIRCUMSTANCES))]
 
 
 def _reason(problem: BaseException) -> str:

@@ -108,7 +108,7 @@ class LocalWorker:
     def results(self) -> list[Result]:
         """Give the results of a batch that has ended, or raise `WorkerDied`."""
         if not self._silent or self._reply is None:
-            raise WorkerDied(self._reason_of_death())
+            raise self._death()
         self.busy, self.deadline = False, math.inf
         return [Result.blocked(self._reply)] * self._size if isinstance(self._reply, str) else self._reply
 
@@ -141,12 +141,14 @@ class LocalWorker:
         self._silent = True
         self._news.put(None)
 
-    def _reason_of_death(self) -> str:
+    def _death(self) -> WorkerDied:
         """End it, and say why its batch has no results."""
         late = time.monotonic() > self.deadline
         self.end()
         crash_log = self._crash_log.read_text(errors="replace") if self._crash_log.exists() else ""
         reason = reason_of_death(crash_log, self._limit)
-        if reason is not None or not late:
-            return reason or KILLED
-        return limit_reached(self._limit) if self._begun else f"no worker process started within {START_SECONDS:g} s"
+        if reason is None and late and self._begun:
+            reason = limit_reached(self._limit)
+        if reason is not None:
+            return WorkerDied(reason, by_engine=True)
+        return WorkerDied(f"no worker process started within {START_SECONDS:g} s" if late else KILLED)

@@ -67,7 +67,8 @@ def _result(state: SteadyState, stick_margin: float, seconds: float, recorded: b
     """Give the numbers of a steady state; one whose search has diverged has none."""
     orbit = state.orbit
     if not math.isfinite(orbit.residual):
-        return Result.blocked(f"the engine's numbers are not finite, in period {orbit.periods} of the search")
+        reason = f"the engine's numbers are not finite, in period {orbit.periods} of the search"
+        return Result.blocked(reason, by_engine=True)
     if orbit.status is OrbitStatus.DIVERGED:
         return Result(status=ResultStatus(orbit.status), periods=orbit.periods, seconds=seconds)
     drive: Any = orbit.lane.drive

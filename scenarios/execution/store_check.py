@@ -7,7 +7,8 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from reference_lcp.validation import ParameterError
+from reference_lcp.output import replacing
+from reference_lcp.validation import ParameterError, RunError
 from scenarios.execution.store import ResultStore, check_layout, errors_of, intact
 from scenarios.execution.store_file import connected, existing_store, problems_of
 
@@ -70,21 +71,33 @@ def salvage(check: StoreCheck, new: Path) -> None:
     Raises
     ------
     ParameterError
-        If the file is there already, or cannot be written.
+        If the file is there already.
+    RunError
+        If it cannot be written; it is not there then.
     """
     if new.exists() or new.is_symlink():
         raise ParameterError(f"--salvage = {new} is there already; allowed: a new file")
-    ResultStore(new).close()
-    with errors_of(new), closing(connected(new)) as connection, connection:
-        connection.execute("BEGIN IMMEDIATE")
-        for table, columns in COLUMNS.items():
-            values = [
-                tuple(part.decode() if isinstance(part, bytes) and name != "digest" else part
-                      for name, part in zip(columns, row, strict=True))
-                for row in check.good[table]
-            ]  # fmt: skip
-            marks = ", ".join("?" * len(columns))
-            connection.executemany(f"INSERT OR IGNORE INTO {table} ({', '.join(columns)}) VALUES ({marks})", values)
+    with replacing(new) as part:
+        try:
+            ResultStore(part).close()
+            with closing(connected(part)) as connection, connection:
+                connection.execute("BEGIN IMMEDIATE")
+                for table, columns in COLUMNS.items():
+                    _insert(connection, table, columns, check.good[table])
+        except (sqlite3.Error, ParameterError, RunError) as problem:
+            part.with_name(f"{part.name}-journal").unlink(missing_ok=True)
+            raise RunError(f"--salvage = {new} cannot be written: {problem}; it is not there") from None
+
+
+def _insert(connection: sqlite3.Connection, table: str, columns: Sequence[str], rows: Sequence[Row]) -> None:
+    """Write rows as they were read: texts as bytes, a digest at the end."""
+    values = [
+        tuple(part.decode() if isinstance(part, bytes) and name != "digest" else part
+              for name, part in zip(columns, row, strict=True))
+        for row in rows
+    ]  # fmt: skip
+    marks = ", ".join("?" * len(columns))
+    connection.executemany(f"INSERT OR IGNORE INTO {table} ({', '.join(columns)}) VALUES ({marks})", values)
 
 
 def _numbers(connection: sqlite3.Connection, table: str, most: int) -> set[int]:

@@ -12,6 +12,9 @@ LARGEST_TEXT = 2**28
 SPECIAL_NAMES = (":", "file:")
 """How names begin that SQLite knows for something else than a file of this name."""
 
+ATTEMPT_SECONDS = 0.5
+"""How long SQLite waits for a lock; Ctrl-C is heard between such attempts."""
+
 STEPS_A_BYTE = 1
 """Steps of SQLite that a check may take, over the bytes of the file; an intact store takes a fiftieth of one."""
 
@@ -60,7 +63,7 @@ def connected(file: Path, *, read_only: bool = False) -> sqlite3.Connection:
         If it cannot be opened.
     """
     address = f"{checked_store(file).resolve().as_uri()}?mode={'ro' if read_only else 'rwc'}"
-    connection = sqlite3.connect(address, uri=True, isolation_level=None)
+    connection = sqlite3.connect(address, ATTEMPT_SECONDS, uri=True, isolation_level=None)
     connection.text_factory = bytes
     connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_TEXT)
     # views, triggers and generated columns, which no store has, could not call anything either

@@ -250,7 +250,10 @@ def description_of(variant: Variant) -> dict[str, Any]:
 
 
 def write_dataset(data: xr.Dataset, file: Path) -> None:
-    """Write labelled results as NetCDF (``.nc``) or as a table (``.csv``), one point a line."""
+    """Write labelled results as NetCDF (``.nc``) or as a table (``.csv``), one point a line.
+
+    In the table, status and verdict are words; the verdict is empty where the sweep has no point.
+    """
     if file.suffix == ".nc":
         # in memory: HDF5 ends the process on a full disk
         write_whole(file, bytes(data.to_netcdf(engine="h5netcdf")))
@@ -258,4 +261,6 @@ def write_dataset(data: xr.Dataset, file: Path) -> None:
     grid = data.status.dims
     plain = data[[name for name, values in data.data_vars.items() if values.dims == grid]]
     table = plain.to_dataframe(dim_order=list(grid)).reset_index()
+    table["status"] = [str(STATUSES[number]) for number in table["status"]]
+    table["verdict"] = ["" if number < 0 else str(VERDICTS[number]) for number in table["verdict"]]
     write_whole(file, csv_text(table))

@@ -70,6 +70,9 @@ class Result:
         How the task ended.
     reason
         Why it is blocked or missing; empty otherwise.
+    by_engine
+        Whether a blocked task is blocked by its engine, which failed at it, and not by its circumstances, such as a
+        worker that was killed: what is blocked by its engine is not tried again by itself.
     transmittance_db
         20 log10 |U_n| / U0; NaN where there is no number.
     residual
@@ -109,6 +112,7 @@ class Result:
 
     status: _Status
     reason: str = ""
+    by_engine: bool = False
     transmittance_db: _Number = math.nan
     residual: _Number = math.nan
     periods: _Count = 0
@@ -132,9 +136,10 @@ class Result:
         return self.status is ResultStatus.CONVERGED
 
     @classmethod
-    def blocked(cls, reason: str) -> Self:
+    def blocked(cls, reason: str, *, by_engine: bool = False) -> Self:
         """Give a result without numbers, with the reason, in one line of at most about `LONGEST_REASON` characters."""
-        return cls(status=ResultStatus.BLOCKED, reason=shortened(" ".join(reason.split()), LONGEST_REASON))
+        short = shortened(" ".join(reason.split()), LONGEST_REASON)
+        return cls(status=ResultStatus.BLOCKED, reason=short, by_engine=by_engine)
 
     @classmethod
     def missing(cls) -> Self:
@@ -163,7 +168,7 @@ class ResultSummary:
 
     Parameters
     ----------
-    status, periods, multiple, reason
+    status, periods, multiple, reason, by_engine
         As of `Result`.
     """
 
@@ -171,11 +176,12 @@ class ResultSummary:
     periods: _Count = 0
     multiple: _Count = 1
     reason: str = ""
+    by_engine: bool = False
 
     @classmethod
     def of(cls, result: "Result | ResultSummary") -> Self:
         """Take it from a result."""
-        return cls(result.status, result.periods, result.multiple, result.reason)
+        return cls(result.status, result.periods, result.multiple, result.reason, result.by_engine)
 
     @staticmethod
     def from_json(text: str | bytes) -> "ResultSummary":

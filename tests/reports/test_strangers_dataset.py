@@ -10,7 +10,8 @@ import pytest
 import xarray as xr
 
 from reference_lcp import ParameterError
-from reference_lcp.console import WRONG_INPUT, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from reports.__main__ import app
 from reports.data.collect import collect_dataset
 from reports.export.tables import transmittance_table
@@ -57,7 +58,7 @@ def file(data: xr.Dataset, tmp_path: Path) -> Path:
 def refusal(file: Path, capsys) -> str:
     """Make a report of a file that is refused; gives the message."""
     before = file.read_bytes()
-    assert run_command(app, ["--data", str(file), "--out", str(file.parent / "report")]) == WRONG_INPUT
+    assert run_command(app, ["--data", str(file), "--out", str(file.parent / "report")]) == ExitCode.WRONG_INPUT
     printed = capsys.readouterr().err
     assert printed.startswith(f"error: {file}")
     assert len(printed.splitlines()) == 1

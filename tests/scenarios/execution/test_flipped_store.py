@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from reference_lcp import ParameterError
-from reference_lcp.console import WRONG_INPUT, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from reports.__main__ import app as reports_app
 from scenarios.__main__ import app
 from scenarios.execution.store import ResultStore
@@ -96,13 +97,13 @@ class Reader:
         """Run a command: one line that names the file and what to do, or none."""
         code = run_command(application, arguments)
         printed = self.capsys.readouterr().err.splitlines()
-        assert code in (0, WRONG_INPUT)
-        assert len(printed) == (code == WRONG_INPUT)
-        if code == WRONG_INPUT:
+        assert code in (0, ExitCode.WRONG_INPUT)
+        assert len(printed) == (code == ExitCode.WRONG_INPUT)
+        if code == ExitCode.WRONG_INPUT:
             assert printed[0].startswith("error: store")
             assert str(file) in printed[0]
             assert "allowed: " in printed[0] or "store check" in printed[0] or "cannot be used" in printed[0]
-        return code == WRONG_INPUT
+        return code == ExitCode.WRONG_INPUT
 
     def swept(self, file: Path) -> bytes | None:
         """Give the table of `sweep --no-ask`; nothing where that is refused."""
@@ -130,8 +131,8 @@ def salvaged(whole: Path, file: Path, tasks: list, capsys) -> str:
     """Save the good rows; each is as it was."""
     new = file.with_name(f"good-{file.name}")
     code = run_command(app, ["store", "check", str(file), "--salvage", str(new)])
-    assert len(capsys.readouterr().err.splitlines()) == (code == WRONG_INPUT)
-    if code == WRONG_INPUT:
+    assert len(capsys.readouterr().err.splitlines()) == (code == ExitCode.WRONG_INPUT)
+    if code == ExitCode.WRONG_INPUT:
         assert not new.exists()
         return "nothing saved"
     with ResultStore(whole) as store, ResultStore(new) as good:
@@ -168,7 +169,7 @@ def test_a_flipped_bit_of_a_key_hides_no_result(whole, sweep_file, sweep, tmp_pa
         file = tmp_path / f"{place}.sqlite"
         file.write_bytes(content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :])
         line = ["sweep", str(sweep_file), "--no-ask", "--store", str(file), "--out", str(tmp_path / "out.csv")]
-        assert run_command(app, line) == WRONG_INPUT
+        assert run_command(app, line) == ExitCode.WRONG_INPUT
         assert f"store {file} is damaged" in capsys.readouterr().err
         new = tmp_path / f"{place}-good.sqlite"
         assert run_command(app, ["store", "check", str(file), "--salvage", str(new)]) == 0

@@ -37,7 +37,7 @@ def store(tmp_path):
 
 
 FULL = Result(
-    status="finished", reason="told", transmittance_db=-3.25, residual=1e-9, periods=33, multiple=2,
+    status="finished", reason="told", by_engine=True, transmittance_db=-3.25, residual=1e-9, periods=33, multiple=2,
     steps_per_period=400, period=0.25, stuck_fraction=(0.5, 1.0), transitions=((1, 0.25, "stick"),),
     creep=(1e-6, 2e-6), open_fraction=(0.125, 0.0), largest_gap=(0.75, 0.0), seconds=0.5, series={"outer": (0.0, 1.5)},
 )  # fmt: skip
@@ -77,9 +77,67 @@ def test_kept_answer_is_found_by_an_equal_question_only(store) -> None:
         assert store.find(other) is None
 
 
-def test_blocked_answer_is_not_kept_so_that_it_is_tried_again(store) -> None:
-    store.keep([(task(), Result.blocked("crashed"))])
-    assert store.find(task()) is None
+class Recording(InProcessExecutor):
+    """Gives results by frequency ratio, and records what it has run."""
+
+    def __init__(self, results: dict[float, Result]):
+        self.results = results
+        self.ran = []
+
+    def run(self, batches):
+        for batch in batches:
+            self.ran += [task.frequency_ratio for task in batch]
+            yield batch, [self.results[task.frequency_ratio] for task in batch]
+
+
+CRASHED = Result.blocked("crashed", by_engine=True)
+KILLED = Result.blocked("the worker process was killed")
+GOOD = Result(status="converged", periods=30)
+
+
+@pytest.mark.parametrize("release", [False, True], ids=["evaluate", "complete"])
+def test_what_an_engine_blocked_is_recalled_and_run_again_on_request_other_blocks_always(store, release) -> None:
+    tasks = [task(eta=eta) for eta in (0.5, 0.7, 0.9)]
+
+    def run(results: list[Result], **options: bool) -> tuple[list[str], list[float]]:
+        executor = Recording(dict(zip((0.5, 0.7, 0.9), results, strict=True)))
+        with Evaluator(store, executor, **options) as evaluator:
+            pairs = evaluator.complete(tasks) if release else zip(tasks, evaluator.evaluate(tasks), strict=True)
+            ends = dict(pairs)
+        return [f"{ends[task].status} {ends[task].reason}".strip() for task in tasks], executor.ran
+
+    blocked = ["blocked crashed", "blocked the worker process was killed", "converged"]
+    assert run([CRASHED, KILLED, GOOD]) == (blocked, [0.5, 0.7, 0.9])
+    with StoredResults(store) as stored:  # what is run again is blocked until then
+        assert [f"{end.status} {end.reason}".strip() for _, end in stored.complete(tasks)] == blocked
+    assert run([GOOD, KILLED, CRASHED]) == (blocked, [0.7])
+    assert run([GOOD, GOOD, CRASHED]) == (["blocked crashed", "converged", "converged"], [0.7])
+    assert run([GOOD, CRASHED, CRASHED], retry_blocked=True) == (["converged"] * 3, [0.5])
+    assert run([CRASHED] * 3, retry_blocked=True) == (["converged"] * 3, [])
+
+
+def test_a_blocked_result_takes_the_place_of_no_other_one(store) -> None:
+    """Two processes may run the same task at the same time."""
+    store.keep([(task(), GOOD)])
+    store.keep([(task(), CRASHED)])
+    assert store.find(task()) == GOOD
+    store.keep([(task(eta=0.5), KILLED)])
+    store.keep([(task(eta=0.5), CRASHED)])
+    assert store.find(task(eta=0.5)) == CRASHED
+    store.keep([(task(eta=0.5), GOOD)])
+    assert store.find(task(eta=0.5)) == GOOD
+
+
+@pytest.mark.parametrize(
+    ("failure", "by_engine"),
+    [(ValueError("no"), True), (SystemExit(0), True), (MemoryError(), False), (OSError(24, "too many files"), False)],
+)
+def test_an_error_of_the_machine_is_not_the_engines(monkeypatch, failure, by_engine) -> None:
+    failing = _Failing()
+    failing.failure = failure
+    monkeypatch.setattr(variant, "engine", lambda _name: failing)
+    (result,) = run_batch([task()])
+    assert (result.status, result.by_engine) == ("blocked", by_engine)
 
 
 def test_store_is_there_again_after_it_was_closed(tmp_path) -> None:

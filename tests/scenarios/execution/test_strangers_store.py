@@ -11,7 +11,8 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp import ParameterError
-from reference_lcp.console import WRONG_INPUT, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from reports.__main__ import app as reports_app
 from scenarios import sweep
 from scenarios.__main__ import app
@@ -135,7 +136,7 @@ def test_a_row_of_the_wrong_form_is_refused_though_its_digest_fits(file, capsys,
     with pytest.raises(ParameterError) as refused:
         read_all(file)
     assert str(file) in str(refused.value)
-    assert run_command(reports_app, ["compare", str(file), str(file)]) == WRONG_INPUT
+    assert run_command(reports_app, ["compare", str(file), str(file)]) == ExitCode.WRONG_INPUT
     assert len(capsys.readouterr().err.splitlines()) == 1
     assert file.read_bytes() == before
 
@@ -163,7 +164,7 @@ def test_a_store_that_would_keep_nothing_is_refused(tmp_path, monkeypatch, capsy
         'engines = ["reference:joint"]\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]'
     )
     monkeypatch.chdir(tmp_path)
-    assert run_command(app, ["sweep", "sweep.toml", "--store", name]) == WRONG_INPUT
+    assert run_command(app, ["sweep", "sweep.toml", "--store", name]) == ExitCode.WRONG_INPUT
     assert capsys.readouterr().err.startswith("error: store ")
     with pytest.raises(ParameterError, match=r"store .*allowed"):
         sweep("reference", 0.3, 0.9, store=name)
@@ -186,7 +187,7 @@ def test_a_misspelt_store_is_not_made_where_nothing_is_run(tmp_path, monkeypatch
         'engines = ["reference:joint"]\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]'
     )
     monkeypatch.chdir(tmp_path)
-    assert run_command(command, [*arguments, "--no-ask", "--store", "misspelt.sqlite"]) == WRONG_INPUT
+    assert run_command(command, [*arguments, "--no-ask", "--store", "misspelt.sqlite"]) == ExitCode.WRONG_INPUT
     printed = capsys.readouterr().err
     assert printed.startswith("error: store misspelt.sqlite does not exist")
     assert [path.name for path in tmp_path.iterdir()] == ["sweep.toml"]
