@@ -23,7 +23,10 @@ LARGEST_NUMBER = 1e100
 """Largest size of any number: squares and products of three stay below the 1.8e308 of float64."""
 
 LARGEST_PARAMETER = 1e12
-"""Largest ratio and amplitude [m, N]: what is computed from several of them stays below `LARGEST_NUMBER`."""
+"""Largest ratio: what is computed from several of them stays below `LARGEST_NUMBER`."""
+
+LARGEST_UNIT = 1e24
+"""Largest mass, stiffness and amplitude [kg, N/m, m, N] that ratios refer to: from molecules to planets."""
 
 LARGEST_COUNT = 1_000_000_000
 """Largest whole number where nothing smaller is named: whatever is counted takes longer than anyone waits."""

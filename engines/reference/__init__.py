@@ -1,7 +1,6 @@
 """The reference as an engine: the Euler scheme of equation (5), compiled, and the exact motion."""
 
 import dataclasses
-import importlib.metadata
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from engines.interface.engine import Engine
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
+from engines.shared.wheel_engine import installed_version
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.exact.event_driven import EventDrivenSimulation
@@ -71,7 +71,7 @@ class Reference(Engine):
 
     def version(self) -> str:
         """Version of this suite."""
-        return importlib.metadata.version("multibody-xval")
+        return installed_version("multibody-xval")
 
     def unavailable_reason(self) -> str | None:
         """The reference is always there."""

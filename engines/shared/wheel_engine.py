@@ -2,13 +2,17 @@
 
 import importlib.util
 from collections.abc import Callable, Mapping
-from importlib.metadata import version
+from functools import cache
+from importlib import metadata
 from typing import ClassVar
 
 from engines.interface.engine import Engine
 from engines.interface.presets import Formulation, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
+
+installed_version = cache(metadata.version)
+"""Version of a distribution, looked up once: every batch states it."""
 
 
 class WheelEngine(Engine):
@@ -28,7 +32,7 @@ class WheelEngine(Engine):
 
     def version(self) -> str:
         """Version of the package."""
-        return version(self.capabilities.package)
+        return installed_version(self.capabilities.package)
 
     def unavailable_reason(self) -> str | None:
         """Reason why the engine cannot be used here: its package is missing or too old; ``None`` if it can."""

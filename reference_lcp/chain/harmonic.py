@@ -8,7 +8,7 @@ import numpy as np
 
 from reference_lcp.chain import canonical
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.validation import LARGEST_PARAMETER, FloatArray, checked_scalar
+from reference_lcp.validation import LARGEST_PARAMETER, LARGEST_UNIT, FloatArray, checked_scalar
 
 
 class Drive(Protocol):
@@ -86,7 +86,7 @@ class HarmonicBase(MovingBase):
     angular_frequency: float
 
     def __post_init__(self) -> None:
-        checked_scalar("base amplitude", self.amplitude, "> 0", LARGEST_PARAMETER)
+        checked_scalar("base amplitude", self.amplitude, "> 0", LARGEST_UNIT)
         checked_scalar("angular_frequency", self.angular_frequency, "> 0")
 
     @classmethod
@@ -99,7 +99,7 @@ class HarmonicBase(MovingBase):
             If `frequency_ratio` or `amplitude` is not > 0.
         """
         ratio = checked_scalar("frequency_ratio", frequency_ratio, "> 0", LARGEST_PARAMETER)
-        length = checked_scalar("base_amplitude", amplitude, "> 0", LARGEST_PARAMETER)
+        length = checked_scalar("base_amplitude", amplitude, "> 0", LARGEST_UNIT)
         return cls(length, ratio * chain.resonator_frequency)
 
     @property
@@ -133,7 +133,7 @@ class HarmonicForce(_Parametric):
     angular_frequency: float
 
     def __post_init__(self) -> None:
-        checked_scalar("force amplitude", self.amplitude, "> 0", LARGEST_PARAMETER)
+        checked_scalar("force amplitude", self.amplitude, "> 0", LARGEST_UNIT)
         checked_scalar("angular_frequency", self.angular_frequency, "> 0")
 
     @property

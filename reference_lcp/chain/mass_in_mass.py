@@ -13,6 +13,7 @@ from reference_lcp.chain import canonical
 from reference_lcp.chain.natural_frequency import highest_square
 from reference_lcp.validation import (
     LARGEST_PARAMETER,
+    LARGEST_UNIT,
     MOST_CELLS,
     FloatArray,
     checked_array,
@@ -126,7 +127,7 @@ class Chain:
             "base_amplitude": base_amplitude,
             "friction_coefficient": friction_coefficient,
         }
-        checked = (checked_scalar(name, value, "> 0", LARGEST_PARAMETER) for name, value in units.items())
+        checked = (checked_scalar(name, value, "> 0", LARGEST_UNIT) for name, value in units.items())
         mass, stiffness, amplitude, mu = checked
         positive = partial(checked_array, requirement="> 0", largest=LARGEST_PARAMETER)
         outer = positive("outer_mass_ratio", outer_mass_ratio) * mass

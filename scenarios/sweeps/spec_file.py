@@ -30,7 +30,7 @@ engines = ["reference:joint", "mujoco:joint", "mujoco:contact"]
 # Presets of the engines above whose presets are not named, instead of all, or of the tuned one:
 # presets = ["default", "tuned"]
 
-# Fewest steps a period; more are taken where the stability of the step needs them. At least 3.
+# Fewest steps a period; more are taken where the stability of the step needs them. At least 16.
 steps_per_period = 400
 
 [grid]

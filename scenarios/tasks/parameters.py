@@ -12,6 +12,7 @@ from reference_lcp.chain.preload import Preload
 from reference_lcp.validation import (
     LARGEST_DECIBEL,
     LARGEST_PARAMETER,
+    LARGEST_UNIT,
     MOST_CELLS,
     checked_array,
     checked_choice,
@@ -72,7 +73,7 @@ class Excitation:
 
     def __post_init__(self) -> None:
         checked_choice("drive.kind", self.kind, EXCITATIONS)
-        checked_scalar("drive.amplitude", self.amplitude, "> 0", LARGEST_PARAMETER)
+        checked_scalar("drive.amplitude", self.amplitude, "> 0", LARGEST_UNIT)
 
     @property
     def displacement(self) -> float:

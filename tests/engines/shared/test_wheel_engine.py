@@ -13,6 +13,6 @@ def test_older_version_is_a_reason_with_what_it_lacks(
 ) -> None:
     if engine.unavailable_reason() is not None:
         pytest.skip(f"{engine.name} is not installed")
-    monkeypatch.setattr("engines.shared.wheel_engine.version", lambda _: "3.9.1")
+    monkeypatch.setattr("engines.shared.wheel_engine.installed_version", lambda _: "3.9.1")
     lacking = f"{engine.capabilities.package} 3.9.1 has no {novelty}, version 4.0 or newer is needed; pip install "
     assert str(engine.unavailable_reason()).startswith(lacking)

@@ -99,17 +99,21 @@ GOOD = Result(status="converged", periods=30)
 def test_what_an_engine_blocked_is_recalled_and_run_again_on_request_other_blocks_always(store, release) -> None:
     tasks = [task(eta=eta) for eta in (0.5, 0.7, 0.9)]
 
+    def summaries(evaluator: Evaluator) -> dict[SteadyStateTask, ResultSummary]:
+        ends = {}
+        evaluator.complete(tasks, ends.__setitem__)
+        return {each: ends[each] for each in tasks}
+
     def run(results: list[Result], **options: bool) -> tuple[list[str], list[float]]:
         executor = Recording(dict(zip((0.5, 0.7, 0.9), results, strict=True)))
         with Evaluator(store, executor, **options) as evaluator:
-            pairs = evaluator.complete(tasks) if release else zip(tasks, evaluator.evaluate(tasks), strict=True)
-            ends = dict(pairs)
+            ends = summaries(evaluator) if release else dict(zip(tasks, evaluator.evaluate(tasks), strict=True))
         return [f"{ends[task].status} {ends[task].reason}".strip() for task in tasks], executor.ran
 
     blocked = ["blocked crashed", "blocked the worker process was killed", "converged"]
     assert run([CRASHED, KILLED, GOOD]) == (blocked, [0.5, 0.7, 0.9])
     with StoredResults(store) as stored:  # what is run again is blocked until then
-        assert [f"{end.status} {end.reason}".strip() for _, end in stored.complete(tasks)] == blocked
+        assert [f"{end.status} {end.reason}".strip() for end in summaries(stored).values()] == blocked
     assert run([GOOD, KILLED, CRASHED]) == (blocked, [0.7])
     assert run([GOOD, GOOD, CRASHED]) == (["blocked crashed", "converged", "converged"], [0.7])
     assert run([GOOD, CRASHED, CRASHED], retry_blocked=True) == (["converged"] * 3, [0.5])
