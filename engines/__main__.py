@@ -1,5 +1,11 @@
 """``python -m engines``: which engines there are, what they can do, and which are installed."""
 
+if __name__ == "__main__":
+    from reference_lcp.interrupt import heed_interrupts
+
+    heed_interrupts()
+
+# isort: split
 import json
 import sys
 from typing import Annotated, Any
@@ -18,6 +24,8 @@ app = typer.Typer(name="python -m engines", add_completion=False, pretty_excepti
 @app.command()
 def engines(as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
     """List every registered engine: its version, its friction law, what it supports, and why it is missing if it is.
+
+    Exit code 0: listed, installed or not; 2: wrong input; 130: interrupted.
 
     Example: python -m engines --json
     """

@@ -1,5 +1,11 @@
 """``python -m reference_lcp``: the steady state of one chain, from the command line."""
 
+if __name__ == "__main__":
+    from reference_lcp.interrupt import heed_interrupts
+
+    heed_interrupts()
+
+# isort: split
 import json
 import sys
 from pathlib import Path
@@ -18,11 +24,25 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.console import checked_output_file, run_command
 from reference_lcp.exact.steady import EXACT_RESIDUAL
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.observables.stick_slip import Transition
 from reference_lcp.one_call import SOLVERS, SteadyState, steady_state
 from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
 
 app = typer.Typer(name="python -m reference_lcp", add_completion=False, pretty_exceptions_enable=False)
+
+DampingRatio = Annotated[float, typer.Option(help="c_c / (2 √(k_c m_o)) between the cells.")]
+StepsPerPeriod = Annotated[
+    int,
+    typer.Option(
+        help=f"Fewest steps a period, >= {FEWEST_STEPS_PER_PERIOD}; more are taken where "
+        f"dt ω_max <= {LARGEST_PHASE_STEP} requires them."
+    ),
+]
+Tolerance = Annotated[
+    float | None,
+    typer.Option(help=f"Periodicity residual to reach; {DEFAULT_RESIDUAL:g}, or {EXACT_RESIDUAL:g} if exact."),
+]
 
 
 @app.callback(invoke_without_command=True)
@@ -32,24 +52,13 @@ def run(
     frequency_ratio: Annotated[float, typer.Option(help="Drive frequency over the resonator's, ω / ω_r.")] = 0.9,
     mass_ratio: Annotated[float, typer.Option(help="Inner over outer mass.")] = canonical.MASS_RATIO,
     stiffness_ratio: Annotated[float, typer.Option(help="Inner over chain stiffness.")] = canonical.STIFFNESS_RATIO,
-    damping_ratio: Annotated[
-        float, typer.Option(help="c_c / (2 √(k_c m_o)) between the cells.")
-    ] = canonical.DAMPING_RATIO,
+    damping_ratio: DampingRatio = canonical.DAMPING_RATIO,
     inner_damping_ratio: Annotated[float, typer.Option(help="c_i / (2 √(k_i m_i)) inside the cells.")] = 0.0,
     cells: Annotated[int, typer.Option(help="Number of cells.")] = canonical.CELLS,
     base_amplitude: Annotated[float, typer.Option(help="U0 of the base, in metres.")] = canonical.BASE_AMPLITUDE,
-    steps_per_period: Annotated[
-        int,
-        typer.Option(
-            help=f"Fewest steps a period, >= {FEWEST_STEPS_PER_PERIOD}; more are taken where "
-            f"dt ω_max <= {LARGEST_PHASE_STEP} requires them."
-        ),
-    ] = MINIMUM_STEPS_PER_PERIOD,
+    steps_per_period: StepsPerPeriod = MINIMUM_STEPS_PER_PERIOD,
     solver: Annotated[str, typer.Option(help=f"One of {', '.join(SOLVERS)}.")] = "compiled",
-    tolerance: Annotated[
-        float | None,
-        typer.Option(help=f"Periodicity residual to reach; {DEFAULT_RESIDUAL:g}, or {EXACT_RESIDUAL:g} if exact."),
-    ] = None,
+    tolerance: Tolerance = None,
     max_periods: Annotated[int, typer.Option(help="Periods after which the search gives up.")] = DEFAULT_PERIODS,
     error_bar: Annotated[bool, typer.Option("--error-bar", help="Measure the error of the time step too.")] = False,
     exact_value: Annotated[bool, typer.Option("--exact-value", help="Find the exact transmittance too.")] = False,
@@ -60,7 +69,8 @@ def run(
 
     The scheme is Euler's discretisation with a linear complementarity problem in every step; the
     solver "exact" goes from event to event instead, and has no error of a time step.
-    Exit code 0: converged; 1: no steady state within the periods; 2: wrong input.
+    Exit code 0: converged; 1: no steady state within the periods; 2: wrong input; 3: --plot could not be written at
+    the end; 130: interrupted.
 
     Example: python -m reference_lcp --friction-ratio 0.6 --frequency-ratio 1.3 --plot period.png
     """
@@ -96,7 +106,7 @@ def run(
         _print(state, reason)
     if plot is not None:
         plot_period(state.orbit, plot)
-    raise typer.Exit(0 if state.orbit.converged else 1)
+    raise typer.Exit(ExitCode.DONE if state.orbit.converged else ExitCode.FAILED)
 
 
 @app.command("bench")
@@ -105,6 +115,8 @@ def print_bench(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Measure the speed of the reference on this machine.
+
+    Exit code 0: measured; 2: wrong input; 130: interrupted.
 
     Example: python -m reference_lcp bench --cells
     """
@@ -124,6 +136,8 @@ def print_convergence(
     """Halve the time step six times from 400 steps a period, and compare with the exact solver.
 
     Canonical chain, at the stick-slip points (friction ratio, frequency ratio) of the test suite.
+    Exit code 0: compared, whatever the orders; 2: wrong input; 3: --plot could not be written at the end; 130:
+    interrupted.
 
     Example: python -m reference_lcp convergence --plot convergence.png
     """
@@ -146,7 +160,6 @@ def _study(friction_ratio: float, frequency_ratio: float) -> Convergence:
 
 
 def _print_studies(studies: dict[str, Convergence]) -> None:
-    """Print the orders and the errors at the coarsest step."""
     table = Table("friction, frequency", "order: transmittance", "transition times", "error at 400 steps (dB)")
     for name, study in studies.items():
         orders = f"{study.transmittance_order:.2f}", f"{study.transition_order:.2f}"
@@ -155,7 +168,6 @@ def _print_studies(studies: dict[str, Convergence]) -> None:
 
 
 def _print_lengths(lengths: list[dict[str, float]]) -> None:
-    """Print the cost of chains of several lengths for people."""
     table = Table("cells", "ns per cell-step", "bytes", "bytes per cell")
     for row in lengths:
         nanoseconds, per_cell = 1e9 * row["seconds_per_cell_step"], row["bytes"] / row["cells"]

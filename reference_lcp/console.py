@@ -1,21 +1,20 @@
-"""How every command of the suite ends: wrong input gives one clear line and exit code 2."""
+"""How every command of the suite ends: with an exit code of one table, and one clear line where it is not 0."""
 
+import io
 import os
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import typer
 
-from reference_lcp.validation import ParameterError
-
-WRONG_INPUT = 2
-"""Exit code of a command whose input is refused."""
-
-INTERRUPTED = 130
-"""Exit code of a command that was stopped by Ctrl-C, as shells give it."""
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.interrupt import announce_interrupt, closing_on_interrupt, end_interrupted, interrupt_pending
+from reference_lcp.validation import SHOWN, ParameterError, RunError, checked_path
+from reference_lcp.visible import visible
 
 INSTALLED = Path(__file__).resolve().parents[1]
 """Where the packages of the suite lie."""
@@ -26,28 +25,84 @@ DATABASE = b"SQLite format 3\0"
 PROBED = 4096
 """Bytes that are written to find out whether a folder can be: a block of most file systems."""
 
+LONGEST_MESSAGE = 1000
+"""Characters of an error that are printed; of a longer one, beginning and end."""
+
 UsageError: Any = typer.BadParameter.__base__
 """What an unknown option, a missing one or a value of the wrong type raises; typer exports only a subclass of it."""
 
 
 def run_command(app: typer.Typer, arguments: list[str] | None = None) -> int:
-    """Run a command line and give its exit code.
+    """Run a command line and give its `ExitCode`.
 
-    Wrong options and `ParameterError` become one line on standard error and `WRONG_INPUT`.
+    Wrong options, `ParameterError`, `RunError` and Ctrl-C become one line on standard error.
     """
-    command = typer.main.get_command(app)
+    _prepare()
+    with closing_on_interrupt():
+        try:
+            code = _exit_code(app, sys.argv[1:] if arguments is None else arguments)
+        except KeyboardInterrupt:
+            code = ExitCode.INTERRUPTED
+        except Exception:
+            if not interrupt_pending():
+                raise
+            code = ExitCode.INTERRUPTED  # a module that was being imported may turn Ctrl-C into an error of its own
+        if code == ExitCode.INTERRUPTED:
+            announce_interrupt("error: interrupted")
+            end_interrupted()
+        return code
+
+
+def _exit_code(app: typer.Typer, arguments: list[str]) -> int:
     try:
-        result = command.main(arguments, prog_name=app.info.name, standalone_mode=False)
-    except (typer.Abort, KeyboardInterrupt):
-        print("error: interrupted", file=sys.stderr)
-        return INTERRUPTED
+        with _standard_output():
+            result = typer.main.get_command(app).main(arguments, prog_name=app.info.name, standalone_mode=False)
+    except typer.Abort:
+        return ExitCode.INTERRUPTED
     except UsageError as problem:
-        print(f"error: {_message(problem, sys.argv[1:] if arguments is None else arguments)}", file=sys.stderr)
-        return WRONG_INPUT
+        return _ended(ExitCode.WRONG_INPUT, _message(problem, arguments))
     except ParameterError as problem:
-        print(f"error: {problem}", file=sys.stderr)
-        return WRONG_INPUT
-    return result if isinstance(result, int) else 0
+        return _ended(ExitCode.WRONG_INPUT, str(problem))
+    except RunError as problem:
+        return _ended(ExitCode.RUN_FAILED, str(problem))
+    return result if isinstance(result, int) else ExitCode.DONE
+
+
+def _ended(code: ExitCode, message: str) -> ExitCode:
+    """Say why a command ends early."""
+    print_error(message)
+    return code
+
+
+@contextmanager
+def _standard_output() -> Iterator[None]:
+    """Make sure at the end that all that was printed has arrived: it may go into a file on a full disk."""
+    try:
+        yield
+        sys.stdout.flush()
+    except (OSError, SystemExit) as problem:  # click ends the program where a pipe is closed
+        if getattr(problem, "filename", None) is not None:
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python writes what is left at its end
+        reason = getattr(problem, "strerror", "closed pipe")
+        raise RunError(f"standard output cannot be written: {reason}") from None
+
+
+def _prepare() -> None:
+    """Let no setting of the terminal or of matplotlib end a command."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # an output in ASCII has no μ
+    os.environ["MPLBACKEND"] = "agg"  # commands draw into files; a backend that there is not ends matplotlib
+
+
+def print_error(text: str) -> None:
+    """Print an error as one line that any terminal shows, whatever somebody has written into a name."""
+    line = visible(" ".join(text.split()))
+    if len(line) > LONGEST_MESSAGE:
+        half = LONGEST_MESSAGE // 2
+        line = f"{line[:half]} … {line[-half:]}"
+    print(f"error: {line}", file=sys.stderr)
 
 
 def _message(problem: Any, arguments: list[str]) -> str:
@@ -56,9 +111,9 @@ def _message(problem: Any, arguments: list[str]) -> str:
     names = getattr(getattr(problem, "param", None), "opts", [])
     for name, value in zip(arguments, [*arguments[1:], None], strict=True):
         if name in names and value is not None:
-            return f"{message} (given: {value})"
+            return f"{message} (given: {value[:SHOWN]})"
         if name.partition("=")[0] in names:
-            return f"{message} (given: {name.partition('=')[2]})"
+            return f"{message} (given: {name.partition('=')[2][:SHOWN]})"
     return message
 
 
@@ -80,6 +135,7 @@ def checked_output_file(name: str, file: Path, inputs: Iterable[Path | None] = (
         If the folder is missing or not writable, or `file` is a folder, one of `inputs`, a database, or lies in a
         Python package.
     """
+    checked_path(name, file)
     _refuse_package(name, file)
     for other in inputs:
         if other is not None and _same_file(file, other):
@@ -102,6 +158,7 @@ def checked_output_folder(name: str, folder: Path) -> Path:
     ParameterError
         If it cannot be made or written, is a file, or lies in a Python package.
     """
+    checked_path(name, folder)
     _refuse_package(name, folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -121,11 +178,11 @@ def _refuse_package(name: str, path: Path) -> None:
         raise ParameterError(f"{name} = {path} lies in the Python package {package}; allowed: outside of it")
 
 
-def _same_file(one: Path, other: Path) -> bool:
+def _same_file(file: Path, other: Path) -> bool:
     """Tell whether two names lead to one file, through links too; neither has to be there."""
-    if one.exists() and other.exists():
-        return one.samefile(other)
-    return one.resolve() == other.resolve()
+    if file.exists() and other.exists():
+        return file.samefile(other)
+    return file.resolve() == other.resolve()
 
 
 def _is_database(file: Path) -> bool:

@@ -22,7 +22,14 @@ from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
 from reference_lcp.stepping.euler_lemke import LemkeSimulation
-from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_choice, checked_count
+from reference_lcp.validation import (
+    FloatArray,
+    ParameterError,
+    check_record_size,
+    checked_array,
+    checked_choice,
+    checked_count,
+)
 
 SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
     {"compiled": CompiledSimulation, "lemke": LemkeSimulation, "exact": EventDrivenSimulation}
@@ -211,11 +218,12 @@ def simulate(
         If an argument is outside its range.
     """
     build = SOLVERS[checked_choice("solver", solver, list(SOLVERS))]
+    check_record_size(chain.cells, checked_count("steps", steps))
     start = State(
         _initial("positions", positions, chain.cells)[None, :], _initial("velocities", velocities, chain.cells)[None, :]
     )
     simulation = build([Lane(chain, drive, time_step)])
-    return simulation.run(start, 0, checked_count("steps", steps))[0]
+    return simulation.run(start, 0, steps)[0]
 
 
 def _initial(name: str, values: FloatArray | None, cells: int) -> FloatArray:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import RunError
 
 
 @contextmanager
@@ -15,7 +15,7 @@ def replacing(file: Path) -> Iterator[Path]:
 
     Raises
     ------
-    ParameterError
+    RunError
         If it cannot be written, on a full disk for instance; `file` is as it was then.
     """
     target = file.resolve()
@@ -26,7 +26,7 @@ def replacing(file: Path) -> Iterator[Path]:
             os.fsync(written.fileno())
         part.replace(target)
     except OSError as problem:
-        raise ParameterError(f"{file} cannot be written: {problem.strerror or problem}; it is as it was") from None
+        raise RunError(f"{file} cannot be written: {problem.strerror or problem}; it is as it was") from None
     finally:
         part.unlink(missing_ok=True)
 

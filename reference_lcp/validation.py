@@ -1,7 +1,9 @@
 """Checks of arguments: every message names the parameter, its value and the allowed range."""
 
 import operator
+import os
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +15,49 @@ class ParameterError(ValueError):
     """A parameter outside its allowed range; the message is one line."""
 
 
+class RunError(RuntimeError):
+    """A run cannot go on, and what it has computed so far is kept; the message is one line."""
+
+
+LARGEST_NUMBER = 1e100
+"""Largest size of any number: squares and products of three stay below the 1.8e308 of float64."""
+
+LARGEST_PARAMETER = 1e12
+"""Largest ratio: what is computed from several of them stays below `LARGEST_NUMBER`."""
+
+LARGEST_UNIT = 1e24
+"""Largest mass, stiffness and amplitude [kg, N/m, m, N] that ratios refer to: from molecules to planets."""
+
+LARGEST_COUNT = 1_000_000_000
+"""Largest whole number where nothing smaller is named: whatever is counted takes longer than anyone waits."""
+
+MOST_CELLS = 100_000
+"""Longest chain whose cost has been measured."""
+
+MOST_STEPS = 1_000_000
+"""Most steps a period: a thousandth of the error of 1,000 steps is below round-off in the steady state."""
+
+MOST_CELL_STEPS = 100_000_000
+"""Most cells times steps that one record holds: six numbers each, 5 GB."""
+
+LARGEST_DECIBEL = 1000.0
+"""Largest difference of levels [dB] that is understood: 50 orders of magnitude in amplitude."""
+
+LONGEST_TIME_LIMIT = 1e6
+"""Longest time limit [s], eleven days: timers of some systems count milliseconds in 31 bits, 24 days."""
+
+MOST_WORKERS = 1024
+"""Most worker processes on a machine; more processors than that are in no machine so far."""
+
+SHOWN = 80
+"""Characters of a value that a message shows."""
+
+
+def shortened(text: str, length: int) -> str:
+    """Give a text, its end left out if it has more than so many characters, and how many."""
+    return text if len(text) <= length else f"{text[:length]}… ({len(text) - length} characters more)"
+
+
 _REQUIREMENTS: dict[str, Callable[[FloatArray], NDArray[np.bool_]]] = {
     "> 0": lambda values: values > 0,
     ">= 0": lambda values: values >= 0,
@@ -20,7 +65,22 @@ _REQUIREMENTS: dict[str, Callable[[FloatArray], NDArray[np.bool_]]] = {
 }
 
 
-def checked_array(name: str, value: ArrayLike, requirement: str = "finite") -> FloatArray:
+def shown(value: object) -> str:
+    """Give a value as a message shows it: in one line, and the beginning of a long one."""
+    try:
+        text = repr(value)
+    except ValueError:  # integers of more than 4300 digits have no text
+        return "a number of more than 4300 digits"
+    return text if len(text) <= SHOWN else f"{text[:SHOWN]}… ({len(text)} characters)"
+
+
+def checked_array(
+    name: str,
+    value: ArrayLike,
+    requirement: str = "finite",
+    shape: tuple[int, ...] | None = None,
+    largest: float = LARGEST_NUMBER,
+) -> FloatArray:
     """Give `value` as a float64 array, or say what is wrong with it.
 
     Parameters
@@ -31,44 +91,101 @@ def checked_array(name: str, value: ArrayLike, requirement: str = "finite") -> F
         A number or an array of numbers.
     requirement
         ``"> 0"``, ``">= 0"`` or ``"finite"``; the first two include finite.
+    shape
+        The only one allowed; any without it.
+    largest
+        Largest number that is allowed where a sign is required; its reciprocal is the smallest one beside zero.
 
     Raises
     ------
     ParameterError
-        If `value` is not numeric, not finite, or breaks the requirement.
+        If `value` is not numeric, not finite, too large or too near to zero, breaks the
+        requirement, or has another shape.
     """
     try:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ParameterError(f"{name} = {value!r} is not a number; allowed: {requirement}") from None
+        raise ParameterError(f"{name} = {shown(value)} is not a number; allowed: {requirement}") from None
+    except OverflowError:
+        raise ParameterError(f"{name} = {shown(value)} is outside its range; allowed: <= {largest:g}") from None
     fulfilled = np.isfinite(array) & _REQUIREMENTS[requirement](array)
     if not np.all(fulfilled):
         wrong = array[~fulfilled].flat[0]
         raise ParameterError(f"{name} = {wrong:g} is outside its range; allowed: {requirement}, finite")
+    if shape is not None and array.shape != shape:
+        raise ParameterError(f"{name} has shape {array.shape}; allowed: {shape}")
+    if requirement != "finite":
+        _check_size(name, array, "0, or " if requirement == ">= 0" else "", largest)
     return array
 
 
-def checked_scalar(name: str, value: float, requirement: str = "finite") -> float:
-    """Give one number as a float; as `checked_array`, but arrays are refused."""
+def _check_size(name: str, array: FloatArray, zero: str, largest: float) -> None:
+    """Raise a `ParameterError` unless numbers are zero, or from the reciprocal of `largest` to `largest`."""
+    extreme = (array > largest) | ((array > 0) & (array < 1 / largest))
+    if np.any(extreme):
+        allowed = f"{zero}{1 / largest:g} to {largest:g}"
+        raise ParameterError(f"{name} = {array[extreme].flat[0]:g} is outside its range; allowed: {allowed}")
+
+
+def checked_per_cell(name: str, value: ArrayLike, cells: int, requirement: str = "finite") -> FloatArray:
+    """Give one number a cell, read-only, of a number or an array of them; as `checked_array`."""
     array = checked_array(name, value, requirement)
+    if array.shape not in ((), (1,), (cells,)):
+        raise ParameterError(f"{name} has shape {array.shape}; allowed: one number or ({cells},)")
+    per_cell = np.broadcast_to(array, (cells,)).copy()
+    per_cell.flags.writeable = False
+    return per_cell
+
+
+def checked_scalar(name: str, value: float, requirement: str = "finite", largest: float = LARGEST_NUMBER) -> float:
+    """Give one number as a float; as `checked_array`, but arrays are refused."""
+    array = checked_array(name, value, requirement, largest=largest)
     if array.ndim != 0:
         raise ParameterError(f"{name} has shape {array.shape}; allowed: one number, {requirement}")
     return float(array)
 
 
-def checked_count(name: str, value: int, minimum: int = 1) -> int:
-    """Give a whole number of at least `minimum`, or raise `ParameterError`."""
+def checked_count(name: str, value: int, minimum: int = 1, maximum: int = LARGEST_COUNT) -> int:
+    """Give a whole number from `minimum` to `maximum`, or raise `ParameterError`."""
     try:
         count = operator.index(value)
     except TypeError:
-        raise ParameterError(f"{name} = {value!r} is not a whole number; allowed: >= {minimum}") from None
+        raise ParameterError(f"{name} = {shown(value)} is not a whole number; allowed: >= {minimum}") from None
     if isinstance(value, bool) or count < minimum:
-        raise ParameterError(f"{name} = {value} is outside its range; allowed: whole numbers >= {minimum}")
+        raise ParameterError(f"{name} = {shown(value)} is outside its range; allowed: whole numbers >= {minimum}")
+    if count > maximum:
+        raise ParameterError(f"{name} = {shown(value)} is outside its range; allowed: {minimum} to {maximum}")
     return count
+
+
+def check_record_size(cells: int, steps: int) -> None:
+    """Raise a `ParameterError` if the record of a motion would have more than `MOST_CELL_STEPS`."""
+    if cells * steps > MOST_CELL_STEPS:
+        problem = f"{cells} cells x {steps} steps are {cells * steps:.3g}"
+        raise ParameterError(f"{problem}; allowed: cells times steps <= {MOST_CELL_STEPS:g}")
+
+
+def checked_path(name: str, path: str | os.PathLike[str]) -> Path:
+    """Give a path that the system can name, whether or not something is there.
+
+    Raises
+    ------
+    ParameterError
+        If it is no text, contains a NUL, is too long, or its links run in circles.
+    """
+    try:
+        checked = Path(path)
+        checked.lstat()
+    except (FileNotFoundError, NotADirectoryError, PermissionError):
+        return checked
+    except (OSError, ValueError, TypeError) as problem:
+        reason = problem.strerror if isinstance(problem, OSError) else problem
+        raise ParameterError(f"{name} = {shown(str(path))} is no path: {reason}; allowed: a path") from None
+    return checked
 
 
 def checked_choice(name: str, value: str, allowed: Sequence[str]) -> str:
     """Give `value` if it is one of `allowed`, or raise `ParameterError` with the choices."""
     if value not in allowed:
-        raise ParameterError(f"{name} = {value!r} is unknown; allowed: {', '.join(allowed)}")
+        raise ParameterError(f"{name} = {shown(value)} is unknown; allowed: {', '.join(allowed)}")
     return value

@@ -1,5 +1,11 @@
 """``python -m reports``: one page on every engine, with its figures and tables; comparisons and animations."""
 
+if __name__ == "__main__":
+    from reference_lcp.interrupt import heed_interrupts
+
+    heed_interrupts()
+
+# isort: split
 import gc
 import shlex
 import sys
@@ -10,15 +16,18 @@ import typer
 
 from engines.interface.registry import default_engine_names, engine_names
 from engines.interface.variant import Variant
-from reference_lcp.console import INTERRUPTED, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.interrupt import announce_interrupt
 from reference_lcp.validation import ParameterError
 from reports.cli.animate import animate
 from reports.cli.compare import compare
 from reports.data.collect import QUICK, Scope
-from reports.write import STORE, check_folder, read_dataset, write_dataset_report, write_sweep_report
-from scenarios.cli.options import Limit, Scheduler, Workers
+from reports.write import STORE, check_folder, write_dataset_report, write_sweep_report
+from scenarios.cli.options import Limit, Retry, Scheduler, Workers, check_retry
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.executor import TIME_LIMIT
+from scenarios.execution.store_file import existing_store
 from scenarios.studies.figure3 import (
     FRICTION_RATIOS,
     QUICK_FRICTION_RATIOS,
@@ -26,6 +35,8 @@ from scenarios.studies.figure3 import (
     figure3,
     quick_frequency_ratios,
 )
+from scenarios.sweeps.dataset_file import read_dataset
+from scenarios.sweeps.size import check_size
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.parameters import ChainRatios
@@ -74,16 +85,19 @@ def report(
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
+    retry_blocked: Retry = False,
 ) -> None:
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
     Results are kept: a second run takes seconds, and an interrupted one goes on where it was.
-    Exit code 0: the page is written, whatever the verdicts; 2: wrong input.
+    Exit code 0: the page is written, whatever the verdicts; 2: wrong input; 3: results or the page could not be kept;
+    130: interrupted.
 
     Example: python -m reports --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
     """
     if context.invoked_subcommand is not None:
         return
+    check_retry(ask, retry_blocked)
     if data is not None:
         if sweep is not None or chosen or quick:
             raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
@@ -92,15 +106,17 @@ def report(
     planned = _figure3(_names(chosen), quick) if sweep is None else _sweep(sweep, chosen, quick)
     executor = executor_for(workers, time_limit, scheduler)
     store = store if store is not None else out / STORE
+    if not ask:
+        existing_store(store)
     check_folder("--out", out, [store, sweep])
     try:
         page = write_sweep_report(
             planned, out, _command(chosen, quick, sweep), store=store, ask=ask, scope=QUICK if quick else Scope(),
-            executor=executor,
+            executor=executor, retry_blocked=retry_blocked,
         )  # fmt: skip
     except KeyboardInterrupt:
-        print(f"interrupted: results are kept in {store}; the same command goes on from there", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
+        announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
+        raise typer.Exit(ExitCode.INTERRUPTED) from None
     print(page)
 
 
@@ -126,7 +142,9 @@ def _sweep(file: Path, chosen: list[str] | None, quick: bool) -> Sweep:
     """Read a sweep from its file."""
     if chosen or quick:
         raise ParameterError("--sweep names engines and grid; allowed beside it: neither --engine nor --quick")
-    return read_sweep(file).with_reference()
+    planned = read_sweep(file).with_reference()
+    check_size(planned)
+    return planned
 
 
 def _command(chosen: list[str] | None, quick: bool, sweep: Path | None) -> str:

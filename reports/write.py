@@ -7,7 +7,7 @@ from pathlib import Path
 import xarray as xr
 
 from reference_lcp.console import checked_output_file, checked_output_folder
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import ParameterError, checked_path
 from reports.data.collect import Scope, collect, collect_dataset, expected_tasks
 from reports.data.report import Report
 from reports.export.files import FIGURES, FILES, PAGE, files_of, write_all
@@ -16,7 +16,9 @@ from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
+from scenarios.sweeps.dataset_file import read_dataset
 from scenarios.sweeps.noted import note_sweep, noted_sweep
+from scenarios.sweeps.size import check_size
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
 
@@ -26,37 +28,26 @@ STORE = "results.sqlite"
 
 def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Path:
     """Write the report of a dataset, of the file of a sweep, or of a store; see `reports.report`."""
-    folder = Path(folder)
+    folder = checked_path("folder", folder)
     if isinstance(data, xr.Dataset):
         return write_dataset_report(data, folder, "reports.report(data, folder)")
-    file, command = Path(data), f"reports.report({str(data)!r}, folder)"
+    file, command = checked_path("data", data), f"reports.report({str(data)!r}, folder)"
     if file.suffix == ".toml":
-        return write_sweep_report(read_sweep(file).with_reference(), folder, command)
+        planned = read_sweep(file).with_reference()
+        check_size(planned)
+        return write_sweep_report(planned, folder, command)
     if file.suffix == ".sqlite":
         return write_sweep_report(noted_sweep(file).with_reference(), folder, command, store=file, ask=False)
     return write_dataset_report(read_dataset(file), folder, command, file)
 
 
-def read_dataset(file: Path) -> xr.Dataset:
-    """Read the dataset of a sweep.
-
-    Raises
-    ------
-    ParameterError
-        If the file cannot be read, or is no NetCDF.
-    """
-    if file.suffix != ".nc":
-        raise ParameterError(f"{file} has the ending {file.suffix!r}; allowed: .nc, .toml or .sqlite")
-    try:
-        return xr.load_dataset(file, engine="h5netcdf")
-    except (OSError, ValueError) as problem:
-        raise ParameterError(f"{file} cannot be read: {problem}") from None
-
-
 def write_dataset_report(data: xr.Dataset, folder: Path, command: str, file: Path | None = None) -> Path:
     """Write the report of what a dataset, read from `file` if it was, holds; nothing is computed."""
     check_folder("folder", folder, [file])
-    report = collect_dataset(data, command)
+    try:
+        report = collect_dataset(data, command)
+    except ParameterError as problem:
+        raise ParameterError(f"{file}: {problem}" if file is not None else str(problem)) from None
     return _written(report, folder)
 
 
@@ -69,6 +60,7 @@ def write_sweep_report(
     ask: bool = True,
     scope: Scope | None = None,
     executor: Executor | None = None,
+    retry_blocked: bool = False,
 ) -> Path:
     """Write the report of a sweep, in which the reference takes part.
 
@@ -88,20 +80,23 @@ def write_sweep_report(
         The parts of the report beside the grid.
     executor
         Runs the tasks; processes on this machine without it.
+    retry_blocked
+        Whether points are run again at which their engine has failed before.
     """
     chosen = scope or Scope()
     executor = executor or executor_for(None, TIME_LIMIT, None)
     file = store or folder / STORE
     check_folder("folder", folder, [file])
-    if not ask and not file.is_file():
-        raise ParameterError(f"--store = {file} does not exist; allowed with --no-ask: a store that is there")
     with ExitStack() as stack:
         stored = stack.enter_context(ResultStore(file))
         if not ask:
             return _written(collect(sweep, stored, StoredResults(stored), command, scope=chosen), folder)
         note_sweep(stored, sweep)
         bars = stack.enter_context(ProgressBars(sweep.variants))
-        evaluator = stack.enter_context(CountingEvaluator(stored, executor, expected_tasks(sweep, chosen), bars))
+        expected = expected_tasks(sweep, chosen)
+        evaluator = stack.enter_context(
+            CountingEvaluator(stored, executor, expected, bars, retry_blocked=retry_blocked)
+        )
         report = collect(sweep, stored, evaluator, command, scope=chosen)
     return _written(report, folder)
 

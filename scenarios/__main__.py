@@ -1,5 +1,11 @@
 """``python -m scenarios``: experiments with engines, by name."""
 
+if __name__ == "__main__":
+    from reference_lcp.interrupt import heed_interrupts
+
+    heed_interrupts()
+
+# isort: split
 import shlex
 import sys
 from pathlib import Path
@@ -12,17 +18,22 @@ from rich.progress import track
 
 from engines.interface.variant import Variant
 from engines.shared.step_cost import step_cost
-from reference_lcp.console import INTERRUPTED, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.interrupt import announce_interrupt
 from reference_lcp.output import write_whole
-from reference_lcp.validation import checked_scalar
+from reference_lcp.validation import ParameterError, checked_scalar
+from reference_lcp.visible import visible
 from scenarios.catalogue import CATALOGUE
 from scenarios.cli.options import (
     Chosen,
     Limit,
+    Retry,
     Scheduler,
     Store,
     Workers,
     check_out,
+    check_retry,
     chosen_variants,
     store_of_run,
 )
@@ -34,12 +45,14 @@ from scenarios.execution.evaluator import unavailable_reason
 from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
+from scenarios.execution.store_file import existing_store
 from scenarios.studies.accuracy import Accuracy, accuracies, accuracy_tasks, exact_tasks
 from scenarios.studies.accuracy_table import ACCURACY_COLUMNS, AccuracyRow, accuracy_document, csv_table, remark
 from scenarios.studies.cost import COST_COLUMNS, SECONDS, cost
 from scenarios.sweeps.dataset import sweep_dataset, write_dataset
 from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.run import stored_table
+from scenarios.sweeps.size import UNCONFIRMED_POINTS, check_size, size_text
 from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
 from scenarios.sweeps.table import points_of
 from scenarios.tables import csv_text, full_table, markdown_lines, print_table, text_table
@@ -61,6 +74,8 @@ add_scenarios(run)
 def catalogue(context: typer.Context) -> None:
     """List scenarios and measurements; `python -m scenarios run NAME` runs one, `run all` every scenario.
 
+    Exit code 0: listed; 2: wrong input; 130: interrupted.
+
     Example: python -m scenarios run unit-cell --engine mujoco --engine pybullet:joint
     """
     if context.invoked_subcommand is None:
@@ -70,6 +85,8 @@ def catalogue(context: typer.Context) -> None:
 @app.command()
 def example() -> None:
     """Print a commented file of parameters for `sweep`.
+
+    Exit code 0: printed; 2: wrong input; 3: standard output could not be written; 130: interrupted.
 
     Example: python -m scenarios example > sweep.toml
     """
@@ -86,27 +103,34 @@ def sweep(
         Path | None, typer.Option(help="Write the results that the store holds: NetCDF as .nc, a table as .csv.")
     ] = None,
     ask: Annotated[bool, typer.Option(help="Run what is missing; --no-ask writes what there is.")] = True,
+    yes: Annotated[bool, typer.Option("--yes", help=f"Run more than {UNCONFIRMED_POINTS:,} points.")] = False,
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
+    retry_blocked: Retry = False,
 ) -> None:
     """Run every combination of parameters of a file, with every engine of the file.
 
-    Exit code 0: every point has a result or a reason why not; 2: wrong input; 130: interrupted.
+    Exit code 0: every point has a result or a reason why not; 2: wrong input; 3: results or --out could not be kept;
+    130: interrupted.
 
     Example: python -m scenarios sweep sweep.toml --out sweep.nc
     """
+    check_retry(ask, retry_blocked)
     planned = read_sweep(file)
+    if ask:
+        check_size(planned, yes=yes, how="--yes")
     check_out(out, (".nc", ".csv"), [store, file])
     executor = executor_for(workers, time_limit, scheduler)
-    with ResultStore(store) as stored:
+    with ResultStore(store if ask else existing_store(store)) as stored:
         if ask:
+            print(size_text(planned), file=sys.stderr)
             note_sweep(stored, planned)
             try:
-                print_summary(planned, evaluate_sweep(planned, stored, executor))
+                print_summary(planned, evaluate_sweep(planned, stored, executor, retry_blocked=retry_blocked))
             except KeyboardInterrupt:
-                print(f"interrupted: results are kept in {store}; the same command goes on from there", file=sys.stderr)
-                raise typer.Exit(INTERRUPTED) from None
+                announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
+                raise typer.Exit(ExitCode.INTERRUPTED) from None
         if out is None and planned.tolerance is None:
             return
         whole, table = stored_table(planned, stored)
@@ -128,16 +152,18 @@ def accuracy(
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
+    retry_blocked: Retry = False,
 ) -> None:
     """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
 
-    Exit code 0: the table is complete, whatever it says; 2: wrong input.
+    Exit code 0: the table is complete, whatever it says; 2: wrong input; 3: results or --out could not be kept; 130:
+    interrupted.
 
     Example: python -m scenarios run accuracy --store accuracy.sqlite --out accuracy.md
     """
     variants = chosen_variants(chosen)
     check_out(out, (".md", ".csv"), [store])
-    measured = _accuracies(variants, store, executor_for(workers, time_limit, scheduler))
+    measured = _accuracies(variants, store, executor_for(workers, time_limit, scheduler), retry_blocked)
     rows: list[AccuracyRow] = [(row, step_cost(row.variant) if cost and row.certified else None) for row in measured]
     _print_accuracy(rows)
     if out is not None:
@@ -158,18 +184,20 @@ def cost_command(
     """Time steps and steady states of each variant, with one and with two worker processes, beside the reference.
 
     A step: in the adapter, without (advance) and with a record (run), and in the engine's own bare loop.
+    Exit code 0: measured; 2: wrong input; 3: --out could not be written at the end; 130: interrupted.
 
     Example: python -m scenarios run cost --engine mujoco:joint
     """
     check_out(out, (".md", ".csv"), [])
-    checked_scalar("seconds", seconds, "> 0")
+    if checked_scalar("seconds", seconds, "> 0") > TIME_LIMIT:
+        raise ParameterError(f"seconds = {seconds:g}; allowed: > 0 and <= {TIME_LIMIT:g}")
+    variants = chosen_variants(chosen)
     reference = cost(REFERENCE, seconds)
     costs = []
-    variants = chosen_variants(chosen)
     for variant in track(variants, "cost", console=Console(stderr=True), transient=True):
         missing = unavailable_reason(variant)
         if missing is not None:
-            print(f"{variant}: {missing}", file=sys.stderr)
+            print(visible(f"{variant}: {missing}"), file=sys.stderr)
         else:
             costs.append(reference if variant == REFERENCE else cost(variant, seconds))
     rows = [(own, reference) for own in costs]
@@ -188,13 +216,13 @@ def _print_catalogue() -> None:
     print("python -m scenarios run NAME runs one, python -m scenarios run all every scenario.")
 
 
-def _accuracies(variants: list[Variant], store: Path | None, executor: Executor) -> list[Accuracy]:
+def _accuracies(variants: list[Variant], store: Path | None, executor: Executor, retry_blocked: bool) -> list[Accuracy]:
     """Run everything, with bars on the way."""
     expected = [*exact_tasks().values(), *(task for variant in variants for task in accuracy_tasks(variant))]
     with (
         store_of_run(store) as stored,
         ProgressBars([EXACT, *variants]) as bars,
-        CountingEvaluator(stored, executor, expected, bars) as evaluator,
+        CountingEvaluator(stored, executor, expected, bars, retry_blocked=retry_blocked) as evaluator,
     ):
         return accuracies(variants, evaluator)
 
@@ -204,7 +232,7 @@ def _print_accuracy(rows: list[AccuracyRow]) -> None:
     print_table(text_table(ACCURACY_COLUMNS, rows))
     for row in rows:
         if row[0].certified < row[0].points:
-            print(remark(row[0]))
+            print(visible(remark(row[0])))
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from engines.interface.registry import default_engine_names
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.validation import FloatArray, ParameterError, checked_choice
+from reference_lcp.validation import FloatArray, ParameterError, checked_choice, checked_path, shown
 from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.verdict_table import finding_table
 from scenarios.cli.sweep import evaluate_sweep
@@ -27,6 +27,7 @@ from scenarios.execution.store import ResultStore, opened_store
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.run import run_sweep, stored_table
+from scenarios.sweeps.size import check_size
 from scenarios.sweeps.spec_file import SweepFile
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import tasks_of
@@ -56,6 +57,8 @@ def sweep(
     workers: int | None = None,
     time_limit: float = TIME_LIMIT,
     scheduler: str | None = None,
+    retry_blocked: bool = False,
+    yes: bool = False,
 ) -> xr.Dataset:
     """Simulate every combination of values by every engine, and give the steady states as labelled arrays.
 
@@ -89,6 +92,11 @@ def sweep(
         Seconds that a batch of points may take; an engine that hangs is stopped then.
     scheduler
         Address of a dask scheduler whose workers compute, instead of this machine's.
+    retry_blocked
+        Whether points are run again at which, by the store, their engine has failed: crashed, raised an error or
+        passed the time limit.
+    yes
+        Run more than a million points.
 
     Returns
     -------
@@ -111,10 +119,11 @@ def sweep(
         "steps_per_period": steps_per_period,
         **({} if tolerance_db is None else {"tolerances": {"transmittance_db": tolerance_db}}),
     })  # fmt: skip
-    file = None if store is None else Path(store)
+    check_size(planned, yes=yes, how="yes=True")
+    file = None if store is None else checked_path("store", store)
     with opened_store(file) as stored, executor_for(workers, time_limit, scheduler) as executor:
         note_sweep(stored, planned)
-        _evaluate(planned, stored, executor)
+        _evaluate(planned, stored, executor, retry_blocked)
         return sweep_dataset(*stored_table(planned, stored), file)
 
 
@@ -126,6 +135,7 @@ def check(
     workers: int | None = None,
     time_limit: float = TIME_LIMIT,
     scheduler: str | None = None,
+    retry_blocked: bool = False,
 ) -> pd.DataFrame:
     """Run a scenario of the catalogue and judge every number of every engine.
 
@@ -135,7 +145,7 @@ def check(
         Its name, see ``python -m scenarios``, or ``"all"``.
     engines
         Names as for `sweep`; those that come with the suite without it.
-    store, workers, time_limit, scheduler
+    store, workers, time_limit, scheduler, retry_blocked
         As for `sweep`.
 
     Returns
@@ -153,9 +163,11 @@ def check(
     chosen = list(CATALOGUE.values()) if scenario == ALL_SCENARIOS else [CATALOGUE[scenario]]
     variants = [Variant.parse(name) for name in _names(default_engine_names() if engines is None else engines)]
     with (
-        opened_store(None if store is None else Path(store)) as stored,
+        opened_store(None if store is None else checked_path("store", store)) as stored,
         ProgressBars(variants) as bars,
-        CountingEvaluator(stored, executor_for(workers, time_limit, scheduler), [], bars) as evaluator,
+        CountingEvaluator(
+            stored, executor_for(workers, time_limit, scheduler), [], bars, retry_blocked=retry_blocked
+        ) as evaluator,
     ):
         return finding_table({item: item.run(variants, evaluator) for item in chosen})
 
@@ -170,20 +182,26 @@ def _validated(content: Mapping[str, Any]) -> Sweep:
     return planned.with_reference() if judged else planned
 
 
-def _evaluate(planned: Sweep, store: ResultStore, executor: Executor) -> None:
+def _evaluate(planned: Sweep, store: ResultStore, executor: Executor, retry_blocked: bool) -> None:
     """Evaluate the points, and with other numbers of steps too where verdicts need the errors of steps."""
-    if CONVERGED not in planned.variants:
-        evaluate_sweep(planned, store, executor)
+    judged = CONVERGED in planned.variants
+    if planned.frequencies is None or not judged:
+        evaluate_sweep(planned, store, executor, judged=judged, retry_blocked=retry_blocked)
         return
-    with ProgressBars(planned.variants) as bars, CountingEvaluator(store, executor, [], bars) as evaluator:
-        if planned.frequencies is not None:
-            run_sweep(planned, evaluator)
+    with (
+        ProgressBars(planned.variants) as bars,
+        CountingEvaluator(store, executor, [], bars, retry_blocked=retry_blocked) as evaluator,
+    ):
+        run_sweep(planned, evaluator)
         evaluator.evaluate(tasks_of(*stored_table(planned, store)))
 
 
 def _names(engines: str | Sequence[str]) -> list[str]:
     """Give the names, also where there is only one."""
-    return [engines] if isinstance(engines, str) else list(engines)
+    names = [engines] if isinstance(engines, str) else engines
+    if not isinstance(names, Sequence) or not all(isinstance(name, str) for name in names):
+        raise ParameterError(f"engines = {shown(engines)}; allowed: a name, or a list of names")
+    return list(names)
 
 
 def _full_name(variant: Variant) -> str:
@@ -196,8 +214,11 @@ def _axis(values: AxisValues) -> Any:
     if isinstance(values, Mapping):
         return dict(values)
     if isinstance(values, tuple) and len(values) == 3 and isinstance(values[2], int):
-        return {"first": float(values[0]), "last": float(values[1]), "points": values[2]}
-    return np.atleast_1d(np.asarray(values, dtype=float)).tolist()
+        return {"first": values[0], "last": values[1], "points": values[2]}
+    try:
+        return np.atleast_1d(np.asarray(values, dtype=float)).tolist()
+    except (TypeError, ValueError, OverflowError):
+        return values  # the check of the sweep names it
 
 
 def _numbers(value: Any) -> Any:

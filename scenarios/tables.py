@@ -12,8 +12,13 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from reference_lcp.visible import visible
+
 MEASURING_WIDTH = 1000
 """More characters than the longest row of a printed table has."""
+
+FORMULAS = ("=", "+", "-", "@")
+"""How texts begin that spreadsheets take for formulas; a tab or a carriage return is made visible before."""
 
 Row = TypeVar("Row")
 
@@ -59,8 +64,21 @@ def text_table(columns: Sequence[Column[Row]], rows: Iterable[Row]) -> pd.DataFr
 
 
 def csv_text(table: pd.DataFrame, missing: str = "nan") -> str:
-    """Give a table as CSV, with a word for missing values."""
-    return table.to_csv(index=False, na_rep=missing, lineterminator="\n")
+    """Give a table as CSV, with a word for missing values; texts are those of `csv_cell`, numbers are as they are."""
+    texts = {
+        str(name): pd.Series([csv_cell(value) for value in column], index=table.index, dtype=object)
+        for name, column in table.items()
+        if column.dtype.kind == "O"
+    }
+    return table.assign(**texts).to_csv(index=False, na_rep=missing, lineterminator="\n")
+
+
+def csv_cell(value: Any) -> Any:
+    """Give a value as CSV has it: a text in one line, with ' in front where a spreadsheet would compute it."""
+    if not isinstance(value, str):
+        return value
+    text = visible(value)
+    return f"'{text}" if text.startswith(FORMULAS) else text
 
 
 def records(table: pd.DataFrame) -> list[dict[str, Any]]:
@@ -76,17 +94,22 @@ def json_text(content: object, indent: int | None = None) -> str:
 def markdown_lines(table: pd.DataFrame) -> list[str]:
     """Give the lines of a table of texts for a document."""
     rows = [list(table.columns), *table.itertuples(index=False, name=None)]
-    lines = ["| " + " | ".join(text.replace("|", "\\|") for text in row) + " |" for row in rows]
+    lines = ["| " + " | ".join(visible(text).replace("|", "\\|") for text in row) + " |" for row in rows]
     return [lines[0], "|" + "---|" * len(table.columns), *lines[1:]]
+
+
+def plain(*lines: str) -> str:
+    """Give lines as rich prints them: neither its markup nor characters that control a terminal mean anything."""
+    return escape("\n".join(map(visible, lines)))
 
 
 def printed_table(table: pd.DataFrame, title: str | None = None) -> Table:
     """Give a table of texts for a terminal; columns of names (with a colon in the heading) are not wrapped."""
     printed = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), title=title, title_justify="left")
     for heading in table.columns:
-        printed.add_column(escape(heading), no_wrap=":" in heading)
+        printed.add_column(plain(heading), no_wrap=":" in heading)
     for texts in table.itertuples(index=False, name=None):
-        printed.add_row(*map(escape, texts))
+        printed.add_row(*map(plain, texts))
     return printed
 
 

@@ -10,7 +10,8 @@ import engines.__main__
 import reference_lcp.__main__
 import reports.__main__
 import scenarios.__main__
-from reference_lcp.console import WRONG_INPUT, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from scenarios.catalogue import CATALOGUE
 
 APPS = {
@@ -58,6 +59,15 @@ COMMAND_LINES = [
     ("scenarios run figure3 --no-ask", r"--store"),
     ("scenarios run cost --seconds 0", r"seconds = 0.*> 0"),
     ("reports compare a.sqlite b.sqlite", r"a.sqlite"),
+    ("reports compare other.sqlite other.sqlite --db 1e5", r"threshold of transmittance = 100000 dB; .*<= 1000"),
+    ("reference_lcp --base-amplitude 1e308", r"base_amplitude = 1e\+308.*1e-24 to 1e\+24"),
+    ("reference_lcp --frequency-ratio 1e-9", r"a period of .* needs .* steps; allowed: .*<= 1000000"),
+    (f"reference_lcp --cells {'9' * 4301}", r"--cells.*integer"),
+    (f"reference_lcp --plot {'x' * 400}.png", r"File name too long"),
+    ("scenarios sweep sweep.toml --time-limit 1e300", r"time_limit = 1e\+300 .*allowed: 1e-06 to 1e\+06"),
+    ("scenarios sweep sweep.toml --workers 1000000", r"workers = 1000000.*1 to 1024"),
+    (f"scenarios sweep sweep.toml --store {'x' * 400}", r"store = .*File name too long"),
+    ("scenarios sweep /dev/zero", r"more than 10000000 bytes"),
     ("reports animate --friction-ratio -1", r"friction_ratio = -1.*>= 0"),
     *((f"scenarios run {name} --workers 0", r"workers = 0.*>= 1") for name in CATALOGUE),
     ("scenarios run acuracy", r"No such command 'acuracy'"),
@@ -102,6 +112,14 @@ SWEEP_FILES = [
     ),
     (SWEEP + "[chain]\nfriction = 1.0\n", r"chain.friction is unknown; allowed: .*example"),
     ("steps_per_period = 3\n" + SWEEP, r"steps_per_period = 3; .*16"),
+    ("steps_per_period = " + "9" * 4301 + SWEEP, r"is no TOML: .*4300 digits"),
+    ("engines = " + "[" * 3000 + "]" * 3000, r"is no TOML: arrays and tables in one another"),
+    (SWEEP.replace("[0.9]", "[nan]"), r"grid.frequency_ratio = nan.*finite"),
+    (SWEEP.replace("[0.9]", "[1e-320]"), r"grid.frequency_ratio = .*e-321.*allowed: 1e-12 to 1e\+12"),
+    (SWEEP.replace("[0.9]", "{ first = 1, last = 2, points = 1" + "0" * 30 + " }"), r"points = 10*; .*1000000"),
+    (SWEEP + "[drive]\namplitude = 1e308\n", r"drive.amplitude = 1e\+308; .*1000000000000"),
+    (SWEEP + "[chain]\ncells = 1" + "0" * 30 + "\n", r"chain.cells = 10*; .*100000"),
+    (SWEEP + "[tolerances]\ntransmittance_db = 1e5\n", r"tolerances.transmittance_db = 100000.0; .*1000"),
 ]
 
 
@@ -123,11 +141,11 @@ def files_in(folder: Path) -> dict[Path, bytes | None]:
     return {file: file.read_bytes() if file.is_file() else None for file in folder.rglob("*")}
 
 
-@pytest.mark.parametrize(("line", "message"), COMMAND_LINES, ids=[line for line, _ in COMMAND_LINES])
+@pytest.mark.parametrize(("line", "message"), COMMAND_LINES, ids=[line[:60] for line, _ in COMMAND_LINES])
 def test_wrong_command_line_is_refused_with_its_value(folder, capsys, line, message) -> None:
     before = files_in(folder)
     name, *arguments = line.split()
-    assert run_command(APPS[name], arguments) == WRONG_INPUT
+    assert run_command(APPS[name], arguments) == ExitCode.WRONG_INPUT
     printed = capsys.readouterr()
     assert printed.err.startswith("error: ")
     assert len(printed.err.splitlines()) == 1
@@ -140,8 +158,29 @@ def test_wrong_command_line_is_refused_with_its_value(folder, capsys, line, mess
 def test_wrong_sweep_file_is_refused_with_file_key_and_value(folder, capsys, content, message) -> None:
     (folder / "mine.toml").write_text(content)
     before = files_in(folder)
-    assert run_command(APPS["scenarios"], ["sweep", "mine.toml"]) == WRONG_INPUT
+    assert run_command(APPS["scenarios"], ["sweep", "mine.toml"]) == ExitCode.WRONG_INPUT
     printed = capsys.readouterr().err
     assert printed.startswith("error: mine.toml")
     assert re.search(message, printed), printed
     assert files_in(folder) == before
+
+
+LARGE = SWEEP.replace("[0.3]", "{ first = 0.1, last = 1.0, points = 1000 }").replace(
+    "[0.9]", "{ first = 0.3, last = 1.6, points = 10000 }"
+)
+
+
+@pytest.mark.parametrize("command", ["scenarios sweep large.toml", "reports --sweep large.toml"])
+def test_sweep_of_ten_million_points_says_its_size_and_asks_for_a_yes(folder, capsys, command) -> None:
+    (folder / "large.toml").write_text(LARGE)
+    before = files_in(folder)
+    name, *arguments = command.split()
+    assert run_command(APPS[name], arguments) == ExitCode.WRONG_INPUT
+    assert re.search(r"0,000,000 points, .* h of .*allowed: <= 1,000,000 points", capsys.readouterr().err)
+    assert files_in(folder) == before
+
+
+def test_misspelt_engine_is_refused_before_the_reference_is_measured(folder, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(scenarios.__main__, "cost", lambda *_: pytest.fail("something was measured"))
+    assert run_command(APPS["scenarios"], ["run", "cost", "--engine", "mujocko"]) == ExitCode.WRONG_INPUT
+    assert "engine = 'mujocko' is unknown" in capsys.readouterr().err

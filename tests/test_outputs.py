@@ -11,8 +11,10 @@ import reports
 import reports.__main__
 import scenarios.__main__
 from reference_lcp import ParameterError
-from reference_lcp.console import WRONG_INPUT, checked_output_file, checked_output_folder, run_command
-from scenarios.catalogue.example_record import write_example
+from reference_lcp.console import checked_output_file, checked_output_folder, run_command
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.validation import RunError
+from scenarios.catalogue.transient.example_record import write_example
 from scenarios.execution.store import ResultStore
 from scenarios.functions import sweep
 from scenarios.sweeps.dataset import write_dataset
@@ -67,7 +69,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_an_output_onto_what_the_command_uses_is_refused_and_changes_nothing(line, files, capsys) -> None:
     before = {file: file.read_bytes() for file in files.rglob("*") if file.is_file()}
     name, *arguments = line.split()
-    assert run_command(APPS[name], arguments) == WRONG_INPUT
+    assert run_command(APPS[name], arguments) == ExitCode.WRONG_INPUT
     message = capsys.readouterr().err
     assert message.count("\n") == 1
     assert "allowed: " in message
@@ -116,7 +118,7 @@ def test_a_disk_that_is_full_leaves_the_old_file_as_it_was(tmp_path, ending) -> 
     old = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, old[1]))
     try:
-        with pytest.raises(ParameterError, match=r"cannot be written: .*; it is as it was"):
+        with pytest.raises(RunError, match=r"cannot be written: .*; it is as it was"):
             write_dataset(data, file)
         with pytest.raises(ParameterError, match="cannot be written"):
             checked_output_file("--out", file)

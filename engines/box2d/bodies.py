@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Preset
+from engines.interface.presets import Option, Preset
 from engines.shared.force_loop import ExplicitForcesLane, Step
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
@@ -22,6 +22,16 @@ SPRING_LENGTH = 2.0**6
 
 FARTHEST = 2.0
 """Distance in an engine's units at which Box2D cuts the displacement of a step off, without a message."""
+
+DEFAULT_OPTIONS = {
+    "units": Option("SI", "SI", "The numbers of the chain as they are."),
+    "springs": Option("distance joints", "distance joints", "Box2D's own: implicit, which damps every vibration."),
+    "velocityIterations": Option(8, 8, "Of the manual; springs that pull on each other are solved by sweeps."),
+    "positionIterations": Option(3, 3, "Of the manual."),
+    "warmStarting": Option(True, True, "Box2D's own: sweeps start from the impulses of the step before."),
+    "AllowSleeping": Option(True, True, "Box2D's own."),
+}
+"""Options of the default presets of both formulations."""
 
 
 class Box2DLane(ExplicitForcesLane):

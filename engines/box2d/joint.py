@@ -2,9 +2,10 @@
 
 from typing import Any
 
-from engines.box2d.bodies import Box2DLane
+from engines.box2d.bodies import DEFAULT_OPTIONS, Box2DLane
 from engines.box2d.law import own_springs
 from engines.interface.presets import NormalForce, Option, Preset
+from engines.shared.known_deviations import IMPLICIT_SPRINGS
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -26,20 +27,9 @@ JOINT_TUNED = Preset(
 
 JOINT_DEFAULT = Preset(
     "Friction joints, and distance joints as springs, in SI units, with the iterations that Box2D's manual suggests.",
-    {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
-        "springs": Option("distance joints", "distance joints", "Box2D's own: implicit, which damps every vibration."),
-        "joint": Option("friction", "friction", "Box2D's own for dry friction."),
-        "velocityIterations": Option(8, 8, "Of the manual; springs that pull on each other are solved by sweeps."),
-        "positionIterations": Option(3, 3, "Of the manual."),
-        "warmStarting": Option(True, True, "Box2D's own: sweeps start from the impulses of the step before."),
-        "AllowSleeping": Option(True, True, "Box2D's own."),
-    },
+    {**DEFAULT_OPTIONS, "joint": Option("friction", "friction", "Box2D's own for dry friction.")},
     # Sweeps that have not converged go on from the last impulses, which a state does not hold.
-    known_deviation=(
-        "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
-        "the error is of first order, but not yet in proportion to the step"
-    ),
+    known_deviation=IMPLICIT_SPRINGS,
     law=own_springs,
     split_tolerance=1e-5,
     normal_force=NormalForce.MODULATED,

@@ -34,6 +34,5 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 def _chosen(config: pytest.Config) -> list[str]:
-    """Names of the engines."""
     named: list[str] = config.getoption("--engine")
     return named or [name for name in engine_names() if engine(name).unavailable_reason() is None]

@@ -1,18 +1,18 @@
-"""The chains and the states that the contract is tested with."""
+"""The chains, the states and the tolerances that the contract is tested with."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from engines.interface.tolerances import STEPS
+from engines.interface.tolerances import CREEP, STEPS
 from engines.interface.variant import Variant
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.harmonic import HarmonicBase, HarmonicForce, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.chain.trajectory import State
+from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.chain.transient import QUIET, RickerPulse
 
 CELLS, SEED = 7, 20
@@ -96,3 +96,14 @@ def drive_of(lane: Lane) -> PeriodicDrive:
     """Give the drive of a lane of `lane_of`, which is periodic."""
     assert isinstance(lane.drive, HarmonicBase)
     return lane.drive
+
+
+def run_of(variant: Variant, lane: Lane, state: State, steps: int) -> Trajectory:
+    """Run one lane from a state at step zero."""
+    return variant.build([lane]).run(state, 0, steps)[0]
+
+
+def tolerance_of(variant: Variant, by_precision: Mapping[str, float], *, modulated: bool = False) -> float:
+    """Give what the contract allows at a variant's precision, and what its residual slip compliance adds to it."""
+    preset = variant.preset.modulated() if modulated else variant.preset
+    return by_precision[variant.capabilities.precision] + CREEP * preset.residual_slip_compliance

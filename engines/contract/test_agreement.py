@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from engines.contract.lanes import lane_of, pulse_lane_of, random_state
+from engines.contract.lanes import lane_of, pulse_lane_of, random_state, run_of, tolerance_of
 from engines.interface.registry import engine
 from engines.interface.tolerances import (
     CONVERGED_TOLERANCE_DB,
-    CREEP,
     FRICTION_TOLERANCE,
     PULSE_TOLERANCE,
     SAME_CHAIN,
@@ -43,16 +42,12 @@ def test_variant_that_shares_the_scheme_equals_the_reference_to_round_off_over_f
     """The same equations, solved by another code."""
     lane = lane_of(0.3, 0.9)
     run, expected = (
-        variant.build([lane]).run(State.at_rest(1, 7), 0, 40 * STEPS)[0] for variant in (sharing, Variant("reference"))
-    )
-    precision, residual_slip_compliance = (
-        sharing.capabilities.precision,
-        CREEP * sharing.preset.residual_slip_compliance,
+        run_of(variant, lane, State.at_rest(1, 7), 40 * STEPS) for variant in (sharing, Variant("reference"))
     )
     motion = np.max(np.abs(run.positions - expected.positions)) / BASE_AMPLITUDE
     force = np.max(np.abs(run.friction - expected.friction)) / lane.chain.friction_bound[0]
-    assert motion <= TRAJECTORY_TOLERANCE[precision] + residual_slip_compliance, "the motion leaves the scheme's"
-    assert force <= FRICTION_TOLERANCE[precision] + residual_slip_compliance, "the friction leaves the scheme's"
+    assert motion <= tolerance_of(sharing, TRAJECTORY_TOLERANCE), "the motion leaves the scheme's"
+    assert force <= tolerance_of(sharing, FRICTION_TOLERANCE), "the friction leaves the scheme's"
 
 
 def test_pulse_of_the_base_moves_the_chain_as_it_moves_the_reference(tuned: Variant) -> None:
@@ -60,10 +55,10 @@ def test_pulse_of_the_base_moves_the_chain_as_it_moves_the_reference(tuned: Vari
     lane = pulse_lane_of(0.3)
     shares = tuned.preset.shares_scheme
     baseline = Variant("reference", preset_name="tuned" if shares else "converged")
-    run, expected = (variant.build([lane]).run(State.at_rest(1, 7), 0, 4 * STEPS)[0] for variant in (tuned, baseline))
+    run, expected = (run_of(variant, lane, State.at_rest(1, 7), 4 * STEPS) for variant in (tuned, baseline))
     difference = np.max(np.abs(run.positions - expected.positions)) / BASE_AMPLITUDE
-    to_round_off = TRAJECTORY_TOLERANCE[tuned.capabilities.precision] + CREEP * tuned.preset.residual_slip_compliance
-    assert difference <= (to_round_off if shares else PULSE_TOLERANCE), "this is another drive"
+    tolerance = tolerance_of(tuned, TRAJECTORY_TOLERANCE) if shares else PULSE_TOLERANCE
+    assert difference <= tolerance, "this is another drive"
 
 
 def test_cells_that_differ_are_each_built_as_given(sharing: Variant) -> None:
@@ -77,19 +72,14 @@ def test_cells_that_differ_are_each_built_as_given(sharing: Variant) -> None:
         outer_mass_ratio=outer, chain_stiffness_ratio=springs,
     )  # fmt: skip
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, BASE_AMPLITUDE), STEPS)
-    run, expected = (
-        variant.build([lane]).run(random_state(1), 0, STEPS)[0] for variant in (sharing, Variant("reference"))
-    )
+    run, expected = (run_of(variant, lane, random_state(1), STEPS) for variant in (sharing, Variant("reference")))
     motion = np.max(np.abs(run.positions - expected.positions)) / np.max(np.abs(expected.positions))
-    tolerance = TRAJECTORY_TOLERANCE[sharing.capabilities.precision] + CREEP * sharing.preset.residual_slip_compliance
-    assert motion <= tolerance, "some cell is not the one that was given"
+    assert motion <= tolerance_of(sharing, TRAJECTORY_TOLERANCE), "some cell is not the one that was given"
 
 
 def test_default_stays_finite_and_near_the_reference_for_a_period(default: Variant) -> None:
     """How far a default is off is a finding of reports; that it is the same chain must show at once."""
     lane = lane_of(0.3, 0.9)
-    run, expected = (
-        variant.build([lane]).run(State.at_rest(1, 7), 0, STEPS)[0] for variant in (default, Variant("reference"))
-    )
+    run, expected = (run_of(variant, lane, State.at_rest(1, 7), STEPS) for variant in (default, Variant("reference")))
     difference = np.max(np.abs(run.positions - expected.positions)) / BASE_AMPLITUDE
     assert difference < SAME_CHAIN, "this is another chain"

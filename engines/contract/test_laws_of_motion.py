@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from engines.contract.lanes import drive_of, lane_of, random_state
+from engines.contract.lanes import drive_of, lane_of, random_state, run_of
 from engines.interface.tolerances import DISTANCE_GROWTH, LINEAR_TOLERANCE_DB, MOMENTUM_TOLERANCE, STEPS
 from engines.interface.variant import Variant
 from reference_lcp.chain.harmonic import StillBase
@@ -24,7 +24,7 @@ def test_momentum_changes_by_the_impulse_of_the_reported_forces(tuned: Variant) 
     """M Δq = ∫ (f − K u − C q + W_T λ_T) dt over a period, with the reported forces."""
     lane = lane_of(0.3, 0.9, 4 * STEPS)
     chain = lane.chain
-    run = tuned.build([lane]).run(random_state(1), 0, 4 * STEPS)[0]
+    run = run_of(tuned, lane, random_state(1), 4 * STEPS)
     load = np.zeros_like(run.positions)
     load[:, 0] = lane.drive.load(chain, run.time)
     force = load - run.positions @ chain.stiffness_matrix - run.velocities @ chain.damping_matrix
@@ -38,7 +38,7 @@ def test_energy_of_a_free_motion_is_never_created(tuned: Variant) -> None:
     """Without a drive, springs give back at most what they took, and contacts and dashpots keep theirs."""
     driven = lane_of(0.1, 0.6)
     lane = Lane(driven.chain, StillBase(driven.drive.displacement_scale(driven.chain)), driven.time_step)
-    run = tuned.build([lane]).run(random_state(1), 0, 4 * STEPS)[0]
+    run = run_of(tuned, lane, random_state(1), 4 * STEPS)
     rows = mechanical_energy(lane.chain, run.positions, run.velocities)
     assert largest_growth(rows) < 2 * DISTANCE_GROWTH, "energy is created"
     assert rows[-1] < 0.5 * rows[0], "friction and dashpots take no energy"

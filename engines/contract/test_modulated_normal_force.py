@@ -5,13 +5,12 @@ import re
 import numpy as np
 import pytest
 
-from engines.contract.lanes import modulated_lane
+from engines.contract.lanes import modulated_lane, run_of, tolerance_of
 from engines.interface.presets import NormalForce
 from engines.interface.registry import engine
 from engines.interface.tolerances import (
     BOUND_MARGIN,
     CONVERGED_TOLERANCE_DB,
-    CREEP,
     MEETING_STEPS,
     MOMENTUM_TOLERANCE,
     ROUND_OFF,
@@ -31,7 +30,7 @@ from reference_lcp.validation import ParameterError
 
 def run_from_rest(variant: Variant, modulation: float, periods: int, multiple: int = 1) -> Trajectory:
     """Run a modulated lane."""
-    return variant.build([modulated_lane(modulation, multiple)]).run(State.at_rest(1, 7), 0, periods * STEPS)[0]
+    return run_of(variant, modulated_lane(modulation, multiple), State.at_rest(1, 7), periods * STEPS)
 
 
 def test_modulated_normal_force_is_followed(following: Variant) -> None:
@@ -40,17 +39,12 @@ def test_modulated_normal_force_is_followed(following: Variant) -> None:
         pytest.skip("how far a default is off is a finding of reports")
     lane = modulated_lane(0.5, 2)
     run, expected = (run_from_rest(variant, 0.5, 4, 2) for variant in (following, Variant("reference")))
-    precision, residual_slip_compliance = (
-        following.capabilities.precision,
-        CREEP * following.preset.modulated().residual_slip_compliance,
-    )
-    given = lane.preloads(0, 4 * STEPS)
-    assert np.allclose(run.normal_force, given, rtol=ROUND_OFF[precision] + residual_slip_compliance, atol=0), (
-        "another normal force"
-    )
+    given, tolerance = lane.preloads(0, 4 * STEPS), tolerance_of(following, ROUND_OFF, modulated=True)
+    assert np.allclose(run.normal_force, given, rtol=tolerance, atol=0), "another normal force"
     if following.preset.shares_scheme:
         motion = np.max(np.abs(run.positions - expected.positions)) / BASE_AMPLITUDE
-        assert motion <= TRAJECTORY_TOLERANCE[precision] + residual_slip_compliance, "the motion leaves the scheme's"
+        tolerance = tolerance_of(following, TRAJECTORY_TOLERANCE, modulated=True)
+        assert motion <= tolerance, "the motion leaves the scheme's"
     else:
         orbit = periodic_orbits(following.build([lane]), STEPS, tolerance=following.capabilities.residual)[0]
         baseline = periodic_orbits(engine("reference").build([lane], preset="converged"), STEPS)[0]
@@ -70,10 +64,8 @@ def test_friction_stays_within_a_bound_that_changes(following: Variant) -> None:
     assert np.all(np.abs(run.friction) <= bound * (1 + margin) + round_off), "friction passes its bound"
     if not lifts:
         given = lane.chain.friction_coefficient * lane.preloads(0, 2 * STEPS)
-        residual_slip_compliance = CREEP * following.preset.modulated().residual_slip_compliance
-        assert np.all(np.abs(run.friction) <= given * (1 + margin + residual_slip_compliance) + round_off), (
-            "friction passes its bound"
-        )
+        wider = tolerance_of(following, BOUND_MARGIN, modulated=True)
+        assert np.all(np.abs(run.friction) <= given * (1 + wider) + round_off), "friction passes its bound"
 
 
 def test_contact_that_is_pulled_open_flies_lands_and_carries_the_impact(lifting: Variant) -> None:

@@ -9,6 +9,7 @@ from engines.dart.world import new_world
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import ExplicitForcesLane, Step
+from engines.shared.known_deviations import IMPLICIT_SPRINGS
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
@@ -44,11 +45,7 @@ JOINT_DEFAULT = Preset(
         "deactivation": Option(True, True, "DART's own."),
         "constraint force mixing": Option(RESIDUAL_SLIP_COMPLIANCE, RESIDUAL_SLIP_COMPLIANCE, "DART's own."),
     },
-    known_deviation=(
-        "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
-        "the error is of first order, but not yet in proportion to the step; friction is solved after them, with the "
-        "bare masses"
-    ),
+    known_deviation=f"{IMPLICIT_SPRINGS}; friction is solved after them, with the bare masses",
     law=own_springs,
     split_tolerance=1e-12,
     residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE,

@@ -22,7 +22,6 @@ from engines.drake.lane import (
 )
 from engines.drake.law import lagged_contact, sap_contact, similar_contact
 from engines.drake.sizes import contact_scale, sphere_depth, stiction_speed
-from engines.interface.engine import constant_normal_force
 from engines.interface.presets import Option, Preset
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
@@ -91,9 +90,7 @@ CONTACT_SAP = Preset(
             0.0, 0.1, "[s] Dissipation of kSap; at 0.1 s a sliding sphere would leave its plane."
         ),
     },
-    known_deviation=(
-        "friction lifts a sliding sphere by μ |ġ_T| dt: it bounces, and its normal force, which bounds friction, swings"
-    ),
+    known_deviation=CONTACT_SIMILAR.known_deviation,
     law=sap_contact,
     split_tolerance=1e-12,
     stick_margin=SMOOTH_LAW_MARGIN,
@@ -256,7 +253,7 @@ class DrakeContactLane(DrakeLane):
 
     def _contact_forces(self, mechanism: Mechanism, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
         steps = rows.shape[0]
-        given = constant_normal_force(self.lane, steps)
+        given = self.lane.preloads(0, steps)
         if mechanism.forces is None:
             return np.zeros((steps, self._chain.cells)), given
         forces = rows * self._units.force

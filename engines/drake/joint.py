@@ -7,7 +7,6 @@ import numpy as np
 from engines.drake.diagram import Mechanism, joint_numbers
 from engines.drake.lane import SHARED_DEFAULT_OPTIONS, SHARED_TUNED_OPTIONS, DrakeLane, add_slider, set_options
 from engines.drake.law import actuator, near_rigid_actuator
-from engines.interface.engine import constant_normal_force
 from engines.interface.presets import Option, Preset
 from reference_lcp.validation import FloatArray
 
@@ -106,4 +105,4 @@ class DrakeJointLane(DrakeLane):
     def _contact_forces(self, mechanism: Mechanism, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
         friction = np.zeros((rows.shape[0], self._chain.cells))
         friction[:, self._rubbing] = rows * self._units.force
-        return friction, constant_normal_force(self.lane, rows.shape[0])
+        return friction, self.lane.preloads(0, rows.shape[0])

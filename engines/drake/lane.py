@@ -1,6 +1,5 @@
 """One chain in Drake, whatever its formulation: masses in a row of joints, and states in and out of them."""
 
-import dataclasses
 from abc import abstractmethod
 from functools import cached_property
 from typing import Any
@@ -41,9 +40,8 @@ class DrakeLane(LaneModel):
         """Take the lane's parameters in its units."""
         self.lane = lane
         self._preset = preset
-        units = Units.named(preset["units"], lane)
         # With dt as unit of time a step begins at a whole number.
-        self._units = units if preset["units"] == "SI" else dataclasses.replace(units, time=lane.time_step)
+        self._units = Units.in_steps(preset["units"], lane)
         self._time_step = lane.time_step / self._units.time
         self._chain = self._units.scaled(lane.chain)
         self._rubbing = np.flatnonzero(self._chain.friction_bound > 0)
@@ -69,12 +67,8 @@ class DrakeLane(LaneModel):
         diagram = self._plain
         end = diagram.advance(self._vector(state), self._loads(start, steps))
         position, velocity = np.split(end[None], 2, axis=1)
-        internal_state = self._internal_state(diagram.mechanism, end)
-        return State(
-            _absolute(diagram.mechanism, position) * self._units.length,
-            _absolute(diagram.mechanism, velocity) * self._units.velocity,
-            None if internal_state is None else internal_state[None],
-        )
+        along = _absolute(diagram.mechanism, position), _absolute(diagram.mechanism, velocity)
+        return self._units.state(*along, self._internal_state(diagram.mechanism, end))
 
     def native_steps(self, steps: int) -> None:
         """Take steps of Drake alone, from rest; see `NativeStepping`."""

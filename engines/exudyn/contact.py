@@ -7,9 +7,7 @@ import numpy as np
 from engines.exudyn.joint import REGULARISED_DEFAULT, REGULARISED_TUNED, proportional_zone
 from engines.exudyn.lane import ExudynLane
 from engines.exudyn.law import disc
-from engines.interface.engine import constant_normal_force
 from engines.interface.presets import Option, Preset
-from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
 
@@ -29,10 +27,7 @@ CONTACT_TUNED = Preset(
         ),
         "useLinearProportionalZone": Option(True, False, "The zone of the joint formulation; the other is quadratic."),
     },
-    known_deviation=(
-        "friction is proportional to the slip velocity within a zone: a stuck contact creeps, and the error is in"
-        " proportion to the width of the zone, whatever the time step"
-    ),
+    known_deviation=REGULARISED_TUNED.known_deviation,
     law=disc,
     split_tolerance=1e-9,
 )
@@ -63,9 +58,7 @@ class ContactLane(ExudynLane):
     equilibrium nothing moves across the plane, so that a state needs the first ones only.
     """
 
-    def __init__(self, lane: Lane, preset: Preset):
-        self._preset = preset
-        super().__init__(lane, preset)
+    _force_variable = "ForceLocal"
 
     @property
     def _stiffness(self) -> FloatArray:
@@ -81,27 +74,23 @@ class ContactLane(ExudynLane):
         return depth
 
     def _along(self, coordinates: FloatArray) -> FloatArray:
-        return coordinates[0::3]
+        return coordinates[..., 0::3]
 
     def _coordinates(self, along: FloatArray) -> FloatArray:
         coordinates = np.zeros(3 * along.shape[0])
         coordinates[0::3] = along
         return coordinates
 
-    def _recorded_motion(self, steps: int) -> tuple[FloatArray, FloatArray]:
-        rows = [[self._recorded(sensor, steps)[:, 0] for sensor in sensors] for sensors in self._motion_sensors]
-        return np.stack(rows[0], axis=1), np.stack(rows[1], axis=1)
-
     def _recorded_forces(self, steps: int) -> tuple[FloatArray, FloatArray]:
-        friction, normal = np.zeros((steps, self._chain.cells)), constant_normal_force(self.lane, steps).copy()
+        friction, normal = np.zeros((steps, self._chain.cells)), self.lane.preloads(0, steps).copy()
         for cell, sensor in zip(self._rubbing, self._force_sensors, strict=True):
             force = self._recorded(sensor, steps) * self._units.force
             friction[:, cell], normal[:, cell] = -force[:, 1], force[:, 2]
         return friction, normal
 
-    def _solver_settings(self, preset: Preset) -> Any:
-        settings = super()._solver_settings(preset)
-        settings.timeIntegration.discontinuous.iterationTolerance = preset["discontinuous_tolerance"]
+    def _solver_settings(self) -> Any:
+        settings = super()._solver_settings()
+        settings.timeIntegration.discontinuous.iterationTolerance = self._preset["discontinuous_tolerance"]
         return settings
 
     def _set_friction_state(self, state: State, start: int) -> None:
@@ -110,7 +99,7 @@ class ContactLane(ExudynLane):
         data = np.stack([np.zeros_like(outer), outer - inner, -self._depth], axis=1)[self._rubbing]
         self._system.systemData.SetDataCoordinates(data.ravel(), self._exudyn.ConfigurationType.Initial)
 
-    def _assemble(self, preset: Preset) -> None:
+    def _assemble(self) -> None:
         from exudyn import itemInterface
 
         system, chain = self._system, self._chain
@@ -154,27 +143,7 @@ class ContactLane(ExudynLane):
                 contactStiffness=stiffness,
                 contactDamping=2 * float(np.sqrt(stiffness * self._reduced_mass[cell])),
                 dryFriction=[float(chain.friction_coefficient[cell])] * 2,
-                dryFrictionProportionalZone=self._zone(cell) / self._units.velocity,
+                dryFrictionProportionalZone=proportional_zone(self.lane, cell, self._preset) / self._units.velocity,
                 useLinearProportionalZone=self._preset["useLinearProportionalZone"],
             )
         )
-
-    def _zone(self, cell: int) -> float:
-        """Width of the zone [m/s] in which friction is not yet at its bound."""
-        if "frictionProportionalZone" in self._preset.options:
-            return float(self._preset["frictionProportionalZone"])
-        return proportional_zone(self.lane, cell, self._preset)
-
-    def _add_sensors(self, nodes: Any, connectors: Any) -> None:
-        """Record the coordinates of every mass, and the force of every contact, in memory only."""
-        from exudyn import itemInterface
-
-        kinds = self._exudyn.OutputVariableType
-        self._motion_sensors = [
-            [self._add_sensor(itemInterface.SensorNode(nodeNumber=node, outputVariableType=kind)) for node in nodes]
-            for kind in (kinds.Coordinates, kinds.Coordinates_t)
-        ]
-        self._force_sensors = [
-            self._add_sensor(itemInterface.SensorObject(objectNumber=contact, outputVariableType=kinds.ForceLocal))
-            for contact in connectors
-        ]

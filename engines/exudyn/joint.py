@@ -106,7 +106,9 @@ BRISTLE_DEFAULT = Preset(
 
 
 def proportional_zone(lane: Lane, cell: int, preset: Preset) -> float:
-    """Narrowest zone [m/s] that neither creeps visibly nor rings."""
+    """Zone [m/s] in which friction is not yet at its bound: as given, or so wide that it neither creeps nor rings."""
+    if "frictionProportionalZone" in preset.options:
+        return float(preset["frictionProportionalZone"])
     chain = lane.chain
     inertia = 1 / chain.outer_mass[cell] + 1 / chain.inner_mass[cell]
     kick = float(chain.friction_bound[cell] * inertia) * lane.time_step / preset["substeps"]
@@ -117,19 +119,10 @@ def proportional_zone(lane: Lane, cell: int, preset: Preset) -> float:
 class RegularisedLane(ExudynLane):
     """Friction -F ġ_T / v_reg within |ġ_T| < v_reg, -F sign ġ_T beyond."""
 
-    def __init__(self, lane: Lane, preset: Preset):
-        self._preset = preset
-        super().__init__(lane, preset)
-
     def _connector(self, cell: int) -> dict[str, Any]:
         bound = float(self._chain.friction_bound[cell])
-        return {"dynamicFrictionForce": bound, "frictionProportionalZone": self._zone(cell) / self._units.velocity}
-
-    def _zone(self, cell: int) -> float:
-        """Width of the zone [m/s] in which friction is proportional to the relative velocity."""
-        if "frictionProportionalZone" in self._preset.options:
-            return float(self._preset["frictionProportionalZone"])
-        return proportional_zone(self.lane, cell, self._preset)
+        zone = proportional_zone(self.lane, cell, self._preset)
+        return {"dynamicFrictionForce": bound, "frictionProportionalZone": zone / self._units.velocity}
 
 
 class BristleLane(ExudynLane):
@@ -139,10 +132,6 @@ class BristleLane(ExudynLane):
     slip, 0 in stick; then for each contact the deflection of the bristle [m]. Deflections, unlike
     the positions of the feet, stay valid when a solver of periodic orbits moves all masses.
     """
-
-    def __init__(self, lane: Lane, preset: Preset):
-        self._preset = preset
-        super().__init__(lane, preset)
 
     def _connector(self, cell: int) -> dict[str, Any]:
         from exudyn import itemInterface
@@ -176,10 +165,10 @@ class BristleLane(ExudynLane):
         damping: FloatArray = self._preset["bristle_damping"] * 2 * np.sqrt(self._stiffness * self._reduced_mass)
         return damping
 
-    def _solver_settings(self, preset: Preset) -> Any:
-        settings = super()._solver_settings(preset)
+    def _solver_settings(self) -> Any:
+        settings = super()._solver_settings()
         # With none, Exudyn reports success and leaves the chain where it is.
-        iterations = checked_count("discontinuous_iterations", preset["discontinuous_iterations"])
+        iterations = checked_count("discontinuous_iterations", self._preset["discontinuous_iterations"])
         settings.timeIntegration.discontinuous.maxIterations = iterations
         return settings
 

@@ -1,7 +1,6 @@
 """One chain in Exudyn: masses, springs, load, sensors and solver; a friction law adds its connectors."""
 
 import contextlib
-import dataclasses
 import io
 import sys
 from collections.abc import Iterator, Sequence
@@ -9,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.engine import constant_normal_force
 from engines.interface.presets import Preset
 from engines.shared.units import Units
 from reference_lcp.chain.harmonic import HarmonicBase, HarmonicForce
@@ -31,11 +29,14 @@ class ExudynLane(LaneModel):
         Its options.
     """
 
+    _force_variable = "Force"
+    """What sensors record of a connector."""
+
     def __init__(self, lane: Lane, preset: Preset):
         self.lane = lane
-        units = Units.named(preset["units"], lane)
+        self._preset = preset
         # With dt as unit of time the solver adds up binary fractions: its times are exact, however late.
-        self._units = units if preset["units"] == "SI" else dataclasses.replace(units, time=lane.time_step)
+        self._units = Units.in_steps(preset["units"], lane)
         self._time_step = lane.time_step / self._units.time
         self._chain = self._units.scaled(lane.chain)
         self._substeps = preset["substeps"]
@@ -45,8 +46,8 @@ class ExudynLane(LaneModel):
             self._exudyn = exudyn
             self._container = exudyn.SystemContainer()
             self._system = self._container.AddSystem()
-            self._assemble(preset)
-        self._settings = self._solver_settings(preset)
+            self._assemble()
+        self._settings = self._solver_settings()
         self._loads: list[float] = []
         self._first_load = 0
 
@@ -70,11 +71,7 @@ class ExudynLane(LaneModel):
         data, current = self._system.systemData, self._exudyn.ConfigurationType.Current
         position = self._along(np.array(data.GetODE2Coordinates(current)))
         velocity = self._along(np.array(data.GetODE2Coordinates_t(current)))
-        return State(
-            position[None] * self._units.length,
-            velocity[None] * self._units.velocity,
-            None if internal_state is None else internal_state[None],
-        )
+        return self._units.state(position[None], velocity[None], internal_state)
 
     def native_steps(self, steps: int) -> None:
         """Let Exudyn's solver take steps from rest, nothing recorded; it computes the load itself."""
@@ -107,7 +104,10 @@ class ExudynLane(LaneModel):
 
     def _recorded_motion(self, steps: int) -> tuple[FloatArray, FloatArray]:
         """Displacements and velocities of all masses at the ends of the steps, in the units of the lane."""
-        positions, velocities = (self._recorded(sensor, steps) for sensor in self._motion_sensors)
+        positions, velocities = (
+            self._along(np.concatenate([self._recorded(sensor, steps) for sensor in sensors], axis=1))
+            for sensors in self._motion_sensors
+        )
         return positions, velocities
 
     def _recorded_forces(self, steps: int) -> tuple[FloatArray, FloatArray]:
@@ -116,7 +116,7 @@ class ExudynLane(LaneModel):
         for cell, sensor in zip(self._rubbing, self._force_sensors, strict=True):
             # The connector's force resists its elongation: it is -λ_T on the inner mass.
             friction[:, cell] = -self._recorded(sensor, steps)[:, 0]
-        return friction * self._units.force, constant_normal_force(self.lane, steps)
+        return friction * self._units.force, self.lane.preloads(0, steps)
 
     def _set_friction_state(self, state: State, start: int) -> None:
         """Set the internal state of the friction law, if it has one."""
@@ -153,7 +153,7 @@ class ExudynLane(LaneModel):
             raise RuntimeError(f"exudyn recorded {rows.shape[0]} rows in {steps} steps")
         return rows
 
-    def _assemble(self, preset: Preset) -> None:
+    def _assemble(self) -> None:
         """Add masses, springs and dashpots as matrices, the friction connectors, the load and the sensors."""
         from exudyn import itemInterface
 
@@ -188,7 +188,7 @@ class ExudynLane(LaneModel):
             for cell in self._rubbing.tolist()
         ]
         self._add_load(markers[0])
-        self._add_sensors(node, connectors)
+        self._add_sensors([node], connectors)
         system.Assemble()
 
     def _add_load(self, marker: Any) -> None:
@@ -226,17 +226,18 @@ class ExudynLane(LaneModel):
         part = place - before
         return (1 - part) * self._loads[before] + part * self._loads[before + 1]
 
-    def _add_sensors(self, node: Any, connectors: Sequence[Any]) -> None:
-        """Record the motion of all masses and the force of each connector, in memory only."""
+    def _add_sensors(self, nodes: Sequence[Any], connectors: Sequence[Any]) -> None:
+        """Record the coordinates of all nodes and the force of each connector, in memory only."""
         from exudyn import itemInterface
 
         kinds = self._exudyn.OutputVariableType
         self._motion_sensors = [
-            self._add_sensor(itemInterface.SensorNode(nodeNumber=node, outputVariableType=kind))
+            [self._add_sensor(itemInterface.SensorNode(nodeNumber=node, outputVariableType=kind)) for node in nodes]
             for kind in (kinds.Coordinates, kinds.Coordinates_t)
         ]
+        force = getattr(kinds, self._force_variable)
         self._force_sensors = [
-            self._add_sensor(itemInterface.SensorObject(objectNumber=connector, outputVariableType=kinds.Force))
+            self._add_sensor(itemInterface.SensorObject(objectNumber=connector, outputVariableType=force))
             for connector in connectors
         ]
 
@@ -245,13 +246,13 @@ class ExudynLane(LaneModel):
         sensor.storeInternal, sensor.writeToFile = True, False
         return self._system.AddSensor(sensor)
 
-    def _solver_settings(self, preset: Preset) -> Any:
+    def _solver_settings(self) -> Any:
         """Settings of the implicit solver, without any output to files or console."""
         settings = self._exudyn.SimulationSettings()
         settings.solution.file.write = False
         # A little less than a step, for times in seconds add up with round-off.
         settings.solution.sensors.writePeriod = self._time_step * (1 - 1e-9)
-        integration = settings.timeIntegration
+        preset, integration = self._preset, settings.timeIntegration
         integration.verboseMode = 0
         integration.minimumStepSize = preset["smallest_step"] * self._time_step
         integration.generalizedAlpha.useNewmark = preset["solver"] == "Newmark"

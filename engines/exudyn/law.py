@@ -54,7 +54,7 @@ def disc(preset: Preset) -> Law | NotModelled:
         )
 
     def model(lane: Lane, constants: Mapping[str, float]) -> GeneralisedAlphaLane:
-        tolerance = preset["discontinuous_tolerance"] * _unit_of_force(lane, preset)
+        tolerance = preset["discontinuous_tolerance"] * Units.in_steps(preset["units"], lane).force
         numbers = _zone_numbers(DISC, lane, constants, preset, tolerance)
         return GeneralisedAlphaLane(lane, _rule(constants), numbers, preset["substeps"])
 
@@ -109,12 +109,6 @@ def _bristle_numbers(lane: Lane, constants: Mapping[str, float], preset: Preset)
     stiffness = mass * (constants["θ"] * preset["substeps"] / lane.time_step) ** 2
     damping = 2 * constants["ζ"] * np.sqrt(stiffness * mass)
     return ContactNumbers(BRISTLE, chain.friction_bound, stiffness, damping)
-
-
-def _unit_of_force(lane: Lane, preset: Preset) -> float:
-    """Unit [N] in which Exudyn has the tolerance of its corrections; the unit of time is the time step then."""
-    units = Units.named(preset["units"], lane)
-    return units.force if preset["units"] == "SI" else units.mass * units.length / lane.time_step**2
 
 
 def _terms(preset: Preset) -> str:

@@ -5,12 +5,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import ClassVar, Protocol, runtime_checkable
 
-import numpy as np
-
 from engines.interface.presets import Capabilities, Formulation, Preset
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
 from reference_lcp.one_call import SteadyState
-from reference_lcp.validation import FloatArray, ParameterError, checked_choice
+from reference_lcp.validation import ParameterError, checked_choice
 
 
 @runtime_checkable
@@ -90,25 +88,15 @@ class Engine(ABC):
         """
         chosen = self.preset(formulation, preset)
         common_cells(lanes)
-        _check_normal_forces(lanes, f"{self.name}:{formulation}:{preset}", chosen)
-        reason = self.unavailable_reason()
-        if reason is not None:
-            raise EngineNotInstalled(f"{self.name}: {reason}")
+        for lane in lanes:
+            unsupported = chosen.unsupported_reason(lane, f"{self.name}:{formulation}:{preset}")
+            if unsupported is not None:
+                raise ParameterError(unsupported)
+        missing = self.unavailable_reason()
+        if missing is not None:
+            raise EngineNotInstalled(f"{self.name}: {missing}")
         return self._build(tuple(lanes), Formulation(formulation), chosen)
 
 
 class EngineNotInstalled(RuntimeError):
     """The engine's own package is missing; the message names it and the reason."""
-
-
-def _check_normal_forces(lanes: Sequence[Lane], name: str, preset: Preset) -> None:
-    """Refuse lanes whose normal force changes in a way that the preset cannot represent."""
-    for lane in lanes:
-        reason = preset.unsupported_reason(lane, name)
-        if reason is not None:
-            raise ParameterError(reason)
-
-
-def constant_normal_force(lane: Lane, steps: int) -> FloatArray:
-    """λ_N of a formulation in which it is a given number [N], shape (steps, n)."""
-    return np.broadcast_to(lane.chain.normal_force, (steps, lane.chain.cells))

@@ -79,7 +79,7 @@ class Law:
         """
         common_cells(lanes)
         values = {symbol: constant.value for symbol, constant in self.constants.items()}
-        return SequentialSimulation.build(lanes, lambda lane: self.model(lane, values))
+        return SequentialSimulation([self.model(lane, values) for lane in lanes])
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ class MuJoCo(WheelEngine):
 
     name: ClassVar[str] = "mujoco"
     module: ClassVar[str] = "mujoco"
+    needs: ClassVar = (4, "batch of models")
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="MuJoCo",
         package="mujoco",
@@ -31,13 +32,6 @@ class MuJoCo(WheelEngine):
             "presets removes the softness; then the motion equals equation (5) to round-off."
         ),
     )
-
-    def unavailable_reason(self) -> str | None:
-        """Reason why MuJoCo cannot be used here; older versions have no batch of models."""
-        missing = super().unavailable_reason()
-        if missing is None and int(self.version().split(".")[0]) < 4:
-            return f"mujoco {self.version()} has no batch of models, version 4.0 or newer is needed; {self._remedy}"
-        return missing
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         modulated = any(lane.preload is not None for lane in lanes)

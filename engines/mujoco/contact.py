@@ -18,8 +18,8 @@ from engines.mujoco.model import (
     LEAST_COEFFICIENT,
     TUNED_OPTIONS,
     add_chain,
-    add_slider,
-    set_options,
+    add_masses,
+    new_spec,
 )
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.mass_in_mass import Chain
@@ -119,13 +119,9 @@ def contact_units(lane: Lane, preset: Preset) -> Units:
 
 def contact_model(lane: Lane, units: Units, preset: Preset) -> Any:
     """Compile a lane: sliding plates in the world, on each a sphere, tendons between the plates."""
-    import mujoco
-
-    chain = units.scaled(lane.chain)
-    time_step = lane.time_step / units.time
+    chain, time_step = units.scaled(lane.chain), lane.time_step / units.time
     scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
-    spec = mujoco.MjSpec()
-    set_options(spec.option, time_step, preset)
+    spec = new_spec(time_step, preset)
     for cell in range(chain.cells):
         outer, inner = _add_masses(spec, chain, cell, scale)
         _add_geometry(outer, inner, cell, scale, DEPTH)
@@ -146,8 +142,7 @@ def lifting_model(lane: Lane, units: Units, preset: Preset) -> Any:
 
     chain, time_step = units.scaled(lane.chain), lane.time_step / units.time
     scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
-    spec = mujoco.MjSpec()
-    set_options(spec.option, time_step, preset)
+    spec = new_spec(time_step, preset)
     for cell in range(chain.cells):
         outer, inner = _add_masses(spec, chain, cell, scale)
         inner.add_joint(name=f"above {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
@@ -165,13 +160,10 @@ def lifting_model(lane: Lane, units: Units, preset: Preset) -> Any:
 
 
 def _add_masses(spec: Any, chain: Chain, cell: int, scale: float) -> tuple[Any, Any]:
-    """Add an outer mass that slides in the world, and on it an inner one with its spring and its dashpot."""
+    """Add the masses of a cell, side by side with the others; the inner one is free in the plane."""
     import mujoco
 
-    outer = add_slider(spec.worldbody, f"outer {cell}", chain.outer_mass[cell], 4 * RADIUS * scale * cell)
-    inner = add_slider(outer, f"inner {cell}", chain.inner_mass[cell])
-    inner.joints[0].stiffness = [chain.inner_stiffness[cell], 0, 0]
-    inner.joints[0].damping = [chain.inner_damping[cell], 0, 0]
+    outer, inner = add_masses(spec, chain, cell, 4 * RADIUS * scale * cell)
     # MuJoCo solves for friction in the plane: without inertia across it, the problem is singular.
     inner.add_joint(name=f"across {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 1, 0])
     return outer, inner

@@ -6,7 +6,7 @@ import numpy as np
 
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.mujoco.law import joint_friction
-from engines.mujoco.model import DEFAULT_OPTIONS, TUNED_OPTIONS, add_chain, add_slider, set_options
+from engines.mujoco.model import DEFAULT_OPTIONS, TUNED_OPTIONS, add_chain, add_masses, new_spec
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 
@@ -46,18 +46,10 @@ JOINT_DEFAULT = Preset(
 
 def joint_model(lane: Lane, units: Units, preset: Preset) -> Any:
     """Compile a lane: an outer slide in the world, on each an inner slide, tendons between outer slides."""
-    import mujoco
-
-    chain = units.scaled(lane.chain)
-    time_step = lane.time_step / units.time
-    spec = mujoco.MjSpec()
-    set_options(spec.option, time_step, preset)
+    chain, time_step = units.scaled(lane.chain), lane.time_step / units.time
+    spec = new_spec(time_step, preset)
     for cell in range(chain.cells):
-        outer = add_slider(spec.worldbody, f"outer {cell}", chain.outer_mass[cell])
-        inner = add_slider(outer, f"inner {cell}", chain.inner_mass[cell])
-        joint = inner.joints[0]
-        joint.stiffness = [chain.inner_stiffness[cell], 0, 0]
-        joint.damping = [chain.inner_damping[cell], 0, 0]
+        joint = add_masses(spec, chain, cell)[1].joints[0]
         joint.frictionloss = chain.friction_bound[cell]
         solref = np.array(preset["solref_friction"])
         # A direct solref, negative, is divided by d_width: this makes the reference acceleration -ġ_T / dt.

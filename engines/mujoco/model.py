@@ -37,10 +37,12 @@ LEAST_COEFFICIENT = 1e-4
 """Smallest μ: MuJoCo cuts smaller ones off."""
 
 
-def set_options(option: Any, time_step: float, preset: Preset) -> None:
-    """Set what holds for the whole model."""
+def new_spec(time_step: float, preset: Preset) -> Any:
+    """Begin a model, with what holds for the whole of it."""
     import mujoco
 
+    spec = mujoco.MjSpec()
+    option = spec.option
     option.timestep = time_step
     option.gravity = [0, 0, 0]
     option.solver = getattr(mujoco.mjtSolver, f"mjSOL_{preset['solver'].upper()}")
@@ -51,9 +53,19 @@ def set_options(option: Any, time_step: float, preset: Preset) -> None:
     option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{preset['integrator'].upper()}")
     for flag in preset["disable"]:
         option.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag.upper()}"))
+    return spec
 
 
-def add_slider(parent: Any, name: str, mass: float, across: float = 0.0) -> Any:
+def add_masses(spec: Any, chain: Chain, cell: int, across: float = 0.0) -> tuple[Any, Any]:
+    """Add an outer mass that slides in the world, and on it an inner one with its spring and its dashpot."""
+    outer = _add_slider(spec.worldbody, f"outer {cell}", chain.outer_mass[cell], across)
+    inner = _add_slider(outer, f"inner {cell}", chain.inner_mass[cell])
+    inner.joints[0].stiffness = [chain.inner_stiffness[cell], 0, 0]
+    inner.joints[0].damping = [chain.inner_damping[cell], 0, 0]
+    return outer, inner
+
+
+def _add_slider(parent: Any, name: str, mass: float, across: float = 0.0) -> Any:
     """Add a body that slides along x, with a joint of the same name; its inertia never enters."""
     import mujoco
 

@@ -2,7 +2,7 @@
 
 import contextlib
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,7 @@ class MuJoCoSimulation:
         A lane that diverges stops about 1e10 displacement scales away, and its last row is repeated.
         """
         record = self._rollout(state, start, steps, self._recorded)
+        end = self._state(record["qpos"][:, -1], record["qvel"][:, -1]).internal_state
         return [
             Trajectory(
                 lane.times(start, steps),
@@ -59,7 +60,7 @@ class MuJoCoSimulation:
                 self._absolute(record["qvel"][index]) * units.velocity,
                 record["qfrc_constraint"][index, :, 1 :: self._joints] * units.force,
                 self._normal_force(index, record, start, steps),
-                self._normal_state(record["qpos"][index, -1], record["qvel"][index, -1], units),
+                None if end is None else end[index],
                 record["qpos"][index, :, 3 :: self._joints] * units.length if self._opens else None,
             )
             for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
@@ -68,16 +69,11 @@ class MuJoCoSimulation:
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state; see `Simulation.advance`."""
         self._rollout(state, start, steps, ())
-        qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
-        position, velocity = self._absolute(qpos) * self._length, self._absolute(qvel) * self._velocity
-        if not self._opens:
-            return State(position, velocity)
-        across = (qpos[:, 3 :: self._joints] * self._length, qvel[:, 3 :: self._joints] * self._velocity)
-        return State(position, velocity, np.hstack(across))
+        return self._state(self._batch.bind("qpos"), self._batch.bind("qvel"))
 
-    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "MuJoCoSimulation":
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
         """Give the lanes of these indices; they share the models."""
-        return MuJoCoSimulation(
+        return type(self)(
             [self.lanes[lane] for lane in lanes],
             [self._units[lane] for lane in lanes],
             [self._models[lane] for lane in lanes],
@@ -127,12 +123,13 @@ class MuJoCoSimulation:
             controls.append(np.hstack(columns) / units.force)
         return np.stack(controls)
 
-    def _normal_state(self, position: FloatArray, velocity: FloatArray, units: Units) -> FloatArray | None:
-        """Give gaps and their rates, as a state carries them, of joint coordinates and velocities."""
+    def _state(self, qpos: FloatArray, qvel: FloatArray) -> State:
+        """Give the state of all lanes of joint coordinates and velocities, shape (lanes, nq)."""
+        position, velocity = self._absolute(qpos) * self._length, self._absolute(qvel) * self._velocity
         if not self._opens:
-            return None
-        across = position[3 :: self._joints] * units.length, velocity[3 :: self._joints] * units.velocity
-        return np.concatenate(across)
+            return State(position, velocity)
+        across = (qpos[:, 3 :: self._joints] * self._length, qvel[:, 3 :: self._joints] * self._velocity)
+        return State(position, velocity, np.hstack(across))
 
     def _checked(self, name: str, values: FloatArray, units: FloatArray) -> FloatArray:
         """Give the joint coordinates of a state, or refuse those at which MuJoCo would stop without a message."""
@@ -167,11 +164,6 @@ class MuJoCoSimulation:
 
 class ModulatedJointSimulation(MuJoCoSimulation):
     """Lanes whose joints rub harder and softer: a bound is a part of the model, and set before every step."""
-
-    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "ModulatedJointSimulation":
-        """Give the lanes of these indices; they share the models."""
-        part = super().subset(lanes)
-        return ModulatedJointSimulation(part.lanes, part._units, part._models)
 
     def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
         steps = controls.shape[1]

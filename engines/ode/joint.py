@@ -2,6 +2,7 @@
 
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.ode.law import soft_motors, soft_stops
+from engines.shared.known_deviations import IMPLICIT_SPRINGS
 
 JOINT_TUNED = Preset(
     "Motors that hold the relative velocity at zero with at most the friction bound, and no softness.",
@@ -41,10 +42,7 @@ JOINT_STOPS = Preset(
             "stops", "stops", "Stiffness and damping as ERP and CFM, as the manual says: implicit Euler."
         ),
     },
-    known_deviation=(
-        "springs are implicit and damp as dashpots of k dt beside them would, about as strongly as its own: "
-        "the error is of first order, but not yet in proportion to the step"
-    ),
+    known_deviation=IMPLICIT_SPRINGS,
     law=soft_stops,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,

@@ -30,4 +30,4 @@ class OutOfProcessEngine(Engine):
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         process = self.installation.process()
-        return SequentialSimulation.build(lanes, lambda lane: self.lane_model(process, lane, preset, str(formulation)))
+        return SequentialSimulation([self.lane_model(process, lane, preset, str(formulation)) for lane in lanes])

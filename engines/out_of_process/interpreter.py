@@ -53,7 +53,10 @@ class Installation:
         EngineProcessError
             If the engine cannot be used.
         """
-        return dict(_versions(self, self.interpreter))
+        versions = _versions_or_reason(self, self.interpreter)
+        if isinstance(versions, str):
+            raise EngineProcessError(versions)
+        return dict(versions)
 
     def unavailable_reason(self) -> str | None:
         """Reason why the engine cannot be used, and what to do; ``None`` if it can. Each Python is tried once."""
@@ -69,19 +72,11 @@ def _process(engine: Installation, interpreter: str) -> EngineProcess:
     return EngineProcess(engine.name, shutil.which(interpreter) or interpreter, engine.server)
 
 
-_known: dict[tuple[Installation, str], dict[str, str] | str] = {}
-"""By engine and Python: its versions, or the reason why the engine cannot be used there."""
-
-
-def _versions(engine: Installation, interpreter: str) -> dict[str, str]:
-    key = (engine, interpreter)
-    if key not in _known:
-        try:
-            stated = _process(engine, interpreter).request("versions", START_LIMIT)
-            _known[key] = {name: str(value) for name, value in stated.items()}
-        except EngineProcessError as problem:
-            _known[key] = str(problem)
-    versions_or_reason = _known[key]
-    if isinstance(versions_or_reason, str):
-        raise EngineProcessError(versions_or_reason)
-    return versions_or_reason
+@functools.cache
+def _versions_or_reason(engine: Installation, interpreter: str) -> dict[str, str] | str:
+    """Give the versions, or the reason why the engine cannot be used in this Python."""
+    try:
+        stated = _process(engine, interpreter).request("versions", START_LIMIT)
+    except EngineProcessError as problem:
+        return str(problem)
+    return {name: str(value) for name, value in stated.items()}

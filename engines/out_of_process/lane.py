@@ -69,12 +69,7 @@ class OutOfProcessLane(LaneModel):
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance as `run` does; only the end is sent back."""
         rows = self._rows(state, start, steps, record=False)
-        internal_state = self._internal_state(rows)
-        return State(
-            rows["position"] * self._units.length,
-            rows["velocity"] * self._units.velocity,
-            None if internal_state is None else internal_state[None],
-        )
+        return self._units.state(rows["position"], rows["velocity"], self._internal_state(rows))
 
     def native_steps(self, steps: int) -> None:
         """Take steps of the engine alone, in one request; see `engines.interface.engine.NativeStepping`."""
@@ -125,16 +120,11 @@ class OutOfProcessLane(LaneModel):
         if self.lane.preload is None:
             return {}
         normal_load = {"normal_load": self.lane.preloads(start, steps) / self._units.force}
-        if not self.lane.opens:
-            return normal_load
-        gap, speed = state.normal_state(self.lane.chain.cells)
-        return {**normal_load, "across": np.concatenate([gap / self._units.length, speed / self._units.velocity])}
+        return normal_load | ({"across": self._units.gaps(self.lane, state)} if self.lane.opens else {})
 
     def _internal_state(self, rows: Message) -> FloatArray | None:
         """Give gaps and their rates, the internal state of a lane; ``None`` where none opens."""
-        if not self.lane.opens:
-            return None
-        return np.concatenate([rows["gap"][-1] * self._units.length, rows["gap_rate"][-1] * self._units.velocity])
+        return self._units.normal_state(rows["gap"][-1], rows["gap_rate"][-1]) if self.lane.opens else None
 
     def _request(self, request: str, steps: int, /, **values: Any) -> Message:
         self._ensure_built()

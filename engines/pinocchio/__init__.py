@@ -12,6 +12,7 @@ class Pinocchio(WheelEngine):
 
     name: ClassVar[str] = "pinocchio"
     module: ClassVar[str] = "pinocchio"
+    needs: ClassVar = (4, "friction of joints")
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Pinocchio",
         optional=True,
@@ -25,12 +26,5 @@ class Pinocchio(WheelEngine):
             "and its integration of positions. Springs, dashpots and drive are forces at the start of the step."
         ),
     )
-
-    def unavailable_reason(self) -> str | None:
-        """Reason why Pinocchio cannot be used here; older versions have no friction of joints."""
-        missing = super().unavailable_reason()
-        if missing is None and int(self.version().split(".")[0]) < 4:
-            return f"pin {self.version()} has no friction of joints, version 4.0 or newer is needed; {self._remedy}"
-        return missing
 
     lane_models: ClassVar = {Formulation.JOINT: PinocchioJointLane}

@@ -45,10 +45,8 @@ JOINT_DEFAULT = Preset(
 JOINT_ADMM = Preset(
     "ADMM in SI units, with Pinocchio's own settings: an impulse is right to 1e-6 N s, however small it is.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        **JOINT_DEFAULT.options,
         "solver": Option("ADMM", "PGS or ADMM", "Pinocchio's solver for hard problems."),
-        "tolerance": Option(_TOLERANCE, _TOLERANCE, "Pinocchio's own: absolute."),
-        "max_iterations": Option(1000, 1000, "Pinocchio's own."),
     },
     known_deviation=(
         "the solver's tolerance of 1e-6 N s is absolute: impulses of friction, F dt, are the less exact the finer"

@@ -44,4 +44,4 @@ class PyBullet(WheelEngine):
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         connection = Connection()
         model = PyBulletJointLane if formulation is Formulation.JOINT else PyBulletContactLane
-        return SequentialSimulation.build(lanes, lambda lane: model(connection, lane, preset))
+        return SequentialSimulation([model(connection, lane, preset) for lane in lanes])

@@ -15,7 +15,7 @@ import numpy as np
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.pybullet.connection import Connection, import_pybullet
 from engines.pybullet.law import damped_bodies
-from engines.shared.box_geometry import BOX
+from engines.shared.box_geometry import BOX, PressedBoxes
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
@@ -116,8 +116,7 @@ class PyBulletContactLane(LaneModel):
         """Advance as `run` does, without reading the contacts."""
         rows, end = self._rows(state, start, steps, record=False)
         position, velocity = np.split(rows, 2, axis=1)
-        internal_state = None if end is None else end[None]
-        return State(position * self._units.length, velocity * self._units.velocity, internal_state)
+        return self._units.state(position, velocity, end)
 
     def native_steps(self, steps: int) -> None:
         """Take steps of Bullet alone, from rest; see `NativeStepping`."""
@@ -135,7 +134,7 @@ class PyBulletContactLane(LaneModel):
         """
         checked_count("steps", steps)
         now = np.concatenate([state.positions[0] / self._units.length, state.velocities[0] / self._units.velocity])
-        bodies = self._new_bodies(now, self._across(state))
+        bodies = self._new_bodies(now, self._units.gaps(self.lane, state))
         position, velocity = np.split(now, 2)
         time_step = self.lane.time_step / self._units.time
         rows: list[list[float]] = []
@@ -148,7 +147,8 @@ class PyBulletContactLane(LaneModel):
                 gap = self._gaps(bodies)[0].tolist() if self.lane.opens else []
                 rows.append(now.tolist() + self._contact_forces(bodies) + gap)
         self._check_end(bodies, position)
-        return np.array(rows) if record else now[None], self._internal_state(bodies)
+        end = self._units.normal_state(*self._gaps(bodies)) if self.lane.opens else None
+        return np.array(rows) if record else now[None], end
 
     def _pressings(self, start: int, steps: int) -> Iterable[list[float]]:
         """Give the forces across the motion on every mass, outer ones first, of every step."""
@@ -169,13 +169,6 @@ class PyBulletContactLane(LaneModel):
         read = bullet.getBaseVelocity
         return [read(body, physicsClientId=client)[0][0] for body in bodies]
 
-    def _across(self, state: State) -> FloatArray:
-        """Give the gap of a state, and its rate, as the inner mass alone would make them, in the lane's units."""
-        if not self.lane.opens:
-            return np.zeros((2, self._chain.cells))
-        gap, speed = state.normal_state(self._chain.cells)
-        return np.concatenate([gap / self._units.length, speed / self._units.velocity])
-
     def _gaps(self, bodies: list[int]) -> FloatArray:
         """Read the gap, and its rate, as the inner mass alone would make them; shape (2, n)."""
         bullet, client, box = import_pybullet(), self._connection.client, BOX * self._scale
@@ -184,13 +177,6 @@ class PyBulletContactLane(LaneModel):
         outer, inner = np.split(np.array([heights, speeds]), 2, axis=1)
         # At rest a box is as deep as Bullet leaves alone, see `_new_bodies`.
         return (inner - outer - [[2 * box - REST_DEPTH], [0.0]]) / self._opening
-
-    def _internal_state(self, bodies: list[int]) -> FloatArray | None:
-        """Give gaps and their rates, as `State.normal_state` reads them; ``None`` where none opens."""
-        if not self.lane.opens:
-            return None
-        gap, speed = self._gaps(bodies)
-        return np.concatenate([gap * self._units.length, speed * self._units.velocity])
 
     def _contact_forces(self, bodies: list[int]) -> list[float]:
         """Friction on every inner mass, then every normal force: sums over the points of a contact."""
@@ -264,8 +250,5 @@ class PyBulletContactLane(LaneModel):
         where = [bullet.getBasePositionAndOrientation(body, physicsClientId=client)[0][0] for body in bodies]
         if not np.allclose(positions, where, rtol=0, atol=POSITION_TOLERANCE * self._scale, equal_nan=True):
             raise RuntimeError(f"Bullet's positions {where} do not follow from its velocities: {positions.tolist()}")
-        outer, inner = np.split(positions, 2)
-        largest = float(np.max(np.abs(inner - outer))) * self._units.length
-        reach = (PLATE - BOX) * self._scale * self._units.length
-        if not largest < reach:
-            raise RuntimeError(f"an inner mass is {largest:g} m from its outer one; its plate ends at {reach:g} m")
+        sizes = PressedBoxes(BOX * self._scale, PLATE * self._scale, SPACING * self._scale)
+        sizes.check_reach(self._units.state(positions[None], np.zeros((1, positions.size))), self._units)

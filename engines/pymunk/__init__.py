@@ -40,4 +40,4 @@ class Pymunk(WheelEngine):
         if preset["units"] == "lane":
             return PymunkSimulation(kind, lanes, preset)
         # In SI units time steps differ, and with them what one space can take.
-        return SequentialSimulation.build(lanes, lambda lane: PymunkLane(kind, lane, preset))
+        return SequentialSimulation([PymunkLane(kind, lane, preset) for lane in lanes])

@@ -4,7 +4,6 @@ A step of one chain takes pymunk a microsecond, and so does a call that sets or 
 of a space, such a call costs little. Lanes share a space when they share its time step, which their own units see to.
 """
 
-import dataclasses
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
@@ -43,16 +42,6 @@ class World:
     holds: list[Any]
 
 
-def units_of(lane: Lane, preset: Preset) -> Units:
-    """Give the units of a lane's numbers in pymunk.
-
-    A lane's own units have its time step as the unit of time, so that all lanes can share a space. It is no power
-    of two: to convert velocities and parameters rounds them.
-    """
-    units = Units.named(preset["units"], lane)
-    return units if preset["units"] == "SI" else dataclasses.replace(units, time=lane.time_step)
-
-
 class PymunkBodies(ABC):
     """The lanes of one space, in their units.
 
@@ -72,7 +61,8 @@ class PymunkBodies(ABC):
 
     def __init__(self, lanes: Sequence[Lane], preset: Preset):
         self.lanes = tuple(lanes)
-        self.units = tuple(units_of(lane, preset) for lane in lanes)
+        # With dt as unit of time all lanes can share a space, though to convert velocities and parameters rounds them.
+        self.units = tuple(Units.in_steps(preset["units"], lane) for lane in lanes)
         self.chains: tuple[Chain, ...] = tuple(
             units.scaled(lane.chain) for lane, units in zip(lanes, self.units, strict=True)
         )

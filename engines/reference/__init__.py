@@ -1,7 +1,6 @@
 """The reference as an engine: the Euler scheme of equation (5), compiled, and the exact motion."""
 
 import dataclasses
-import importlib.metadata
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from engines.interface.engine import Engine
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
 from engines.reference.law import authority
+from engines.shared.wheel_engine import installed_version
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.exact.event_driven import EventDrivenSimulation
@@ -74,7 +74,7 @@ class Reference(Engine):
 
     def version(self) -> str:
         """Version of this suite."""
-        return importlib.metadata.version("multibody-xval")
+        return installed_version("multibody-xval")
 
     def unavailable_reason(self) -> str | None:
         """The reference is always there."""
@@ -109,12 +109,14 @@ class RefinedSimulation:
         As for every simulation; rows of trajectories are at their time steps.
     substeps
         Euler steps to one time step.
+    fine
+        The lanes with these Euler steps, where they are built already.
     """
 
-    def __init__(self, lanes: Sequence[Lane], substeps: int):
+    def __init__(self, lanes: Sequence[Lane], substeps: int, fine: CompiledSimulation | None = None):
         self.lanes = tuple(lanes)
         self._substeps = checked_count("substeps", substeps)
-        self._fine = CompiledSimulation(
+        self._fine = fine or CompiledSimulation(
             [dataclasses.replace(lane, time_step=lane.time_step / substeps) for lane in self.lanes]
         )
 
@@ -133,11 +135,7 @@ class RefinedSimulation:
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "RefinedSimulation":
         """Give the lanes of these indices."""
-        part = RefinedSimulation.__new__(RefinedSimulation)
-        part.lanes = tuple(self.lanes[lane] for lane in lanes)
-        part._substeps = self._substeps
-        part._fine = self._fine.subset(lanes)
-        return part
+        return RefinedSimulation([self.lanes[lane] for lane in lanes], self._substeps, self._fine.subset(lanes))
 
     def close(self) -> None:
         """Nothing is held outside Python."""

@@ -139,20 +139,14 @@ class ExplicitForcesLane(LaneModel):
     def _state(self, motions: FloatArray) -> State:
         """Give positions and velocities of motions, shape (rows, 4n)."""
         position, velocity = np.split(motions, 2, axis=1)
-        return State(
-            self.coordinates.absolute(position) * self._units.length,
-            self.coordinates.absolute(velocity) * self._units.velocity,
-        )
+        return self._units.state(self.coordinates.absolute(position), self.coordinates.absolute(velocity))
 
     def _started(self, state: State, start: int, steps: int) -> tuple[FloatArray, Step]:
         """Give the motion of `state` and the function that advances it."""
         checked_count("steps", steps)
         motion = self._motion(state)
         # Gaps and their rates, which `_begin` gives the bodies too where contacts open.
-        self._across = np.zeros((2, self._chain.cells))
-        if self.lane.opens:
-            gap, speed = state.normal_state(self._chain.cells)
-            self._across[:] = gap[0] / self._units.length, speed[0] / self._units.velocity
+        self._across = self._units.gaps(self.lane, state)
         step = self._begin(motion)
         return motion, step if self.lane.preload is None else self._with_normal_load(step, start, steps)
 
@@ -169,10 +163,7 @@ class ExplicitForcesLane(LaneModel):
 
     def _internal_state(self) -> FloatArray | None:
         """Give gaps and their rates, as `State.normal_state` reads them; ``None`` where none opens."""
-        if not self.lane.opens:
-            return None
-        gap, speed = self._gaps()
-        return np.concatenate([gap * self._units.length, speed * self._units.velocity])
+        return self._units.normal_state(*self._gaps()) if self.lane.opens else None
 
     def _loads(self, start: int, steps: int, motion: FloatArray) -> Iterator[float]:
         """Give the force on cell 1 at the start of each step, until the motion has diverged."""

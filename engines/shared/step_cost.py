@@ -1,7 +1,7 @@
 """What a step costs: in the adapter, with and without a record, and in the engine's own loop alone."""
 
 import math
-import time
+import timeit
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -74,7 +74,7 @@ def step_cost(variant: Variant, samples: int = SAMPLES) -> StepCost:
         best = dict.fromkeys(("advance", "run", "bare"), math.inf)
         for _ in range(samples):
             for name, act in timed.items():
-                best[name] = min(best[name], _seconds(act) / taken[name])
+                best[name] = min(best[name], timeit.timeit(act, number=1) / taken[name])
     finally:
         simulation.close()
     return StepCost(variant, best["advance"], best["run"], best["bare"] if bare is not None else math.nan)
@@ -84,9 +84,3 @@ def native_stepping(simulation: Simulation) -> NativeStepping | None:
     """Find what steps without the adapter: the simulation with all its lanes, or the model of its first one."""
     candidate = simulation.models[0] if isinstance(simulation, SequentialSimulation) else simulation
     return candidate if isinstance(candidate, NativeStepping) else None
-
-
-def _seconds(act: Callable[[], object]) -> float:
-    begin = time.perf_counter()
-    act()
-    return time.perf_counter() - begin

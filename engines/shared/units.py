@@ -15,7 +15,8 @@ import numpy as np
 
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.validation import checked_choice
+from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import FloatArray, checked_choice
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,12 @@ class Units:
         return cls(1.0, 1.0, 1.0) if name == "SI" else cls.of(lane)
 
     @classmethod
+    def in_steps(cls, name: str, lane: Lane) -> Self:
+        """As `named`, but the lane's own have its time step as the unit of time, which is no power of two."""
+        units = cls.named(name, lane)
+        return units if name == "SI" else dataclasses.replace(units, time=lane.time_step)
+
+    @classmethod
     def of(cls, lane: Lane) -> Self:
         """Choose the units of `lane`."""
         length = lane.drive.displacement_scale(lane.chain)
@@ -57,6 +64,22 @@ class Units:
     def force(self) -> float:
         """Unit of force [N]."""
         return self.mass * self.length / self.time**2
+
+    def gaps(self, lane: Lane, state: State) -> FloatArray:
+        """Give the gaps and their rates in a state of one lane, shape (2, n); zeros where contacts stay closed."""
+        if not lane.opens:
+            return np.zeros((2, lane.chain.cells))
+        gap, speed = state.normal_state(lane.chain.cells)
+        return np.concatenate([gap / self.length, speed / self.velocity])
+
+    def normal_state(self, gap: FloatArray, speed: FloatArray) -> FloatArray:
+        """Give gaps and their rates, shape (n,), as `State.normal_state` reads them in SI units."""
+        return np.concatenate([gap * self.length, speed * self.velocity])
+
+    def state(self, position: FloatArray, velocity: FloatArray, internal_state: FloatArray | None = None) -> State:
+        """Give a state in SI units of motions, shape (rows, 2n), and the internal state of one row, in SI units."""
+        internal = None if internal_state is None else internal_state[None]
+        return State(position * self.length, velocity * self.velocity, internal)
 
     def scaled(self, chain: Chain) -> Chain:
         """Give `chain` with its parameters in these units."""

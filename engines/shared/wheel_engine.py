@@ -2,13 +2,17 @@
 
 import importlib.util
 from collections.abc import Callable, Mapping
-from importlib.metadata import version
+from functools import cache
+from importlib import metadata
 from typing import ClassVar
 
 from engines.interface.engine import Engine
 from engines.interface.presets import Formulation, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
+
+installed_version = cache(metadata.version)
+"""Version of a distribution, looked up once: every batch states it."""
 
 
 class WheelEngine(Engine):
@@ -20,18 +24,26 @@ class WheelEngine(Engine):
     module: ClassVar[str]
     """Name under which the package is imported."""
 
+    needs: ClassVar[tuple[int, str] | None] = None
+    """Oldest major version that the adapter takes, and what the package had not before it; any without this."""
+
     lane_models: ClassVar[Mapping[Formulation, Callable[[Lane, Preset], LaneModel]]] = {}
     """Model of one lane, by formulation."""
 
     def version(self) -> str:
         """Version of the package."""
-        return version(self.capabilities.package)
+        return installed_version(self.capabilities.package)
 
     def unavailable_reason(self) -> str | None:
-        """Reason why the engine cannot be used here: its package is not installed; ``None`` if it is."""
-        if importlib.util.find_spec(self.module) is not None:
-            return None
-        return f"the package {self.capabilities.package} is not installed; {self._remedy}"
+        """Reason why the engine cannot be used here: its package is missing or too old; ``None`` if it can."""
+        package = self.capabilities.package
+        if importlib.util.find_spec(self.module) is None:
+            return f"the package {package} is not installed; {self._remedy}"
+        if self.needs is not None and int(self.version().split(".")[0]) < self.needs[0]:
+            oldest, novelty = self.needs
+            lacking = f"{package} {self.version()} has no {novelty}, version {oldest}.0 or newer is needed"
+            return f"{lacking}; {self._remedy}"
+        return None
 
     @property
     def _remedy(self) -> str:
@@ -41,4 +53,4 @@ class WheelEngine(Engine):
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         model = self.lane_models[formulation]
-        return SequentialSimulation.build(lanes, lambda lane: model(lane, preset))
+        return SequentialSimulation([model(lane, preset) for lane in lanes])

@@ -1,6 +1,6 @@
 """Speed: of the compiled scheme, of Lemke's method, of the paper's figure 3; and what long chains cost."""
 
-import time
+import timeit
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -87,7 +87,6 @@ def bench_cells(lengths: Sequence[int] = CHAIN_LENGTHS) -> list[dict[str, float]
 
 
 def _cost_of_length(cells: int) -> dict[str, float]:
-    """Cost of one chain of canonical cells."""
     chain = Chain.from_ratios(cells=cells, friction_ratio=0.3)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), MINIMUM_STEPS_PER_PERIOD)
     simulation, state = CompiledSimulation([lane]), State.at_rest(1, cells)
@@ -109,12 +108,7 @@ def _moving_state(lane: Lane) -> State:
 
 def _best(work: Callable[[], object]) -> float:
     """Seconds of the fastest of several runs: the one that was disturbed least."""
-    seconds = np.inf
-    for _ in range(SAMPLES):
-        begin = time.perf_counter()
-        work()
-        seconds = min(seconds, time.perf_counter() - begin)
-    return seconds
+    return min(timeit.repeat(work, number=1, repeat=SAMPLES))
 
 
 def _compile() -> None:
@@ -127,18 +121,18 @@ def _cell_steps_per_second() -> float:
     simulation = CompiledSimulation(lanes)
     cells = lanes[0].chain.cells
     state = simulation.advance(State.at_rest(len(lanes), cells), 0, MINIMUM_STEPS_PER_PERIOD)
-    best = np.inf
-    for _ in range(SAMPLES):
-        begin = time.perf_counter()
+
+    def periods() -> None:
+        nonlocal state
         for _ in range(PERIODS_OF_A_SAMPLE):
             state = simulation.advance(state, 0, MINIMUM_STEPS_PER_PERIOD)
-        best = min(best, time.perf_counter() - begin)
-    return len(lanes) * cells * MINIMUM_STEPS_PER_PERIOD * PERIODS_OF_A_SAMPLE / best
+
+    return len(lanes) * cells * MINIMUM_STEPS_PER_PERIOD * PERIODS_OF_A_SAMPLE / _best(periods)
 
 
 def _figure3() -> tuple[float, float, int]:
     """Seconds, worst residual and number of points of the whole figure."""
-    begin = time.perf_counter()
+    begin = timeit.default_timer()
     with_friction = [
         canonical_lane(friction, frequency)
         for friction in FIGURE3_FRICTION_RATIOS
@@ -152,5 +146,5 @@ def _figure3() -> tuple[float, float, int]:
         decibel(frictionless_transmittance(chain, HarmonicBase.from_ratio(chain, frequency)))
         for frequency in FIGURE3_FREQUENCY_RATIOS
     ]
-    seconds = time.perf_counter() - begin
+    seconds = timeit.default_timer() - begin
     return seconds, max(orbit.residual for orbit in orbits), len(curve)

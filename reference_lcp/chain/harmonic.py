@@ -1,14 +1,14 @@
 """What sets the chain in motion: a moving base, or a force on cell 1."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import Field, dataclass, fields
 from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 
 from reference_lcp.chain import canonical
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.validation import FloatArray, checked_scalar
+from reference_lcp.validation import LARGEST_PARAMETER, LARGEST_UNIT, FloatArray, checked_scalar
 
 
 class Drive(Protocol):
@@ -31,11 +31,21 @@ class Drive(Protocol):
         ...
 
 
-class MovingBase(ABC):
-    """A base that moves in a known way; a `Drive`."""
+class _Parametric:
+    """A dataclass whose fields are all that a drive consists of."""
 
     kind: ClassVar[str]
     """As `parameters` names it."""
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+    def parameters(self) -> dict[str, Any]:
+        """Give the kind and the parameters, ready for JSON."""
+        return {"kind": self.kind} | {field.name: getattr(self, field.name) for field in fields(self)}
+
+
+class MovingBase(_Parametric, ABC):
+    """A base that moves in a known way; a `Drive`."""
+
     amplitude: float
     """Displacement scale [m]."""
 
@@ -58,10 +68,6 @@ class MovingBase(ABC):
         """Give the amplitude [m]."""
         return self.amplitude
 
-    @abstractmethod
-    def parameters(self) -> dict[str, Any]:
-        """Give the kind and the parameters, ready for JSON."""
-
 
 @dataclass(frozen=True)
 class HarmonicBase(MovingBase):
@@ -80,7 +86,7 @@ class HarmonicBase(MovingBase):
     angular_frequency: float
 
     def __post_init__(self) -> None:
-        checked_scalar("base amplitude", self.amplitude, "> 0")
+        checked_scalar("base amplitude", self.amplitude, "> 0", LARGEST_UNIT)
         checked_scalar("angular_frequency", self.angular_frequency, "> 0")
 
     @classmethod
@@ -92,8 +98,9 @@ class HarmonicBase(MovingBase):
         ParameterError
             If `frequency_ratio` or `amplitude` is not > 0.
         """
-        ratio = checked_scalar("frequency_ratio", frequency_ratio, "> 0")
-        return cls(checked_scalar("base_amplitude", amplitude, "> 0"), ratio * chain.resonator_frequency)
+        ratio = checked_scalar("frequency_ratio", frequency_ratio, "> 0", LARGEST_PARAMETER)
+        length = checked_scalar("base_amplitude", amplitude, "> 0", LARGEST_UNIT)
+        return cls(length, ratio * chain.resonator_frequency)
 
     @property
     def period(self) -> float:
@@ -108,13 +115,9 @@ class HarmonicBase(MovingBase):
         """Velocity of the base [m/s]."""
         return self.amplitude * self.angular_frequency * np.cos(self.angular_frequency * time)
 
-    def parameters(self) -> dict[str, Any]:
-        """Give the kind and the parameters, ready for JSON."""
-        return {"kind": self.kind, "amplitude": self.amplitude, "angular_frequency": self.angular_frequency}
-
 
 @dataclass(frozen=True)
-class HarmonicForce:
+class HarmonicForce(_Parametric):
     """The force P0 sin ωt acts on the outer mass of cell 1; the base stands still.
 
     Parameters
@@ -125,11 +128,12 @@ class HarmonicForce:
         ω [rad/s], > 0.
     """
 
+    kind: ClassVar[str] = "harmonic force"
     amplitude: float
     angular_frequency: float
 
     def __post_init__(self) -> None:
-        checked_scalar("force amplitude", self.amplitude, "> 0")
+        checked_scalar("force amplitude", self.amplitude, "> 0", LARGEST_UNIT)
         checked_scalar("angular_frequency", self.angular_frequency, "> 0")
 
     @property
@@ -145,13 +149,9 @@ class HarmonicForce:
         """P0 / k_c [m], the static elongation of the first chain spring."""
         return float(self.amplitude / chain.chain_stiffness[0])
 
-    def parameters(self) -> dict[str, Any]:
-        """Give the kind and the parameters, ready for JSON."""
-        return {"kind": "harmonic force", "amplitude": self.amplitude, "angular_frequency": self.angular_frequency}
-
 
 @dataclass(frozen=True)
-class StillBase:
+class StillBase(_Parametric):
     """Nothing drives the chain: free motion from its initial state.
 
     Parameters
@@ -160,6 +160,7 @@ class StillBase:
         The displacement scale [m], > 0; it enters no equation of motion.
     """
 
+    kind: ClassVar[str] = "still base"
     length: float = 1.0
 
     def __post_init__(self) -> None:
@@ -172,10 +173,6 @@ class StillBase:
     def displacement_scale(self, chain: Chain) -> float:
         """Give the length [m] that was chosen."""
         return self.length
-
-    def parameters(self) -> dict[str, Any]:
-        """Give the kind and the parameters, ready for JSON."""
-        return {"kind": "still base", "length": self.length}
 
 
 PeriodicDrive = HarmonicBase | HarmonicForce

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Self
 
 import numpy as np
@@ -11,7 +11,16 @@ from numpy.typing import ArrayLike
 
 from reference_lcp.chain import canonical
 from reference_lcp.chain.natural_frequency import highest_square
-from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_count, checked_scalar
+from reference_lcp.validation import (
+    LARGEST_PARAMETER,
+    LARGEST_UNIT,
+    MOST_CELLS,
+    FloatArray,
+    checked_array,
+    checked_count,
+    checked_per_cell,
+    checked_scalar,
+)
 
 _REQUIREMENTS = {
     "outer_mass": "> 0",
@@ -65,14 +74,9 @@ class Chain:
     friction_coefficient: FloatArray = dataclasses.field(default_factory=lambda: np.zeros(()))
 
     def __post_init__(self) -> None:
-        checked_count("cells", self.cells)
+        checked_count("cells", self.cells, 1, MOST_CELLS)
         for name, requirement in _REQUIREMENTS.items():
-            array = checked_array(name, getattr(self, name), requirement)
-            if array.shape not in ((), (1,), (self.cells,)):
-                raise ParameterError(f"{name} has shape {array.shape}; allowed: one number or ({self.cells},)")
-            per_cell = np.broadcast_to(array, (self.cells,)).copy()
-            per_cell.flags.writeable = False
-            object.__setattr__(self, name, per_cell)
+            object.__setattr__(self, name, checked_per_cell(name, getattr(self, name), self.cells, requirement))
 
     @classmethod
     def from_ratios(
@@ -117,25 +121,28 @@ class Chain:
         ParameterError
             If a ratio is outside its range; the message names the ratio.
         """
-        mass = checked_scalar("outer_mass", outer_mass, "> 0")
-        stiffness = checked_scalar("chain_stiffness", chain_stiffness, "> 0")
-        amplitude = checked_scalar("base_amplitude", base_amplitude, "> 0")
-        mu = checked_scalar("friction_coefficient", friction_coefficient, "> 0")
-        outer = checked_array("outer_mass_ratio", outer_mass_ratio, "> 0") * mass
-        springs = checked_array("chain_stiffness_ratio", chain_stiffness_ratio, "> 0") * stiffness
-        inner_mass = checked_array("mass_ratio", mass_ratio, "> 0") * outer
-        inner_stiffness = checked_array("stiffness_ratio", stiffness_ratio, "> 0") * springs
-        zeta = checked_array("damping_ratio", damping_ratio, ">= 0")
-        inner_zeta = checked_array("inner_damping_ratio", inner_damping_ratio, ">= 0")
-        friction = checked_array("friction_ratio", friction_ratio, ">= 0")
+        units = {
+            "outer_mass": outer_mass,
+            "chain_stiffness": chain_stiffness,
+            "base_amplitude": base_amplitude,
+            "friction_coefficient": friction_coefficient,
+        }
+        checked = (checked_scalar(name, value, "> 0", LARGEST_UNIT) for name, value in units.items())
+        mass, stiffness, amplitude, mu = checked
+        positive = partial(checked_array, requirement="> 0", largest=LARGEST_PARAMETER)
+        outer = positive("outer_mass_ratio", outer_mass_ratio) * mass
+        springs = positive("chain_stiffness_ratio", chain_stiffness_ratio) * stiffness
+        inner_mass = positive("mass_ratio", mass_ratio) * outer
+        inner_stiffness = positive("stiffness_ratio", stiffness_ratio) * springs
+        friction = checked_array("friction_ratio", friction_ratio, ">= 0", largest=LARGEST_PARAMETER)
         return cls(
             cells=cells,
             outer_mass=outer,
             inner_mass=inner_mass,
             chain_stiffness=springs,
             inner_stiffness=inner_stiffness,
-            chain_damping=2 * zeta * np.sqrt(springs * outer),
-            inner_damping=2 * inner_zeta * np.sqrt(inner_stiffness * inner_mass),
+            chain_damping=_dashpot("damping_ratio", damping_ratio, springs, outer),
+            inner_damping=_dashpot("inner_damping_ratio", inner_damping_ratio, inner_stiffness, inner_mass),
             normal_force=friction * stiffness * amplitude / mu,
             friction_coefficient=np.asarray(mu),
         )
@@ -193,3 +200,8 @@ class Chain:
 
     def __hash__(self) -> int:
         return hash(tuple(getattr(self, name).tobytes() for name in _REQUIREMENTS))
+
+
+def _dashpot(name: str, ratio: ArrayLike, stiffness: FloatArray, mass: FloatArray) -> FloatArray:
+    """Give c = 2 ζ √(k m) of the ratio ζ that has this name."""
+    return 2 * checked_array(name, ratio, ">= 0", largest=LARGEST_PARAMETER) * np.sqrt(stiffness * mass)

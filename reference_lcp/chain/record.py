@@ -12,7 +12,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from reference_lcp.chain.harmonic import MovingBase
-from reference_lcp.validation import FloatArray, ParameterError, checked_scalar
+from reference_lcp.validation import FloatArray, ParameterError, checked_path, checked_scalar
 
 FEWEST_SAMPLES = 4
 """What a cubic spline needs."""
@@ -157,7 +157,7 @@ class RecordedBase(MovingBase):
 def _samples(file: Path) -> list[tuple[float, float]]:
     """Read the lines of a table."""
     try:
-        with file.open(newline="", encoding="utf-8") as opened:
+        with checked_path("record", file).open(newline="", encoding="utf-8") as opened:
             lines = list(csv.reader(opened))
     except (OSError, UnicodeDecodeError, csv.Error) as problem:
         reason = problem.strerror if isinstance(problem, OSError) else problem

@@ -12,7 +12,14 @@ from reference_lcp.chain.harmonic import Drive, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.validation import FloatArray, ParameterError, checked_count, checked_scalar
+from reference_lcp.validation import (
+    MOST_STEPS,
+    FloatArray,
+    ParameterError,
+    check_record_size,
+    checked_count,
+    checked_scalar,
+)
 
 MINIMUM_STEPS_PER_PERIOD = 400
 """Coarsest sampling of a period: there the Euler scheme's error is below 0.01 dB on most of figure 3."""
@@ -47,14 +54,14 @@ class Lane:
     preload: Preload | None = None
 
     def __post_init__(self) -> None:
-        checked_scalar("time_step", self.time_step, "> 0")
+        object.__setattr__(self, "time_step", checked_scalar("time_step", self.time_step, "> 0"))
 
     @classmethod
     def periodic(
         cls, chain: Chain, drive: PeriodicDrive, steps_per_period: int, preload: Preload | None = None
     ) -> Self:
         """Divide the period of the drive into `steps_per_period` steps."""
-        checked_count("steps_per_period", steps_per_period, FEWEST_STEPS_PER_PERIOD)
+        checked_count("steps_per_period", steps_per_period, FEWEST_STEPS_PER_PERIOD, MOST_STEPS)
         return cls(chain, drive, drive.period / steps_per_period, preload)
 
     @property
@@ -88,11 +95,19 @@ def steps_per_period_for(chain: Chain, drive: PeriodicDrive, minimum: int = MINI
     Raises
     ------
     ParameterError
-        If `minimum` is below `FEWEST_STEPS_PER_PERIOD`.
+        If `minimum` is below `FEWEST_STEPS_PER_PERIOD`, or more than `MOST_STEPS` are needed, or more than a record
+        holds.
     """
-    checked_count("steps_per_period", minimum, FEWEST_STEPS_PER_PERIOD)
-    stable = math.ceil(drive.period * chain.highest_natural_frequency / LARGEST_PHASE_STEP)
-    return max(minimum, stable)
+    checked_count("steps_per_period", minimum, FEWEST_STEPS_PER_PERIOD, MOST_STEPS)
+    stable = drive.period * chain.highest_natural_frequency / LARGEST_PHASE_STEP
+    if stable > MOST_STEPS:
+        slow = (
+            f"a period of {drive.period:.4g} s with a natural frequency of {chain.highest_natural_frequency:.4g} rad/s"
+        )
+        raise ParameterError(f"{slow} needs {stable:.3g} steps; allowed: ratios that need <= {MOST_STEPS}")
+    steps = max(minimum, math.ceil(stable))
+    check_record_size(chain.cells, steps)
+    return steps
 
 
 @runtime_checkable

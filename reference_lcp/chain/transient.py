@@ -7,7 +7,7 @@ All begin at rest, up to the tail of the pulse.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,15 +72,6 @@ class RickerPulse(MovingBase):
         rate: FloatArray = self.amplitude * self.peak_frequency * shape
         return rate
 
-    def parameters(self) -> dict[str, Any]:
-        """Give the kind and the parameters, ready for JSON."""
-        return {
-            "kind": self.kind,
-            "amplitude": self.amplitude,
-            "peak_frequency": self.peak_frequency,
-            "delay": self.delay,
-        }
-
 
 @dataclass(frozen=True)
 class SweptSine(MovingBase):
@@ -140,18 +131,6 @@ class SweptSine(MovingBase):
         window, rate = self._window(time)
         moved: FloatArray = self.amplitude * (rate * np.sin(phase) + window * frequency * np.cos(phase))
         return moved
-
-    def parameters(self) -> dict[str, Any]:
-        """Give the kind and the parameters, ready for JSON."""
-        return {
-            "kind": self.kind,
-            "amplitude": self.amplitude,
-            "first_frequency": self.first_frequency,
-            "last_frequency": self.last_frequency,
-            "duration": self.duration,
-            "sweep": self.sweep,
-            "taper": self.taper,
-        }
 
     def _phase(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give φ [rad] and φ̇ [rad/s]."""
@@ -233,18 +212,6 @@ class FilteredNoise(MovingBase):
         window, rate = cosine_rise(t, self.rise)
         rates = 1j * self._lines * self._spacing * self._phasors
         return rate * self._sum(self._phasors, t) + window * self._sum(rates, t)
-
-    def parameters(self) -> dict[str, Any]:
-        """Give the kind and the parameters, ready for JSON."""
-        return {
-            "kind": self.kind,
-            "amplitude": self.amplitude,
-            "lowest_frequency": self.lowest_frequency,
-            "highest_frequency": self.highest_frequency,
-            "repetition": self.repetition,
-            "rise": self.rise,
-            "seed": self.seed,
-        }
 
     @property
     def _spacing(self) -> float:

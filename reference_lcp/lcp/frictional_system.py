@@ -7,13 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference_lcp.lcp.time_step import ContactImpulses, FrictionalStep, StepFailed, advanced, solve_step
-from reference_lcp.validation import (
-    FloatArray,
-    ParameterError,
-    checked_array,
-    checked_count,
-    checked_scalar,
-)
+from reference_lcp.validation import FloatArray, checked_array, checked_count, checked_scalar
 
 
 class FrictionalSystem(Protocol):
@@ -96,7 +90,8 @@ def simulate_system(
         If an argument is outside its range or does not fit the system.
     """
     dt = checked_scalar("time_step", time_step, "> 0")
-    u, q = _checked_state("position", position, system), _checked_state("velocity", velocity, system)
+    state, shape = {"position": position, "velocity": velocity}, (system.freedoms,)
+    u, q = (checked_array(name, value, shape=shape).copy() for name, value in state.items())
     first = checked_count("start", start, 0)
     ends = np.arange(first + 1, first + checked_count("steps", steps) + 1, dtype=np.float64)
     record = _empty(dt * ends, system)
@@ -118,16 +113,7 @@ def _solved_step(step: FrictionalStep, basis: NDArray[np.bool_] | None, index: i
         raise StepFailed(f"step {index} at t = {index * step.time_step:.6g} s: {failure}") from failure
 
 
-def _checked_state(name: str, value: ArrayLike, system: FrictionalSystem) -> FloatArray:
-    """Give a position or a velocity as an array of its own."""
-    array = checked_array(name, value)
-    if array.shape != (system.freedoms,):
-        raise ParameterError(f"{name} has shape {array.shape}; allowed: ({system.freedoms},)")
-    return array.copy()
-
-
 def _empty(time: FloatArray, system: FrictionalSystem) -> SystemTrajectory:
-    """Make room for a trajectory."""
     motion, contact = (time.size, system.freedoms), (time.size, system.contacts)
     shapes = (motion, motion, contact, contact, contact, contact)
     return SystemTrajectory(time, *(np.empty(shape) for shape in shapes))
@@ -136,7 +122,6 @@ def _empty(time: FloatArray, system: FrictionalSystem) -> SystemTrajectory:
 def _write(
     record: SystemTrajectory, row: int, u: FloatArray, q: FloatArray, impulses: ContactImpulses, time_step: float
 ) -> None:
-    """Write the end of one step."""
     record.positions[row], record.velocities[row] = u, q
     record.normal_force[row] = impulses.normal / time_step
     record.friction[row] = impulses.tangential / time_step

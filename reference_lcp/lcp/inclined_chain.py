@@ -31,7 +31,7 @@ from reference_lcp.chain.harmonic import Drive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import preload_factor
 from reference_lcp.lcp.time_step import FrictionalStep
-from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_scalar
+from reference_lcp.validation import FloatArray, ParameterError, checked_per_cell, checked_scalar
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -72,10 +72,8 @@ class InclinedChain:
             raise ParameterError(f"inclination = {self.inclination:g} is outside its range; allowed: (-pi/2, pi/2)")
         checked_scalar("modulation_frequency", self.modulation_frequency, "> 0")
         checked_scalar("modulation_phase", self.modulation_phase)
-        modulation = checked_array("modulation", self.modulation, ">= 0")
-        if modulation.shape not in ((), (1,), (self.contacts,)):
-            raise ParameterError(f"modulation has shape {modulation.shape}; allowed: one number or ({self.contacts},)")
-        object.__setattr__(self, "modulation", np.broadcast_to(modulation, (self.contacts,)))
+        modulation = checked_per_cell("modulation", self.modulation, self.contacts, ">= 0")
+        object.__setattr__(self, "modulation", modulation)
 
     @property
     def freedoms(self) -> int:

@@ -118,7 +118,7 @@ def lemke(
     size = vector.size
     # Far beyond the 2 n pivots that are usual.
     limit = 50 * size + 100 if max_pivots is None else checked_count("max_pivots", max_pivots)
-    cover = np.zeros(0) if covering is None else _checked_covering(covering, size)
+    cover = np.zeros(0) if covering is None else checked_array("covering", covering, "> 0", (size,))
     start = np.zeros(0, dtype=np.bool_) if warm_start is None else _checked_basis(warm_start, size)
     z, w, pivots, code, residual, basic = solve_lcp(
         np.ascontiguousarray(matrix), vector, cover, limit, start, checked_count("paths", paths)
@@ -132,14 +132,6 @@ def _checked_problem(M: ArrayLike, q: ArrayLike) -> tuple[FloatArray, FloatArray
     if vector.ndim != 1 or vector.size == 0 or matrix.shape != (vector.size, vector.size):
         raise ParameterError(f"M and q have shapes {matrix.shape} and {vector.shape}; allowed: (n, n) and (n,), n >= 1")
     return matrix, vector
-
-
-def _checked_covering(covering: ArrayLike, size: int) -> FloatArray:
-    """Give the covering vector as an array."""
-    cover = checked_array("covering", covering, "> 0")
-    if cover.shape != (size,):
-        raise ParameterError(f"covering has shape {cover.shape}; allowed: ({size},)")
-    return cover
 
 
 def _checked_basis(basic: NDArray[np.bool_], size: int) -> NDArray[np.bool_]:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_lcp.lcp.lemke import LemkeResult, lemke
-from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_scalar
+from reference_lcp.validation import FloatArray, checked_array, checked_scalar
 
 PATHS = 8
 """Paths of Lemke's method that a step tries: where the first ends without a solution, another may have one.
@@ -96,9 +96,7 @@ class FrictionalStep:
             "friction_coefficient": (contacts,),
         }
         for name, shape in shapes.items():
-            array = checked_array(name, getattr(self, name))
-            if array.shape != shape:
-                raise ParameterError(f"{name} has shape {array.shape}; allowed: {shape}")
+            checked_array(name, getattr(self, name), shape=shape)
         checked_array("friction_coefficient", self.friction_coefficient, ">= 0")
 
     @property

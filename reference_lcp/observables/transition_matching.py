@@ -26,13 +26,13 @@ class TransitionMatch:
     Parameters
     ----------
     pairs
-        (found, expected) transitions that match, by cell and then by time of the expected one.
+        (observed, expected) transitions that match, by cell and then by time of the expected one.
     missed
-        Expected transitions that were not found.
+        Expected transitions that were not observed.
     spurious
-        Found transitions that were not expected.
+        Observed transitions that were not expected.
     time_errors
-        Time of each pair's found transition less the expected one's, over the period, in
+        Time of each pair's observed transition less the expected one's, over the period, in
         [−window, window].
     """
 
@@ -43,7 +43,7 @@ class TransitionMatch:
 
 
 def match_transitions(
-    found: Sequence[TimedTransition],
+    observed: Sequence[TimedTransition],
     expected: Sequence[TimedTransition],
     period: float,
     window: float = MATCHING_WINDOW,
@@ -52,7 +52,7 @@ def match_transitions(
 
     Parameters
     ----------
-    found, expected
+    observed, expected
         Transitions of the simulation and of what it is compared with, in any order.
     period
         Length of the cycle [s], > 0.
@@ -68,26 +68,26 @@ def match_transitions(
     checked_scalar("window", window, "> 0")
     partner: dict[int, tuple[int, float]] = {}
     taken: set[int] = set()
-    for error, f, e in _candidates(found, expected, period, window):
+    for error, f, e in _candidates(observed, expected, period, window):
         if e not in partner and f not in taken:
             partner[e] = (f, error)
             taken.add(f)
     order = sorted(partner, key=lambda e: expected[e])
     return TransitionMatch(
-        pairs=tuple((found[partner[e][0]], expected[e]) for e in order),
+        pairs=tuple((observed[partner[e][0]], expected[e]) for e in order),
         missed=tuple(transition for e, transition in enumerate(expected) if e not in partner),
-        spurious=tuple(transition for f, transition in enumerate(found) if f not in taken),
+        spurious=tuple(transition for f, transition in enumerate(observed) if f not in taken),
         time_errors=tuple(partner[e][1] for e in order),
     )
 
 
 def _candidates(
-    found: Sequence[TimedTransition], expected: Sequence[TimedTransition], period: float, window: float
+    observed: Sequence[TimedTransition], expected: Sequence[TimedTransition], period: float, window: float
 ) -> list[tuple[float, int, int]]:
-    """Pairs that may match as (time error over the period, index found, index expected), the closest first."""
+    """Pairs that may match as (time error over the period, index observed, index expected), the closest first."""
     near = []
     for e, (cell, time, kind) in enumerate(expected):
-        for f, (other_cell, other_time, other_kind) in enumerate(found):
+        for f, (other_cell, other_time, other_kind) in enumerate(observed):
             error = _cyclic((other_time - time) / period)
             if (cell, kind) == (other_cell, other_kind) and abs(error) <= window:
                 near.append((error, f, e))

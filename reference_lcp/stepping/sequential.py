@@ -1,7 +1,7 @@
 """Batches of lanes that are advanced one lane after the other."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,11 +35,6 @@ class SequentialSimulation:
     def __init__(self, models: Sequence[LaneModel]):
         self.models = tuple(models)
         self.lanes = tuple(model.lane for model in self.models)
-
-    @classmethod
-    def build(cls, lanes: Sequence[Lane], make: Callable[[Lane], LaneModel]) -> "SequentialSimulation":
-        """Make the model of each lane."""
-        return cls([make(lane) for lane in lanes])
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         """Advance every lane; see `Simulation.run`."""

@@ -8,16 +8,14 @@ from typing import Annotated
 import pandas as pd
 import typer
 from rich.console import Console
-from rich.markup import escape
 
 from reference_lcp.console import checked_output_file
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.output import write_whole
 from reference_lcp.validation import ParameterError
-from scenarios.tables import Column, csv_text, full_table, printed_table, text_table
+from scenarios.tables import Column, csv_text, full_table, plain, printed_table, text_table
+from scenarios.tasks.result import ResultStatus
 from scenarios.verdicts.regression import Change, StoreComparison, Thresholds, compare_stores
-
-CHANGED = 1
-"""Exit code if something passes its threshold."""
 
 MOST_ROWS = 20
 """Affected points that are printed; a file holds all of them."""
@@ -32,6 +30,8 @@ CHANGE_COLUMNS: tuple[Column[Change], ...] = (
     VARIANT_COLUMN, FRICTION_COLUMN, FREQUENCY_COLUMN, STEPS_COLUMN,
     Column("status_first", lambda change: change.first.result.status),
     Column("status_second", lambda change: change.second.result.status),
+    Column("reason_first", lambda change: change.first.result.reason),
+    Column("reason_second", lambda change: change.second.result.reason),
     Column("transmittance_db_first", lambda change: change.first.result.transmittance_db),
     Column("transmittance_db_second", lambda change: change.second.result.transmittance_db),
     Column("transmittance_db_change", lambda change: change.transmittance_db),
@@ -54,12 +54,14 @@ def compare(
     transition: Annotated[
         float, typer.Option(help="Largest change of the time of a transition, over the period, that is none.")
     ] = Thresholds.transition,
-    out: Annotated[Path | None, typer.Option(help="Write every common point into this table (.csv).")] = None,
+    out: Annotated[Path | None, typer.Option(help="Write every point before into this table (.csv).")] = None,
 ) -> None:
     """Compare two stores point by point: two versions of an engine, two sets of options.
 
-    Points are matched by their tasks; version and options may differ, and differences of them are named.
-    Exit code 0: nothing passes its threshold; 1: something does; 2: wrong input, or no point in common.
+    Points are matched by their tasks; version and options may differ, and differences of them are named. A result that
+    is lost, blocked now, or no longer finite passes every threshold; one that was blocked before passes none.
+    Exit code 0: nothing passes its threshold; 1: something does; 2: wrong input, no point in common, or results of
+    different formats; 3: --out could not be written at the end; 130: interrupted.
 
     Example: python -m reports compare before/results.sqlite now/results.sqlite
     """
@@ -68,12 +70,12 @@ def compare(
             raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: .csv")
         checked_output_file("--out", out, [first, second])
     comparison = compare_stores(first, second, Thresholds(decibel, stuck_fraction, transition))
-    if not comparison.changes:
+    if not comparison.common:
         raise ParameterError(f"{first} and {second} have no task in common; allowed: stores of the same points")
     console = Console(width=max(Console().width, 120))
     console.print(printed_table(_overview(comparison)))
     for line in _identities(comparison.changes):
-        console.print(escape(line))
+        console.print(plain(line))
     if comparison.beyond:
         shown = text_table(
             (VARIANT_COLUMN, FRICTION_COLUMN, FREQUENCY_COLUMN, STEPS_COLUMN, BEYOND_COLUMN),
@@ -83,7 +85,7 @@ def compare(
         console.print(printed_table(shown, title=f"{len(comparison.beyond)} points beyond{more}"))
     if out is not None:
         write_whole(out, csv_text(full_table(CHANGE_COLUMNS, comparison.changes)))
-    raise typer.Exit(CHANGED if comparison.beyond else 0)
+    raise typer.Exit(ExitCode.FAILED if comparison.beyond else ExitCode.DONE)
 
 
 def _overview(comparison: StoreComparison) -> pd.DataFrame:
@@ -95,9 +97,11 @@ def _overview(comparison: StoreComparison) -> pd.DataFrame:
         sizes = [abs(change.transmittance_db) for change in changes if not math.isnan(change.transmittance_db)]
         row = {
             "engine:formulation:preset": variant,
-            "compared": str(len(changes)),
+            "compared": str(len(changes) - comparison.only_first.get(variant, 0)),
             "beyond": str(sum(bool(change.beyond) for change in changes)),
             "largest change [dB]": f"{max(sizes):.4g}" if sizes else "–",
+            "blocked before": str(sum(change.first.result.status == ResultStatus.BLOCKED for change in changes)),
+            "blocked now": str(sum(change.second.result.status == ResultStatus.BLOCKED for change in changes)),
             "only first": str(comparison.only_first.get(variant, 0)),
             "only second": str(comparison.only_second.get(variant, 0)),
         }

@@ -1,6 +1,5 @@
 """From a sweep to everything that its report shows."""
 
-import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,8 +7,8 @@ from dataclasses import dataclass
 import xarray as xr
 
 from engines.interface.variant import Variant
-from reports.data.findings import CasePoint
 from reports.data.report import Report
+from reports.data.stick_slip import CasePoint
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.store import ResultStore
 from scenarios.studies.friction_map import (
@@ -22,6 +21,7 @@ from scenarios.studies.friction_map import (
 )
 from scenarios.studies.work_precision import StepPoint, exact_step_tasks, step_study, step_tasks
 from scenarios.sweeps.compared import compare_sweep, judged_points
+from scenarios.sweeps.dataset_check import recorded_variants
 from scenarios.sweeps.dataset_results import DatasetResults
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import grid, tasks_of
@@ -109,7 +109,7 @@ def collect_dataset(data: xr.Dataset, command: str) -> Report:
         If it is not the dataset of a sweep.
     """
     results = DatasetResults(data)
-    recorded = json.loads(data.attrs["variants"])
+    recorded = recorded_variants(data)
     points = sorted(results.points, key=lambda point: point[2])
     result = judged_points(results.sweep.ascending(), points, results)
     return Report(result, command, steps=None, recorded=recorded)
@@ -141,21 +141,14 @@ def _step_study(sweep: Sweep, evaluator: Evaluator) -> tuple[StepPoint, ...] | N
 
 def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
     """Give what is known from the start to be evaluated, for bars of progress."""
-    grid_tasks = tasks_of(sweep, grid(sweep))
+    tasks = tasks_of(sweep, grid(sweep))
     mapped = _map(sweep, scope)
-    steps = [task for variant in sweep.variants for task in step_tasks(variant, sweep.excitation)]
-    steps += exact_step_tasks(sweep.excitation)
-    steps = steps if scope.step_study and _has_step_study(sweep) else []
-    return list(
-        dict.fromkeys(
-            [
-                *grid_tasks,
-                *(mapped.tasks() if mapped is not None else ()),
-                *steps,
-                *_recorded_tasks(sweep, scope.recorded_points).values(),
-            ]
-        )
-    )
+    if mapped is not None:
+        tasks += mapped.tasks()
+    if scope.step_study and _has_step_study(sweep):
+        tasks += [task for variant in sweep.variants for task in step_tasks(variant, sweep.excitation)]
+        tasks += exact_step_tasks(sweep.excitation)
+    return list(dict.fromkeys([*tasks, *_recorded_tasks(sweep, scope.recorded_points).values()]))
 
 
 def _recorded_tasks(

@@ -1,6 +1,7 @@
 """Where the numbers of a report come from: versions, options, steps, tolerances, grid."""
 
 import platform
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import Any
@@ -9,8 +10,8 @@ from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import LARGEST_PHASE_STEP
 from reference_lcp.steady.orbits import DEFAULT_RESIDUAL
-from reports.data.findings import band_definition, blocked_reason, compared_with, drive_description, findings
-from reports.data.report import Report
+from reports.data.descriptions import band_definition, compared_with, drive_description
+from reports.data.findings import VariantFindings
 from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.dataset import description_of
@@ -21,23 +22,33 @@ PACKAGES = ("multibody-xval", "numpy", "scipy", "numba")
 """What every number depends on, beside the engines."""
 
 
-def provenance(report: Report) -> dict[str, Any]:
+def provenance(
+    result: ComparedSweep,
+    command: str,
+    findings: Mapping[Variant, VariantFindings],
+    recorded: Mapping[str, Mapping[str, Any]],
+) -> dict[str, Any]:
     """Give all that a reader needs to reproduce the numbers, as plain data.
 
     Parameters
     ----------
-    report
-        The report; versions and options are those that were noted with its results, else those of this machine.
+    result
+        The sweep, every variant compared with the reference.
+    command
+        The command line that gives the same numbers.
+    findings
+        Of every variant of the sweep.
+    recorded
+        Versions and options that were noted with the results, by the name of a variant; else this machine's are given.
     """
-    result = report.result
     sweep = result.sweep
     return {
-        "command": report.command,
+        "command": command,
         "written": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "python": f"{platform.python_implementation()} {platform.python_version()}",
         "platform": f"{platform.system()} {platform.machine()}",
         "packages": {package: version(package) for package in PACKAGES},
-        "variants": [_variant(report, variant) for variant in sweep.variants],
+        "variants": [_variant(result, findings[variant], recorded.get(str(variant))) for variant in sweep.variants],
         "chain": {name: value for name, value in sweep.ratios.as_data().items() if name not in sweep.axes},
         "drive": {
             "kind": sweep.excitation.kind,
@@ -47,7 +58,7 @@ def provenance(report: Report) -> dict[str, Any]:
         **{_plural(name): list(values) for name, values in sweep.axes.items() if name != "frequency_ratio"},
         "frequency_ratios": {_name(case): _grid(result, case) for case in sweep.cases},
         "band": {
-            "definition": band_definition(result),
+            "definition": band_definition(sweep),
             "threshold_db": sweep.band.threshold_db,
             "depth_db": sweep.band.depth_db,
             "resolution": EDGE_RESOLUTION,
@@ -66,24 +77,24 @@ def provenance(report: Report) -> dict[str, Any]:
     }
 
 
-def _variant(report: Report, variant: Variant) -> dict[str, Any]:
+def _variant(result: ComparedSweep, own: VariantFindings, recorded: Mapping[str, Any] | None) -> dict[str, Any]:
     """Describe one variant: what it is, how it is set up, how well it converged."""
-    of, result = engine(variant.engine), report.result
+    variant, of = own.variant, engine(own.variant.engine)
     results = [point.result for point in result.points_of(variant) if point.result.converged]
     return {
         "engine": variant.engine,
         "formulation": variant.formulation,
         "preset": variant.preset_name,
         "title": variant.title,
-        "blocked": blocked_reason(result, variant),
+        "blocked": own.blocked,
         "licence": of.capabilities.licence,
         "friction_law": str(of.capabilities.friction_law),
         "precision": of.capabilities.precision,
         "notes": of.capabilities.notes,
         "compared_with": compared_with(variant, result.sweep.tolerance),
-        **(report.recorded.get(str(variant)) or description_of(variant)),
-        "steps_per_period": sorted({own.steps_per_period for own in results}),
-        "worst_residual": findings(result, variant).worst_residual,
+        **(recorded or description_of(variant)),
+        "steps_per_period": sorted({converged.steps_per_period for converged in results}),
+        "worst_residual": own.worst_residual,
     }
 
 

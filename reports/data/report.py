@@ -3,10 +3,13 @@
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from engines.interface.variant import Variant
-from reports.data.findings import CasePoint
+from reports.data.findings import VariantFindings, findings
+from reports.data.provenance import provenance
+from reports.data.stick_slip import CasePoint, stick_slip_rows
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.compared import ComparedSweep
@@ -45,3 +48,18 @@ class Report:
     def missing(self) -> Mapping[Variant, int]:
         """Points of the grid that are not evaluated so far, by variant; variants without any are left out."""
         return Counter(point.variant for point in self.result.points if point.result.status is ResultStatus.MISSING)
+
+    @cached_property
+    def findings(self) -> Mapping[Variant, VariantFindings]:
+        """What each variant comes to."""
+        return {variant: findings(self.result, variant) for variant in self.result.sweep.variants}
+
+    @cached_property
+    def stick_slip(self) -> list[dict[str, Any]]:
+        """Modes of every variant beside the reference's, see `stick_slip_rows`."""
+        return stick_slip_rows(self.result)
+
+    @cached_property
+    def provenance(self) -> dict[str, Any]:
+        """Everything that a reader needs to reproduce the numbers, as plain data."""
+        return provenance(self.result, self.command, self.findings, self.recorded)

@@ -10,15 +10,12 @@ import numpy as np
 import xarray as xr
 
 from reference_lcp.output import write_whole
-from reports.data.provenance import provenance
 from reports.data.report import Report
-from reports.export.tables import band_edge_table, report_json, transition_table, transmittance_table
+from reports.export.tables import table_files
 from reports.page.render import page, sections
-from reports.page.sections.stick_slip import stick_slip_rows
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.dataset import sweep_dataset
-from scenarios.tables import csv_text
 
 TITLE = "Dry friction in multibody engines: a frictional mass-in-mass chain against its LCP reference"
 PAGE = "index.html"
@@ -31,19 +28,11 @@ FILES = ("band_edges.csv", "transmittance.csv", "transitions.csv", "report.json"
 
 def files_of(report: Report) -> dict[str, bytes]:
     """Give the content of every file of a report by its path in the report's folder, the page last."""
-    result = report.result
     rendered = page(TITLE, sections(report))
-    stick_slip, origin = stick_slip_rows(result), provenance(report)
-    texts = {
-        "band_edges.csv": csv_text(band_edge_table(result)),
-        "transmittance.csv": csv_text(transmittance_table(result)),
-        "transitions.csv": csv_text(transition_table(result)),
-        "report.json": report_json(result, stick_slip, origin),
-    }
     return {
-        **{name: text.encode() for name, text in texts.items()},
+        **{name: text.encode() for name, text in table_files(report).items()},
         **{f"{FIGURES}/{name}": content for name, content in rendered.figures.items()},
-        NETCDF: bytes(report_dataset(result).to_netcdf(engine="h5netcdf")),
+        NETCDF: bytes(report_dataset(report.result).to_netcdf(engine="h5netcdf")),
         PAGE: rendered.html.encode(),
     }
 
@@ -69,7 +58,6 @@ def report_dataset(result: ComparedSweep) -> xr.Dataset:
 
 
 def _edges(result: ComparedSweep) -> dict[str, Any]:
-    """Give the edges of all bands, and their differences."""
     sweep = result.sweep
     edges = [result.edge(variant, case, edge) for variant in sweep.variants for case in sweep.cases for edge in Edge]
     dimensions = ("variant", *sweep.case_axes, "edge")

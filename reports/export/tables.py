@@ -1,18 +1,17 @@
 """Tables and the JSON file beside the page: the numbers in full."""
 
 import math
-from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
 import pandas as pd
 
-from engines.interface.variant import Variant
-from reports.data.findings import Extreme, findings
+from reports.data.findings import Extreme, VariantFindings
+from reports.data.report import Report
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.table import Point
-from scenarios.tables import Column, full_table, json_text, records
+from scenarios.tables import Column, csv_text, full_table, json_text, records
 
 NAME_COLUMNS: tuple[Column[BandEdge | Point], ...] = (
     Column("engine", lambda row: row.variant.engine),
@@ -29,6 +28,7 @@ BAND_EDGE_COLUMNS: tuple[Column[BandEdge], ...] = (
 POINT_COLUMNS: tuple[Column[Point], ...] = (Column("frequency_ratio", lambda point: point.frequency_ratio),)
 TRANSMITTANCE_COLUMNS: tuple[Column[Point], ...] = (
     *POINT_COLUMNS,
+    Column("status", lambda point: str(point.result.status)),
     Column("transmittance_db", lambda point: point.result.transmittance_db),
     Column("residual", lambda point: point.result.residual),
     Column("difference_db", lambda point: point.comparison.difference),
@@ -69,26 +69,31 @@ def transition_table(result: ComparedSweep) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=[*(column.key for column in columns), "cell", "time_s", "kind"])
 
 
-def report_json(result: ComparedSweep, stick_slip: list[dict[str, Any]], provenance: Mapping[str, Any]) -> str:
-    """Give the numbers of all tables but the transitions as JSON, with where they come from."""
-    return json_text(
-        {
-            "provenance": provenance,
-            "summary": [_summary(result, variant) for variant in result.sweep.variants],
-            "band_edges": records(band_edge_table(result)),
-            "stick_slip": stick_slip,
-            "transmittance": records(transmittance_table(result)),
-        }
-    )
+def table_files(report: Report) -> dict[str, str]:
+    """Give every table as CSV, and the numbers of all but the transitions as JSON, with where they come from."""
+    result = report.result
+    edges, points = band_edge_table(result), transmittance_table(result)
+    content = {
+        "provenance": report.provenance,
+        "summary": [_summary(own) for own in report.findings.values()],
+        "band_edges": records(edges),
+        "stick_slip": report.stick_slip,
+        "transmittance": records(points),
+    }
+    return {
+        "band_edges.csv": csv_text(edges),
+        "transmittance.csv": csv_text(points),
+        "transitions.csv": csv_text(transition_table(result)),
+        "report.json": json_text(content),
+    }
 
 
-def _summary(result: ComparedSweep, variant: Variant) -> dict[str, Any]:
-    numbers = vars(findings(result, variant))
+def _summary(own: VariantFindings) -> dict[str, Any]:
+    numbers = {name: value for name, value in vars(own).items() if name not in ("variant", "blocked")}
     worst = {name: _extreme(numbers[name]) for name in ("worst_difference", "worst_edge")}
-    return {**vars(variant), **{name: value for name, value in numbers.items() if name != "variant"}, **worst}
+    return {**vars(own.variant), **numbers, **worst}
 
 
 def _extreme(extreme: Extreme) -> dict[str, Any]:
-    """Give a difference and its point."""
     case = {} if extreme.case is None else extreme.case.by_axis
     return {"difference": extreme.difference, **case, "frequency_ratio": extreme.frequency_ratio}

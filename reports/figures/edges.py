@@ -61,21 +61,10 @@ def _rows(result: ComparedSweep) -> list[EdgeRow]:
     return [row for row, eta in etas if eta is not None and not math.isnan(eta)]
 
 
-def _values(result: ComparedSweep, variant: Variant, rows: list[EdgeRow]) -> list[float]:
-    return [result.edge(variant, *row).comparison.difference for row in rows]
-
-
-def _allowed(result: ComparedSweep, variant: Variant, rows: list[EdgeRow]) -> list[float]:
-    return [result.edge(variant, *row).comparison.tolerance for row in rows]
-
-
 def _limit(result: ComparedSweep, rows: list[EdgeRow]) -> float:
-    every = [
-        abs(value) + allowed
-        for variant in result.sweep.variants
-        for value, allowed in zip(_values(result, variant, rows), _allowed(result, variant, rows), strict=True)
-    ]
-    return 1.6 * max((value for value in every if not math.isnan(value)), default=TICKS[0])
+    compared = [result.edge(variant, *row).comparison for variant in result.sweep.variants for row in rows]
+    ends = [abs(comparison.difference) + comparison.tolerance for comparison in compared]
+    return 1.6 * max((end for end in ends if not math.isnan(end)), default=TICKS[0])
 
 
 def _label(row: EdgeRow) -> str:
@@ -103,12 +92,12 @@ def _marks(result: ComparedSweep, rows: list[EdgeRow]) -> list[Mark]:
 
 
 def _variant(result: ComparedSweep, variant: Variant, rows: list[EdgeRow], offset: float) -> Series:
-    etas = [result.edge(variant, *row).frequency_ratio for row in rows]
-    notes = [
-        f"{_label(row)}: {'–' if eta is None else format(eta, '.4f')}" for row, eta in zip(rows, etas, strict=True)
-    ]
+    edges = [result.edge(variant, *row) for row in rows]
+    etas = ["–" if edge.frequency_ratio is None else f"{edge.frequency_ratio:.4f}" for edge in edges]
     style = replace(style_of(result.sweep, variant), width=0.6)
     return Series(
-        _values(result, variant, rows), np.arange(len(rows)) + offset, style, variant.title,
-        "markers", "%{text}\ndifference %{x:.4~g}", notes, x_error=_allowed(result, variant, rows),
+        [edge.comparison.difference for edge in edges], np.arange(len(rows)) + offset, style, variant.title,
+        "markers", "%{text}\ndifference %{x:.4~g}",
+        [f"{_label(row)}: {eta}" for row, eta in zip(rows, etas, strict=True)],
+        x_error=[edge.comparison.tolerance for edge in edges],
     )  # fmt: skip

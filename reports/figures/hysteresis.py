@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
-from reports.data.findings import CasePoint, file_name
+from reports.data.descriptions import file_name
+from reports.data.stick_slip import CasePoint
 from reports.figures.figure import Axis, Figure, Panel, Series
 from reports.figures.style import style_of
 from reports.formatting import ratio

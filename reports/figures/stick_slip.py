@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import Mode
-from reports.data.findings import CasePoint, file_name
+from reports.data.descriptions import file_name
+from reports.data.stick_slip import CasePoint
 from reports.figures.figure import Axis, Bars, Figure, Panel
 from reports.formatting import ratio
 from scenarios.tasks.result import Result
@@ -102,7 +103,6 @@ def _middle(count: int, strip: int, cell: int) -> float:
 
 
 def _bars(rows: dict[Variant, list[Phase]], mode: Mode) -> Bars:
-    """Give the phases of one mode as bars."""
     count = len(rows)
     drawn = [(strip, v, p) for strip, (v, phases) in enumerate(rows.items()) for p in phases if p.mode is mode]
     return Bars(

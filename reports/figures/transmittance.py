@@ -7,7 +7,8 @@ import numpy as np
 from engines.interface.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
 from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
-from reports.data.findings import converged_edges, differences, file_name, named_axes, reference_line
+from reports.data.curves import converged_edges, differences, reference_line
+from reports.data.descriptions import file_name, named_axes
 from reports.figures.figure import Axis, Figure, Mark, Panel, Rule, Series, difference_axis
 from reports.figures.style import DASHED, DOTTED, RULE, Style, compared_variants, curve_style, style_of
 from scenarios.sweeps.compared import ComparedSweep
@@ -100,7 +101,6 @@ def _variant(result: ComparedSweep, variant: Variant, case: Case) -> Series:
 
 
 def _difference(result: ComparedSweep, variant: Variant, case: Case) -> Series:
-    """Mark the differences of one variant."""
     return Series(
         *differences(result, variant, case), style_of(result.sweep, variant), variant.title, "markers",
         "η_r %{x}\ndifference %{y:+.5f} dB",

@@ -77,7 +77,6 @@ def convergence_figure(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
 
 
 def _series(sweep: Sweep, drawn: Curves, cost: Callable[[StepPoint], float]) -> list[Series]:
-    """Draw one curve a variant."""
     return [
         Series(
             [cost(point) for point in own], _shown(own), style_of(sweep, variant), variant.title, "lines+markers",

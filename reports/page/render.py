@@ -4,7 +4,7 @@ import base64
 import gzip
 import json
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,11 +12,10 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
-from reports import formatting as numbers
 from reports.data.report import Report
 from reports.figures.figure import Figure
-from reports.figures.matplotlib_backend import print_files
 from reports.figures.plotly_backend import plot
+from reports.formatting import fixed, per_cell, ratio, scientific, signed, span, typeset
 from reports.page.section import SUITE_TEMPLATES, Section, registered_sections
 from reports.page.sections import (
     BandEdges,
@@ -92,6 +91,8 @@ class _Registry:
 
     def html(self, figure: Figure) -> Markup:
         """Draw a figure, keep its files, and give its element."""
+        from reports.figures.matplotlib_backend import print_files  # matplotlib is imported once a backend is chosen
+
         if figure.name in self.plots:
             raise ValueError(f"two figures are called {figure.name!r}; allowed: names of their own")
         self.plots[figure.name] = plot(figure)
@@ -103,21 +104,16 @@ class _Registry:
 
 
 def _rendered(part: Section, registry: _Registry) -> RenderedSection:
-    """Render one section."""
     try:
         drawn = {figure.name: registry.html(figure) for figure in part.figures()}
         template = _environment(part.templates).get_template(f"{part.template}.html")
-        html = template.render(**part.context(), figure=_chosen(drawn), figures=list(drawn.values()))
+        html = template.render(**part.context(), figure=drawn.__getitem__, figures=list(drawn.values()))
     except Exception as problem:
         if part.templates == SUITE_TEMPLATES:
             raise
         print(f"section {part.title!r} failed: {type(problem).__name__}: {problem}", file=sys.stderr)
         html = Markup("<p class='blocked'>This section failed: {}: {}</p>").format(type(problem).__name__, problem)
     return RenderedSection(part.title, part.template, Markup(html))
-
-
-def _chosen(drawn: dict[str, Markup]) -> Callable[[str], Markup]:
-    return lambda name: drawn[name]
 
 
 def _environment(package: str) -> Environment:
@@ -129,15 +125,7 @@ def _environment(package: str) -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    for display in (
-        numbers.fixed,
-        numbers.signed,
-        numbers.scientific,
-        numbers.ratio,
-        numbers.per_cell,
-        numbers.span,
-        numbers.typeset,
-    ):
+    for display in (fixed, signed, scientific, ratio, per_cell, span, typeset):
         environment.filters[display.__name__] = display
     return environment
 

@@ -4,18 +4,18 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.den_hartog import DenHartog
-from scenarios.catalogue.figure3 import Figure3Points
-from scenarios.catalogue.filtered_noise import FilteredNoiseScenario
-from scenarios.catalogue.free_decay import FreeDecay
-from scenarios.catalogue.linear_limits import FrictionlessLimit, LockedLimit
-from scenarios.catalogue.long_chain import LongChain
-from scenarios.catalogue.modulated_normal_force import ModulatedNormalForce
-from scenarios.catalogue.record import Record
-from scenarios.catalogue.ricker_pulse import RickerPulseScenario
-from scenarios.catalogue.swept_sine import SweptSineScenario
-from scenarios.catalogue.unequal_cells import DisorderedChain, GradedChain
-from scenarios.catalogue.unit_cell import UnitCell
+from scenarios.catalogue.steady.den_hartog import DenHartog
+from scenarios.catalogue.steady.figure3 import Figure3Points
+from scenarios.catalogue.steady.linear_limits import FrictionlessLimit, LockedLimit
+from scenarios.catalogue.steady.long_chain import LongChain
+from scenarios.catalogue.steady.modulated_normal_force import ModulatedNormalForce
+from scenarios.catalogue.steady.unequal_cells import DisorderedChain, GradedChain
+from scenarios.catalogue.steady.unit_cell import UnitCell
+from scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
+from scenarios.catalogue.transient.free_decay import FreeDecay
+from scenarios.catalogue.transient.record import Record
+from scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
+from scenarios.catalogue.transient.swept_sine import SweptSineScenario
 
 SCENARIOS: tuple[Scenario, ...] = (
     UnitCell(),

@@ -54,8 +54,8 @@ class VariantRow:
     @property
     def worst(self) -> Finding | None:
         """The finding whose difference is largest beside what is allowed; ``None`` where none has a number."""
-        known = [finding for finding in self.findings if not math.isnan(finding.comparison.excess)]
-        return max(known, key=lambda finding: finding.comparison.excess, default=None)
+        worst = max(self.findings, key=_excess)
+        return None if math.isnan(worst.comparison.excess) else worst
 
     @property
     def reason(self) -> str:
@@ -202,7 +202,6 @@ def verdicts_text(results: Results, command: str, ending: str) -> str:
 
 
 def _content(results: Results, command: str) -> dict[str, object]:
-    """Give every finding, the scenarios and the versions."""
     findings = [finding for own in results.values() for finding in own]
     return {
         "command": command,

@@ -1,6 +1,5 @@
 """What the commands of ``python -m scenarios`` have in common: options, checks, a store for the run."""
 
-import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,7 +9,9 @@ import typer
 
 from engines.interface.registry import engine_names
 from engines.interface.variant import Variant, variants_named
-from reference_lcp.console import INTERRUPTED, checked_output_file
+from reference_lcp.console import checked_output_file
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.interrupt import announce_interrupt
 from reference_lcp.validation import ParameterError
 from scenarios.execution.store import ResultStore, opened_store
 
@@ -32,6 +33,14 @@ Limit = Annotated[
 ]
 Scheduler = Annotated[
     str | None, typer.Option(help="Address of a dask scheduler whose workers compute, instead of this machine's.")
+]
+Retry = Annotated[
+    bool,
+    typer.Option(
+        "--retry-blocked",
+        help="Run again the points at which, by the store, their engine has failed: crashed, raised an error or passed "
+        "the time limit.",
+    ),
 ]
 
 
@@ -62,6 +71,18 @@ def check_out(out: Path | None, endings: tuple[str, ...], inputs: Iterable[Path 
     checked_output_file("--out", out, inputs)
 
 
+def check_retry(ask: bool, retry_blocked: bool) -> None:
+    """Refuse to run points again where nothing is run.
+
+    Raises
+    ------
+    ParameterError
+        If both are wanted.
+    """
+    if retry_blocked and not ask:
+        raise ParameterError("--retry-blocked with --no-ask, which runs nothing; allowed: one of the two")
+
+
 @contextmanager
 def store_of_run(store: Path | None) -> Iterator[ResultStore]:
     """Open the store of a run, a temporary one if none is named; Ctrl-C prints what is kept and ends the command.
@@ -78,5 +99,5 @@ def store_of_run(store: Path | None) -> Iterator[ResultStore]:
             where = "nothing is kept without --store"
             if store is not None:
                 where = f"results are kept in {store}; the same command goes on from there"
-            print(f"interrupted: {where}", file=sys.stderr)
-            raise typer.Exit(INTERRUPTED) from None
+            announce_interrupt(f"interrupted: {where}")
+            raise typer.Exit(ExitCode.INTERRUPTED) from None

@@ -8,14 +8,13 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.markup import escape
 
 from engines.interface.variant import Variant
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.output import write_whole
-from reference_lcp.validation import ParameterError
 from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.record import Record
+from scenarios.catalogue.transient.record import Record
 from scenarios.catalogue.verdict_table import (
     Results,
     details,
@@ -28,10 +27,12 @@ from scenarios.catalogue.verdict_table import (
 from scenarios.cli.options import (
     Chosen,
     Limit,
+    Retry,
     Scheduler,
     Store,
     Workers,
     check_out,
+    check_retry,
     chosen_variants,
     store_of_run,
 )
@@ -39,11 +40,9 @@ from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
-from scenarios.tables import printed_table
+from scenarios.execution.store_file import existing_store
+from scenarios.tables import plain, printed_table
 from scenarios.verdicts.finding import Finding
-
-UNEXPLAINED = 1
-"""Exit code where no known deviation explains a disagreement."""
 
 LEAST_WIDTH = 200
 """Columns that tables may take where the output is no terminal."""
@@ -66,6 +65,7 @@ class _Run:
     scenarios: Sequence[Scenario]
     variants: Sequence[Variant]
     command: str
+    retry_blocked: bool
 
 
 def add_scenarios(run: typer.Typer) -> None:
@@ -80,7 +80,7 @@ def _help(name: str, summary: str, options: str = "") -> str:
     """Give the help of a command: the physical question, the exit codes, an example."""
     return (
         f"{summary}\n\nExit code 0: a known deviation explains every disagreement, if there is any; 1: not so; "
-        "2: wrong input; 130: interrupted.\n\n"
+        "2: wrong input; 3: results or --out could not be kept; 130: interrupted.\n\n"
         f"Example: python -m scenarios run {name}{options} --engine mujoco --out verdicts.md"
     )
 
@@ -97,9 +97,11 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[Scenario], summary: st
         workers: Workers = None,
         time_limit: Limit = TIME_LIMIT,
         scheduler: Scheduler = None,
+        retry_blocked: Retry = False,
     ) -> None:
+        check_retry(ask, retry_blocked)
         check_out(out, ENDINGS, [store])
-        chosen_run = _chosen_run(name, scenarios, chosen, [] if ask else ["--no-ask"])
+        chosen_run = _chosen_run(name, scenarios, chosen, [] if ask else ["--no-ask"], retry_blocked)
         _perform(chosen_run, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
 
 
@@ -119,7 +121,9 @@ def _add_record(run: typer.Typer, name: str, scenarios: Sequence[Scenario], summ
         workers: Workers = None,
         time_limit: Limit = TIME_LIMIT,
         scheduler: Scheduler = None,
+        retry_blocked: Retry = False,
     ) -> None:
+        check_retry(ask, retry_blocked)
         check_out(out, ENDINGS, [store, record])
         own: Sequence[Scenario] = scenarios
         if record is not None:
@@ -127,15 +131,17 @@ def _add_record(run: typer.Typer, name: str, scenarios: Sequence[Scenario], summ
             scenario.check()
             own = [scenario]
         options = [] if record is None else [f"--record={record}"]
-        chosen_run = _chosen_run(name, own, chosen, options if ask else [*options, "--no-ask"])
+        chosen_run = _chosen_run(name, own, chosen, options if ask else [*options, "--no-ask"], retry_blocked)
         _perform(chosen_run, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
 
 
-def _chosen_run(name: str, scenarios: Sequence[Scenario], chosen: list[str] | None, options: list[str]) -> _Run:
+def _chosen_run(
+    name: str, scenarios: Sequence[Scenario], chosen: list[str] | None, options: list[str], retry_blocked: bool
+) -> _Run:
     """Give what the options choose, before any work."""
     variants = chosen_variants(chosen)
     words = ["python", "-m", "scenarios", "run", name, *(f"--engine={c}" for c in chosen or []), *options]
-    return _Run(scenarios, variants, shlex.join(words))
+    return _Run(scenarios, variants, shlex.join(words), retry_blocked)
 
 
 def _perform(run: _Run, store: Path | None, out: Path | None, executor: Executor | None) -> None:
@@ -145,7 +151,7 @@ def _perform(run: _Run, store: Path | None, out: Path | None, executor: Executor
     if out is not None:
         write_whole(out, verdicts_text(results, run.command, out.suffix))
     if any(unexplained(findings) for findings in results.values()):
-        raise typer.Exit(UNEXPLAINED)
+        raise typer.Exit(ExitCode.FAILED)
 
 
 def _findings(run: _Run, store: Path | None, executor: Executor) -> dict[Scenario, list[Finding]]:
@@ -153,16 +159,14 @@ def _findings(run: _Run, store: Path | None, executor: Executor) -> dict[Scenari
     with (
         store_of_run(store) as stored,
         ProgressBars(run.variants) as bars,
-        CountingEvaluator(stored, executor, [], bars) as evaluator,
+        CountingEvaluator(stored, executor, [], bars, retry_blocked=run.retry_blocked) as evaluator,
     ):
         return {scenario: scenario.run(run.variants, evaluator) for scenario in run.scenarios}
 
 
 def _stored_findings(run: _Run, store: Path | None) -> dict[Scenario, list[Finding]]:
     """Judge the results of a store; the rest is inconclusive."""
-    if store is None or not store.is_file():
-        raise ParameterError(f"--no-ask with --store = {store}; allowed: a store that is there")
-    with store_of_run(store) as stored, StoredResults(stored) as evaluator:
+    with store_of_run(existing_store(store)) as stored, StoredResults(stored) as evaluator:
         return {scenario: scenario.run(run.variants, evaluator) for scenario in run.scenarios}
 
 
@@ -170,11 +174,11 @@ def print_results(results: Results) -> None:
     """Print the table of each scenario and what does not agree, and the matrix of several."""
     console = Console(width=max(Console().width, LEAST_WIDTH))
     for scenario, findings in results.items():
-        console.print(f"\n[bold]{scenario.name}[/bold]: {escape(scenario.question)}")
-        console.print(escape("\n".join([f"compared with {scenario.expects}", *scenario.parameters()])))
+        console.print(f"\n[bold]{scenario.name}[/bold]: {plain(scenario.question)}")
+        console.print(plain(f"compared with {scenario.expects}", *scenario.parameters()))
         console.print(printed_table(verdict_table(findings)))
         for variant, remarks in details(findings):
-            console.print(escape("\n".join([f"{variant}:", *(f"  {remark}" for remark in remarks)])), soft_wrap=True)
+            console.print(plain(f"{variant}:", *(f"  {remark}" for remark in remarks)), soft_wrap=True)
     if len(results) > 1:
         console.print(printed_table(matrix(results)))
     _print_explanations(console, [finding for findings in results.values() for finding in findings])
@@ -183,8 +187,8 @@ def print_results(results: Results) -> None:
 def _print_explanations(console: Console, findings: Sequence[Finding]) -> None:
     """Print the known deviations that explain disagreements, and how many disagreements have none."""
     for variant in dict.fromkeys(finding.variant for finding in findings if explained(finding)):
-        console.print(escape(f"explained, {variant}: {variant.preset.known_deviation}"), soft_wrap=True)
+        console.print(plain(f"explained, {variant}: {variant.preset.known_deviation}"), soft_wrap=True)
     left = unexplained(findings)
     if left:
         names = ", ".join(dict.fromkeys(str(finding.variant) for finding in left))
-        console.print(escape(f"unexplained: {len(left)} disagreements, of {names}"), soft_wrap=True)
+        console.print(plain(f"unexplained: {len(left)} disagreements, of {names}"), soft_wrap=True)

@@ -5,7 +5,9 @@ from typing import Annotated
 
 import typer
 
-from reference_lcp.console import WRONG_INPUT, checked_output_file
+from reference_lcp.console import checked_output_file
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.visible import visible
 from scenarios.execution.store_check import check_store, salvage
 
 store_app = typer.Typer(help="Check a store of results, and save what is good in a damaged one.", no_args_is_help=True)
@@ -25,7 +27,8 @@ def check(
 ) -> None:
     """Read every row of a store, and say what is damaged.
 
-    Exit code 0: everything is intact, or the good rows are in NEW; 2: damaged, or no store.
+    Exit code 0: everything is intact, or the good rows are in NEW; 2: damaged, or no store; 3: NEW could not be
+    written; 130: interrupted.
 
     Example: python -m scenarios store check results.sqlite --salvage good.sqlite
     """
@@ -33,11 +36,12 @@ def check(
         checked_output_file("--salvage", new, [file])
     found = check_store(file)
     for text in found.damage:
-        print(f"{file}: {text}")
+        print(visible(f"{file}: {text}"))
     results, sweeps = len(found.good["answers"]), len(found.good["sweeps"])
-    print(f"{file}: {results} intact results, {sweeps} intact sweeps, {len(found.damage) or 'no'} damages")
+    damages = len(found.damage) or "no"
+    print(visible(f"{file}: {results} intact results, {sweeps} intact sweeps, {damages} damages"))
     if new is not None:
         salvage(found, new)
-        print(f"{new}: {results} results; what is missing is computed again")
+        print(visible(f"{new}: {results} results; what is missing is computed again"))
     elif found.damage:
-        raise typer.Exit(WRONG_INPUT)
+        raise typer.Exit(ExitCode.WRONG_INPUT)

@@ -5,34 +5,48 @@ from collections.abc import Sequence
 import pandas as pd
 
 from engines.interface.variant import Variant
+from reference_lcp.visible import visible
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.dataset import STATUSES
 from scenarios.sweeps.refinement import ForTheAccuracy
-from scenarios.sweeps.run import run_sweep
+from scenarios.sweeps.run import refined_tasks, run_sweep
 from scenarios.sweeps.summary import SweepSummary, VerdictSummary, verdict_summaries
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import Point
 from scenarios.tables import print_table
+from scenarios.verdicts.pointwise import refinements
 from scenarios.verdicts.verdict import Verdict
 
 PARTS = (0.5, 0.99, 1.0)
 """Parts of the points whose number of periods is printed: median, 99 % and all."""
 
 
-def evaluate_sweep(sweep: Sweep, store: ResultStore, executor: Executor) -> SweepSummary:
-    """Run what the store does not hold, with progress bars."""
+def evaluate_sweep(
+    sweep: Sweep, store: ResultStore, executor: Executor, *, judged: bool = False, retry_blocked: bool = False
+) -> SweepSummary:
+    """Run what the store does not hold, with progress bars; for verdicts, with other numbers of steps too.
+
+    For `retry_blocked` see `Evaluator`.
+    """
     if sweep.frequencies is not None:
         start = [sweep.task(*point) for point in ForTheAccuracy(sweep).due()]
-        with ProgressBars(sweep.variants) as bars, CountingEvaluator(store, executor, start, bars) as counting:
+        with (
+            ProgressBars(sweep.variants) as bars,
+            CountingEvaluator(store, executor, start, bars, retry_blocked=retry_blocked) as counting,
+        ):
             return run_sweep(sweep, counting)
-    with ProgressBars(sweep.variants) as bars, Evaluator(store, executor) as evaluator:
+    with ProgressBars(sweep.variants) as bars, Evaluator(store, executor, retry_blocked=retry_blocked) as evaluator:
         for variant in sweep.variants:
-            bars.expect(variant, sweep.points // len(sweep.variants))
+            others = len(refinements(variant, sweep.tolerance)) if judged else 0
+            bars.expect(variant, sweep.points // len(sweep.variants) * (1 + others))
         evaluator.progress, evaluator.recalled = bars.advance, bars.recall
-        return run_sweep(sweep, evaluator)
+        summary = run_sweep(sweep, evaluator)
+        if judged:
+            evaluator.complete(refined_tasks(sweep))
+        return summary
 
 
 def print_summary(sweep: Sweep, summary: SweepSummary) -> None:
@@ -47,7 +61,7 @@ def print_summary(sweep: Sweep, summary: SweepSummary) -> None:
         rows.append({"engine:formulation:preset": str(variant), **row})
     print_table(pd.DataFrame(rows))
     for (variant, reason), count in sorted(summary.reasons.items(), key=_by_variant):
-        print(f"{variant}: {count} point{'s' if count > 1 else ''}: {reason}")
+        print(visible(f"{variant}: {count} point{'s' if count > 1 else ''}: {reason}"))
 
 
 def print_verdicts(sweep: Sweep, points: Sequence[Point]) -> None:

@@ -1,19 +1,37 @@
 """Workers of a dask cluster that runs already, on this machine or on many."""
 
+import logging
+import time
 from collections.abc import Collection
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from typing import Any
 
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import ParameterError, shown
 from scenarios.execution.batch import Batch
+from scenarios.execution.dask_worker import run_on_cluster
 from scenarios.execution.executor import TIME_LIMIT, WorkerDied, WorkerExecutor
+from scenarios.execution.failures import ExecutorError, text_of
 from scenarios.execution.identity import identity_of
 from scenarios.execution.local_processes import LocalExecutor
-from scenarios.execution.worker import run_on_cluster
 from scenarios.tasks.result import Result
+
+NOISY = ("distributed", "distributed.client", "distributed.core", "distributed.utils", "tornado.application", "asyncio")
+"""Loggers that print tracebacks where a scheduler is lost, which this module says in one line."""
 
 CONNECT_SECONDS = 15
 """How long connecting to a scheduler may take."""
+
+REPLY_SECONDS = 5
+"""How long a scheduler may take to say which workers it has."""
+
+CHECK_SECONDS = 1
+"""Interval at which it is asked while nothing ends."""
+
+LOST_SECONDS = 30
+"""How long a cluster may have no worker: a nanny starts a new one in a few seconds."""
+
+CLOSE_SECONDS = 1
+"""How long disconnecting may take, from a scheduler that does not reply either."""
 
 
 def executor_for(workers: int | None, time_limit: float, scheduler: str | None) -> "LocalExecutor | DaskExecutor":
@@ -26,6 +44,8 @@ def executor_for(workers: int | None, time_limit: float, scheduler: str | None) 
     """
     if scheduler is None:
         return LocalExecutor(workers, time_limit)
+    if not isinstance(scheduler, str):
+        raise ParameterError(f"scheduler = {shown(scheduler)}; allowed: an address such as 'tcp://node1:8786'")
     if workers is not None:
         raise ParameterError(f"workers = {workers} with scheduler = {scheduler!r}; allowed: one of the two")
     return DaskExecutor(scheduler, time_limit)
@@ -34,16 +54,17 @@ def executor_for(workers: int | None, time_limit: float, scheduler: str | None) 
 class DaskExecutor(WorkerExecutor["Future[list[Result]]"]):
     """The workers of a dask scheduler: as many batches on the way as there are workers.
 
-    A batch whose worker dies is given to another one as often as the scheduler allows
-    (``distributed.scheduler.allowed-failures``), and is blocked then. Workers need this suite and the engines, in the
-    same versions; the points of an engine that differs are blocked. The scheduler and its workers must be trusted.
+    A worker of the cluster gives each batch to a process of its own machine, which serves one engine, and is ended at
+    the time limit, as those of `LocalExecutor` are. Workers need this suite and the engines, in the same versions; the
+    points of an engine that differs are blocked. The scheduler and its workers must be trusted: what they send is
+    unpickled, which can run anything.
 
     Parameters
     ----------
     address
         Of the scheduler, such as ``tcp://node1:8786``.
     time_limit
-        Seconds that a batch may take, > 0; the worker is ended then, and its nanny starts another.
+        Seconds that a batch may take, > 0.
 
     Raises
     ------
@@ -52,38 +73,65 @@ class DaskExecutor(WorkerExecutor["Future[list[Result]]"]):
     """
 
     def __init__(self, address: str, time_limit: float = TIME_LIMIT):
+        self._address = address
         self._client = _connected(address)
-        workers = len(self._client.scheduler_info(n_workers=-1)["workers"])
+        workers = self._workers()
         if workers == 0:
             self._client.close()
             raise ParameterError(f"scheduler = {address!r} has no workers; allowed: at least one")
         super().__init__(workers, time_limit)
         self._futures = self._client.get_executor(pure=False, retries=0)
+        self._last_worker = time.monotonic()
 
     def close(self) -> None:
         """Cancel what is not begun, and disconnect; the cluster goes on."""
         self._futures.shutdown(wait=False)
-        self._client.close()
+        self._client.close(timeout=CLOSE_SECONDS)
 
     def _start(self, batch: Batch) -> Future[list[Result]]:
         identity = identity_of(batch[0].variant)
-        future: Future[list[Result]] = self._futures.submit(run_on_cluster, batch, identity, self._limit)
+        try:
+            future: Future[list[Result]] = self._futures.submit(run_on_cluster, batch, identity, self._limit)
+        except Exception as problem:  # the client is closed once it has lost its scheduler
+            raise self._lost(text_of(problem)) from None
         return future
 
     def _finished(self, running: Collection[Future[list[Result]]]) -> Collection[Future[list[Result]]]:
-        return wait(running, return_when=FIRST_COMPLETED).done
+        """Wait; raise `ExecutorError` if the scheduler or its last worker stay away."""
+        while not (done := wait(running, CHECK_SECONDS, FIRST_COMPLETED).done):
+            if self._workers() > 0:
+                self._last_worker = time.monotonic()
+            elif time.monotonic() > self._last_worker + LOST_SECONDS:
+                raise self._lost(f"no worker for {LOST_SECONDS:g} s")
+        return done
 
     def _results(self, run: Future[list[Result]]) -> list[Result]:
         from distributed import KilledWorker
 
         try:
             return run.result()
+        except WorkerDied:
+            raise
         except KilledWorker:
-            problem = f"workers of the cluster died: a crash, or the time limit of {self._limit:g} s"
-            raise WorkerDied(problem) from None
+            raise WorkerDied("workers of the cluster died") from None
+        except CancelledError:
+            raise self._lost("the connection is closed") from None
+        except Exception as problem:  # such as a worker that has no suite
+            raise WorkerDied(f"the cluster's worker failed: {type(problem).__name__}: {text_of(problem)}") from None
 
     def _abandon(self, run: Future[list[Result]]) -> None:
         run.cancel()
+
+    def _workers(self) -> int:
+        """Give the number of workers; 0 if the scheduler does not say."""
+        try:
+            identity = self._client.sync(self._client.scheduler.identity, n_workers=-1, callback_timeout=REPLY_SECONDS)
+        except Exception:  # it cannot be reached, or is about to be given up by the client
+            return 0
+        return len(identity["workers"])
+
+    def _lost(self, what: str) -> ExecutorError:
+        return ExecutorError(f"scheduler = {self._address!r} is lost: {what}")
 
 
 def _connected(address: str) -> Any:
@@ -94,6 +142,8 @@ def _connected(address: str) -> Any:
         raise ParameterError(
             f"scheduler = {address!r}: dask.distributed is not installed; pip install 'multibody-xval[cluster]'"
         ) from None
+    for name in NOISY:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         return Client(address, timeout=CONNECT_SECONDS)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as problem:

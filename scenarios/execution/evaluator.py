@@ -11,19 +11,26 @@ from scenarios.execution.batch import batches_of
 from scenarios.execution.closing import Closing
 from scenarios.execution.executor import Executor, InProcessExecutor
 from scenarios.execution.store import ResultStore
-from scenarios.tasks.result import Result, ResultSummary
+from scenarios.tasks.result import Result, ResultStatus, ResultSummary
 from scenarios.tasks.task import Task
 
-AT_ONCE = 20_000
-"""Tasks of `Evaluator.complete` that are in memory at a time."""
+AT_ONCE = 500
+"""Tasks that are looked up in the store at a time: workers wait for it, and the rest is not in memory so far."""
 
 Progress = Callable[[Variant, int], None]
 """Takes how many results a variant has just got: computed ones, or such as need no computation."""
+
+Ended = Callable[[Task, ResultSummary], None]
+"""Takes a task and how it ended."""
 
 _Stored = TypeVar("_Stored", Result, ResultSummary)
 
 
 def _no_progress(_variant: Variant, _count: int) -> None:
+    return
+
+
+def _no_note(_task: Task, _ended: ResultSummary) -> None:
     return
 
 
@@ -36,6 +43,9 @@ class Evaluator(Closing):
         Where results are looked up and kept.
     executor
         What runs the tasks; it is closed with the evaluator.
+    retry_blocked
+        Whether tasks are run again at which their engine has failed before. Those that other reasons blocked, such as
+        a worker that was killed, are run again in any case.
 
     Attributes
     ----------
@@ -43,8 +53,9 @@ class Evaluator(Closing):
         Called with results that have been computed, and with those that needed no computation.
     """
 
-    def __init__(self, store: ResultStore, executor: Executor):
+    def __init__(self, store: ResultStore, executor: Executor, *, retry_blocked: bool = False):
         self._store = store
+        self._retry_blocked = retry_blocked
         self._executor = executor
         self._results: dict[Task, Result] = {}
         self._unavailable = cache(unavailable_reason)  # looked up once a variant: 100,000 points take no time
@@ -63,21 +74,32 @@ class Evaluator(Closing):
         self._results.update(self._run(missing))
         return [self._results[task] for task in tasks]
 
-    def complete(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, ResultSummary]]:
-        """Run what the store does not hold, and release each result once it is stored; gives how each task ended.
+    def complete(self, tasks: Iterable[Task], ended: Ended = _no_note) -> None:
+        """Run what the store does not hold, and release each result once it is stored.
 
-        However many tasks there are, neither they nor their results are in memory together.
+        Tasks are taken as there are workers for them: however many there are, neither they nor their results are in
+        memory together.
+
+        Parameters
+        ----------
+        tasks
+            What is run.
+        ended
+            Called with each task and how it ended.
         """
+        for task, result in self._run(self._missing(tasks, ended)):
+            ended(task, ResultSummary.of(result))
+
+    def _missing(self, tasks: Iterable[Task], ended: Ended) -> Iterator[Task]:
+        """Give the tasks that the store does not hold, and note the others."""
         remaining = iter(tasks)
         while some := list(itertools.islice(remaining, AT_ONCE)):
-            missing = []
             for task, stored in self._stored(some, self._store.summaries):
                 if stored is None:
-                    missing.append(task)
+                    yield task
                 else:
                     self.recalled(task.variant, 1)
-                    yield task, ResultSummary.of(stored)
-            yield from ((task, ResultSummary.of(result)) for task, result in self._run(missing))
+                    ended(task, ResultSummary.of(stored))
 
     def new_tasks(self, tasks: Sequence[Task]) -> list[Task]:
         """Give the tasks that this evaluator has not evaluated so far, each once."""
@@ -94,9 +116,15 @@ class Evaluator(Closing):
         reasons = [self._skip_reason(task) for task in tasks]
         stored = look_up([task for task, reason in zip(tasks, reasons, strict=True) if reason is None])
         for task, reason in zip(tasks, reasons, strict=True):
-            yield task, next(stored) if reason is None else Result.blocked(reason)
+            yield task, self._recalled(next(stored)) if reason is None else Result.blocked(reason)
 
-    def _run(self, tasks: Sequence[Task]) -> Iterator[tuple[Task, Result]]:
+    def _recalled(self, stored: _Stored | None) -> _Stored | Result | None:
+        """Give a result of the store; ``None`` if its task is to be run again."""
+        if stored is None or stored.status is not ResultStatus.BLOCKED:
+            return stored
+        return stored if stored.by_engine and not self._retry_blocked else None
+
+    def _run(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Result]]:
         """Run tasks; gives each with its result, once that is kept."""
         for batch, results in self._executor.run(batches_of(tasks)):
             self._store.keep(zip(batch, results, strict=True))
@@ -119,16 +147,19 @@ class StoredResults(Evaluator):
     ----------
     store
         Where results are looked up.
+
+    Raises
+    ------
+    ParameterError
+        If the store is damaged so that results might seem to be missing.
     """
 
     def __init__(self, store: ResultStore):
         super().__init__(store, InProcessExecutor())  # it gets no tasks
+        store.check_pages()
 
-    def _stored(
-        self, tasks: Sequence[Task], look_up: Callable[[Iterable[Task]], Iterator[_Stored | None]]
-    ) -> Iterator[tuple[Task, _Stored | Result | None]]:
-        for task, stored in super()._stored(tasks, look_up):
-            yield task, stored or Result.missing()
+    def _recalled(self, stored: _Stored | None) -> _Stored | Result | None:
+        return stored or Result.missing()
 
 
 def unavailable_reason(variant: Variant) -> str | None:

@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Collection, Iterable, Iterator
 from typing import Generic, Protocol, TypeVar
 
-from reference_lcp.validation import checked_count, checked_scalar
+from reference_lcp.validation import LONGEST_TIME_LIMIT, MOST_WORKERS, checked_count, checked_scalar
 from scenarios.execution.batch import Batch, run_batch
 from scenarios.execution.closing import Closing
 from scenarios.tasks.result import Result
@@ -48,7 +48,19 @@ class InProcessExecutor(Closing):
 
 
 class WorkerDied(RuntimeError):
-    """A worker has ended with its batch undone; the message says why."""
+    """A worker has ended with its batch undone.
+
+    Parameters
+    ----------
+    reason
+        Why.
+    by_engine
+        Whether the engine is the cause: it crashed, or did not come to an end.
+    """
+
+    def __init__(self, reason: str, *, by_engine: bool = False):
+        super().__init__(reason)
+        self.by_engine = by_engine
 
 
 Run = TypeVar("Run")
@@ -72,8 +84,8 @@ class WorkerExecutor(Closing, Generic[Run]):
     """
 
     def __init__(self, slots: int, time_limit: float):
-        self._slots = checked_count("workers", slots)
-        self._limit = checked_scalar("time_limit", time_limit, "> 0")
+        self._slots = checked_count("workers", slots, 1, MOST_WORKERS)
+        self._limit = checked_scalar("time_limit", time_limit, "> 0", LONGEST_TIME_LIMIT)
 
     def run(self, batches: Iterable[Batch]) -> Iterator[tuple[Batch, list[Result]]]:
         """Run batches; see `Executor.run`. One whose worker dies is run again task by task."""
@@ -87,7 +99,7 @@ class WorkerExecutor(Closing, Generic[Run]):
                     try:
                         results = self._results(run)
                     except WorkerDied as death:
-                        results = queue.died(batch, str(death))
+                        results = queue.died(batch, death)
                     # the worker has its next batch before the results of this one are written
                     yield from self._fill(queue, running)
                     if results:
@@ -146,15 +158,15 @@ class BatchQueue:
         seen = self._failures.get(str(batch[0].variant), [])
         return None if len(seen) < MOST_FAILURES else f"not run: {len(seen)} points before, {seen[-1]}"
 
-    def died(self, batch: Batch, reason: str) -> list[Result]:
+    def died(self, batch: Batch, death: WorkerDied) -> list[Result]:
         """Queue the tasks of a batch one by one; one that was alone is blocked: gives its result.
 
         A task whose process was killed, from outside or for want of memory, has a second chance.
         """
-        alone = len(batch) == 1
+        alone, reason = len(batch) == 1, str(death)
         if alone and (reason != KILLED or batch[0] in self._second_chance):
             self._failures.setdefault(str(batch[0].variant), []).append(reason)
-            return [Result.blocked(reason)]
+            return [Result.blocked(reason, by_engine=death.by_engine)]
         self._again.extendleft([task] for task in reversed(batch))
         self._second_chance.update(batch if alone else ())
         return []

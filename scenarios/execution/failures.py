@@ -1,16 +1,22 @@
 """Failures are results: an engine that fails gives blocked results with the reason."""
 
-import multiprocessing
 import os
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from engines.interface.engine import EngineNotInstalled
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import ParameterError, RunError
 from scenarios.execution.checked_simulation import TrajectoryFault
 from scenarios.tasks.result import Result
 
 Item = TypeVar("Item")
+
+CIRCUMSTANCES = (MemoryError, OSError)
+"""Errors that say more of the machine than of the engine: too little memory, too many open files, a full disk."""
+
+
+class ExecutorError(RunError):
+    """Nothing can be run any more: no process can be started, or no worker of a cluster is left."""
 
 
 def results_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]], list[Result]]) -> list[Result]:
@@ -40,7 +46,7 @@ def results_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]], 
             raise
         if len(items) > 1:
             return [results_together([item], attempt)[0] for item in items]
-        return [Result.blocked(_reason(problem))]
+        return [Result.blocked(_reason(problem), by_engine=not isinstance(problem, CIRCUMSTANCES))]
 
 
 def _reason(problem: BaseException) -> str:
@@ -60,9 +66,9 @@ def text_of(problem: BaseException) -> str:
 
 
 WORKER_MARK = "MULTIBODY_XVAL_WORKER"
-"""Variable of the environment that is set in the worker processes of `LocalExecutor`."""
+"""Variable of the environment that is set in worker processes."""
 
 
 def in_worker() -> bool:
-    """Whether this is a worker process: of `LocalExecutor`, or of a dask cluster, whose nanny is its parent."""
-    return WORKER_MARK in os.environ or multiprocessing.parent_process() is not None
+    """Whether this is a worker process."""
+    return WORKER_MARK in os.environ

@@ -102,10 +102,20 @@ class CountingEvaluator(Evaluator):
         What will be run in any case.
     bars
         Where progress is shown.
+    retry_blocked
+        As for every evaluator.
     """
 
-    def __init__(self, store: ResultStore, executor: Executor, expected: Sequence[Task], bars: ProgressBars):
-        super().__init__(store, executor)
+    def __init__(
+        self,
+        store: ResultStore,
+        executor: Executor,
+        expected: Sequence[Task],
+        bars: ProgressBars,
+        *,
+        retry_blocked: bool = False,
+    ):
+        super().__init__(store, executor, retry_blocked=retry_blocked)
         self._bars = bars
         self._expected: set[Task] = set()
         self.progress, self.recalled = bars.advance, bars.recall

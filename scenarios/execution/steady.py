@@ -13,6 +13,7 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
 from reference_lcp.one_call import SteadyState
 from reference_lcp.steady.orbits import OrbitStatus, periodic_orbits
+from reference_lcp.validation import ParameterError
 from scenarios.execution.checked_simulation import CheckedSimulation, check_trajectory
 from scenarios.execution.failures import results_together
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
@@ -23,12 +24,14 @@ from scenarios.tasks.task import SteadyStateTask
 def run_steady_states(tasks: Sequence[SteadyStateTask]) -> list[Result]:
     """Find the steady states of tasks of one kind, for one variant, on chains of one length, in order."""
     by_steps: dict[int, list[int]] = defaultdict(list)
-    lanes = []
-    for index, task in enumerate(tasks):
-        lane, steps = task.lane()
-        by_steps[steps].append(index)
-        lanes.append(lane)
+    lanes: dict[int, Lane] = {}
     results: dict[int, Result] = {}
+    for index, task in enumerate(tasks):
+        try:
+            lanes[index], steps = task.lane()
+            by_steps[steps].append(index)
+        except ParameterError as problem:
+            results[index] = Result.blocked(f"cannot be represented: {problem}")
     for steps, indices in by_steps.items():
         recorded = isinstance(tasks[0], RecordedPeriodTask)
         attempt = partial(_results_of_lanes, tasks[0].variant, steps=steps, recorded=recorded)
@@ -64,7 +67,8 @@ def _result(state: SteadyState, stick_margin: float, seconds: float, recorded: b
     """Give the numbers of a steady state; one whose search has diverged has none."""
     orbit = state.orbit
     if not math.isfinite(orbit.residual):
-        return Result.blocked(f"the engine's numbers are not finite, in period {orbit.periods} of the search")
+        reason = f"the engine's numbers are not finite, in period {orbit.periods} of the search"
+        return Result.blocked(reason, by_engine=True)
     if orbit.status is OrbitStatus.DIVERGED:
         return Result(status=ResultStatus(orbit.status), periods=orbit.periods, seconds=seconds)
     drive: Any = orbit.lane.drive

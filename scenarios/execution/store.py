@@ -1,20 +1,26 @@
 """Results kept in one SQLite file: what has been computed once is never computed again.
 
-Every row has a digest, checked whenever it is read: a damaged number is never believed.
+Every row has a digest, checked whenever it is read: a damaged number is never believed. While another process has the
+file locked, or the disk is full, the store waits and tries again.
 """
 
 import hashlib
 import itertools
+import math
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, nullcontext
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager, nullcontext
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 from typing import Any, TypeVar
 
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import ParameterError, RunError, checked_path
 from scenarios.execution.closing import Closing
-from scenarios.tasks.result import Result, ResultStatus, ResultSummary
+from scenarios.execution.scratch import ScratchFolder
+from scenarios.execution.store_file import ATTEMPT_SECONDS, connected, problems_of
+from scenarios.tasks.result import Result, ResultSummary
 from scenarios.tasks.task import Task, key_of
 
 APPLICATION_ID = 0x4D425856
@@ -33,10 +39,25 @@ TABLES = {
 }
 """Everything that a store consists of; another table, a view or a trigger is not read."""
 
+KEEP = """
+INSERT INTO answers VALUES (?, ?, ?, ?)
+ON CONFLICT (key) DO UPDATE SET content = excluded.content, answer = excluded.answer, digest = excluded.digest
+WHERE json_extract(excluded.answer, '$.status') != 'blocked' OR json_extract(answers.answer, '$.status') = 'blocked'
+"""
+"""Keeps a result, and a blocked one only where there is no other: two processes may run the same task."""
+
 DAMAGE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_TOOBIG)
 """Errors of SQLite that come from what stands in the file; others come from the disk, locks and permissions."""
 
+WAITS = {sqlite3.SQLITE_BUSY: ("locked by another process", 300.0), sqlite3.SQLITE_FULL: ("on a full disk", 30.0)}
+"""What passes by itself, and how long it is waited for [s]: another process may read or write for minutes, as a report
+does; a full disk is freed by other programs at once or not at all."""
+
+PATIENCE_SECONDS = 5.0
+"""Waits that are shorter are not worth a message [s]."""
+
 _Parsed = TypeVar("_Parsed", Result, ResultSummary)
+_Value = TypeVar("_Value")
 _Row = tuple[Any, ...]
 
 
@@ -46,9 +67,17 @@ def digest_of(*texts: bytes) -> bytes:
 
 
 def intact(row: _Row) -> bool:
-    """Tell whether the digest at the end of a row is that of the texts before it."""
+    """Tell whether the digest at the end of a row is that of the texts before it, UTF-8 as bytes."""
     *texts, digest = row
-    return all(isinstance(text, bytes) for text in texts) and digest_of(*texts) == digest
+    return all(map(_is_text, texts)) and digest_of(*texts) == digest
+
+
+def _is_text(value: object) -> bool:
+    """Tell whether a value is UTF-8 as bytes."""
+    try:
+        return isinstance(value, bytes) and value.decode() is not None
+    except UnicodeDecodeError:
+        return False
 
 
 class ResultStore(Closing):
@@ -64,28 +93,46 @@ class ResultStore(Closing):
     ParameterError
         If `file` is not a store of this suite, is damaged or cannot be written; it is left as it is. A damaged row
         raises it when that is read.
+    RunError
+        If it stays locked, or cannot be read or written any more: on a full disk, or because it is gone. What it holds
+        stays.
     """
 
     def __init__(self, file: Path):
-        self._file = file
+        self._file = checked_path("store", file)
         with errors_of(file):
-            self._connection = sqlite3.connect(file, isolation_level=None)
-            self._connection.text_factory = bytes
+            self._connection = connected(file)
             try:
-                # takes the write lock: a file that cannot be written is found out before any work
-                with self._transaction():
-                    if file.stat().st_size == 0:
-                        self._create()
-                    check_layout(self._connection, file)
+                patiently(file, self._open)
             except BaseException:
                 self._connection.close()
                 raise
+
+    def _open(self) -> None:
+        # takes the write lock: a file that cannot be written is found out before any work
+        with self._transaction():
+            if self._file.stat().st_size == 0:
+                self._create()
+            check_layout(self._connection, self._file)
 
     def _create(self) -> None:
         self._connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
         self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
         for table in TABLES.values():
             self._connection.execute(table)
+
+    def check_pages(self) -> None:
+        """Refuse a store whose tables or indices are damaged: what is in it would seem to be missing.
+
+        Raises
+        ------
+        ParameterError
+            Says what is damaged first.
+        """
+        with errors_of(self._file):
+            problems = problems_of(self._connection, self._file.stat().st_size)
+        if problems:
+            raise damaged(self._file, problems[0])
 
     def find(self, task: Task) -> Result | None:
         """Give the result of an equal task, or ``None``."""
@@ -103,11 +150,11 @@ class ResultStore(Closing):
 
     def all_results(self) -> Iterator[tuple[str, Result]]:
         """Give every task, as `Task.text` has it, and its result, in the order of writing."""
-        with errors_of(self._file):
-            for row in self._connection.execute(
-                "SELECT rowid, key, content, answer, digest FROM answers ORDER BY rowid"
-            ):
-                _, content, answer, _ = self._checked(row)
+        query = "SELECT rowid, key, content, answer, digest FROM answers WHERE rowid > ? ORDER BY rowid LIMIT ?"
+        number, room = -1, self._size()
+        while rows := self._read(query, (number, LOOKUP), room):
+            for number, _, content, answer, digest in rows:  # noqa: B007 - the last number is where the next part begins
+                room -= len(content) + len(answer) + len(digest)
                 yield content.decode(), self._parsed(Result.from_json, answer)
 
     def _parsed(self, parse: Callable[[bytes], _Parsed], text: bytes) -> _Parsed:
@@ -123,10 +170,27 @@ class ResultStore(Closing):
         while chunk := list(itertools.islice(remaining, LOOKUP)):
             keys = [task.key() for task in chunk]
             query = "SELECT rowid, key, content, answer, digest FROM answers WHERE key IN (" + ",".join("?" * len(keys))
-            with errors_of(self._file):
-                rows = map(self._checked, self._connection.execute(query + ")", keys).fetchall())
-            answers = {key: answer for key, _, answer, _ in rows}
+            answers = {key: answer for _, key, _, answer, _ in self._read(query + ")", keys, self._size())}
             yield from (answers.get(key.encode()) for key in keys)
+
+    def _read(self, query: str, parameters: Sequence[object] = (), room: float = math.inf) -> list[_Row]:
+        """Give the rows that a query finds, number first, checked; together they have so many bytes at most."""
+
+        def read() -> list[_Row]:
+            rows, length = [], 0
+            for row in self._connection.execute(query, parameters):
+                columns = self._checked(row)
+                rows.append((row[0], *columns))
+                length += sum(map(len, columns))
+                if length > room:
+                    raise damaged(self._file, "pages stand in it twice")
+            return rows
+
+        return self._use(read)
+
+    def _size(self) -> float:
+        """Give the bytes of the file, which its rows cannot pass unless pages repeat; no limit once it is gone."""
+        return self._file.stat().st_size if self._file.is_file() else math.inf
 
     def _checked(self, row: _Row) -> _Row:
         """Give a row without its number, if its digest fits."""
@@ -136,28 +200,49 @@ class ResultStore(Closing):
         return tuple(columns)
 
     def keep(self, results: Iterable[tuple[Task, Result]]) -> None:
-        """Write results in one transaction; blocked ones are not kept, so that they are tried again."""
-        texts = [
-            (task.text(), result.to_json()) for task, result in results if result.status is not ResultStatus.BLOCKED
-        ]
+        """Write results in one transaction; a blocked one does not take the place of another."""
+        texts = [(task.text(), result.to_json()) for task, result in results]
         rows = [(key_of(task), task, result) for task, result in texts]
         signed = [(*row, digest_of(*(text.encode() for text in row))) for row in rows]
-        with errors_of(self._file), self._transaction():
-            self._connection.executemany("INSERT OR REPLACE INTO answers VALUES (?, ?, ?, ?)", signed)
+        self._write(KEEP, signed)
 
     def note(self, sweep: str) -> None:
         """Write a sweep, as JSON, as the latest one."""
-        with errors_of(self._file), self._transaction():
-            self._connection.execute(
-                "INSERT OR REPLACE INTO sweeps (sweep, digest) VALUES (?, ?)", (sweep, digest_of(sweep.encode()))
-            )
+        row = sweep, digest_of(sweep.encode())
+        self._write("INSERT OR REPLACE INTO sweeps (sweep, digest) VALUES (?, ?)", [row])
 
     def noted(self) -> str | None:
         """Give the sweep that was noted last, or ``None``."""
-        with errors_of(self._file):
-            latest = "SELECT number, sweep, digest FROM sweeps ORDER BY number DESC LIMIT 1"
-            row = self._connection.execute(latest).fetchone()
-        return None if row is None else self._checked(row)[0].decode()
+        rows = self._read("SELECT number, sweep, digest FROM sweeps ORDER BY number DESC LIMIT 1")
+        return rows[0][1].decode() if rows else None
+
+    def _write(self, statement: str, rows: Sequence[_Row]) -> None:
+        """Write rows in one transaction; where the file has been taken away, they and all others go into a copy."""
+
+        def write() -> None:
+            with self._transaction():
+                self._connection.executemany(statement, rows)
+
+        try:
+            self._use(write)
+        except _Moved as moved:
+            copy = self._rescued()
+            with closing(sqlite3.connect(copy)) as connection, connection:
+                connection.executemany(statement, rows)
+            raise RunError(f"{moved}; all its results are in {copy}") from None
+
+    def _use(self, action: Callable[[], _Value]) -> _Value:
+        """Read or write, with patience."""
+        with errors_of(self._file, while_running=True):
+            return patiently(self._file, action)
+
+    def _rescued(self) -> Path:
+        """Copy the open file, whose name is gone or another file's, into a new folder beside it."""
+        beside = self._file.parent if self._file.parent.is_dir() else None
+        copy = Path(mkdtemp(prefix=f"{self._file.stem}-", dir=beside)) / self._file.name
+        with errors_of(self._file, while_running=True):
+            self._connection.execute("VACUUM INTO ?", (str(copy),))
+        return copy
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -181,21 +266,52 @@ def opened_store(file: Path | None) -> Iterator[ResultStore]:
         If `file` cannot be used.
     """
     with (
-        nullcontext(file) if file is not None else TemporaryDirectory() as place,
-        ResultStore(Path(place) / "results.sqlite" if file is None else file) as store,
+        nullcontext(file) if file is not None else ScratchFolder() as place,
+        ResultStore(place.path / "results.sqlite" if isinstance(place, ScratchFolder) else place) as store,
     ):
         yield store
 
 
+class _Moved(RunError):
+    """The file of an open store has been taken away."""
+
+
+def patiently(file: Path, action: Callable[[], _Value]) -> _Value:
+    """Do something with a store, again and again while that fails for one of `WAITS`; it leaves nothing half done."""
+    begin, told = time.monotonic(), False
+    while True:
+        try:
+            return action()
+        except sqlite3.Error as problem:
+            state, limit = WAITS.get(_code(problem), ("", 0.0))
+            waited = time.monotonic() - begin
+            if waited >= limit:
+                raise
+        if waited >= PATIENCE_SECONDS and not told:
+            told = True
+            print(f"store {file} is {state}; waiting up to {limit:g} s", file=sys.stderr)
+        time.sleep(ATTEMPT_SECONDS / 5)
+
+
 @contextmanager
-def errors_of(file: Path) -> Iterator[None]:
-    """Name the store in whatever SQLite raises."""
+def errors_of(file: Path, *, while_running: bool = False) -> Iterator[None]:
+    """Name the store in whatever SQLite raises: wrong input when it is opened, a loss while a command runs."""
     try:
         yield
     except (sqlite3.Error, MemoryError, OSError) as problem:
-        if getattr(problem, "sqlite_errorcode", sqlite3.SQLITE_OK) & 0xFF in DAMAGE:
+        if _code(problem) in DAMAGE:
             raise damaged(file, str(problem)) from None
+        if getattr(problem, "sqlite_errorcode", sqlite3.SQLITE_OK) == sqlite3.SQLITE_READONLY_DBMOVED:
+            raise _Moved(f"store {file} was deleted, moved or replaced while the command ran") from None
+        if _code(problem) in WAITS or while_running:
+            advice = "what it holds stays, and the same command goes on from there"
+            raise RunError(f"store {file} cannot be used any more: {problem}; {advice}") from None
         raise ParameterError(f"store {file} cannot be used: {problem}") from None
+
+
+def _code(problem: BaseException) -> int:
+    """Give SQLite's primary error code; that of success for any other error."""
+    return int(getattr(problem, "sqlite_errorcode", sqlite3.SQLITE_OK)) & 0xFF
 
 
 def damaged(file: Path, what: str) -> ParameterError:

@@ -1,19 +1,25 @@
 """What is damaged in a store, and its good rows in a new file."""
 
+import itertools
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from reference_lcp.validation import ParameterError
+from reference_lcp.output import replacing
+from reference_lcp.validation import ParameterError, RunError
 from scenarios.execution.store import ResultStore, check_layout, errors_of, intact
+from scenarios.execution.store_file import connected, existing_store, problems_of
 
 COLUMNS = {"answers": ("key", "content", "answer", "digest"), "sweeps": ("sweep", "digest")}
 """Columns of each table, without its row numbers, the digest last."""
 
 ORDERS = ("rowid", "rowid DESC", "{index}", "{index} DESC")
 """Ways through a table: where a damaged page ends one of them, another still finds rows."""
+
+LEAST_ROW = 64
+"""Bytes that a row takes at least: two hashes, the shorter one as bytes."""
 
 Row = tuple[object, ...]
 
@@ -42,16 +48,14 @@ def check_store(file: Path) -> StoreCheck:
     ParameterError
         If it is missing, is no store, or is damaged so that no row can be found.
     """
-    if not file.is_file():
-        raise ParameterError(f"store {file} does not exist; allowed: a store of results")
-    with errors_of(file), closing(sqlite3.connect(f"{file.resolve().as_uri()}?mode=ro", uri=True)) as connection:
-        connection.text_factory = bytes
+    with errors_of(existing_store(file)), closing(connected(file, read_only=True)) as connection:
         check_layout(connection, file)
-        damage = [f"file: {text}" for text in _integrity(connection)]
+        size = file.stat().st_size
+        damage = [f"file: {text}" for text in problems_of(connection, size)]
         good: dict[str, list[Row]] = {}
         for table in COLUMNS:
             good[table] = []
-            for number in sorted(_numbers(connection, table)):
+            for number in sorted(_numbers(connection, table, size // LEAST_ROW)):
                 row = _row(connection, table, number)
                 if row is not None and intact(row):
                     good[table].append(row)
@@ -67,38 +71,42 @@ def salvage(check: StoreCheck, new: Path) -> None:
     Raises
     ------
     ParameterError
-        If the file is there already, or cannot be written.
+        If the file is there already.
+    RunError
+        If it cannot be written; it is not there then.
     """
     if new.exists() or new.is_symlink():
         raise ParameterError(f"--salvage = {new} is there already; allowed: a new file")
-    ResultStore(new).close()
-    with errors_of(new), closing(sqlite3.connect(new)) as connection, connection:
-        for table, columns in COLUMNS.items():
-            values = [
-                tuple(part.decode() if isinstance(part, bytes) and name != "digest" else part
-                      for name, part in zip(columns, row, strict=True))
-                for row in check.good[table]
-            ]  # fmt: skip
-            marks = ", ".join("?" * len(columns))
-            connection.executemany(f"INSERT OR IGNORE INTO {table} ({', '.join(columns)}) VALUES ({marks})", values)
+    with replacing(new) as part:
+        try:
+            ResultStore(part).close()
+            with closing(connected(part)) as connection, connection:
+                connection.execute("BEGIN IMMEDIATE")
+                for table, columns in COLUMNS.items():
+                    _insert(connection, table, columns, check.good[table])
+        except (sqlite3.Error, ParameterError, RunError) as problem:
+            part.with_name(f"{part.name}-journal").unlink(missing_ok=True)
+            raise RunError(f"--salvage = {new} cannot be written: {problem}; it is not there") from None
 
 
-def _integrity(connection: sqlite3.Connection) -> Iterator[str]:
-    """Give what SQLite finds wrong with pages and indices."""
-    try:
-        texts = [row[0].decode(errors="replace") for row in connection.execute("PRAGMA integrity_check")]
-    except sqlite3.Error as problem:
-        texts = [str(problem)]
-    yield from (" ".join(text.split()) for text in texts if text != "ok")
+def _insert(connection: sqlite3.Connection, table: str, columns: Sequence[str], rows: Sequence[Row]) -> None:
+    """Write rows as they were read: texts as bytes, a digest at the end."""
+    values = [
+        tuple(part.decode() if isinstance(part, bytes) and name != "digest" else part
+              for name, part in zip(columns, row, strict=True))
+        for row in rows
+    ]  # fmt: skip
+    marks = ", ".join("?" * len(columns))
+    connection.executemany(f"INSERT OR IGNORE INTO {table} ({', '.join(columns)}) VALUES ({marks})", values)
 
 
-def _numbers(connection: sqlite3.Connection, table: str) -> set[int]:
-    """Give the numbers of all rows that any way through a table finds."""
+def _numbers(connection: sqlite3.Connection, table: str, most: int) -> set[int]:
+    """Give the numbers of all rows that any way through a table finds, looking at so many at most."""
     found: set[int] = set()
     for order in ORDERS:
         try:
             rows = connection.execute(f"SELECT rowid FROM {table} ORDER BY {order.format(index=COLUMNS[table][0])}")
-            found.update(number for (number,) in rows if isinstance(number, int))
+            found.update(number for (number,) in itertools.islice(rows, most) if isinstance(number, int))
         except sqlite3.Error:
             continue
     return found

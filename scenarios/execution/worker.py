@@ -5,21 +5,15 @@ import os
 import pickle
 import re
 import signal
-import sys
-import threading
-import time
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
-from queue import SimpleQueue
 from typing import IO
 
 from scenarios.execution.batch import Batch, run_batch
 from scenarios.execution.failures import WORKER_MARK
 from scenarios.execution.identity import identity_of, mismatch_reason
 from scenarios.tasks.result import Result
-
-END_SECONDS = 1.0
-"""Time that a worker has to end by itself once its client has gone; its whole process group is killed after it."""
 
 BEGUN = "begun"
 """Message of a worker that begins a batch: from then on the time limit counts."""
@@ -39,11 +33,10 @@ def serve(descriptor: int, crash_log: str) -> None:
     os.environ[WORKER_MARK] = "1"
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     connection, own = Connection(descriptor), os.getpid()
-    inbox: SimpleQueue[bytes | None] = SimpleQueue()
-    threading.Thread(target=_receive, args=(connection, inbox), daemon=True).start()
-    with Path(crash_log).open("w") as file:
+    with Path(crash_log).open("w") as file, suppress(EOFError, OSError):  # the client has gone
         faulthandler.enable(file, all_threads=False)
-        while (message := inbox.get()) is not None:
+        while True:
+            message = connection.recv_bytes()
             connection.send(BEGUN)
             reply = _reply(message, file)
             if os.getpid() != own:  # an engine has forked, and this is the copy
@@ -71,22 +64,6 @@ def run_within(batch: Batch, identity: str, limit: float, crash_log: IO[str]) ->
         return run_batch(batch) if reason is None else [Result.blocked(reason)] * len(batch)
     finally:
         faulthandler.cancel_dump_traceback_later()
-
-
-def run_on_cluster(batch: Batch, identity: str, limit: float) -> list[Result]:
-    """Run a batch in a worker of a cluster; where it was at the limit is written into the worker's own log."""
-    return run_within(batch, identity, limit, sys.__stderr__)  # type: ignore[arg-type]
-
-
-def _receive(connection: Connection, inbox: "SimpleQueue[bytes | None]") -> None:
-    """Take batches until the client closes the connection or is gone, however it ended; then end this process."""
-    try:
-        while True:
-            inbox.put(connection.recv_bytes())
-    except (EOFError, OSError):
-        inbox.put(None)
-    time.sleep(END_SECONDS)
-    os.killpg(os.getpgid(0), signal.SIGKILL)
 
 
 def reason_of_death(crash_log: str, limit: float) -> str | None:

@@ -11,9 +11,9 @@ from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.observables.transition_matching import match_transitions
 from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.parameters import OperatingPoint
+from scenarios.tasks.parameters import Excitation, OperatingPoint
 from scenarios.tasks.result import Result, ResultStatus
-from scenarios.tasks.task import SteadyStateTask
+from scenarios.tasks.task import DEFAULT_EXCITATION, SteadyStateTask
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.judge import metric_difference
 from scenarios.verdicts.steady_case import EXACT
@@ -88,17 +88,25 @@ def accuracy_tasks(variant: Variant) -> list[SteadyStateTask]:
     """Give the tasks of a variant: the six points at three steps, and the map."""
     runs = [(point, steps) for steps in ORDER_STEPS for point in SIX_POINTS]
     runs += [(point, ACCURACY_MAP_STEPS) for point in ACCURACY_MAP]
-    return [_task(variant, point, steps) for point, steps in dict.fromkeys(runs)]
+    return [task_at(variant, point, steps) for point, steps in dict.fromkeys(runs)]
 
 
 def exact_tasks() -> dict[OperatingPoint, SteadyStateTask]:
     """Give the tasks of the exact motion at every point."""
-    return {point: _task(EXACT, point, MINIMUM_STEPS_PER_PERIOD) for point in ACCURACY_POINTS}
+    return {point: task_at(EXACT, point, MINIMUM_STEPS_PER_PERIOD) for point in ACCURACY_POINTS}
 
 
-def _task(variant: Variant, point: OperatingPoint, steps: int) -> SteadyStateTask:
-    friction, eta = point
-    return SteadyStateTask(variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=steps)
+def task_at(
+    variant: Variant, point: OperatingPoint, steps: int, excitation: Excitation = DEFAULT_EXCITATION
+) -> SteadyStateTask:
+    """Give the task of a variant at a point of the canonical chain."""
+    return SteadyStateTask(
+        variant=variant,
+        friction_ratio=point.friction_ratio,
+        frequency_ratio=point.frequency_ratio,
+        steps_per_period=steps,
+        excitation=excitation,
+    )
 
 
 def accuracies(variants: Sequence[Variant], evaluator: Evaluator) -> list[Accuracy]:
@@ -184,7 +192,6 @@ def _point_errors(
 
 
 def _order(certified: Mapping[SteadyStateTask, Result], exact: Mapping[OperatingPoint, Result]) -> float:
-    """Fit the order in the time step."""
     errors = [_point_errors(certified, exact, steps) for steps in ORDER_STEPS]
     if any(len(own) < len(SIX_POINTS) for own in errors):
         return math.nan
@@ -199,5 +206,4 @@ def _stuck_error(result: Result, exact: Result) -> float:
 
 
 def _largest(values: Iterable[float]) -> float:
-    """Largest value, NaN without any."""
     return max(values, default=math.nan)

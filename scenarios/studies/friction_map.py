@@ -69,7 +69,6 @@ def friction_map(sweep: Sweep, evaluator: GivesResults) -> FrictionMap:
 
 
 def _edge(band: BandDefinition, eta: FloatArray, curve: FloatArray, edge: Edge) -> float:
-    """Place one edge of one curve."""
     bracket = edge_brackets(eta, curve, band).get(edge)
     if bracket is None:
         return math.nan

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from statistics import median
 
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from scenarios.execution.evaluator import Evaluator
-from scenarios.studies.accuracy import ORDER_STEPS, point_of, transmittance_error_db
+from scenarios.studies.accuracy import ORDER_STEPS, SIX_POINTS, point_of, task_at, transmittance_error_db
 from scenarios.tasks.parameters import Excitation, OperatingPoint
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import DEFAULT_EXCITATION, SteadyStateTask
@@ -50,19 +49,12 @@ class StepPoint:
 
 def step_tasks(variant: Variant, excitation: Excitation = DEFAULT_EXCITATION) -> list[SteadyStateTask]:
     """Give the tasks of a variant: the six points at every number of steps."""
-    return [
-        SteadyStateTask(
-            variant=variant, friction_ratio=friction, frequency_ratio=eta, steps_per_period=steps,
-            excitation=excitation,
-        )
-        for steps in ORDER_STEPS
-        for friction, eta in STICK_SLIP_POINTS
-    ]  # fmt: skip
+    return [task_at(variant, point, steps, excitation) for steps in ORDER_STEPS for point in SIX_POINTS]
 
 
 def exact_step_tasks(excitation: Excitation = DEFAULT_EXCITATION) -> list[SteadyStateTask]:
     """Give the tasks of the exact motion at the six points; it has no steps."""
-    return step_tasks(EXACT, excitation)[: len(STICK_SLIP_POINTS)]
+    return step_tasks(EXACT, excitation)[: len(SIX_POINTS)]
 
 
 def step_study(
@@ -102,7 +94,6 @@ def _step_point(
     results: Sequence[tuple[SteadyStateTask, Result]],
     exact: Mapping[OperatingPoint, Result],
 ) -> StepPoint:
-    """Sum up one number of steps."""
     certified = [(point_of(task), result) for task, result in results if result.converged]
     errors = [transmittance_error_db(result, exact[point]) for point, result in certified if point in exact]
     timed = [result for _, result in certified if not math.isnan(result.seconds)]

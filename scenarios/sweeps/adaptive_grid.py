@@ -16,8 +16,8 @@ import numpy as np
 from pydantic import ConfigDict, Field
 from scipy.interpolate import PchipInterpolator
 
-from reference_lcp.validation import FloatArray, ParameterError, checked_count, checked_scalar
-from scenarios.tasks.parameters import Positive
+from reference_lcp.validation import LARGEST_PARAMETER, FloatArray, ParameterError, checked_count, checked_scalar
+from scenarios.tasks.parameters import Decibel, Positive
 from scenarios.verdicts.finding import FLOOR_DB
 
 START_POINTS = 17
@@ -28,6 +28,9 @@ LEAST_SPACING = 5e-5
 
 MOST_POINTS = 500
 """Points after which a curve is left as it is unless a number is given."""
+
+MOST_VALUES = 1_000_000
+"""Most values of one axis: they are in memory, 100 MB of them, while the points of a grid are not."""
 
 MARGIN = 0.5
 """Part of the accuracy that the prediction of a middle may miss by.
@@ -63,14 +66,14 @@ class AdaptiveAxis:
 
     first: Positive
     last: Positive
-    accuracy_db: Positive
+    accuracy_db: Decibel
     least_spacing: Positive = LEAST_SPACING
-    most_points: Annotated[int, Field(ge=START_POINTS, strict=True)] = MOST_POINTS
+    most_points: Annotated[int, Field(ge=START_POINTS, le=MOST_VALUES, strict=True)] = MOST_POINTS
 
     def __post_init__(self) -> None:
         for name in ("first", "last", "accuracy_db", "least_spacing"):
-            checked_scalar(f"grid.frequency_ratio.{name}", getattr(self, name), "> 0")
-        checked_count("grid.frequency_ratio.most_points", self.most_points, START_POINTS)
+            checked_scalar(f"grid.frequency_ratio.{name}", getattr(self, name), "> 0", LARGEST_PARAMETER)
+        checked_count("grid.frequency_ratio.most_points", self.most_points, START_POINTS, MOST_VALUES)
         if self.last <= self.first:
             raise ParameterError(f"grid.frequency_ratio.last = {self.last:g}; allowed: > first = {self.first:g}")
 
@@ -99,19 +102,21 @@ class AdaptiveCurve:
         Ends, accuracy and limits.
     peaks
         Frequencies of narrow peaks that are known beforehand.
+
+    Attributes
+    ----------
+    due
+        Frequencies to be evaluated now; none when the curve is done.
+    resolved
+        Whether no interval was left as it is for the sake of spacing or number of points.
     """
 
     def __init__(self, axis: AdaptiveAxis, peaks: Iterable[float] = ()):
         self._axis = axis
         self._values: dict[float, float] = {}
         self._open: list[tuple[float, float]] = []
-        self._due: tuple[float, ...] = axis.start(peaks)
+        self.due = axis.start(peaks)
         self.resolved = True
-
-    @property
-    def due(self) -> tuple[float, ...]:
-        """Frequencies to be evaluated now; none when the curve is done."""
-        return self._due
 
     @property
     def evaluated(self) -> tuple[float, ...]:
@@ -131,14 +136,14 @@ class AdaptiveCurve:
         """
         if self._values:
             predicted = self._interpolant()
-            levels = {eta: level(transmittance_db[eta]) for eta in self._due}
+            levels = {eta: level(transmittance_db[eta]) for eta in self.due}
             wrong = {eta for eta in levels if abs(predicted(eta) - levels[eta]) > MARGIN * self._axis.accuracy_db}
             bends = [(a, b) for a, b in self._open if (a + b) / 2 in wrong]
             halves = [half for a, b in bends for half in ((a, (a + b) / 2), ((a + b) / 2, b))]
         else:
-            known = sorted(eta for eta in self._due if not math.isnan(transmittance_db[eta]))
+            known = sorted(eta for eta in self.due if not math.isnan(transmittance_db[eta]))
             halves = list(itertools.pairwise(known))
-        self._values.update((eta, level(transmittance_db[eta])) for eta in self._due)
+        self._values.update((eta, level(transmittance_db[eta])) for eta in self.due)
         self._choose(halves)
 
     def _interpolant(self) -> PchipInterpolator:
@@ -152,4 +157,4 @@ class AdaptiveCurve:
         room = self._axis.most_points - len(self._values)
         self._open = sorted(sorted(wide, key=lambda interval: interval[0] - interval[1])[: max(room, 0)])
         self.resolved = self.resolved and len(self._open) == len(intervals)
-        self._due = tuple((a + b) / 2 for a, b in self._open)
+        self.due = tuple((a + b) / 2 for a, b in self._open)

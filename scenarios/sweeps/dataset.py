@@ -21,7 +21,7 @@ from reference_lcp.validation import FloatArray
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import Point, points_of, results_at
 from scenarios.tables import csv_text
-from scenarios.tasks.result import Result, ResultStatus
+from scenarios.tasks.result import ResultStatus
 from scenarios.verdicts.pointwise import own_error_db, refinements
 from scenarios.verdicts.verdict import Verdict
 
@@ -97,11 +97,9 @@ def sweep_dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) 
         ratios, the drive, versions and options of every variant, and the sweep as JSON.
     """
     index = {point: number for number, point in enumerate(sweep.grid_points())}
-    points: list[Point | None] = [None] * len(index)
-    errors = np.full(len(index), math.nan)
-    for point, known in zip(points_of(table), results_at(sweep, table).values(), strict=True):
-        number = index[point[:3]]
-        points[number], errors[number] = point, own_error_db(known)
+    points = points_of(table)
+    numbers = [index[point[:3]] for point in points]
+    errors = np.array([own_error_db(known) for known in results_at(sweep, table).values()])
     arrays = {
         "transmittance_error_db": ((), errors, {"units": "dB", "long_name": "error of the step, from other steps"}),
         **_of_points(points),
@@ -111,64 +109,64 @@ def sweep_dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) 
     grid = ("variant", *sweep.axes)
     sizes = tuple(len(values) for values in (sweep.variants, *sweep.axes.values()))
     variables = {
-        name: ((*grid, *more), values.reshape(*sizes, *values.shape[1:]), attributes)
+        name: ((*grid, *more), _on_grid(values, numbers, sizes, _ABSENT.get(name, math.nan)), attributes)
         for name, (more, values, attributes) in arrays.items()
     }
     return xr.Dataset(variables, coords=_coordinates(sweep), attrs=_attributes(sweep, store))
+
+
+_ABSENT = {"status": STATUSES.index(ResultStatus.MISSING), "verdict": -1, "reason": ""}
+"""Where the sweep has no point; NaN in all other variables."""
+
+
+def _on_grid(values: np.ndarray[Any, Any], numbers: Sequence[int], sizes: tuple[int, ...], absent: object) -> Any:
+    """Put values with one row a point, those with these numbers, on the whole grid."""
+    whole = np.full((math.prod(sizes), *values.shape[1:]), absent, dtype=values.dtype)
+    whole[numbers] = values
+    return whole.reshape(*sizes, *values.shape[1:])
 
 
 Arrays = dict[str, tuple[tuple[str, ...], np.ndarray[Any, Any], dict[str, Any]]]
 """Dimensions beside the grid, values with one row a point, and attributes by name."""
 
 
-def _of_points(points: Sequence[Point | None]) -> Arrays:
+def _of_points(points: Sequence[Point]) -> Arrays:
     """Give what is one number or one text a point."""
     arrays: Arrays = {
-        name: ((), _filled(points, read), {"units": units, "long_name": text})
+        name: ((), np.array([read(point) for point in points], dtype=np.float64), {"units": units, "long_name": text})
         for name, (read, units, text) in _NUMBERS.items()
     }
-    statuses = [ResultStatus.MISSING if point is None else point.result.status for point in points]
-    verdicts = [None if point is None else point.comparison.verdict for point in points]
-    reasons = ["" if point is None else point.result.reason for point in points]
-    arrays["status"] = (
-        (),
-        _numbers(statuses, STATUSES),
-        _meaning(STATUSES, "how the search for a steady state ended"),
-    )
+    statuses = [point.result.status for point in points]
+    verdicts = [point.comparison.verdict for point in points]
+    reasons = [point.result.reason for point in points]
+    arrays["status"] = ((), _numbers(statuses, STATUSES), _meaning(STATUSES, "how the search for a steady state ended"))
     arrays["verdict"] = ((), _numbers(verdicts, VERDICTS), _meaning(VERDICTS, "comparison with the baseline"))
     arrays["reason"] = ((), np.array(reasons, dtype=object), {"long_name": "why there is no result"})
     return arrays
 
 
-def _of_contacts(points: Sequence[Point | None]) -> Arrays:
+def _of_contacts(points: Sequence[Point]) -> Arrays:
     """Give stuck fractions by cell, and changes of mode by number; there are as many as the longest point has."""
-    results = [Result.missing() if point is None else point.result for point in points]
-    stuck = _padded([result.stuck_fraction for result in results])
+    stuck = _padded([point.result.stuck_fraction for point in points])
     cells, times, modes = (
-        _padded([tuple(read(change) for change in result.transitions) for result in results])
+        _padded([tuple(read(change) for change in point.result.transitions) for point in points])
         for read in (lambda c: float(c[0]), lambda c: c[1], lambda c: float(MODES.index(Mode(c[2]))))
     )
     return {
-        "stuck_fraction": (
-            ("cell",),
-            stuck,
-            {"units": "1", "long_name": "part of the period that a contact sticks"},
-        ),
+        "stuck_fraction": (("cell",), stuck, {"units": "1", "long_name": "part of the period that a contact sticks"}),
         "transition_cell": (("transition",), cells, {"units": "1", "long_name": "cell of a change of mode, from 1"}),
         "transition_time": (("transition",), times, {"units": "s", "long_name": "time of a change of mode"}),
         "transition_mode": (("transition",), modes, _meaning(MODES, "mode that a change begins", np.float64)),
     }
 
 
-def _of_steps(sweep: Sweep, points: Sequence[Point | None]) -> Arrays:
+def _of_steps(sweep: Sweep, points: Sequence[Point]) -> Arrays:
     """Give results with other numbers of steps, where there are any."""
     factors = factors_of(sweep)
     if not factors:
         return {}
     level, steps = (np.full((len(points), len(factors)), math.nan) for _ in range(2))
     for number, point in enumerate(points):
-        if point is None:
-            continue
         for factor, other in zip(refinements(point.variant, sweep.tolerance), point.others, strict=True):
             if other.converged:
                 level[number, factors.index(factor)] = other.transmittance_db
@@ -188,17 +186,13 @@ def factors_of(sweep: Sweep) -> list[float]:
     return sorted({factor for variant in sweep.variants for factor in refinements(variant, sweep.tolerance)})
 
 
-def _filled(points: Sequence[Point | None], read: Callable[[Point], float]) -> FloatArray:
-    return np.array([math.nan if point is None else read(point) for point in points], dtype=np.float64)
-
-
 def _padded(rows: Sequence[Sequence[float]]) -> FloatArray:
     """Give rows of unequal lengths as one array, with NaN at their ends."""
     return np.array(list(itertools.zip_longest(*rows, fillvalue=math.nan)), dtype=np.float64).reshape(-1, len(rows)).T
 
 
-def _numbers(values: Sequence[str | None], every: Sequence[str]) -> Any:
-    return np.array([-1 if value is None else every.index(value) for value in values], dtype=np.int8)
+def _numbers(values: Sequence[str], every: Sequence[str]) -> Any:
+    return np.array([every.index(value) for value in values], dtype=np.int8)
 
 
 def _meaning(every: Sequence[str], text: str, kind: type = np.int8) -> dict[str, Any]:
@@ -256,7 +250,10 @@ def description_of(variant: Variant) -> dict[str, Any]:
 
 
 def write_dataset(data: xr.Dataset, file: Path) -> None:
-    """Write labelled results as NetCDF (``.nc``) or as a table (``.csv``), one point a line."""
+    """Write labelled results as NetCDF (``.nc``) or as a table (``.csv``), one point a line.
+
+    In the table, status and verdict are words; the verdict is empty where the sweep has no point.
+    """
     if file.suffix == ".nc":
         # in memory: HDF5 ends the process on a full disk
         write_whole(file, bytes(data.to_netcdf(engine="h5netcdf")))
@@ -264,4 +261,6 @@ def write_dataset(data: xr.Dataset, file: Path) -> None:
     grid = data.status.dims
     plain = data[[name for name, values in data.data_vars.items() if values.dims == grid]]
     table = plain.to_dataframe(dim_order=list(grid)).reset_index()
+    table["status"] = [str(STATUSES[number]) for number in table["status"]]
+    table["verdict"] = ["" if number < 0 else str(VERDICTS[number]) for number in table["verdict"]]
     write_whole(file, csv_text(table))

@@ -12,9 +12,11 @@ from pydantic import ValidationError
 from engines.interface.variant import Variant
 from reference_lcp.validation import ParameterError
 from scenarios.sweeps.dataset import MODES, STATUSES, SWEEP
+from scenarios.sweeps.dataset_check import check_dataset
 from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import SteadyStateTask
+from scenarios.tasks.validation_message import first_error
 
 
 def sweep_of(data: xr.Dataset) -> Sweep:
@@ -27,12 +29,15 @@ def sweep_of(data: xr.Dataset) -> Sweep:
     """
     try:
         whole = SWEEP.validate_json(data.attrs["sweep"])
-    except (KeyError, ValidationError):
+    except KeyError:
         raise ParameterError("the dataset has no attribute 'sweep'; allowed: the dataset of a sweep") from None
+    except ValidationError as problem:
+        error = first_error(problem, "what a sweep has")
+        raise ParameterError(f"attribute 'sweep' of the dataset: {error}") from None
     for name in ("variant", *whole.axes):
-        if name not in data.coords:
+        if name not in data.coords or data[name].ndim > 1:
             raise ParameterError(f"the dataset has no coordinate {name!r}; allowed: all those of its sweep")
-    variants = tuple(Variant.parse(name) for name in np.atleast_1d(data["variant"].values).tolist())
+    variants = tuple(Variant.parse(str(name)) for name in np.atleast_1d(data["variant"].values).tolist())
     axes = {name: tuple(np.atleast_1d(data[name].values).tolist()) for name in whole.axes}
     return dataclasses.replace(whole, variants=variants, axes=axes)
 
@@ -62,6 +67,7 @@ class DatasetResults:
     def __init__(self, data: xr.Dataset):
         self.sweep = sweep_of(data)
         whole = data.expand_dims([name for name in ("variant", *self.sweep.axes) if name not in data.dims])
+        check_dataset(whole, ("variant", *self.sweep.axes))
         self._results = _results(self.sweep, whole)
         judged = _rows(whole["verdict"], ("variant", *self.sweep.axes)) >= 0
         self.points = [point for point, known in zip(self.sweep.grid_points(), judged, strict=True) if known]

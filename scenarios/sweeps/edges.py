@@ -65,7 +65,6 @@ def band_edges(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> tu
 
 
 def _refined(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> _Refined:
-    """Refine every edge that the grid holds."""
     brackets = {
         (key, edge): bracket
         for key, curve in curves_of(table).items()
@@ -103,7 +102,6 @@ def _left_open_db(sweep: Sweep, point: GridPoint, result: Result) -> float:
 def _judged(
     key: CurveKey, edge: Edge, results: Sequence[Result], refined: _Refined, known: Mapping[GridPoint, PointResults]
 ) -> BandEdge:
-    """Compare one edge with the converged reference's."""
     variant, case = key
     baseline = (CONVERGED, case), edge
     crossing, expected = refined.crossings.get((key, edge)), refined.crossings.get(baseline)

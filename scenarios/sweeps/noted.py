@@ -2,10 +2,14 @@
 
 from pathlib import Path
 
+from pydantic import ValidationError
+
 from reference_lcp.validation import ParameterError
 from scenarios.execution.store import ResultStore
+from scenarios.execution.store_file import existing_store
 from scenarios.sweeps.dataset import SWEEP
 from scenarios.sweeps.sweep import Sweep
+from scenarios.tasks.validation_message import first_error
 
 
 def note_sweep(store: ResultStore, sweep: Sweep) -> None:
@@ -21,11 +25,13 @@ def noted_sweep(file: Path) -> Sweep:
     ParameterError
         If there is none, or the file is no store.
     """
-    allowed = "allowed: a store of a sweep or of a report"
-    if not file.is_file():
-        raise ParameterError(f"store {file} does not exist; {allowed}")
-    with ResultStore(file) as store:
+    with ResultStore(existing_store(file)) as store:
+        store.check_pages()
         text = store.noted()
     if text is None:
-        raise ParameterError(f"store {file} holds no sweep; {allowed}")
-    return SWEEP.validate_json(text)
+        raise ParameterError(f"store {file} holds no sweep; allowed: a store of a sweep or of a report")
+    try:
+        return SWEEP.validate_json(text)
+    except ValidationError as problem:
+        error = first_error(problem, "what a sweep that was noted has")
+        raise ParameterError(f"store {file}: its sweep cannot be read: {error}") from None

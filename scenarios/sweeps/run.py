@@ -1,5 +1,6 @@
 """Sweeps as they are: every variant at its own points, nothing beside them."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import pandas as pd
@@ -11,6 +12,8 @@ from scenarios.sweeps.summary import SweepSummary
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import grid, judged, with_results
 from scenarios.tasks.result import ResultSummary
+from scenarios.tasks.task import SteadyStateTask
+from scenarios.verdicts.pointwise import refinements
 
 
 def run_sweep(sweep: Sweep, evaluator: Evaluator) -> SweepSummary:
@@ -20,8 +23,7 @@ def run_sweep(sweep: Sweep, evaluator: Evaluator) -> SweepSummary:
     """
     summary = SweepSummary()
     if sweep.frequencies is None:
-        for task, ended in evaluator.complete(sweep.tasks()):
-            summary.add(task.variant, ended)
+        evaluator.complete(sweep.tasks(), lambda task, ended: summary.add(task.variant, ended))
         return summary
     accuracy = ForTheAccuracy(sweep)
     table = refined(sweep, accuracy.due(), accuracy, evaluator)
@@ -30,6 +32,13 @@ def run_sweep(sweep: Sweep, evaluator: Evaluator) -> SweepSummary:
     for (variant, _), curve in accuracy.curves.items():
         summary.unresolved[variant] += not curve.resolved
     return summary
+
+
+def refined_tasks(sweep: Sweep) -> Iterator[SteadyStateTask]:
+    """Give the tasks of all points with other numbers of steps, see `refinements`."""
+    for point in sweep.grid_points():
+        for factor in refinements(point[0], sweep.tolerance):
+            yield sweep.task(*point, factor)
 
 
 def stored_table(sweep: Sweep, store: ResultStore) -> tuple[Sweep, pd.DataFrame]:

@@ -11,10 +11,10 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, Validatio
 
 from engines.interface.variant import Variant, variants_named, variants_of
 from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.validation import ParameterError, checked_choice
-from scenarios.sweeps.adaptive_grid import AdaptiveAxis
+from reference_lcp.validation import LARGEST_PARAMETER, MOST_STEPS, ParameterError, checked_choice, checked_path
+from scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
 from scenarios.sweeps.sweep import Sweep, baseline_of
-from scenarios.tasks.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation, Positive
+from scenarios.tasks.parameters import DEFAULT_AMPLITUDE, ChainRatios, Decibel, Excitation, Positive
 from scenarios.tasks.validation_message import first_error
 from scenarios.verdicts.pointwise import GivenTolerance
 
@@ -30,7 +30,7 @@ engines = ["reference:joint", "mujoco:joint", "mujoco:contact"]
 # Presets of the engines above whose presets are not named, instead of all, or of the tuned one:
 # presets = ["default", "tuned"]
 
-# Fewest steps a period; more are taken where the stability of the step needs them. At least 3.
+# Fewest steps a period; more are taken where the stability of the step needs them. At least 16.
 steps_per_period = 400
 
 [grid]
@@ -64,14 +64,21 @@ amplitude = 0.01             # > 0: of the base U0 [m], of the force P0 [N]; fri
 """
 
 
+LARGEST_FILE = 10_000_000
+"""Bytes of a sweep file: half a million values one by one; a device may never end."""
+
+
 class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
+_Bounded = Annotated[float, Field(ge=-LARGEST_PARAMETER, le=LARGEST_PARAMETER, allow_inf_nan=False)]
+
+
 class _Range(_Table):
-    first: float
-    last: float
-    points: Annotated[int, Field(ge=2)]
+    first: _Bounded
+    last: _Bounded
+    points: Annotated[int, Field(ge=2, le=MOST_VALUES)]
 
 
 class _Drive(_Table):
@@ -80,7 +87,7 @@ class _Drive(_Table):
 
 
 class _Tolerances(_Table):
-    transmittance_db: Positive
+    transmittance_db: Decibel
 
 
 def _kind_of_axis(values: object) -> str:
@@ -124,7 +131,7 @@ class SweepFile(_Table):
     chain: ChainRatios = ChainRatios()
     drive: _Drive = _Drive()
     tolerances: _Tolerances | None = None
-    steps_per_period: Annotated[int, Field(ge=FEWEST_STEPS_PER_PERIOD)] = MINIMUM_STEPS_PER_PERIOD
+    steps_per_period: Annotated[int, Field(ge=FEWEST_STEPS_PER_PERIOD, le=MOST_STEPS)] = MINIMUM_STEPS_PER_PERIOD
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -133,6 +140,7 @@ class SweepFile(_Table):
             if isinstance(values, AdaptiveAxis) and name != "frequency_ratio":
                 raise ParameterError(f"grid.{name} has an accuracy; allowed: of frequency_ratio only")
         self._check_lists()
+        self.sweep.task(*next(self.sweep.grid_points())).setting()
         if self.tolerances is not None and self.sweep.tolerance is None:
             given = self.tolerances.transmittance_db
             problem = f"tolerances.transmittance_db = {given:g} without the reference among the engines"
@@ -152,7 +160,7 @@ class SweepFile(_Table):
     def sweep(self) -> Sweep:
         """Every combination of the values; of an adaptive axis those with which every curve begins."""
         axes = {name: tuple(_values(written)) for name, written in self.grid.items()}
-        whole = {name: tuple(int(v) if v == int(v) else v for v in axes[name]) for name in _WHOLE if name in axes}
+        whole = {name: tuple(int(v) if v.is_integer() else v for v in axes[name]) for name in _WHOLE if name in axes}
         variants = _variants(self.engines, self.presets)
         adaptive = self.grid.get("frequency_ratio")
         return Sweep(
@@ -188,11 +196,20 @@ def read_sweep(file: Path) -> Sweep:
         the key, the value and what is allowed.
     """
     try:
-        return SweepFile.model_validate(tomllib.loads(file.read_text(encoding="utf-8"))).sweep
-    except (OSError, UnicodeDecodeError) as problem:
-        raise ParameterError(f"{file} cannot be read: {problem}") from None
-    except tomllib.TOMLDecodeError as problem:
+        with checked_path("sweep", file).open("rb") as opened:
+            text = opened.read(LARGEST_FILE + 1)
+    except OSError as problem:
+        raise ParameterError(f"{file} cannot be read: {problem.strerror}") from None
+    if len(text) > LARGEST_FILE:
+        raise ParameterError(f"{file} is no sweep: it has more than {LARGEST_FILE} bytes; allowed: up to so many")
+    try:
+        content = tomllib.loads(text.decode())
+    except RecursionError:
+        raise ParameterError(f"{file} is no TOML: arrays and tables in one another; allowed: two") from None
+    except ValueError as problem:  # of integers of more than 4300 digits too
         raise ParameterError(f"{file} is no TOML: {problem}") from None
+    try:
+        return SweepFile.model_validate(content).sweep
     except ValidationError as problem:
         raise ParameterError(f"{file}: {first_error(problem, 'what `python -m scenarios example` shows')}") from None
 

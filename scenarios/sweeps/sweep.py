@@ -1,17 +1,24 @@
 """Sweeps: every combination of values of any parameters, by every variant."""
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-import numpy as np
-
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.validation import ParameterError, checked_count, checked_scalar
-from scenarios.sweeps.adaptive_grid import AdaptiveAxis
+from reference_lcp.validation import (
+    LARGEST_PARAMETER,
+    MOST_CELLS,
+    MOST_STEPS,
+    ParameterError,
+    checked_array,
+    checked_count,
+    shown,
+)
+from scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
 from scenarios.sweeps.attenuation_band import BandDefinition
 from scenarios.tasks.parameters import ChainRatios, Excitation
 from scenarios.tasks.task import SteadyStateTask
@@ -25,7 +32,7 @@ AXES = ("friction_ratio", "frequency_ratio", *CHAIN_AXES, "steps_per_period")
 BASELINES = (CONVERGED, REFERENCE)
 """What variants are compared with: the first of these that takes part."""
 
-_COUNTS = {"cells": 1, "steps_per_period": FEWEST_STEPS_PER_PERIOD}
+_COUNTS = {"cells": (1, MOST_CELLS), "steps_per_period": (FEWEST_STEPS_PER_PERIOD, MOST_STEPS)}
 _POSITIVE = ("frequency_ratio", "mass_ratio", "stiffness_ratio")
 
 
@@ -120,7 +127,7 @@ class Sweep:
         for name in ("friction_ratio", "frequency_ratio"):
             if name not in self.axes:
                 raise ParameterError(f"grid.{name} is missing; allowed: at least one value")
-        checked_count("steps_per_period", self.steps_per_period, FEWEST_STEPS_PER_PERIOD)
+        checked_count("steps_per_period", self.steps_per_period, *_COUNTS["steps_per_period"])
 
     @property
     def case_axes(self) -> tuple[str, ...]:
@@ -149,7 +156,7 @@ class Sweep:
     @property
     def points(self) -> int:
         """Number of tasks."""
-        return len(self.variants) * int(np.prod([len(values) for values in self.axes.values()]))
+        return len(self.variants) * math.prod(len(values) for values in self.axes.values())
 
     def grid_points(self) -> Iterator[tuple[Variant, Case, float]]:
         """Give variant, case and frequency ratio of every combination, the last axis fastest, variants slowest."""
@@ -201,14 +208,14 @@ def check_axis(name: str, values: Sequence[float]) -> None:
     if name not in AXES:
         raise ParameterError(f"grid.{name} is unknown; allowed: {', '.join(AXES)}")
     if not values or len(set(values)) < len(values):
-        raise ParameterError(f"grid.{name} = {list(values)}; allowed: at least one value, none of them twice")
-    for value in values:
-        if name in _COUNTS:
-            checked_count(f"grid.{name}", _number(name, value), _COUNTS[name])  # type: ignore[arg-type]
-        else:
-            checked_scalar(f"grid.{name}", value, "> 0" if name in _POSITIVE else ">= 0")
+        raise ParameterError(f"grid.{name} = {shown(list(values))}; allowed: at least one value, none of them twice")
+    if len(values) > MOST_VALUES:
+        raise ParameterError(f"grid.{name} has {len(values)} values; allowed: <= {MOST_VALUES}")
+    checked_array(f"grid.{name}", values, "> 0" if name in _POSITIVE else ">= 0", largest=LARGEST_PARAMETER)
+    for value in values if name in _COUNTS else ():
+        checked_count(f"grid.{name}", _number(name, value), *_COUNTS[name])  # type: ignore[arg-type]
 
 
 def _number(name: str, value: float) -> float:
     """Give the value of an axis of whole numbers as a whole number."""
-    return int(value) if name in _COUNTS and value == int(value) else value
+    return int(value) if name in _COUNTS and float(value).is_integer() else value

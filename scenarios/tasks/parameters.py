@@ -9,10 +9,20 @@ from reference_lcp.chain import canonical
 from reference_lcp.chain.harmonic import HarmonicBase, HarmonicForce, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
-from reference_lcp.validation import checked_array, checked_choice, checked_count, checked_scalar
+from reference_lcp.validation import (
+    LARGEST_DECIBEL,
+    LARGEST_PARAMETER,
+    LARGEST_UNIT,
+    MOST_CELLS,
+    checked_array,
+    checked_choice,
+    checked_count,
+    checked_scalar,
+)
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, strict=True)]
+Positive = Annotated[float, Field(gt=0, le=LARGEST_PARAMETER, allow_inf_nan=False, strict=True)]
+NotNegative = Annotated[float, Field(ge=0, le=LARGEST_PARAMETER, allow_inf_nan=False, strict=True)]
+Decibel = Annotated[float, Field(gt=0, le=LARGEST_DECIBEL, allow_inf_nan=False, strict=True)]
 
 
 def _kind_of_ratio(value: object) -> str:
@@ -63,7 +73,7 @@ class Excitation:
 
     def __post_init__(self) -> None:
         checked_choice("drive.kind", self.kind, EXCITATIONS)
-        checked_scalar("drive.amplitude", self.amplitude, "> 0")
+        checked_scalar("drive.amplitude", self.amplitude, "> 0", LARGEST_UNIT)
 
     @property
     def displacement(self) -> float:
@@ -96,7 +106,7 @@ class ChainRatios:
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 
-    cells: Annotated[int, Field(ge=1, strict=True)] = canonical.CELLS
+    cells: Annotated[int, Field(ge=1, le=MOST_CELLS, strict=True)] = canonical.CELLS
     mass_ratio: PositiveRatio = canonical.MASS_RATIO
     stiffness_ratio: PositiveRatio = canonical.STIFFNESS_RATIO
     damping_ratio: Ratio = canonical.DAMPING_RATIO
@@ -108,8 +118,8 @@ class ChainRatios:
     def chain(self, friction_ratio: Ratio, base_amplitude: float = canonical.BASE_AMPLITUDE) -> Chain:
         """Build the chain with this friction ratio μ λ_N / (k_c U0), U0 [m] being the amplitude of the base."""
         ratios = dict(vars(self))
-        profile = checked_array("friction_profile", ratios.pop("friction_profile"), ">= 0")
-        bound = checked_array("friction_ratio", friction_ratio, ">= 0") * profile
+        profile = checked_array("friction_profile", ratios.pop("friction_profile"), ">= 0", largest=LARGEST_PARAMETER)
+        bound = checked_array("friction_ratio", friction_ratio, ">= 0", largest=LARGEST_PARAMETER) * profile
         return Chain.from_ratios(friction_ratio=bound, base_amplitude=base_amplitude, **ratios)
 
     def as_data(self) -> dict[str, Any]:
@@ -139,7 +149,7 @@ class Modulation:
     phase: float = 0.0
 
     def __post_init__(self) -> None:
-        checked_scalar("modulation", self.modulation, ">= 0")
+        checked_scalar("modulation", self.modulation, ">= 0", LARGEST_PARAMETER)
         checked_count("modulation_multiple", self.multiple)
         checked_scalar("modulation_phase", self.phase)
 

@@ -6,12 +6,16 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Annotated, Self, TypeVar
 
-from pydantic import BeforeValidator, ConfigDict, TypeAdapter, ValidationError
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
 
+from reference_lcp.observables.stick_slip import Mode
 from reference_lcp.steady.orbits import OrbitStatus
 from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import ParameterError, shortened
 from scenarios.tasks.validation_message import first_error
+
+LONGEST_REASON = 500
+"""Characters of a reason: an engine may put a whole state into the text of an error."""
 
 NamedNumbers = Mapping[str, tuple[float, ...]]
 """Numbers by name."""
@@ -51,6 +55,9 @@ class ResultStatus(StrEnum):
 _Status = Annotated[ResultStatus, BeforeValidator(ResultStatus.parse)]
 _Number = Annotated[float, BeforeValidator(lambda value: math.nan if value is None else value)]
 """NaN is written as null."""
+_Count = Annotated[int, Field(ge=0, le=2**53)]
+"""Whole numbers that a float holds."""
+_Mode = Annotated[str, AfterValidator(lambda text: str(Mode(text)))]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +70,9 @@ class Result:
         How the task ended.
     reason
         Why it is blocked or missing; empty otherwise.
+    by_engine
+        Whether a blocked task is blocked by its engine, which failed at it, and not by its circumstances, such as a
+        worker that was killed: what is blocked by its engine is not tried again by itself.
     transmittance_db
         20 log10 |U_n| / U0; NaN where there is no number.
     residual
@@ -102,14 +112,15 @@ class Result:
 
     status: _Status
     reason: str = ""
+    by_engine: bool = False
     transmittance_db: _Number = math.nan
     residual: _Number = math.nan
-    periods: int = 0
-    multiple: int = 1
-    steps_per_period: int = 0
+    periods: _Count = 0
+    multiple: _Count = 1
+    steps_per_period: _Count = 0
     period: _Number = math.nan
     stuck_fraction: tuple[float, ...] = ()
-    transitions: tuple[tuple[int, float, str], ...] = ()
+    transitions: tuple[tuple[_Count, float, _Mode], ...] = ()
     creep: tuple[float, ...] = ()
     open_fraction: tuple[float, ...] = ()
     largest_gap: tuple[float, ...] = ()
@@ -125,9 +136,10 @@ class Result:
         return self.status is ResultStatus.CONVERGED
 
     @classmethod
-    def blocked(cls, reason: str) -> Self:
-        """Give a result without numbers, with the reason."""
-        return cls(status=ResultStatus.BLOCKED, reason=" ".join(reason.split()))
+    def blocked(cls, reason: str, *, by_engine: bool = False) -> Self:
+        """Give a result without numbers, with the reason, in one line of at most about `LONGEST_REASON` characters."""
+        short = shortened(" ".join(reason.split()), LONGEST_REASON)
+        return cls(status=ResultStatus.BLOCKED, reason=short, by_engine=by_engine)
 
     @classmethod
     def missing(cls) -> Self:
@@ -156,19 +168,20 @@ class ResultSummary:
 
     Parameters
     ----------
-    status, periods, multiple, reason
+    status, periods, multiple, reason, by_engine
         As of `Result`.
     """
 
     status: _Status
-    periods: int = 0
-    multiple: int = 1
+    periods: _Count = 0
+    multiple: _Count = 1
     reason: str = ""
+    by_engine: bool = False
 
     @classmethod
     def of(cls, result: "Result | ResultSummary") -> Self:
         """Take it from a result."""
-        return cls(result.status, result.periods, result.multiple, result.reason)
+        return cls(result.status, result.periods, result.multiple, result.reason, result.by_engine)
 
     @staticmethod
     def from_json(text: str | bytes) -> "ResultSummary":

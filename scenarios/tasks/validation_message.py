@@ -4,7 +4,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from reference_lcp.validation import ParameterError
+from reference_lcp.validation import ParameterError, shown
 
 TAGS = ("values", "range", "adaptive", "one for all", "one a cell")
 """Of the ways in which a value may be written; they stand in no file."""
@@ -30,4 +30,4 @@ def first_error(problem: ValidationError, known: str) -> ParameterError:
     if kind == "missing":
         return ParameterError(f"{key} is missing")
     message = f"{error['msg'][0].lower()}{error['msg'][1:]}"
-    return ParameterError(f"{key} = {error['input']!r}; {message}" if key else message)
+    return ParameterError(f"{key} = {shown(error['input'])}; {message}" if key else message)

@@ -1,6 +1,7 @@
 """Metrics, and findings: one number of one variant with its verdict."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from engines.interface.variant import Variant
@@ -113,3 +114,10 @@ class Finding:
     def as_predicted(self) -> bool:
         """Whether the law of the variant predicts a disagreement."""
         return self.prediction is not None and self.prediction.holds
+
+    @classmethod
+    def without_numbers(
+        cls, variant: Variant, case: str, metrics: Iterable[Metric], comparison: Comparison
+    ) -> list["Finding"]:
+        """Give a finding a metric where nothing could be compared, with the reason."""
+        return [cls(variant, case, metric, math.nan, math.nan, comparison) for metric in metrics]

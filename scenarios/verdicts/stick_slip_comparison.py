@@ -73,10 +73,7 @@ class TimeError:
 def stick_slip_findings(evidence: Evidence) -> list[Finding]:
     """Compare stick and slip: a finding for each of `STICK_SLIP_METRICS`, in their order."""
     if evidence.missing is not None:
-        return [
-            Finding(evidence.variant, evidence.case.label, metric, math.nan, math.nan, evidence.missing)
-            for metric in STICK_SLIP_METRICS
-        ]
+        return Finding.without_numbers(evidence.variant, evidence.case.label, STICK_SLIP_METRICS, evidence.missing)
     evidence = dataclasses.replace(evidence, expected=as_resolved(evidence))
     return [
         _counted(evidence, MISSED, *_missed(evidence)),
@@ -106,8 +103,8 @@ def as_resolved(evidence: Evidence) -> Expected:
     return dataclasses.replace(expected, transitions=tuple(transitions), stuck_fraction=tuple(stuck), travels=())
 
 
-def _errors(result: Result, expected: Sequence[TimedTransition]) -> dict[TimedTransition, float]:
-    """Time error of every expected transition that an result has, over the period."""
+def matched_errors(result: Result, expected: Sequence[TimedTransition]) -> dict[TimedTransition, float]:
+    """Time error over the period of every expected transition that a result has."""
     match = match_transitions(result.transitions, expected, result.period)
     return {pair[1]: error for pair, error in zip(match.pairs, match.time_errors, strict=True)}
 
@@ -115,19 +112,25 @@ def _errors(result: Result, expected: Sequence[TimedTransition]) -> dict[TimedTr
 def _missed(evidence: Evidence) -> tuple[list[TimedTransition], list[TimedTransition], int]:
     """Give the missed transitions, those of them that the coarse result has, and how many are undecided."""
     expected = evidence.expected.transitions
-    decided = [change for change in expected if all(change in _errors(result, expected) for result in evidence.scheme)]
-    missed = [change for change in decided if change not in _errors(evidence.fine, expected)]
-    step_dependent = [change for change in missed if change in _errors(evidence.coarse, expected)]
-    return missed, step_dependent, len(expected) - len(decided)
+    coarse, fine, *scheme = _all_matched_errors(evidence)
+    decided = [change for change in expected if all(change in errors for errors in scheme)]
+    missed = [change for change in decided if change not in fine]
+    return missed, [change for change in missed if change in coarse], len(expected) - len(decided)
+
+
+def _all_matched_errors(evidence: Evidence) -> list[dict[TimedTransition, float]]:
+    """Errors of the coarse result, of the fine one, and of the reference's."""
+    results = (evidence.coarse, evidence.fine, *evidence.scheme)
+    return [matched_errors(result, evidence.expected.transitions) for result in results]
 
 
 def _spurious(evidence: Evidence) -> tuple[list[TimedTransition], list[TimedTransition], int]:
     """Give the spurious transitions, those of them that the coarse result lacks, and how many are undecided."""
     extra = match_transitions(evidence.fine.transitions, evidence.expected.transitions, evidence.fine.period).spurious
-    grazing = [change for change in extra if any(change in _errors(result, extra) for result in evidence.scheme)]
-    spurious = [change for change in extra if change not in grazing]
-    step_dependent = [change for change in spurious if change not in _errors(evidence.coarse, spurious)]
-    return spurious, step_dependent, len(grazing)
+    scheme = [matched_errors(result, extra) for result in evidence.scheme]
+    spurious = [change for change in extra if not any(change in errors for errors in scheme)]
+    coarse = matched_errors(evidence.coarse, spurious)
+    return spurious, [change for change in spurious if change not in coarse], len(extra) - len(spurious)
 
 
 def _counted(
@@ -154,9 +157,7 @@ def _counted(
 
 def time_errors(evidence: Evidence) -> list[TimeError]:
     """Give the errors of all matched transitions that the dead band does not leave out."""
-    expected = evidence.expected.transitions
-    coarse, fine = _errors(evidence.coarse, expected), _errors(evidence.fine, expected)
-    scheme = [_errors(result, expected) for result in evidence.scheme]
+    coarse, fine, *scheme = _all_matched_errors(evidence)
     errors = []
     for change, error in fine.items():
         if not all(change in result for result in scheme):

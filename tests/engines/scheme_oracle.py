@@ -4,9 +4,11 @@ import dataclasses
 
 import numpy as np
 
+from engines.interface.engine import Engine
+from engines.interface.presets import Formulation, Option, Preset
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 
 AMPLITUDE = 0.01
@@ -15,9 +17,23 @@ ROUND_OFF = 1e-12
 """Largest difference from the scheme over U0: both do the same arithmetic, in another order."""
 
 
-def lane_of(friction_ratio: float = 0.3, frequency_ratio: float = 0.6, **ratios: object) -> Lane:
+def lane_of(friction_ratio: object = 0.3, frequency_ratio: float = 0.6, steps: int = STEPS, **ratios: object) -> Lane:
     chain = Chain.from_ratios(friction_ratio=friction_ratio, base_amplitude=AMPLITUDE, **ratios)
-    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, AMPLITUDE), STEPS)
+    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, AMPLITUDE), steps)
+
+
+def unstable_lane() -> Lane:
+    """The canonical chain with steps so long that its motion diverges."""
+    return lane_of(0.1, 0.1, 20)
+
+
+def built_with(
+    engine: Engine, lane: Lane, formulation: str = "joint", preset: str = "tuned", **values: object
+) -> Simulation:
+    """Build one lane with some options of a preset replaced."""
+    options = {name: Option(value, None, "") for name, value in values.items()}
+    changed = Preset("", {**engine.preset(formulation, preset).options, **options})
+    return engine._build((lane,), Formulation(formulation), changed)
 
 
 def uneven_lane() -> Lane:

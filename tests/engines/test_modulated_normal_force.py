@@ -45,10 +45,10 @@ def allowed(variant: Variant) -> float:
 def test_uneven_cells_each_follow_their_own_normal_force(variant: Variant) -> None:
     lanes = [modulated(uneven_lane(), 0.8, 2, phase=0.7), uneven_lane(), modulated(uneven_lane(), 0.5)]
     state = random_state(3, size=0.3)
-    for index, found in enumerate(variant.build(lanes).run(state, 7, STEPS)):
+    for index, motion in enumerate(variant.build(lanes).run(state, 7, STEPS)):
         expected = Variant("reference").build([lanes[index]]).run(state.subset([index]), 7, STEPS)[0]
-        assert np.max(np.abs(found.positions - expected.positions)) <= allowed(variant) * AMPLITUDE
-        assert found.normal_force == pytest.approx(expected.normal_force, rel=1e-3)
+        assert np.max(np.abs(motion.positions - expected.positions)) <= allowed(variant) * AMPLITUDE
+        assert motion.normal_force == pytest.approx(expected.normal_force, rel=1e-3)
 
 
 @pytest.mark.parametrize("variant", LIFTING, ids=str)

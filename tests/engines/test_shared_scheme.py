@@ -75,8 +75,8 @@ def test_motion_equals_the_scheme_from_frictionless_to_locked(
 
 def test_uneven_cells_and_inner_dashpots_equal_the_scheme(tested: Engine, formulation: str) -> None:
     lane = uneven_lane()
-    found = run(tested, lane, random_state(), 2 * STEPS, formulation)
-    assert_shares_scheme(tested, lane, random_state(), found, formulation)
+    motion = run(tested, lane, random_state(), 2 * STEPS, formulation)
+    assert_shares_scheme(tested, lane, random_state(), motion, formulation)
 
 
 def test_lanes_of_one_batch_keep_their_own_chain_drive_and_time_step(tested: Engine) -> None:

@@ -6,7 +6,8 @@ import re
 import pytest
 
 from reference_lcp.__main__ import app
-from reference_lcp.console import WRONG_INPUT, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from tests.reference_lcp.cases import EXACT_DB
 
 
@@ -121,7 +122,7 @@ def test_no_steady_state_within_the_periods_is_exit_code_1(capsys) -> None:
 )
 def test_wrong_input_is_one_clear_line_and_exit_code_2(capsys, arguments, words) -> None:
     code, out, err = run(capsys, *arguments)
-    assert code == WRONG_INPUT
+    assert code == ExitCode.WRONG_INPUT
     assert out == ""
     assert err.startswith("error: ")
     assert err.count("\n") == 1

@@ -47,10 +47,10 @@ class WearingChain:
             dataclasses.replace(lane, chain=chain_of(lane.chain.cells, 0.3 * (1 - 0.8 * float(part[0]) / UNIT)))
             for lane, part in zip(self.lanes, wear, strict=True)
         ]
-        found = CompiledSimulation(worn).run(State(state.positions, state.velocities), start, steps)
+        trajectories = CompiledSimulation(worn).run(State(state.positions, state.velocities), start, steps)
         return [
             dataclasses.replace(one, internal_state=part + self.RATE * (UNIT - part))
-            for one, part in zip(found, wear, strict=True)
+            for one, part in zip(trajectories, wear, strict=True)
         ]
 
     def subset(self, lanes):
@@ -103,8 +103,10 @@ class EverWearingChain(WearingChain):
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         wear = np.zeros((len(self.lanes), 1)) if state.internal_state is None else state.internal_state
-        found = CompiledSimulation(self.lanes).run(State(state.positions, state.velocities), start, steps)
-        return [dataclasses.replace(one, internal_state=part + UNIT) for one, part in zip(found, wear, strict=True)]
+        trajectories = CompiledSimulation(self.lanes).run(State(state.positions, state.velocities), start, steps)
+        return [
+            dataclasses.replace(one, internal_state=part + UNIT) for one, part in zip(trajectories, wear, strict=True)
+        ]
 
 
 def test_no_orbit_is_certified_while_internal_state_still_moves() -> None:

@@ -110,7 +110,7 @@ def test_second_call_takes_everything_from_the_store(tmp_path: Path, monkeypatch
     def refuse(*_arguments):
         raise AssertionError("a task is run whose result is known")
 
-    monkeypatch.setattr(Evaluator, "_run", lambda _self, tasks: refuse() if tasks else iter(()))
+    monkeypatch.setattr(Evaluator, "_run", lambda _self, tasks: refuse() if list(tasks) else iter(()))
     second = sweep("reference", **given)
     xr.testing.assert_identical(first, second)
 

@@ -12,6 +12,7 @@ from rich.console import Console
 from scenarios.tables import (
     MEASURING_WIDTH,
     Column,
+    csv_cell,
     csv_text,
     full_table,
     json_text,
@@ -67,3 +68,38 @@ def test_terminal_shows_texts_as_they_are(rows) -> None:
     for heading in ("name", "error [dB]", "of"):
         assert heading in printed
     assert ("a|b [bold]" in printed) == bool(rows)
+
+
+HOSTILE = '=HYPERLINK("http://x")\x1b]0;owned\x07\r\n[red]\u202e'
+"""What a spreadsheet would compute, a terminal obey, rich colour, and a reader see backwards."""
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@SUM(A1)"])
+def test_a_text_that_a_spreadsheet_would_compute_begins_with_an_apostrophe(text) -> None:
+    assert csv_cell(text) == f"'{text}"
+
+
+@pytest.mark.parametrize("value", [-1.5, -3, math.nan, None, True, "1 = 2", "–", "", "'=1"])
+def test_numbers_and_other_texts_stand_in_csv_as_they_are(value) -> None:
+    assert csv_cell(value) is value or csv_cell(value) == value
+
+
+@pytest.mark.parametrize("text", ["\t=1", "\r=1"])
+def test_what_a_spreadsheet_would_skip_before_a_formula_is_visible(text) -> None:
+    assert csv_cell(text)[0] == "\\"
+
+
+def test_no_control_character_of_a_stranger_reaches_a_terminal_or_a_file() -> None:
+    rows = [(HOSTILE, -0.25, 1)]
+    whole, shown = full_table(COLUMNS, rows), text_table(COLUMNS, rows)
+    console = Console(file=io.StringIO(), width=MEASURING_WIDTH, force_terminal=True, color_system="truecolor")
+    console.print(printed_table(shown))
+    printed = console.file.getvalue()
+    assert "=HYPERLINK(" in printed
+    assert "[red]" in printed
+    cell = list(csv.reader(io.StringIO(csv_text(whole))))[1]
+    assert cell == ['\'=HYPERLINK("http://x")\\x1b]0;owned\\x07\\r\\n[red]\\u202e', "-0.25", "1"]
+    for text in (printed, csv_text(whole), "\n".join(markdown_lines(shown))):
+        assert not {"\x07", "\r", "\u202e"} & set(text)
+        assert "\x1b]" not in text
+        assert "\\x1b]0;owned" in text

@@ -3,12 +3,14 @@
 from typing import Any
 
 from engines.interface.variant import Variant
-from reports.data.findings import absent_edge, axis_name, band_definition
+from reports.data.descriptions import axis_name, band_definition
 from reports.figures.edges import edge_forest, reference_error
 from reports.figures.figure import Figure
 from reports.formatting import ratio
 from reports.page.section import Section
 from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.pointwise import CONVERGED
 
@@ -44,7 +46,7 @@ class BandEdges(Section):
                 for case in self.result.cases
                 for edge in Edge
             ],
-            "band": band_definition(self.result),
+            "band": band_definition(self.result.sweep),
             "resolution": EDGE_RESOLUTION,
         }
 
@@ -59,3 +61,15 @@ class BandEdges(Section):
             "verdict": str(comparison.verdict),
             "is_baseline": variant == CONVERGED,
         }
+
+
+def absent_edge(result: ComparedSweep, edge: BandEdge) -> str:
+    """Describe an edge that the grid does not hold."""
+    curve = [point for point in result.curve(edge.variant, edge.case) if point.result.converged]
+    if not curve:
+        return "unknown"
+    if all(point.result.transmittance_db >= result.sweep.band.depth_db for point in curve):
+        return "none"
+    if edge.edge is Edge.LOWER:
+        return f"below {curve[0].frequency_ratio:g}"
+    return f"above {curve[-1].frequency_ratio:g}"

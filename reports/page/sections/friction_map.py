@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from reports.data.findings import band_definition
+from reports.data.descriptions import band_definition
 from reports.figures.figure import Figure
 from reports.figures.friction_map import HIGHEST_DB, LOWEST_DB, friction_map_figure
 from reports.page.section import Section
@@ -28,7 +28,7 @@ class FrictionMapSection(Section):
         """What the caption names, and how much is missing."""
         data = self.report.friction_map
         return {
-            "band": band_definition(self.result),
+            "band": band_definition(self.result.sweep),
             "lowest": LOWEST_DB,
             "highest": HIGHEST_DB,
             "points": 0 if data is None else data.transmittance_db.size,

@@ -6,7 +6,6 @@ from typing import Any
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from reports.data.findings import blocked_reason
 from reports.page.section import Section
 from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.sweep import Case
@@ -25,7 +24,7 @@ class OpenPoints(Section):
 
     def context(self) -> dict[str, Any]:
         """Variants with their open rows."""
-        open_ones = []
+        shown = []
         for variant in self.result.sweep.variants:
             rows = self._rows(variant)
             if rows:
@@ -34,11 +33,11 @@ class OpenPoints(Section):
                 explanation = f"What explains a disagreement: {known_deviation}." if known_deviation else ""
                 notes = " ".join(note for note in (of.capabilities.notes, explanation) if note)
                 left_out = max(len(rows) - LONGEST, 0)
-                open_ones.append({"title": variant.title, "notes": notes, "rows": rows[:LONGEST], "left_out": left_out})
-        return {"variants": open_ones}
+                shown.append({"title": variant.title, "notes": notes, "rows": rows[:LONGEST], "left_out": left_out})
+        return {"variants": shown}
 
     def _rows(self, variant: Variant) -> list[dict[str, Any]]:
-        reason = blocked_reason(self.result, variant)
+        reason = self.report.findings[variant].blocked
         if reason is not None:
             everywhere = "every point and every edge"
             return [{"places": everywhere, "verdict": str(Verdict.BLOCKED), "size": math.nan, "reason": reason}]
@@ -62,10 +61,6 @@ class OpenPoints(Section):
         ]
 
     def _edges(self, variant: Variant) -> list[dict[str, Any]]:
-        open_ones = [
-            edge for edge in self.result.edges
-            if edge.variant == variant and edge.comparison.verdict is not Verdict.AGREE
-        ]  # fmt: skip
         return [
             {
                 "places": f"{edge.case}, {edge.edge} edge",
@@ -73,10 +68,10 @@ class OpenPoints(Section):
                 "size": self._times_allowed(edge),
                 "reason": edge.comparison.reason,
             }
-            for edge in open_ones
+            for edge in self.result.edges
+            if edge.variant == variant and edge.comparison.verdict is not Verdict.AGREE
         ]
 
     @staticmethod
     def _times_allowed(judged: Point | BandEdge) -> float:
-        """Difference over what is allowed."""
         return abs(judged.comparison.difference) / judged.comparison.tolerance

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from reports.data.provenance import provenance
 from reports.page.section import Section
 
 
@@ -14,4 +13,4 @@ class Provenance(Section):
 
     def context(self) -> dict[str, Any]:
         """The data, as they are."""
-        return provenance(self.report)
+        return self.report.provenance

@@ -4,7 +4,7 @@ from typing import Any
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from reports.data.findings import axis_name, band_definition, blocked_reason, compared_with, drive_description, findings
+from reports.data.descriptions import axis_name, band_definition, compared_with, drive_description
 from reports.formatting import ratio
 from reports.page.section import Section
 from scenarios.verdicts.finding import FLOOR_DB
@@ -29,7 +29,7 @@ class Summary(Section):
             "headline": {verdict: sum(row["findings"].verdicts[verdict] for row in compared) for verdict in verdicts},
             "missing": sum(row["missing"] for row in rows),
             "sentences": self._sentences(compared),
-            "band": band_definition(self.result),
+            "band": band_definition(self.result.sweep),
             "floor": FLOOR_DB,
             "axes": [
                 (axis_name(name, plural=True), [ratio(value) for value in sweep.axes[name]]) for name in sweep.case_axes
@@ -47,12 +47,11 @@ class Summary(Section):
     def _row(self, variant: Variant) -> dict[str, Any]:
         return {
             "variant": variant,
-            "findings": findings(self.result, variant),
+            "findings": self.report.findings[variant],
             "points": len(self.result.points_of(variant)),
             "missing": self.report.missing.get(variant, 0),
             "friction_law": str(engine(variant.engine).capabilities.friction_law),
             "compared_with": compared_with(variant, self.result.sweep.tolerance),
-            "blocked": blocked_reason(self.result, variant),
             "is_baseline": variant == CONVERGED,
         }
 
@@ -64,7 +63,7 @@ class Summary(Section):
             if row["variant"].engine == CONVERGED.engine:
                 continue
             title, agreed, points = row["variant"].title, row["findings"].verdicts["agree"], row["points"]
-            if row["blocked"] is not None:
+            if row["findings"].blocked is not None:
                 sorted_rows["blocked"].append(title)
             elif agreed == points:
                 sorted_rows["all"].append(title)

@@ -8,13 +8,22 @@ import numpy as np
 import pytest
 
 from engines.box2d import Box2D
-from engines.interface.presets import Formulation, Option, Preset
 from engines.interface.tolerances import FRICTION_TOLERANCE, ROUND_OFF, SINGLE
 from reference_lcp.chain.harmonic import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, uneven_lane, with_coefficients
+from tests.engines.scheme_oracle import (
+    AMPLITUDE,
+    STEPS,
+    built_with,
+    lane_of,
+    random_state,
+    scheme,
+    uneven_lane,
+    unstable_lane,
+    with_coefficients,
+)
 
 pytestmark = pytest.mark.skipif(Box2D().unavailable_reason() is not None, reason="Box2D is not installed")
 
@@ -22,36 +31,31 @@ ROUNDINGS = 10 * np.sqrt(STEPS) * SINGLE
 """Three standard deviations of the roundings of a period, for motions of some six displacement scales."""
 
 
-def tuned_but(formulation: str = "joint", **options: object) -> Preset:
-    tuned = Box2D().preset(formulation, "tuned")
-    return Preset("", {**tuned.options, **{name: Option(value, None, "") for name, value in options.items()}})
+def run(lane: Lane, state: State, steps: int = STEPS, formulation: str = "joint", **options: object) -> Trajectory:
+    return built_with(Box2D(), lane, formulation, **options).run(state, 0, steps)[0]
 
 
-def run(lane: Lane, state: State, preset: Preset, steps: int = STEPS, formulation: str = "joint") -> Trajectory:
-    return Box2D()._build((lane,), Formulation(formulation), preset).run(state, 0, steps)[0]
-
-
-def distance(lane: Lane, state: State, found: Trajectory) -> float:
+def distance(lane: Lane, state: State, motion: Trajectory) -> float:
     """Largest distance from the scheme over the largest displacement."""
-    expected = scheme(lane, state, found.steps)[0]
-    return float(np.max(np.abs(found.positions - expected)) / np.max(np.abs(expected)))
+    expected = scheme(lane, state, motion.steps)[0]
+    return float(np.max(np.abs(motion.positions - expected)) / np.max(np.abs(expected)))
 
 
 @pytest.mark.parametrize(("joint", "units"), [("prismatic", "lane"), ("prismatic", "SI"), ("friction", "SI")])
 def test_motion_of_uneven_cells_equals_the_scheme_to_single_precision(joint: str, units: str) -> None:
     """Box2D makes a mass one again when the body is told not to turn after it has been told its mass."""
     lane, state = uneven_lane(), random_state()
-    found = run(lane, state, tuned_but(joint=joint, units=units))
-    assert distance(lane, state, found) < ROUNDINGS
+    motion = run(lane, state, joint=joint, units=units)
+    assert distance(lane, state, motion) < ROUNDINGS
     # more than single precision cannot be: a finer result would be another engine's
-    assert distance(lane, state, found) > SINGLE / 10
+    assert distance(lane, state, motion) > SINGLE / 10
 
 
 def test_small_boxes_do_not_touch_the_cell_beside_theirs() -> None:
     """In SI units Box2D's skins are as thick as boxes of a chain that moves by a millimetre."""
     lane = lane_of()
     small = dataclasses.replace(lane, drive=dataclasses.replace(lane.drive, amplitude=AMPLITUDE / 10))
-    pressed = run(small, State.at_rest(1, 7), Box2D().preset("contact", "default"), 20, "contact").normal_force
+    pressed = Box2D().build([small], "contact", "default").run(State.at_rest(1, 7), 0, 20)[0].normal_force
     np.testing.assert_allclose(pressed, np.broadcast_to(lane.chain.normal_force, pressed.shape), rtol=1e-4)
 
 
@@ -60,31 +64,29 @@ def test_friction_joints_let_small_impulses_go() -> None:
     chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=1e-6, chain_stiffness=1e-3)
     lane, state = dataclasses.replace(lane_of(), chain=chain), random_state()
     assert np.max(chain.friction_bound * lane.time_step) < 2**-23
-    assert distance(lane, state, run(lane, state, tuned_but(units="SI", joint="prismatic"))) < ROUNDINGS
-    assert distance(lane, state, run(lane, state, tuned_but(units="SI", joint="friction"))) > 0.01
+    assert distance(lane, state, run(lane, state, units="SI", joint="prismatic")) < ROUNDINGS
+    assert distance(lane, state, run(lane, state, units="SI", joint="friction")) > 0.01
 
 
 @pytest.mark.parametrize(("mass", "stiffness", "length"), [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)])
 def test_units_do_not_matter(mass: float, stiffness: float, length: float) -> None:
     chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
     lane, state = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS), State.at_rest(1, 7)
-    assert distance(lane, state, run(lane, state, tuned_but())) < ROUNDINGS
+    assert distance(lane, state, run(lane, state)) < ROUNDINGS
 
 
 def test_motion_far_above_the_displacement_scale_is_not_cut_off() -> None:
     """In SI units Box2D stops a step of more than two metres short."""
     lane, state = lane_of(), random_state(size=1e7)
-    assert distance(lane, state, run(lane, state, tuned_but(), 50)) < ROUNDINGS
-    assert distance(lane, state, run(lane, state, tuned_but(units="SI"), 50)) > 0.1
+    assert distance(lane, state, run(lane, state, 50)) < ROUNDINGS
+    assert distance(lane, state, run(lane, state, 50, units="SI")) > 0.1
 
 
 def test_slow_chains_do_not_fall_asleep() -> None:
     """Box2D stops what is slower than 0.01 m/s for half a second; the argument doSleep of a world is ignored."""
     lane = dataclasses.replace(lane_of(0.0, damping_ratio=0.0), drive=StillBase(1e-5))
     state = State(random_state(size=1e-3).positions, np.zeros((1, 14)))
-    asleep, awake = (
-        run(lane, state, tuned_but(units="SI", AllowSleeping=allowed), 3 * STEPS) for allowed in (True, False)
-    )
+    asleep, awake = (run(lane, state, 3 * STEPS, units="SI", AllowSleeping=allowed) for allowed in (True, False))
     assert awake.time[-1] > 0.5
     assert distance(lane, state, awake) < 10 * ROUNDINGS
     assert distance(lane, state, asleep) > 0.1
@@ -92,19 +94,19 @@ def test_slow_chains_do_not_fall_asleep() -> None:
 
 def test_friction_of_a_stuck_contact_is_what_it_takes_and_does_not_creep() -> None:
     lane = lane_of(5.0, 0.3)
-    found = run(lane, State.at_rest(1, 7), tuned_but(), 3 * STEPS)
+    motion = run(lane, State.at_rest(1, 7), 3 * STEPS)
     expected = scheme(lane, State.at_rest(1, 7), 3 * STEPS)[2]
-    speed = np.max(np.abs(found.velocities))
-    assert np.max(np.abs(found.relative_velocity)) <= 4 * SINGLE * speed
-    assert np.max(np.abs(found.friction - expected)) <= FRICTION_TOLERANCE["single"] * np.max(np.abs(expected))
+    speed = np.max(np.abs(motion.velocities))
+    assert np.max(np.abs(motion.relative_velocity)) <= 4 * SINGLE * speed
+    assert np.max(np.abs(motion.friction - expected)) <= FRICTION_TOLERANCE["single"] * np.max(np.abs(expected))
 
 
 def test_own_springs_are_implicit_and_take_energy() -> None:
     chain = Chain.from_ratios(damping_ratio=0.0, friction_ratio=0.0)
     lane = Lane(chain, StillBase(AMPLITUDE), lane_of().time_step)
     state = State(random_state().positions, np.zeros((1, 14)))
-    found = Box2D().build([lane], preset="default").run(state, 0, STEPS)[0]
-    moving, stretched = found.velocities[-1], found.positions[-1]
+    motion = Box2D().build([lane], preset="default").run(state, 0, STEPS)[0]
+    moving, stretched = motion.velocities[-1], motion.positions[-1]
     energy = stretched @ chain.stiffness_matrix @ stretched + moving @ chain.mass_matrix @ moving
     assert 0.05 < energy / (state.positions[0] @ chain.stiffness_matrix @ state.positions[0]) < 0.95
 
@@ -129,29 +131,27 @@ def test_warnings_as_errors_do_not_end_the_interpreter() -> None:
 
 
 def test_an_unstable_motion_is_silent_and_shows() -> None:
-    chain = Chain.from_ratios(friction_ratio=0.1)
-    unstable = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1), 20)
-    end = Box2D().build([unstable]).advance(State.at_rest(1, 7), 0, 400)
+    end = Box2D().build([unstable_lane()]).advance(State.at_rest(1, 7), 0, 400)
     assert np.max(np.abs(end.positions)) > 1e6 * AMPLITUDE
 
 
 @pytest.mark.parametrize("coefficient", [0.001, 0.1, 3.0, [0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]])
 def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: object) -> None:
     lane, state = with_coefficients(coefficient), random_state()
-    assert distance(lane, state, run(lane, state, tuned_but("contact"), STEPS, "contact")) < ROUNDINGS
+    assert distance(lane, state, run(lane, state, STEPS, "contact")) < ROUNDINGS
 
 
 def test_boxes_of_uneven_cells_equal_the_scheme_to_single_precision() -> None:
     lane, state = uneven_lane(), random_state()
-    assert distance(lane, state, run(lane, state, tuned_but("contact"), STEPS, "contact")) < ROUNDINGS
+    assert distance(lane, state, run(lane, state, STEPS, "contact")) < ROUNDINGS
 
 
 def test_one_sweep_from_nothing_finds_no_friction() -> None:
     """Box2D bounds friction by the normal impulse of the sweep before."""
     lane, state = lane_of(), random_state()
-    found = run(lane, state, tuned_but("contact", velocityIterations=1), STEPS, "contact")
-    assert np.all(found.friction == 0)
-    assert distance(lane, state, found) > 0.1
+    motion = run(lane, state, STEPS, "contact", velocityIterations=1)
+    assert np.all(motion.friction == 0)
+    assert distance(lane, state, motion) > 0.1
 
 
 @pytest.mark.parametrize("preset", ["tuned", "default"])
@@ -160,9 +160,9 @@ def test_a_pressed_box_neither_bounces_nor_sinks_nor_is_pushed_out(preset: str) 
     lane = lane_of(0.3, 0.9)
     simulation = Box2D().build([lane], "contact", preset)
     state = simulation.advance(random_state(), 0, 100 * STEPS)
-    found = simulation.run(state, 0, STEPS)[0]
+    motion = simulation.run(state, 0, STEPS)[0]
     given = np.broadcast_to(lane.chain.normal_force, (STEPS, 7))
-    np.testing.assert_allclose(found.normal_force, given, rtol=ROUND_OFF["single"])
+    np.testing.assert_allclose(motion.normal_force, given, rtol=ROUND_OFF["single"])
 
 
 def test_boxes_that_leave_their_plates_or_pass_the_largest_step_are_reported() -> None:

@@ -5,31 +5,25 @@ import pytest
 
 from engines.dart import Dart
 from engines.dart.joint import RESIDUAL_SLIP_COMPLIANCE
-from engines.interface.presets import Formulation, Option, Preset
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import ParameterError
-from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, with_coefficients
+from tests.engines.scheme_oracle import AMPLITUDE, STEPS, built_with, lane_of, random_state, scheme, with_coefficients
 
 pytestmark = pytest.mark.skipif(Dart().unavailable_reason() is not None, reason="dartpy is not installed")
 
 
-def run(lane: Lane, state: State, steps: int, preset: Preset) -> Trajectory:
-    return Dart()._build((lane,), Formulation.JOINT, preset).run(state, 0, steps)[0]
-
-
-def tuned_but(**options: object) -> Preset:
-    tuned = Dart().preset("joint", "tuned")
-    return Preset("", {**tuned.options, **{name: Option(value, None, "") for name, value in options.items()}})
+def run(lane: Lane, state: State, steps: int, **options: object) -> Trajectory:
+    return built_with(Dart(), lane, **options).run(state, 0, steps)[0]
 
 
 def test_a_stuck_contact_keeps_the_softness_of_what_friction_takes_from_it() -> None:
     lane = lane_of(5.0, 0.3)
-    found = run(lane, State.at_rest(1, 7), STEPS, tuned_but())
-    taken = found.friction * lane.time_step * (1 / lane.chain.outer_mass + 1 / lane.chain.inner_mass)
-    left = -found.relative_velocity / np.max(np.abs(taken), axis=0)
+    motion = run(lane, State.at_rest(1, 7), STEPS)
+    taken = motion.friction * lane.time_step * (1 / lane.chain.outer_mass + 1 / lane.chain.inner_mass)
+    left = -motion.relative_velocity / np.max(np.abs(taken), axis=0)
     expected = RESIDUAL_SLIP_COMPLIANCE * taken / np.max(np.abs(taken), axis=0)
     np.testing.assert_allclose(left, expected, rtol=0, atol=1e-5 * RESIDUAL_SLIP_COMPLIANCE)
 
@@ -37,8 +31,8 @@ def test_a_stuck_contact_keeps_the_softness_of_what_friction_takes_from_it() -> 
 def test_friction_is_read_the_same_however_long_a_run_is() -> None:
     """Skeleton.getConstraintForces divides what it reads by the time step once more at every call."""
     lane, state = lane_of(), random_state()
-    found = run(lane, state, 3 * STEPS, tuned_but())
-    np.testing.assert_allclose(found.friction, scheme(lane, state, 3 * STEPS)[2], atol=1e-7 * AMPLITUDE * 1000)
+    motion = run(lane, state, 3 * STEPS)
+    np.testing.assert_allclose(motion.friction, scheme(lane, state, 3 * STEPS)[2], atol=1e-7 * AMPLITUDE * 1000)
 
 
 def test_own_springs_are_implicit_and_take_energy() -> None:
@@ -48,8 +42,8 @@ def test_own_springs_are_implicit_and_take_energy() -> None:
         chain = Chain.from_ratios(damping_ratio=0.0, friction_ratio=0.0)
         lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, 1e-12), steps)
         state = State(random_state().positions, np.zeros((1, 14)))
-        found = Dart().build([lane], preset="default").run(state, 0, steps)[0]
-        stretched, moving = found.positions[-1], found.velocities[-1]
+        motion = Dart().build([lane], preset="default").run(state, 0, steps)[0]
+        stretched, moving = motion.positions[-1], motion.velocities[-1]
         energy = stretched @ chain.stiffness_matrix @ stretched + moving @ chain.mass_matrix @ moving
         losses.append(1 - energy / (state.positions[0] @ chain.stiffness_matrix @ state.positions[0]))
     assert 0.05 < losses[0] < 0.9
@@ -60,10 +54,10 @@ def test_slow_chains_do_not_fall_asleep() -> None:
     """All bodies stay below DART's threshold of 0.01 m/s for more than its half second."""
     chain = Chain.from_ratios(friction_ratio=0.3, base_amplitude=1e-5)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, 1e-5), STEPS)
-    found = run(lane, State.at_rest(1, 7), 8 * STEPS, tuned_but(units="SI"))
-    assert np.max(np.abs(found.velocities)) < 0.01
-    assert found.time[-1] > 1
-    np.testing.assert_allclose(found.positions, scheme(lane, State.at_rest(1, 7), 8 * STEPS)[0], atol=1e-8 * 1e-5)
+    motion = run(lane, State.at_rest(1, 7), 8 * STEPS, units="SI")
+    assert np.max(np.abs(motion.velocities)) < 0.01
+    assert motion.time[-1] > 1
+    np.testing.assert_allclose(motion.positions, scheme(lane, State.at_rest(1, 7), 8 * STEPS)[0], atol=1e-8 * 1e-5)
 
 
 @pytest.mark.parametrize(
@@ -98,8 +92,8 @@ def test_a_box_that_starts_deeper_is_pushed_harder(monkeypatch: pytest.MonkeyPat
     """DART pushes out a hundredth of a depth in every step, which is a force beside the one that is given."""
     lane = lane_of(0.3, 0.6)
     monkeypatch.setattr("engines.dart.contact.DEPTH", 1e-3)
-    found = Dart().build([lane], "contact").run(State.at_rest(1, 7), 0, 10)[0]
-    assert np.max(found.normal_force / lane.chain.normal_force) > 1.001
+    motion = Dart().build([lane], "contact").run(State.at_rest(1, 7), 0, 10)[0]
+    assert np.max(motion.normal_force / lane.chain.normal_force) > 1.001
 
 
 def test_coefficients_that_dart_takes_for_zero_are_refused() -> None:

@@ -12,13 +12,22 @@ import pytest
 from engines.drake import Drake
 from engines.interface.engine import NativeStepping
 from engines.interface.law_engine import law_of
-from engines.interface.presets import Formulation, Preset
 from engines.interface.variant import Variant
 from reference_lcp.chain.harmonic import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, uneven_lane, with_coefficients
+from tests.engines.scheme_oracle import (
+    AMPLITUDE,
+    STEPS,
+    built_with,
+    lane_of,
+    random_state,
+    scheme,
+    uneven_lane,
+    unstable_lane,
+    with_coefficients,
+)
 
 pytestmark = pytest.mark.skipif(Drake().unavailable_reason() is not None, reason="drake is not installed")
 
@@ -29,13 +38,6 @@ gliding = pytest.mark.parametrize("preset", ["sap", "similar"])
 
 def run(lane: Lane, state: State, steps: int, formulation: str = "joint", preset: str = "tuned") -> Trajectory:
     return Drake().build([lane], formulation, preset).run(state, 0, steps)[0]
-
-
-def with_option(name: str, value: object, lane: Lane, formulation: str = "joint", preset: str = "tuned") -> Simulation:
-    """Build a lane with one option of a preset replaced."""
-    usual = Drake().preset(formulation, preset)
-    option = dataclasses.replace(usual.options[name], value=value)
-    return Drake()._build((lane,), Formulation(formulation), Preset("", {**usual.options, name: option}))
 
 
 def linear_scheme(lane: Lane, state: State, steps: int, implicit: bool) -> np.ndarray:
@@ -67,10 +69,10 @@ def test_dashpots_of_joints_act_with_the_velocity_at_the_end_of_the_step() -> No
     uneven = uneven_lane()
     chain = dataclasses.replace(uneven.chain, normal_force=np.zeros(7))
     lane, state = dataclasses.replace(uneven, chain=chain), random_state()
-    found = run(lane, state, STEPS).positions
-    np.testing.assert_allclose(found, linear_scheme(lane, state, STEPS, implicit=True), rtol=0, atol=1e-12 * AMPLITUDE)
+    motion = run(lane, state, STEPS).positions
+    np.testing.assert_allclose(motion, linear_scheme(lane, state, STEPS, implicit=True), rtol=0, atol=1e-12 * AMPLITUDE)
     explicit = linear_scheme(lane, state, STEPS, implicit=False)
-    assert np.max(np.abs(found - explicit)) > 1e-3 * AMPLITUDE
+    assert np.max(np.abs(motion - explicit)) > 1e-3 * AMPLITUDE
 
 
 @both_formulations
@@ -82,14 +84,14 @@ def test_motion_is_the_schemes_up_to_creep_and_implicit_dashpots(formulation: st
 
 def test_beyond_drakes_own_limit_every_gain_acts_alike() -> None:
     lane, state = lane_of(), random_state()
-    ends = [with_option("d", gain, lane).advance(state, 0, STEPS).positions for gain in (1e5, 1e6, 1e9)]
+    ends = [built_with(Drake(), lane, d=gain).advance(state, 0, STEPS).positions for gain in (1e5, 1e6, 1e9)]
     assert np.array_equal(ends[0], ends[1])
     assert np.array_equal(ends[1], ends[2])
 
 
 def test_a_weak_gain_lets_a_stuck_contact_creep_with_the_force_over_the_gain() -> None:
     lane = lane_of(5.0, 0.3)
-    trajectory = with_option("d", 100.0, lane).run(State.at_rest(1, 7), 0, STEPS)[0]
+    trajectory = built_with(Drake(), lane, d=100.0).run(State.at_rest(1, 7), 0, STEPS)[0]
     gain = 100.0 * 0.5 / lane.time_step
     np.testing.assert_allclose(trajectory.relative_velocity, -trajectory.friction / gain, rtol=1e-6, atol=1e-14)
     tuned = run(lane, State.at_rest(1, 7), STEPS)
@@ -114,7 +116,7 @@ def test_forces_kept_from_the_step_before_are_those_of_the_step_that_begins(form
     """Drake keeps outputs until the next step unless told otherwise: the rows have to be taken one later."""
     lane, state = uneven_lane(), random_state()
     live = run(lane, state, STEPS, formulation)
-    kept = with_option("output ports", "sampled", lane, formulation).run(state, 0, STEPS)[0]
+    kept = built_with(Drake(), lane, formulation, **{"output ports": "sampled"}).run(state, 0, STEPS)[0]
     assert np.array_equal(live.positions, kept.positions)
     assert np.array_equal(live.friction, kept.friction)
 
@@ -132,10 +134,10 @@ def test_no_step_is_lost_or_taken_twice_with_time_in_seconds(frequency_ratio: fl
 def test_default_creeps_by_three_millimetres_a_second_at_three_newtons() -> None:
     """F / d with the d that one would write, at every time step."""
     lane = lane_of(5.0)
-    found = run(lane, State.at_rest(1, 7), 2 * STEPS, preset="default")
-    stuck = np.abs(found.friction) < 0.999 * lane.chain.friction_bound
+    motion = run(lane, State.at_rest(1, 7), 2 * STEPS, preset="default")
+    stuck = np.abs(motion.friction) < 0.999 * lane.chain.friction_bound
     assert stuck.all()
-    np.testing.assert_allclose(found.relative_velocity, -found.friction / 1e3, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(motion.relative_velocity, -motion.friction / 1e3, rtol=1e-6, atol=1e-12)
 
 
 @both_formulations
@@ -145,8 +147,8 @@ def test_units_do_not_matter(mass: float, stiffness: float, length: float, formu
     chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS)
     usual = lane_of(0.3, 0.6)
-    found, expected = (run(one, State.at_rest(1, 7), STEPS, formulation).positions for one in (lane, usual))
-    np.testing.assert_allclose(found / length, expected / AMPLITUDE, rtol=0, atol=1e-9)
+    motion, expected = (run(one, State.at_rest(1, 7), STEPS, formulation).positions for one in (lane, usual))
+    np.testing.assert_allclose(motion / length, expected / AMPLITUDE, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("variant", ["joint:tuned", "contact:tuned", "contact:sap"])
@@ -173,8 +175,7 @@ def test_bare_steps_leave_nothing_behind(formulation: str) -> None:
 
 
 def test_a_motion_that_diverges_stops_with_drakes_reason_and_leaves_nothing_behind() -> None:
-    chain = Chain.from_ratios(friction_ratio=0.1)
-    simulation = Drake().build([Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1), 20)])
+    simulation = Drake().build([unstable_lane()])
     before = simulation.advance(State.at_rest(1, 7), 0, 3).positions
     with pytest.raises(RuntimeError, match=r"drake stopped in step \d+ of 4000: .*NaN"):
         simulation.advance(State.at_rest(1, 7), 0, 4000)
@@ -275,10 +276,10 @@ def test_the_default_contact_starts_where_drakes_own_stiffness_carries_the_norma
 def test_a_stuck_default_contact_creeps_by_drakes_stiction_tolerance() -> None:
     """λ_T = −F v / √(v² + v_s²), at every time step."""
     lane = lane_of(5.0)
-    found = run(lane, State.at_rest(1, 7), 2 * STEPS, "contact", "default")
-    slip = found.relative_velocity
+    motion = run(lane, State.at_rest(1, 7), 2 * STEPS, "contact", "default")
+    slip = motion.relative_velocity
     expected = -lane.chain.friction_bound * slip / np.hypot(slip, 1e-3)
-    np.testing.assert_allclose(found.friction, expected, rtol=1e-5, atol=1e-6 * lane.chain.friction_bound[0])
+    np.testing.assert_allclose(motion.friction, expected, rtol=1e-5, atol=1e-6 * lane.chain.friction_bound[0])
     assert np.max(np.abs(slip)) > 1e-4
 
 
@@ -286,7 +287,7 @@ def test_below_drakes_own_floor_every_stiction_tolerance_acts_alike() -> None:
     """μ R_t γ_n with R_t = 1e-3 w: there the orbits stall, and the tuned tolerance stays above it."""
     lane = lane_of(1.0, 0.9)
     ends = [
-        with_option("stiction", value, lane, "contact").advance(random_state(), 0, STEPS).positions
+        built_with(Drake(), lane, "contact", stiction=value).advance(random_state(), 0, STEPS).positions
         for value in (3e-5, 1e-9, 1e-12)
     ]
     assert np.array_equal(ends[1], ends[2])
@@ -297,10 +298,10 @@ def test_below_drakes_own_floor_every_stiction_tolerance_acts_alike() -> None:
 def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: object) -> None:
     """To what Drake's solver leaves: it stops relative to the largest impulse, which grows as 1 / μ."""
     lane, usual = with_coefficients(coefficient), lane_of()
-    found, expected = (run(one, random_state(), STEPS, "contact") for one in (lane, usual))
+    motion, expected = (run(one, random_state(), STEPS, "contact") for one in (lane, usual))
     tolerance = 1e-7 / float(np.min(coefficient)) * AMPLITUDE
-    np.testing.assert_allclose(found.positions, expected.positions, rtol=0, atol=tolerance)
-    assert found.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-9)
+    np.testing.assert_allclose(motion.positions, expected.positions, rtol=0, atol=tolerance)
+    assert motion.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-9)
 
 
 def test_long_chain_of_contacts_moves_as_that_of_joints_does(capfd) -> None:

@@ -1,6 +1,5 @@
 """Exudyn: its two friction laws, its restarts and its units."""
 
-import dataclasses
 import os
 import subprocess
 import sys
@@ -12,43 +11,20 @@ import pytest
 from engines.exudyn import ExudynBristle, ExudynRegularised
 from engines.interface.engine import Engine
 from engines.interface.law_engine import LawEngine, law_of
-from engines.interface.presets import Formulation, Preset
 from reference_lcp.chain.harmonic import Drive, HarmonicBase, HarmonicForce
 from reference_lcp.chain.linear_response import frictionless_response, stuck_transmittance
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.one_call import exact_steady_state
 from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.validation import ParameterError
+from tests.engines.scheme_oracle import AMPLITUDE, STEPS, built_with, lane_of, random_state
 
 pytestmark = pytest.mark.skipif(ExudynBristle().unavailable_reason() is not None, reason="exudyn is not installed")
 
-AMPLITUDE = 0.01
-STEPS = 400
-
 both_laws = pytest.mark.parametrize("engine", [ExudynRegularised(), ExudynBristle()], ids=lambda engine: engine.name)
-
-
-def lane_of(friction_ratio: object = 0.3, frequency_ratio: float = 0.6, steps: int = STEPS, **ratios: object) -> Lane:
-    chain = Chain.from_ratios(friction_ratio=friction_ratio, base_amplitude=AMPLITUDE, **ratios)
-    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, AMPLITUDE), steps)
-
-
-def built_with(engine: Engine, lane: Lane, **values: object) -> Simulation:
-    """Build one lane with some options changed."""
-    tuned = engine.preset("joint", "tuned")
-    options = {
-        name: dataclasses.replace(option, value=values.get(name, option.value))
-        for name, option in tuned.options.items()
-    }
-    return engine._build((lane,), Formulation.JOINT, Preset(tuned.description, options))
-
-
-def random_state(seed: int = 3) -> State:
-    rng = np.random.default_rng(seed)
-    return State(AMPLITUDE * rng.normal(size=(1, 14)), 10 * AMPLITUDE * rng.normal(size=(1, 14)))
 
 
 def decibels(trajectory: Trajectory) -> float:
@@ -168,7 +144,7 @@ def test_run_depends_on_its_initial_state_alone(engine: Engine) -> None:
     lane = lane_of(0.1, 1.5)
     simulation = engine.build([lane])
     first = simulation.advance(random_state(), 0, STEPS)
-    simulation.run(random_state(8), 5, 100)
+    simulation.run(random_state(size=2.0), 5, 100)
     (again,) = simulation.run(random_state(), 0, STEPS)
     fresh = engine.build([lane]).advance(random_state(), 0, STEPS)
     for other in (again.end, fresh):
@@ -259,11 +235,9 @@ def test_a_disc_moves_as_the_connector_of_the_same_zone_does() -> None:
     """Two implementations of one law: what differs is the integration across the corners of the zone."""
     lane = lane_of(0.3, 0.9)
     zone = {"zone": 0.01, "substeps": 4, "zone_per_kick": 0.0}
-    tuned = ExudynRegularised().preset("contact", "tuned")
-    options = {name: dataclasses.replace(one, value=zone.get(name, one.value)) for name, one in tuned.options.items()}
-    disc = ExudynRegularised()._build((lane,), Formulation.CONTACT, Preset("", options))
     (pressed,), (joined,) = (
-        simulation.run(random_state(), 0, STEPS) for simulation in (disc, built_with(ExudynRegularised(), lane, **zone))
+        built_with(ExudynRegularised(), lane, formulation, **zone).run(random_state(), 0, STEPS)
+        for formulation in ("contact", "joint")
     )
     assert np.max(np.abs(pressed.positions - joined.positions)) < 1e-3 * AMPLITUDE
     assert pressed.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-6)

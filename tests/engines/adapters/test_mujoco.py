@@ -3,14 +3,22 @@
 import numpy as np
 import pytest
 
-from engines.interface.presets import Formulation, Option, Preset
 from engines.mujoco import MuJoCo
-from reference_lcp.chain.harmonic import HarmonicBase, StillBase
+from reference_lcp.chain.harmonic import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import ParameterError
-from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, with_coefficients
+from tests.engines.scheme_oracle import (
+    AMPLITUDE,
+    STEPS,
+    built_with,
+    lane_of,
+    random_state,
+    scheme,
+    unstable_lane,
+    with_coefficients,
+)
 
 pytestmark = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="mujoco is not installed")
 
@@ -25,9 +33,7 @@ def test_states_where_mujoco_would_stop_are_refused() -> None:
 
 
 def test_a_diverged_run_leaves_nothing_behind() -> None:
-    chain = Chain.from_ratios(friction_ratio=0.1)
-    unstable = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1), 20)
-    simulation = MuJoCo().build([unstable])
+    simulation = MuJoCo().build([unstable_lane()])
     before = simulation.advance(State.at_rest(1, 7), 0, 3).positions
     simulation.advance(State.at_rest(1, 7), 0, 100)
     assert np.array_equal(simulation.advance(State.at_rest(1, 7), 0, 3).positions, before)
@@ -35,9 +41,7 @@ def test_a_diverged_run_leaves_nothing_behind() -> None:
 
 def test_without_the_no_slip_sweep_a_stuck_contact_creeps() -> None:
     """The option that removes MuJoCo's softness is needed: the law itself is regularised."""
-    tuned = MuJoCo().preset("joint", "tuned")
-    soft = Preset("", {**tuned.options, "noslip_iterations": Option(0, 0, "")})
-    simulation = MuJoCo()._build((lane_of(5.0, 0.3),), Formulation.JOINT, soft)
+    simulation = built_with(MuJoCo(), lane_of(5.0, 0.3), noslip_iterations=0)
     trajectory = simulation.run(State.at_rest(1, 7), 0, STEPS)[0]
     assert np.max(np.abs(trajectory.relative_velocity)) > 1e-6 * AMPLITUDE
 
@@ -50,10 +54,8 @@ def test_coefficients_that_mujoco_would_cut_off_or_take_for_singular_are_refused
 
 def test_in_other_units_the_sweep_over_sliding_contacts_is_inexact() -> None:
     """MuJoCo solves for them to a fixed 1e-10: the units of the contact formulation are needed."""
-    tuned = MuJoCo().preset("contact", "tuned")
-    coarse = Preset("", {**tuned.options, "units": Option("lane", "SI", "")})
     lane, state = with_coefficients(3.0), random_state()
-    simulation = MuJoCo()._build((lane,), Formulation.CONTACT, coarse)
+    simulation = built_with(MuJoCo(), lane, "contact", units="lane")
     difference = simulation.run(state, 0, STEPS)[0].positions - scheme(lane, state, STEPS)[0]
     assert np.max(np.abs(difference)) > 1e-8 * AMPLITUDE
 

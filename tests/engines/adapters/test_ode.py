@@ -5,7 +5,6 @@ import sys
 import numpy as np
 import pytest
 
-from engines.interface.presets import Formulation, Option, Preset
 from engines.interface.variant import Variant
 from engines.ode import INSTALLATION, ODE
 from engines.ode.contact import BOUNCE
@@ -21,10 +20,12 @@ from tests.engines.scheme_oracle import (
     STEPS,
     assert_equals_scheme,
     bounded_impulses,
+    built_with,
     lane_of,
     random_state,
     scheme,
     uneven_lane,
+    unstable_lane,
     with_coefficients,
 )
 
@@ -36,9 +37,7 @@ both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
 def run(
     lane: Lane, state: State, steps: int = STEPS, formulation: str = "joint", preset: str = "tuned", **options: object
 ) -> Trajectory:
-    given = ODE().preset(formulation, preset)
-    changed = Preset("", {**given.options, **{name: Option(value, None, "") for name, value in options.items()}})
-    return ODE()._build((lane,), Formulation(formulation), changed).run(state, 0, steps)[0]
+    return built_with(ODE(), lane, formulation, preset, **options).run(state, 0, steps)[0]
 
 
 def implicit_euler(lane: Lane, state: State, steps: int) -> np.ndarray:
@@ -104,16 +103,16 @@ def test_soft_constraints_make_a_stuck_contact_creep_and_hard_ones_do_not() -> N
 
 def test_own_springs_are_implicit_euler_with_exact_friction() -> None:
     lane, state = uneven_lane(), random_state()
-    found = run(lane, state, 200, preset="stops")
-    np.testing.assert_allclose(found.positions, implicit_euler(lane, state, 200), rtol=0, atol=1e-7 * AMPLITUDE)
+    motion = run(lane, state, 200, preset="stops")
+    np.testing.assert_allclose(motion.positions, implicit_euler(lane, state, 200), rtol=0, atol=1e-7 * AMPLITUDE)
 
 
 @pytest.mark.parametrize("preset", ["tuned", "default", "stops"])
 def test_a_motor_without_force_reports_no_friction(preset: str) -> None:
     """ODE leaves the record of such a motor as it was allocated."""
-    found = run(uneven_lane(), random_state(), 50, preset=preset)
-    assert np.all(found.friction[:, 2] == 0)
-    assert np.all(np.any(np.delete(found.friction, 2, axis=1) != 0, axis=0))
+    motion = run(uneven_lane(), random_state(), 50, preset=preset)
+    assert np.all(motion.friction[:, 2] == 0)
+    assert np.all(np.any(np.delete(motion.friction, 2, axis=1) != 0, axis=0))
 
 
 def test_own_springs_take_energy_out_that_no_dashpot_takes() -> None:
@@ -135,24 +134,24 @@ def test_in_a_contact_mu_is_a_force_unless_the_mode_says_otherwise(mode: int) ->
     """ODE's default takes mu = 0.5 for half a newton, and so does `ContactApprox1_1`: the slip is along direction 2."""
     lane, state = lane_of(0.3), random_state()
     assert lane.chain.friction_bound == pytest.approx(3.0)
-    found = run(lane, state, 50, "contact", units="SI", mode=mode)
-    assert np.max(np.abs(found.friction)) == pytest.approx(0.5, rel=1e-6)
-    assert np.max(found.normal_force) == pytest.approx(6.0, rel=1e-6)
+    motion = run(lane, state, 50, "contact", units="SI", mode=mode)
+    assert np.max(np.abs(motion.friction)) == pytest.approx(0.5, rel=1e-6)
+    assert np.max(motion.normal_force) == pytest.approx(6.0, rel=1e-6)
 
 
 @pytest.mark.parametrize("coefficient", [0.001, 0.1, 3.0, [0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]])
 def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: object) -> None:
     lane, state = with_coefficients(coefficient), random_state()
-    found = run(lane, state, formulation="contact")
-    assert_equals_scheme(lane, state, found)
-    assert found.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-9)
+    motion = run(lane, state, formulation="contact")
+    assert_equals_scheme(lane, state, motion)
+    assert motion.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-9)
 
 
 @pytest.mark.parametrize("inertia", [2.0**20, 2.0**60])
 def test_redundant_points_of_a_hard_contact_give_a_wrong_motion_without_a_word(inertia: float) -> None:
     lane, state = lane_of(0.3, 0.9), State.at_rest(1, 7)
-    found = run(lane, state, 10 * STEPS, "contact", shape="box", inertia=inertia)
-    assert np.max(np.abs(found.positions - scheme(lane, state, 10 * STEPS)[0])) > 0.05 * AMPLITUDE
+    motion = run(lane, state, 10 * STEPS, "contact", shape="box", inertia=inertia)
+    assert np.max(np.abs(motion.positions - scheme(lane, state, 10 * STEPS)[0])) > 0.05 * AMPLITUDE
 
 
 def test_a_contact_outside_the_surface_layer_is_pushed_out() -> None:
@@ -176,9 +175,9 @@ def test_a_mass_that_leaves_its_plate_is_reported() -> None:
 def test_units_do_not_matter(mass: float, stiffness: float, length: float, formulation: str) -> None:
     chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS)
-    found = run(lane, State.at_rest(1, 7), formulation=formulation)
+    motion = run(lane, State.at_rest(1, 7), formulation=formulation)
     expected = scheme(lane, State.at_rest(1, 7), STEPS)[0]
-    np.testing.assert_allclose(found.positions, expected, rtol=0, atol=ROUND_OFF * length)
+    np.testing.assert_allclose(motion.positions, expected, rtol=0, atol=ROUND_OFF * length)
 
 
 @both_formulations
@@ -188,9 +187,7 @@ def test_motion_far_above_the_displacement_scale_is_not_cut_off(formulation: str
 
 
 def test_a_motion_that_diverges_comes_back_as_numbers() -> None:
-    chain = Chain.from_ratios(friction_ratio=0.1)
-    unstable = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1), 20)
-    simulation = ODE().build([unstable])
+    simulation = ODE().build([unstable_lane()])
     before = simulation.advance(State.at_rest(1, 7), 0, 3)
     assert np.max(np.abs(simulation.advance(State.at_rest(1, 7), 0, 400).positions)) > 1e6 * AMPLITUDE
     assert np.array_equal(simulation.advance(State.at_rest(1, 7), 0, 3).positions, before.positions)

@@ -3,14 +3,21 @@
 import numpy as np
 import pytest
 
-from engines.interface.presets import Formulation, Option, Preset
 from engines.pybullet import PyBullet
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import ParameterError
-from tests.engines.scheme_oracle import AMPLITUDE, STEPS, assert_equals_scheme, lane_of, random_state, with_coefficients
+from tests.engines.scheme_oracle import (
+    AMPLITUDE,
+    STEPS,
+    assert_equals_scheme,
+    built_with,
+    lane_of,
+    random_state,
+    with_coefficients,
+)
 
 pytestmark = pytest.mark.skipif(PyBullet().unavailable_reason() is not None, reason="pybullet is not installed")
 
@@ -42,9 +49,7 @@ def test_the_longest_chain_equals_the_scheme_and_a_longer_one_is_refused() -> No
 
 def with_option(name: str, value: float) -> Trajectory:
     """A period from rest, in the joint, with one tuned option changed."""
-    tuned = PyBullet().preset("joint", "tuned")
-    changed = Preset("", {**tuned.options, name: Option(value, 0.0, "")})
-    return PyBullet()._build((lane_of(),), Formulation.JOINT, changed).run(State.at_rest(1, 7), 0, STEPS)[0]
+    return built_with(PyBullet(), lane_of(), **{name: value}).run(State.at_rest(1, 7), 0, STEPS)[0]
 
 
 def test_the_motor_that_a_joint_is_born_with_would_freeze_the_chain() -> None:
@@ -59,9 +64,7 @@ def test_damping_of_bodies_in_the_units_of_the_lane_would_stop_the_chain() -> No
 
 def test_a_weak_gain_of_a_motor_is_not_coulomb_friction() -> None:
     """With 0.1 a motor leaves nine tenths of the relative velocity."""
-    tuned = PyBullet().preset("joint", "tuned")
-    weak = Preset("", {**tuned.options, "velocityGain": Option(0.1, 1.0, "")})
-    simulation = PyBullet()._build((lane_of(5.0, 0.3),), Formulation.JOINT, weak)
+    simulation = built_with(PyBullet(), lane_of(5.0, 0.3), velocityGain=0.1)
     trajectory = simulation.run(State.at_rest(1, 7), 0, STEPS)[0]
     assert np.max(np.abs(trajectory.relative_velocity)) > 1e-6 * AMPLITUDE
 
@@ -88,8 +91,8 @@ def test_a_box_that_leaves_its_plate_is_reported() -> None:
 @both_formulations
 def test_default_damping_slows_every_mass_down(formulation: str) -> None:
     lane = lane_of(5.0)
-    found = PyBullet().build([lane], formulation, "default").run(State.at_rest(1, 7), 0, STEPS)[0]
+    motion = PyBullet().build([lane], formulation, "default").run(State.at_rest(1, 7), 0, STEPS)[0]
     expected = run(lane, State.at_rest(1, 7), STEPS, formulation)
-    assert np.linalg.norm(found.velocities) < np.linalg.norm(expected.velocities)
+    assert np.linalg.norm(motion.velocities) < np.linalg.norm(expected.velocities)
     # stuck all the same: the motion of a contact is no worse than the solver
-    assert np.max(np.abs(found.relative_velocity)) < 1e-9 * AMPLITUDE * lane.drive.angular_frequency
+    assert np.max(np.abs(motion.relative_velocity)) < 1e-9 * AMPLITUDE * lane.drive.angular_frequency

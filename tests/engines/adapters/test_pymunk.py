@@ -6,28 +6,22 @@ import math
 import numpy as np
 import pytest
 
-from engines.interface.presets import Formulation, Option, Preset
 from engines.pymunk import Pymunk
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from tests.engines.scheme_oracle import AMPLITUDE, STEPS, lane_of, random_state, scheme, uneven_lane
+from tests.engines.scheme_oracle import AMPLITUDE, STEPS, built_with, lane_of, random_state, scheme, uneven_lane
 
 pytestmark = pytest.mark.skipif(Pymunk().unavailable_reason() is not None, reason="pymunk is not installed")
 
 
-def tuned_but(**options: object) -> Preset:
-    tuned = Pymunk().preset("joint", "tuned")
-    return Preset("", {**tuned.options, **{name: Option(value, None, "") for name, value in options.items()}})
-
-
-def run(lane, state: State, preset: Preset, steps: int = STEPS) -> Trajectory:
-    return Pymunk()._build((lane,), Formulation.JOINT, preset).run(state, 0, steps)[0]
+def run(lane: Lane, state: State, steps: int = STEPS, **options: object) -> Trajectory:
+    return built_with(Pymunk(), lane, **options).run(state, 0, steps)[0]
 
 
 def test_forces_at_the_positions_before_they_are_advanced_create_energy() -> None:
     """Positions come first in Chipmunk: forces set at the start of a step act a step late, and feed vibrations."""
     lane = lane_of(0.0, damping_ratio=0.0)
-    late = run(lane, random_state(), tuned_but(positions="as they are"), 2 * STEPS)
+    late = run(lane, random_state(), 2 * STEPS, positions="as they are")
     expected = scheme(lane, random_state(), 2 * STEPS)[0]
     assert np.linalg.norm(late.positions[STEPS:]) > 1.2 * np.linalg.norm(expected[STEPS:])
 
@@ -37,8 +31,8 @@ def test_joints_with_their_own_bias_pull_contacts_back_to_where_they_started() -
     lane = lane_of(5.0)
     state = State(np.concatenate([np.zeros(7), np.full(7, AMPLITUDE)])[None], np.zeros((1, 14)))
     gaps = [
-        np.max(np.abs(found.inner_positions - found.outer_positions - AMPLITUDE)) / AMPLITUDE
-        for found in (run(lane, state, preset) for preset in (tuned_but(), tuned_but(max_bias=math.inf)))
+        np.max(np.abs(motion.inner_positions - motion.outer_positions - AMPLITUDE)) / AMPLITUDE
+        for motion in (run(lane, state), run(lane, state, max_bias=math.inf))
     ]
     assert gaps[0] < 1e-12
     assert gaps[1] > 0.5
@@ -46,7 +40,7 @@ def test_joints_with_their_own_bias_pull_contacts_back_to_where_they_started() -
 
 def test_one_sweep_is_as_good_as_ten() -> None:
     lane = uneven_lane()
-    one, ten = (run(lane, random_state(), tuned_but(iterations=count)) for count in (1, 10))
+    one, ten = (run(lane, random_state(), iterations=count) for count in (1, 10))
     np.testing.assert_allclose(one.positions, ten.positions, rtol=0, atol=1e-13 * AMPLITUDE)
 
 
@@ -54,11 +48,11 @@ def test_one_sweep_is_as_good_as_ten() -> None:
 def test_reported_friction_explains_the_momentum_of_every_inner_mass(preset: str) -> None:
     """pymunk tells the size of an impulse, and not its sign."""
     lane = uneven_lane()
-    found = Pymunk().build([lane], preset=preset).run(random_state(), 0, STEPS)[0]
+    motion = Pymunk().build([lane], preset=preset).run(random_state(), 0, STEPS)[0]
     expected = scheme(lane, random_state(), STEPS)[2]
     scale = np.max(lane.chain.friction_bound)
     moving = np.abs(expected) > 0.01 * scale
-    agreeing = np.mean(np.sign(found.friction[moving]) == np.sign(expected[moving]))
+    agreeing = np.mean(np.sign(motion.friction[moving]) == np.sign(expected[moving]))
     assert agreeing == 1 if preset == "tuned" else agreeing > 0.95
 
 
@@ -89,14 +83,14 @@ def test_a_pressed_box_neither_bounces_nor_sinks_nor_is_pushed_out(preset: str) 
     lane = lane_of(0.3, 0.9)
     simulation = Pymunk().build([lane], "contact", preset)
     state = simulation.advance(random_state(), 0, 100 * STEPS)
-    found = simulation.run(state, 0, STEPS)[0]
-    np.testing.assert_allclose(found.normal_force, np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rtol=1e-9)
+    motion = simulation.run(state, 0, STEPS)[0]
+    np.testing.assert_allclose(motion.normal_force, np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rtol=1e-9)
 
 
 def test_stuck_boxes_do_not_creep() -> None:
     lane = lane_of(5.0, 0.3)
-    found = Pymunk().build([lane], "contact").run(State.at_rest(1, 7), 0, 3 * STEPS)[0]
-    assert np.max(np.abs(found.inner_positions - found.outer_positions)) <= 1e-12 * AMPLITUDE
+    motion = Pymunk().build([lane], "contact").run(State.at_rest(1, 7), 0, 3 * STEPS)[0]
+    assert np.max(np.abs(motion.inner_positions - motion.outer_positions)) <= 1e-12 * AMPLITUDE
 
 
 def test_a_box_that_leaves_its_plate_is_reported() -> None:
@@ -131,8 +125,8 @@ def test_a_chain_that_diverges_leaves_its_neighbours_alone() -> None:
     stiff = lane_of(0.0, 0.6, stiffness_ratio=1e6)
     unstable = dataclasses.replace(stiff, time_step=lane_of(0.0).time_step)
     lanes, state = [lane_of(0.3), unstable, lane_of(1.0, 0.9)], random_state(3)
-    found = Pymunk().build(lanes).run(state, 0, STEPS)
-    assert np.max(np.abs(found[1].positions)) > 1e12 * AMPLITUDE
+    motion = Pymunk().build(lanes).run(state, 0, STEPS)
+    assert np.max(np.abs(motion[1].positions)) > 1e12 * AMPLITUDE
     for index in (0, 2):
         alone = Pymunk().build([lanes[index]]).run(state.subset([index]), 0, STEPS)[0]
-        np.testing.assert_allclose(found[index].positions, alone.positions, rtol=0, atol=1e-11 * AMPLITUDE)
+        np.testing.assert_allclose(motion[index].positions, alone.positions, rtol=0, atol=1e-11 * AMPLITUDE)

@@ -8,7 +8,6 @@ import sys
 import numpy as np
 import pytest
 
-from engines.interface.presets import Formulation, Option, Preset
 from engines.out_of_process.process import EngineProcessError
 from engines.siconos import INSTALLATION, Siconos
 from reference_lcp.chain.harmonic import HarmonicBase, StillBase
@@ -23,9 +22,11 @@ from tests.engines.scheme_oracle import (
     STEPS,
     assert_equals_scheme,
     bounded_impulses,
+    built_with,
     lane_of,
     random_state,
     uneven_lane,
+    unstable_lane,
 )
 
 pytestmark = pytest.mark.skipif(Siconos().unavailable_reason() is not None, reason="Siconos is not installed")
@@ -35,16 +36,10 @@ def run(lane: Lane, state: State, steps: int = STEPS, preset: str = "tuned", for
     return Siconos().build([lane], formulation, preset).run(state, 0, steps)[0]
 
 
-def changed(formulation: str = "joint", preset: str = "tuned", **options: object) -> Preset:
-    given = Siconos().preset(formulation, preset)
-    return Preset("", {**given.options, **{name: Option(value, None, "") for name, value in options.items()}})
-
-
 def run_changed(
     lane: Lane, state: State, formulation: str = "joint", preset: str = "tuned", **options: object
 ) -> Trajectory:
-    one = changed(formulation, preset, **options)
-    return Siconos()._build((lane,), Formulation(formulation), one).run(state, 0, STEPS)[0]
+    return built_with(Siconos(), lane, formulation, preset, **options).run(state, 0, STEPS)[0]
 
 
 def trapezoidal_rule(lane: Lane, state: State, steps: int) -> np.ndarray:
@@ -73,9 +68,9 @@ def trapezoidal_rule(lane: Lane, state: State, steps: int) -> np.ndarray:
 def test_tuned_is_the_trapezoidal_rule_with_exact_friction(formulation: str, tolerance: float) -> None:
     """Uneven cells, one without friction, in one relay for each bound."""
     lane, state = uneven_lane(), random_state()
-    found = run(lane, state, 200, formulation=formulation)
+    motion = run(lane, state, 200, formulation=formulation)
     expected = trapezoidal_rule(lane, state, 200)
-    np.testing.assert_allclose(found.positions, expected, rtol=0, atol=tolerance * AMPLITUDE)
+    np.testing.assert_allclose(motion.positions, expected, rtol=0, atol=tolerance * AMPLITUDE)
 
 
 @pytest.mark.parametrize("friction_ratio", [0.0, 0.1, 0.3, 1.0, 5.0])
@@ -124,15 +119,15 @@ def test_the_drive_reaches_the_chain() -> None:
 @pytest.mark.parametrize("preset", ["tuned", "euler", "default"])
 def test_a_stuck_contact_does_not_creep(preset: str) -> None:
     lane = lane_of(5.0, 0.3)
-    found = run(lane, State.at_rest(1, 7), 3 * STEPS, preset)
-    assert np.max(np.abs(found.relative_velocity)) <= 1e-13 * AMPLITUDE * lane.drive.angular_frequency
-    assert np.max(np.abs(found.inner_positions - found.outer_positions)) <= 1e-12 * AMPLITUDE
+    motion = run(lane, State.at_rest(1, 7), 3 * STEPS, preset)
+    assert np.max(np.abs(motion.relative_velocity)) <= 1e-13 * AMPLITUDE * lane.drive.angular_frequency
+    assert np.max(np.abs(motion.inner_positions - motion.outer_positions)) <= 1e-12 * AMPLITUDE
 
 
 def test_the_default_solver_and_a_relay_for_each_contact_give_the_same() -> None:
     lane, state = uneven_lane(), random_state()
-    found = run_changed(lane, state, solver="AVI_CAOFERRIS", interactions="one a contact", newton="nonlinear")
-    np.testing.assert_allclose(found.positions, run(lane, state).positions, rtol=0, atol=ROUND_OFF * AMPLITUDE)
+    motion = run_changed(lane, state, solver="AVI_CAOFERRIS", interactions="one a contact", newton="nonlinear")
+    np.testing.assert_allclose(motion.positions, run(lane, state).positions, rtol=0, atol=ROUND_OFF * AMPLITUDE)
 
 
 @pytest.mark.parametrize("solver", ["PATH", "PGS"])
@@ -162,8 +157,8 @@ def test_the_default_contact_solver_stops_early() -> None:
 def test_without_a_threshold_lemke_parts_a_contact_and_presses_twice_in_the_next_step() -> None:
     lane, state = lane_of(0.3, 0.9), State.at_rest(1, 7)
     for threshold, worst in ((0.0, 0.9), (1e-6, 0.0)):
-        found = run_changed(lane, state, "contact", units="SI", solver="LEMKE", threshold=threshold)
-        error = np.max(np.abs(found.normal_force / lane.chain.normal_force - 1))
+        motion = run_changed(lane, state, "contact", units="SI", solver="LEMKE", threshold=threshold)
+        error = np.max(np.abs(motion.normal_force / lane.chain.normal_force - 1))
         assert worst <= error <= worst + 0.2
 
 
@@ -172,14 +167,12 @@ def test_without_a_threshold_lemke_parts_a_contact_and_presses_twice_in_the_next
 def test_units_do_not_matter(mass: float, stiffness: float, length: float, formulation: str) -> None:
     chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS)
-    found, usual = (run(one, State.at_rest(1, 7), STEPS, formulation=formulation) for one in (lane, lane_of()))
-    np.testing.assert_allclose(found.positions / length, usual.positions / AMPLITUDE, rtol=0, atol=1e-11)
+    motion, usual = (run(one, State.at_rest(1, 7), STEPS, formulation=formulation) for one in (lane, lane_of()))
+    np.testing.assert_allclose(motion.positions / length, usual.positions / AMPLITUDE, rtol=0, atol=1e-11)
 
 
 def test_a_motion_that_diverges_comes_back_as_numbers() -> None:
-    chain = Chain.from_ratios(friction_ratio=0.1)
-    unstable = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1), 20)
-    simulation = Siconos().build([unstable], preset="euler")
+    simulation = Siconos().build([unstable_lane()], preset="euler")
     before = simulation.advance(State.at_rest(1, 7), 0, 3)
     end = simulation.advance(State.at_rest(1, 7), 0, 400)
     assert np.max(np.abs(end.positions)) > 1e6 * AMPLITUDE

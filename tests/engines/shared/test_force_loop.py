@@ -9,11 +9,16 @@ from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import LARGEST_MOTION, ExplicitForcesLane, Step
 from engines.shared.step_cost import native_stepping
 from engines.shared.units import Units
-from reference_lcp.chain.harmonic import HarmonicBase
-from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from tests.engines.scheme_oracle import AMPLITUDE, STEPS, assert_equals_scheme, lane_of, random_state, uneven_lane
+from tests.engines.scheme_oracle import (
+    AMPLITUDE,
+    STEPS,
+    assert_equals_scheme,
+    lane_of,
+    random_state,
+    uneven_lane,
+    unstable_lane,
+)
 
 NAMES = [name for name in ("dart", "pymunk", "box2d", "pinocchio") if engine(name).unavailable_reason() is None]
 
@@ -63,8 +68,8 @@ def test_forces_do_the_same_work_in_every_coordinate(coordinates: ChainCoordinat
     position, velocity, shift = rng.normal(size=(3, 14))
     force = -chain.stiffness_matrix @ position - chain.damping_matrix @ velocity
     motion = np.concatenate([coordinates.of(position), coordinates.of(velocity)])
-    found = coordinates.force_matrix(chain) @ motion
-    assert found @ coordinates.of(shift) == pytest.approx(force @ shift, rel=1e-12)
+    forces = coordinates.force_matrix(chain) @ motion
+    assert forces @ coordinates.of(shift) == pytest.approx(force @ shift, rel=1e-12)
 
 
 @pytest.mark.parametrize("units", ["SI", "lane"])
@@ -77,8 +82,7 @@ def test_the_loop_takes_the_steps_of_the_scheme(units: str) -> None:
 
 
 def test_a_lane_that_diverges_stops_and_repeats_its_last_row() -> None:
-    chain = Chain.from_ratios(friction_ratio=0.1)
-    unstable = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.1), 20)
+    unstable = unstable_lane()
     units = Units.of(unstable)
     model = ByHand(unstable, units)
     run = model.run(State.at_rest(1, 7), 0, 400)

@@ -5,7 +5,9 @@ import faulthandler
 import os
 import signal
 import sys
+import threading
 import time
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import numpy as np
@@ -164,3 +166,77 @@ class IsAnotherVersion(Faulty):
     def version(self):
         """Version by the environment: `FAULTY_VERSION`, or that of a worker process."""
         return os.environ.get("FAULTY_VERSION", "9.9.9" if "MULTIBODY_XVAL_WORKER" in os.environ else "1.0.0")
+
+
+class LeavesADaemon(Faulty):
+    """Leaves a process behind that has a session of its own and no parent, and writes its number into a file."""
+
+    name = "faulty-daemon"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            file = Path(os.environ["FAULTY_CHILD"])
+            if not file.exists() and os.fork() == 0:
+                os.setsid()
+                daemon = os.fork()
+                if daemon == 0:
+                    time.sleep(10_000)
+                file.write_text(str(daemon))
+                os._exit(0)
+            return super().run(state, start, steps)
+
+
+class StopsWhileSending(Faulty):
+    """Is stopped in the middle of what it sends."""
+
+    name = "faulty-sending"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            if at_the_deadly_point(self.lane):
+                Connection._send = self.send_a_part
+            return super().run(state, start, steps)
+
+        @staticmethod
+        def send_a_part(connection, data):
+            os.write(connection.fileno(), data[:100])
+            os.kill(os.getpid(), signal.SIGSTOP)
+
+
+class LeavesAThread(Faulty):
+    """Leaves a thread behind that never ends, and that Python waits for at its end."""
+
+    name = "faulty-thread"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            if at_the_deadly_point(self.lane):
+                threading.Thread(target=time.sleep, args=(10_000,)).start()
+            return super().run(state, start, steps)
+
+
+class Floods(Faulty):
+    """Prints a hundred megabytes."""
+
+    name = "faulty-flood"
+
+    class lane_model(Lane):  # noqa: N801
+        flooded = False
+
+        def run(self, state, start, steps):
+            if at_the_deadly_point(self.lane) and not self.flooded:
+                self.flooded = True
+                for _ in range(100):
+                    sys.__stdout__.write(1_000_000 * "~")
+                sys.__stdout__.flush()
+            return super().run(state, start, steps)
+
+
+class TalksTooMuch(Faulty):
+    """Raises a million words."""
+
+    name = "faulty-talks"
+
+    class lane_model(Lane):  # noqa: N801
+        def run(self, state, start, steps):
+            raise RuntimeError(1_000_000 * "word ")

@@ -7,7 +7,6 @@ state in and gives a trajectory out, and one line in `pyproject.toml`.
 import numpy as np
 
 from engines import Capabilities, Engine, Formulation, FrictionLaw, Preset
-from engines.interface.engine import constant_normal_force
 from reference_lcp import State, Trajectory
 from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
 
@@ -54,7 +53,7 @@ class TinyLane(LaneModel):
             x = x + self.lane.time_step * v
             rows.append((x, v, friction))
         positions, velocities, forces = (np.array(column) for column in zip(*rows, strict=True))
-        normal = constant_normal_force(self.lane, steps)
+        normal = self.lane.preloads(start, steps)
         return Trajectory(self.lane.times(start, steps), positions, velocities, forces, normal)
 
     def _velocity_after(self, x, v, load):

@@ -34,11 +34,11 @@ def random_setting(rng):
 
 def bar_and_error(chain, drive):
     """Error bar and true error [dB] at the coarsest step, both NaN where there is no steady state."""
-    found = steady_state(chain, drive)
+    steady = steady_state(chain, drive)
     exact = exact_steady_state(chain, drive)
-    if not (found.orbit.converged and exact.orbit.converged):
+    if not (steady.orbit.converged and exact.orbit.converged):
         return np.nan, np.nan
-    return found.error_bar.transmittance_db, abs(found.transmittance_db - exact.transmittance_db)
+    return steady.error_bar.transmittance_db, abs(steady.transmittance_db - exact.transmittance_db)
 
 
 def check_coverage(count, seed):
@@ -83,18 +83,18 @@ def test_error_bar_halves_with_the_step() -> None:
 def test_extrapolated_value_is_closer_than_the_computed_one() -> None:
     chain = Chain.from_ratios(friction_ratio=0.6)
     drive = HarmonicBase.from_ratio(chain, 1.3)
-    found = steady_state(chain, drive, with_exact_value=True)
-    plain = abs(found.transmittance_db - found.exact_db)
-    assert abs(found.error_bar.extrapolated_db - found.exact_db) < plain / 5
-    assert found.error_bar.order == pytest.approx(1.0, abs=0.3)
-    assert plain <= found.error_bar.transmittance_db <= 4 * SAFETY * plain
+    steady = steady_state(chain, drive, with_exact_value=True)
+    plain = abs(steady.transmittance_db - steady.exact_db)
+    assert abs(steady.error_bar.extrapolated_db - steady.exact_db) < plain / 5
+    assert steady.error_bar.order == pytest.approx(1.0, abs=0.3)
+    assert plain <= steady.error_bar.transmittance_db <= 4 * SAFETY * plain
 
 
 def test_stuck_fraction_has_an_error_bar_too() -> None:
     chain = Chain.from_ratios(friction_ratio=0.3)
     drive = HarmonicBase.from_ratio(chain, 0.9)
-    found, exact = steady_state(chain, drive), exact_steady_state(chain, drive)
-    assert np.all(np.abs(found.stuck_fraction - exact.stuck_fraction) <= found.error_bar.stuck_fraction)
+    steady, exact = steady_state(chain, drive), exact_steady_state(chain, drive)
+    assert np.all(np.abs(steady.stuck_fraction - exact.stuck_fraction) <= steady.error_bar.stuck_fraction)
 
 
 def test_error_bar_that_was_not_requested_is_absent() -> None:

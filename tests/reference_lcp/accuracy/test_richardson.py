@@ -19,20 +19,20 @@ def values(first, second, steps):
 @pytest.mark.parametrize("steps", [(1, 2), (1, 2, 4), (3, 4), (2, 5, 7), (1, 2, 4, 32)])
 def test_first_order_error_is_found_whatever_the_steps(steps) -> None:
     for at, value in zip(steps, values(0.1, 0.0, steps), strict=True):
-        found = richardson(steps, values(0.1, 0.0, steps), at)
+        estimate = richardson(steps, values(0.1, 0.0, steps), at)
         # nothing stands beside the finest of three, and two pairs add up
         looks = 2 if at == steps[-1] and len(steps) > 2 else 1
-        assert found.value == value
-        assert found.error == pytest.approx(looks * SAFETY * abs(value - LIMIT))
-        assert found.extrapolated == pytest.approx(LIMIT)
+        assert estimate.value == value
+        assert estimate.error == pytest.approx(looks * SAFETY * abs(value - LIMIT))
+        assert estimate.extrapolated == pytest.approx(LIMIT)
 
 
 @pytest.mark.parametrize(("first", "second"), [(0.1, 0.0), (0.0, 0.1), (0.1, -0.1), (0.1, -0.2), (-0.1, 0.3)])
 @pytest.mark.parametrize("at", [1, 2, 4])
 def test_three_steps_cover_the_error_of_each_of_them(first, second, at) -> None:
     """For (0.1, −0.2) the two middle values are both off by nothing or by little."""
-    found = richardson((1, 2, 4), values(first, second, (1, 2, 4)), at)
-    assert found.error >= abs(found.value - LIMIT)
+    estimate = richardson((1, 2, 4), values(first, second, (1, 2, 4)), at)
+    assert estimate.error >= abs(estimate.value - LIMIT)
 
 
 def test_one_difference_that_vanishes_by_chance_is_not_believed() -> None:

@@ -73,8 +73,8 @@ def test_force_drive_of_a_single_cell_has_the_response_of_two_masses() -> None:
     k_c, k_i = chain.chain_stiffness[0], chain.inner_stiffness[0]
     inner = k_i / (k_i - m_i * omega**2)
     outer = 2.0 / (k_c + k_i - m_o * omega**2 - k_i * inner)
-    found = frictionless_response(chain, HarmonicForce(2.0, omega))
-    assert found == pytest.approx([outer, outer * inner])
+    response = frictionless_response(chain, HarmonicForce(2.0, omega))
+    assert response == pytest.approx([outer, outer * inner])
 
 
 def test_residual_of_a_resonant_cell_is_amplified_as_its_slower_mode_tells() -> None:

@@ -58,14 +58,14 @@ def equation_7(lane, steps):
 def test_modulated_chain_equals_equation_7_with_the_normal_direction_resolved(modulation, multiple, solver) -> None:
     steps = 2 * 200
     lane = lane_of(modulation, multiple, phase=0.4, steps=steps // 2)
-    full, found = equation_7(lane, steps), solver([lane]).run(State.at_rest(1, 7), 0, steps)[0]
+    full, along = equation_7(lane, steps), solver([lane]).run(State.at_rest(1, 7), 0, steps)[0]
     speed = AMPLITUDE * lane.drive.angular_frequency
     force = lane.chain.normal_force[0] * 4 / lane.time_step / lane.drive.angular_frequency  # of an impact
-    assert np.max(np.abs(found.positions - full.positions[:, :14])) <= ROUND_OFF * AMPLITUDE
-    assert np.max(np.abs(found.velocities - full.velocities[:, :14])) <= ROUND_OFF * speed
-    assert np.max(np.abs(found.normal_force - full.normal_force)) <= ROUND_OFF * force
-    assert np.max(np.abs(found.friction - full.friction)) <= 1e-10 * lane.chain.friction_bound[0]
-    gap = np.zeros((steps, 7)) if found.normal_gap is None else found.normal_gap
+    assert np.max(np.abs(along.positions - full.positions[:, :14])) <= ROUND_OFF * AMPLITUDE
+    assert np.max(np.abs(along.velocities - full.velocities[:, :14])) <= ROUND_OFF * speed
+    assert np.max(np.abs(along.normal_force - full.normal_force)) <= ROUND_OFF * force
+    assert np.max(np.abs(along.friction - full.friction)) <= 1e-10 * lane.chain.friction_bound[0]
+    gap = np.zeros((steps, 7)) if along.normal_gap is None else along.normal_gap
     assert np.max(np.abs(gap - full.positions[:, 14:])) <= ROUND_OFF * max(1.0, 10 * np.max(gap))
 
 

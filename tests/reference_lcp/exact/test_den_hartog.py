@@ -57,8 +57,8 @@ def modes_over_a_period(frequency_ratio, force_ratio, **how) -> list[Mode]:
         inner_stiffness=np.asarray(40.0), normal_force=np.asarray(force_ratio * 10.0),
         friction_coefficient=np.asarray(1.0),
     )  # fmt: skip
-    found = steady_state(chain, HarmonicForce(10.0, frequency_ratio * 10.0), with_error_bar=False, **how)
-    return [change.kind for change in found.transitions]
+    steady = steady_state(chain, HarmonicForce(10.0, frequency_ratio * 10.0), with_error_bar=False, **how)
+    return [change.kind for change in steady.transitions]
 
 
 @pytest.mark.parametrize("frequency_ratio", [0.45, 0.6, 0.8, 1.3])
@@ -93,10 +93,10 @@ def test_fundamental_of_the_sliding_motion_is_that_of_the_event_driven_one(frequ
         inner_stiffness=np.asarray(40.0), normal_force=np.asarray(force_ratio * 10.0),
         friction_coefficient=np.asarray(1.0),
     )  # fmt: skip
-    found = steady_state(chain, HarmonicForce(10.0, frequency_ratio * 10.0), solver="exact")
+    steady = steady_state(chain, HarmonicForce(10.0, frequency_ratio * 10.0), solver="exact")
     # displacements are over P0 / k_c here and over P0 / (k_c + k_i) in Den Hartog's formula
     expected = 0.6 * abs(SlidingMotion.of(frequency_ratio, force_ratio).fundamental)
-    assert 10 ** (found.transmittance_db / 20) == pytest.approx(expected, rel=1e-9)
+    assert 10 ** (steady.transmittance_db / 20) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize(

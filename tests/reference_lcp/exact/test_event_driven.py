@@ -51,20 +51,20 @@ def random_case(seed) -> tuple[Chain, HarmonicBase, State]:
 @pytest.mark.parametrize(("friction", "limit"), [(0.0, frictionless_response), (100.0, stuck_response)])
 def test_linear_limits_are_those_of_the_direct_solution(ratio, friction, limit) -> None:
     chain, drive = canonical(friction, ratio)
-    found = exact_steady_state(chain, drive)
-    harmonic = ExactPeriod.following(found.orbit, drive.period).harmonic()
+    steady = exact_steady_state(chain, drive)
+    harmonic = ExactPeriod.following(steady.orbit, drive.period).harmonic()
     response = limit(chain, drive)
     assert np.max(np.abs(harmonic - response)) <= 1e-10 * np.max(np.abs(response))
-    assert found.transmittance_db == pytest.approx(20 * np.log10(abs(response[6]) / drive.amplitude), abs=1e-9)
-    assert np.all(found.stuck_fraction == (0.0 if friction == 0 else 1.0))
-    assert found.transitions == []
+    assert steady.transmittance_db == pytest.approx(20 * np.log10(abs(response[6]) / drive.amplitude), abs=1e-9)
+    assert np.all(steady.stuck_fraction == (0.0 if friction == 0 else 1.0))
+    assert steady.transitions == []
 
 
 @pytest.mark.parametrize("place", EXACT_DB)
 def test_canonical_transmittance(place) -> None:
-    found = exact_steady_state(*canonical(*place))
-    assert found.orbit.residual <= 1e-11
-    assert found.transmittance_db == pytest.approx(EXACT_DB[place], abs=1e-3)
+    steady = exact_steady_state(*canonical(*place))
+    assert steady.orbit.residual <= 1e-11
+    assert steady.transmittance_db == pytest.approx(EXACT_DB[place], abs=1e-3)
 
 
 @pytest.mark.parametrize("place", [(0.1, 0.6), (0.3, 0.62), (0.6, 1.3), (1.0, 0.9)])
@@ -198,18 +198,18 @@ def test_transitions_come_in_pairs_half_a_period_apart() -> None:
     """The drive changes its sign after half a period; so does the steady state, to round-off."""
     chain, drive = canonical(0.3, 0.9)
     opposite = {Mode.STICK: Mode.STICK, Mode.FORWARD: Mode.BACKWARD, Mode.BACKWARD: Mode.FORWARD}
-    found = [(t.cell, t.time / drive.period, t.kind) for t in exact_steady_state(chain, drive).transitions]
-    assert found
-    for cell, time, kind in found:
-        partners = [t for c, t, k in found if c == cell and k is opposite[kind]]
+    changes = [(t.cell, t.time / drive.period, t.kind) for t in exact_steady_state(chain, drive).transitions]
+    assert changes
+    for cell, time, kind in changes:
+        partners = [t for c, t, k in changes if c == cell and k is opposite[kind]]
         assert min(abs((t - time) % 1 - 0.5) for t in partners) < 1e-10
 
 
 def test_contact_that_creeps_to_where_it_sticks_counts_as_sticking() -> None:
     """At friction ratio 1 and η_r = 0.9 cell 1 just reaches its bound; nothing slips forward and never back."""
-    found = exact_steady_state(*canonical(1.0, 0.9))
-    assert found.stuck_fraction[0] == 1.0
-    assert {t.cell for t in found.transitions} == {3, 5}
+    steady = exact_steady_state(*canonical(1.0, 0.9))
+    assert steady.stuck_fraction[0] == 1.0
+    assert {t.cell for t in steady.transitions} == {3, 5}
 
 
 def test_force_at_its_bound_that_does_not_rise_further_holds_the_contact() -> None:

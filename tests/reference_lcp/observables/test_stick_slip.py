@@ -81,9 +81,9 @@ def test_dissipated_energy_is_force_times_slip() -> None:
 
 def test_frictionless_contact_never_sticks_and_has_no_transitions() -> None:
     chain = Chain.from_ratios(friction_ratio=0.0)
-    found = steady_state(chain, HarmonicBase.from_ratio(chain, 0.9))
-    assert np.all(found.stuck_fraction == 0)
-    assert found.transitions == []
+    steady = steady_state(chain, HarmonicBase.from_ratio(chain, 0.9))
+    assert np.all(steady.stuck_fraction == 0)
+    assert steady.transitions == []
 
 
 def test_energy_put_in_by_the_drive_is_what_friction_and_dashpots_take_out() -> None:
@@ -104,8 +104,8 @@ def test_energy_put_in_by_the_drive_is_what_friction_and_dashpots_take_out() -> 
 def test_steady_state_is_symmetric_in_time_as_the_drive_is() -> None:
     """Half a period later everything has the other sign: transitions come in pairs of opposite direction."""
     chain = Chain.from_ratios(friction_ratio=0.3)
-    found = steady_state(chain, HarmonicBase.from_ratio(chain, 0.9))
-    modes = contact_modes(found.orbit)
+    steady = steady_state(chain, HarmonicBase.from_ratio(chain, 0.9))
+    modes = contact_modes(steady.orbit)
     assert np.mean(modes[:200] == -modes[200:]) > 0.98
 
 

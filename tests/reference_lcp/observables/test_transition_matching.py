@@ -24,12 +24,12 @@ def test_a_late_transition_has_a_positive_error_over_the_period() -> None:
 
 
 @pytest.mark.parametrize(
-    "found", [(2, 0.5, STICK), (1, 0.5, FORWARD), (1, 0.5 + 1.01 * MATCHING_WINDOW * PERIOD, STICK)]
+    "observed", [(2, 0.5, STICK), (1, 0.5, FORWARD), (1, 0.5 + 1.01 * MATCHING_WINDOW * PERIOD, STICK)]
 )
-def test_another_cell_another_mode_or_too_far_is_missed_and_spurious(found: tuple[int, float, str]) -> None:
+def test_another_cell_another_mode_or_too_far_is_missed_and_spurious(observed: tuple[int, float, str]) -> None:
     expected = (1, 0.5, STICK)
-    match = match_transitions([found], [expected], PERIOD)
-    assert (match.pairs, match.missed, match.spurious) == ((), (expected,), (found,))
+    match = match_transitions([observed], [expected], PERIOD)
+    assert (match.pairs, match.missed, match.spurious) == ((), (expected,), (observed,))
 
 
 def test_the_ends_of_the_period_are_neighbours() -> None:
@@ -63,10 +63,10 @@ TRANSITIONS = st.lists(st.tuples(st.integers(1, 3), TIMES, st.sampled_from([STIC
 
 @given(TRANSITIONS, TRANSITIONS)
 def test_every_transition_is_in_one_place_and_swapping_the_sides_swaps_the_outcome(
-    found: list[tuple[int, float, str]], expected: list[tuple[int, float, str]]
+    observed: list[tuple[int, float, str]], expected: list[tuple[int, float, str]]
 ) -> None:
-    match = match_transitions(found, expected, PERIOD)
-    assert sorted([*(pair[0] for pair in match.pairs), *match.spurious]) == sorted(found)
+    match = match_transitions(observed, expected, PERIOD)
+    assert sorted([*(pair[0] for pair in match.pairs), *match.spurious]) == sorted(observed)
     assert sorted([*(pair[1] for pair in match.pairs), *match.missed]) == sorted(expected)
     assert all(f[0] == e[0] and f[2] == e[2] for f, e in match.pairs)
     assert all(abs(error) <= MATCHING_WINDOW for error in match.time_errors)

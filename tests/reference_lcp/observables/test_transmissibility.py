@@ -44,9 +44,9 @@ def test_pulse_in_a_linear_chain_shows_the_transmittance_at_every_frequency(fric
     coarse, fine = (spectrum_of_pulse(chain, steps) for steps in (200, 400))
     omega = chain.resonator_frequency
     inside = (fine.angular_frequency > 0.3 * omega) & (fine.angular_frequency < 2 * omega)
-    found = 2 * np.abs(fine.ratio[inside]) - np.abs(coarse.ratio[inside])
+    estimate = 2 * np.abs(fine.ratio[inside]) - np.abs(coarse.ratio[inside])
     expected = [theory(chain, HarmonicBase(0.01, line)) for line in fine.angular_frequency[inside]]
-    assert found == pytest.approx(expected, rel=2e-3, abs=1e-4)
+    assert estimate == pytest.approx(expected, rel=2e-3, abs=1e-4)
 
 
 def test_noise_in_a_linear_chain_shows_the_transmittance_of_a_band() -> None:
@@ -58,31 +58,31 @@ def test_noise_in_a_linear_chain_shows_the_transmittance_of_a_band() -> None:
     run = simulate(chain, noise, time_step=period / 100, steps=400 * 100)
     rows = slice(4999, None, 5)
     base, response = noise.displacement(run.time[rows]), run.outer_positions[rows, -1]
-    found = stationary_transmissibility(base, response, period / 20, 150 * 20)
+    estimate = stationary_transmissibility(base, response, period / 20, 150 * 20)
     for lowest, highest in ((0.3, 0.6), (0.9, 1.35), (1.5, 2.0)):
-        inside = (found.angular_frequency > lowest * omega) & (found.angular_frequency < highest * omega)
-        power = found.base_power[inside]
-        lines = found.angular_frequency[inside]
+        inside = (estimate.angular_frequency > lowest * omega) & (estimate.angular_frequency < highest * omega)
+        power = estimate.base_power[inside]
+        lines = estimate.angular_frequency[inside]
         squares = [frictionless_transmittance(chain, HarmonicBase(0.01, line)) ** 2 for line in lines]
         expected = decibel(np.sqrt(np.average(squares, weights=power)))
-        assert decibel(found.in_band(lowest * omega, highest * omega)) == pytest.approx(expected, abs=0.3)
+        assert decibel(estimate.in_band(lowest * omega, highest * omega)) == pytest.approx(expected, abs=0.3)
 
 
 def test_what_does_not_follow_the_base_is_left_out_of_h1() -> None:
     """Noise at the response averages out of the cross spectrum; in a ratio of powers it would count."""
     rng = np.random.default_rng(1)
     base, noise = rng.normal(size=(2, 200_000))
-    found = stationary_transmissibility(base, 0.5 * base + noise, 0.01, 256)
-    assert found.in_band(20.0, 200.0) == pytest.approx(0.5, rel=0.02)
+    estimate = stationary_transmissibility(base, 0.5 * base + noise, 0.01, 256)
+    assert estimate.in_band(20.0, 200.0) == pytest.approx(0.5, rel=0.02)
 
 
 def test_band_without_power_has_no_number_and_one_without_lines_is_refused() -> None:
     time = 0.01 * np.arange(2000)
     base = np.where(time < 1, np.sin(np.pi * time) ** 2, 0.0)
-    found = transient_transmissibility(0 * base, base, 0.01)
-    assert np.isnan(found.in_band(1.0, 10.0))
+    estimate = transient_transmissibility(0 * base, base, 0.01)
+    assert np.isnan(estimate.in_band(1.0, 10.0))
     with pytest.raises(ParameterError, match=r"holds 1 lines of the spectrum; allowed: at least 3"):
-        found.in_band(1.0, 1.3)
+        estimate.in_band(1.0, 1.3)
 
 
 def test_motions_that_do_not_fit_together_are_refused() -> None:

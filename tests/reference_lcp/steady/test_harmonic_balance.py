@@ -34,8 +34,8 @@ def linear_response(chain, drive, basis):
     force = np.zeros(2 * chain.cells, dtype=complex)
     quarter = np.array([0.0, drive.period / 4])
     force[0] = drive.load(chain, quarter) @ [1j, 1.0]
-    found = basis @ np.linalg.solve(basis.T @ dynamic @ basis, basis.T @ force)
-    return found / drive.displacement_scale(chain)
+    amplitudes = basis @ np.linalg.solve(basis.T @ dynamic @ basis, basis.T @ force)
+    return amplitudes / drive.displacement_scale(chain)
 
 
 @pytest.mark.parametrize("kind", [0, 1], ids=["moving base", "force"])
@@ -67,8 +67,8 @@ def test_first_harmonic_of_a_sliding_cell_is_that_of_its_exact_motion_within_a_n
     positions, velocities = start(chain, drive)
     phases = np.exp(-2j * np.pi * (np.arange(STEPS) + 1) / STEPS)
     first = 2j * np.mean(orbit.trajectory.positions * phases[:, None], axis=0) / drive.amplitude
-    found = velocities + 1j * positions
-    assert np.max(np.abs(found - first)) < np.max(np.abs(first)) / 9
+    amplitudes = velocities + 1j * positions
+    assert np.max(np.abs(amplitudes - first)) < np.max(np.abs(first)) / 9
 
 
 def test_undamped_resonance_is_finite() -> None:

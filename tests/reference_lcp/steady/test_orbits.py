@@ -35,9 +35,9 @@ def orbit_of(chain, frequency_ratio, steps=400, **options):
 @pytest.mark.parametrize("place", EXACT_DB)
 def test_transmittance_at_400_steps_is_within_two_hundredths_of_a_decibel_of_the_exact_value(place) -> None:
     chain = Chain.from_ratios(friction_ratio=place[0])
-    found = steady_state(chain, HarmonicBase.from_ratio(chain, place[1]))
-    assert found.orbit.residual <= 1e-8
-    assert found.transmittance_db == pytest.approx(EXACT_DB[place], abs=0.02)
+    steady = steady_state(chain, HarmonicBase.from_ratio(chain, place[1]))
+    assert steady.orbit.residual <= 1e-8
+    assert steady.transmittance_db == pytest.approx(EXACT_DB[place], abs=0.02)
 
 
 def test_lemke_finds_the_same_steady_state_as_the_closed_form() -> None:
@@ -63,10 +63,10 @@ def test_stuck_limit_is_the_chain_of_locked_masses(ratio) -> None:
     """A friction ratio of 100 never slips; the cells are single masses m_o + m_i."""
     chain = Chain.from_ratios(friction_ratio=100.0)
     drive = HarmonicBase.from_ratio(chain, ratio)
-    found = steady_state(chain, drive, steps_per_period=6400)
-    assert np.all(found.stuck_fraction == 1.0)
-    assert found.transitions == []
-    assert found.transmittance_db == pytest.approx(decibel(stuck_transmittance(chain, drive)), abs=0.01)
+    steady = steady_state(chain, drive, steps_per_period=6400)
+    assert np.all(steady.stuck_fraction == 1.0)
+    assert steady.transitions == []
+    assert steady.transmittance_db == pytest.approx(decibel(stuck_transmittance(chain, drive)), abs=0.01)
     outer, inner = np.split(stuck_response(chain, drive), 2)
     assert np.array_equal(outer, inner)
 

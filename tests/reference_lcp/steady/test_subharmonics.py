@@ -40,10 +40,10 @@ class UnevenMotor:
             )
             for lane, phase in zip(self.lanes, phases, strict=True)
         ]
-        found = CompiledSimulation(moved).run(State(state.positions, state.velocities), start, steps)
+        trajectories = CompiledSimulation(moved).run(State(state.positions, state.velocities), start, steps)
         return [
             dataclasses.replace(one, internal_state=np.array([(phase + self._turn) % 1.0]))
-            for one, phase in zip(found, phases, strict=True)
+            for one, phase in zip(trajectories, phases, strict=True)
         ]
 
     def subset(self, lanes):

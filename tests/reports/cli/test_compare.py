@@ -2,6 +2,8 @@
 
 import csv
 import dataclasses
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -11,12 +13,13 @@ from engines.interface.engine import Engine
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Option, Preset
 from engines.interface.variant import Variant
 from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.validation import ParameterError
 from reports.__main__ import app
-from scenarios.execution.store import ResultStore
+from scenarios.execution.store import ResultStore, digest_of
 from scenarios.tasks import task
 from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
+from scenarios.tasks.task import SteadyStateTask, key_of
 from scenarios.verdicts.regression import StoredResult, Thresholds, change, compare_stores
 
 SOFT, HARD = Option(1, 5, "soft"), Option(100, 5, "hard")
@@ -112,7 +115,7 @@ def test_points_of_one_store_alone_are_counted(before: Path, tmp_path: Path) -> 
     with ResultStore(now) as store:
         store.keep([(other, answered(other, 0.0))])
     found = compare_stores(before, now)
-    assert found.changes == ()
+    assert found.common == []
     assert (found.only_first, found.only_second) == ({"softening:joint:tuned": 3}, {"reference:joint:tuned": 1})
     assert compared(before, now) == 2
 
@@ -130,9 +133,89 @@ def test_points_of_one_store_alone_are_counted(before: Path, tmp_path: Path) -> 
 def test_every_kind_of_change_passes_its_threshold(now: dict[str, object], beyond: str) -> None:
     task = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
     old = answered(task, 0.0)
-    kept = [StoredResult({}, "1", {}, answer) for answer in (old, dataclasses.replace(old, **now))]
+    kept = [StoredResult({}, 3, "1", {}, answer) for answer in (old, dataclasses.replace(old, **now))]
     assert beyond in change(*kept, Thresholds()).beyond
     assert change(kept[0], kept[0], Thresholds()).beyond == ()
+
+
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("now", "beyond"),
+    [
+        ({"transmittance_db": NAN}, "transmittance db is no longer finite"),
+        ({"transitions": ((1, NAN, "stick"),)}, "time of a transition is no longer finite"),
+        ({"residual": NAN}, "residual is no longer finite"),
+        ({"stuck_fraction": (0.5, NAN)}, "stuck fraction is no longer finite"),
+        ({"stuck_fraction": ()}, "stuck fraction is no longer complete"),
+        ({"series": {"travels": (0.1, float("inf"))}}, "travels is no longer finite"),
+        ({"series": {}}, "travels is no longer complete"),
+    ],
+)
+@pytest.mark.parametrize("status", ["converged", "finished"])
+def test_numbers_that_are_lost_or_no_longer_finite_pass_every_threshold(status, now, beyond) -> None:
+    task = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
+    old = dataclasses.replace(answered(task, 0.0), status=status, series={"travels": (0.1, 0.2)})
+    stored = [StoredResult({}, 3, "1", {}, result) for result in (old, dataclasses.replace(old, **now))]
+    assert beyond in change(*stored, Thresholds(1e3, 1.0, 1.0)).beyond
+    if "transitions" not in now:  # NaN has no partner
+        assert change(stored[1], stored[1], Thresholds()).beyond == ()
+
+
+def results_of(file: Path) -> dict[str, str]:
+    """Contents and answers of a store, as JSON."""
+    with closing(sqlite3.connect(file)) as connection:
+        return dict(connection.execute("SELECT content, answer FROM answers"))
+
+
+def write_results(file: Path, results: dict[str, str]) -> Path:
+    """Write contents and answers into a store, signed."""
+    ResultStore(file).close()
+    rows = [(key_of(content), content, answer) for content, answer in results.items()]
+    with closing(sqlite3.connect(file)) as connection, connection:
+        connection.executemany(
+            "INSERT INTO answers VALUES (?, ?, ?, ?)",
+            [(*row, digest_of(*(text.encode() for text in row))) for row in rows],
+        )
+    return file
+
+
+def test_results_that_are_lost_fail_and_are_named(before: Path, tmp_path: Path, capsys) -> None:
+    results = results_of(before)
+    now = write_results(tmp_path / "now.sqlite", dict(list(results.items())[:1]))
+    assert compared(before, now, "--out", tmp_path / "changes.csv") == ExitCode.FAILED
+    assert "2 points beyond" in capsys.readouterr().out
+    rows = list(csv.DictReader((tmp_path / "changes.csv").read_text().splitlines()))
+    assert [row["beyond"] for row in rows] == ["", *["converged before, missing now"] * 2]
+    assert compared(now, before) == ExitCode.DONE
+
+
+def test_formats_that_differ_are_refused_with_both(before: Path, tmp_path: Path, capsys) -> None:
+    results = results_of(before)
+    assert all('"format":3' in content for content in results)
+    now = write_results(
+        tmp_path / "now.sqlite",
+        {content.replace('"format":3', '"format":4'): text for content, text in results.items()},
+    )
+    assert compared(before, now) == ExitCode.WRONG_INPUT
+    message = capsys.readouterr().err
+    assert f"{before} has results of format 3, {now} of format 4" in message
+
+
+def test_blocked_now_fails_with_its_reason_blocked_before_does_not(before: Path, tmp_path: Path, capsys) -> None:
+    blocked = Result.blocked("crashed in solve()", by_engine=True).to_json()
+    results = results_of(before)
+    now = write_results(tmp_path / "now.sqlite", dict.fromkeys(results, blocked))
+    assert compared(before, now, "--out", tmp_path / "changes.csv") == ExitCode.FAILED
+    assert "3 points beyond" in capsys.readouterr().out
+    rows = list(csv.DictReader((tmp_path / "changes.csv").read_text().splitlines()))
+    assert {row["beyond"] for row in rows} == {"converged before, blocked now: crashed in solve()"}
+    assert compared(now, before) == ExitCode.DONE
+    assert compared(now, now) == ExitCode.DONE
+    shown = capsys.readouterr().out
+    assert "blocked before" in shown
+    assert "blocked now" in shown
 
 
 @pytest.mark.parametrize(

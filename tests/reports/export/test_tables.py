@@ -18,7 +18,7 @@ from scenarios.sweeps.compared import ComparedSweep
 COLUMNS = {
     "band_edges.csv": "engine,formulation,preset,friction_ratio,edge,frequency_ratio,difference,verdict,reason",
     "transmittance.csv": (
-        "engine,formulation,preset,friction_ratio,frequency_ratio,transmittance_db,residual,difference_db,verdict,reason"
+        "engine,formulation,preset,friction_ratio,frequency_ratio,status,transmittance_db,residual,difference_db,verdict,reason"
     ),
     "transitions.csv": "engine,formulation,preset,friction_ratio,frequency_ratio,cell,time_s,kind",
 }

@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 from engines.interface.variant import Variant
-from reports.data.findings import absent_edge, band_definition, compared_with, findings
+from reports.data.descriptions import band_definition, compared_with
+from reports.data.findings import findings
 from reports.data.report import Report
+from reports.data.stick_slip import stick_slip_rows
 from reports.export.files import files_of
 from reports.page.render import LARGEST_PAGE
 from reports.page.sections import OpenPoints
-from reports.page.sections.stick_slip import stick_slip_rows
+from reports.page.sections.band_edges import absent_edge
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
@@ -150,7 +152,7 @@ def test_points_and_edges_that_do_not_agree_are_named(result: ComparedSweep) -> 
 
 def test_every_axis_and_every_table_of_edges_names_the_definition_of_the_band(page: str, result: ComparedSweep) -> None:
     definition = "first deep attenuation (transmittance below −10 dB)"
-    assert definition in band_definition(result)
+    assert definition in band_definition(result.sweep)
     assert page.count(definition) == 5
 
 

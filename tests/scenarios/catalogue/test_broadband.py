@@ -9,13 +9,7 @@ import pytest
 from engines.interface.variant import Variant
 from reference_lcp import HarmonicBase, ParameterError, RecordedBase, decibel, frictionless_transmittance
 from scenarios.catalogue import CATALOGUE
-from scenarios.catalogue.example_record import FILE, example_samples, write_example
-from scenarios.catalogue.example_record import PEAK as EXAMPLE_PEAK
-from scenarios.catalogue.filtered_noise import FilteredNoiseScenario
-from scenarios.catalogue.record import Record
-from scenarios.catalogue.ricker_pulse import RickerPulseScenario
-from scenarios.catalogue.swept_sine import SweptSineScenario
-from scenarios.catalogue.transient_base import (
+from scenarios.catalogue.transient.base import (
     BAND_METRICS,
     BANDS,
     BROADBAND_STEPS,
@@ -24,6 +18,12 @@ from scenarios.catalogue.transient_base import (
     RATIOS,
     ROWS_PER_PERIOD,
 )
+from scenarios.catalogue.transient.example_record import FILE, example_samples, write_example
+from scenarios.catalogue.transient.example_record import PEAK as EXAMPLE_PEAK
+from scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
+from scenarios.catalogue.transient.record import Record
+from scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
+from scenarios.catalogue.transient.swept_sine import SweptSineScenario
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
@@ -86,10 +86,10 @@ def test_noise_of_little_amplitude_finds_the_cells_locked() -> None:
 def test_response_is_in_proportion_to_the_base_where_friction_is_too(tmp_path) -> None:
     """Coulomb friction has no scale of its own: twice the base, twice the bound, twice the motion."""
     case = RickerPulseScenario().case(0.05)
-    asked = dataclasses.replace(case, periods=30).task(REFERENCE)
-    double = dataclasses.replace(asked, base=dataclasses.replace(asked.base, amplitude=0.02), friction_ratio=0.1)
-    one, other = (np.array(run_transients([task])[0].series["response"]) for task in (asked, double))
-    assert other == pytest.approx(one, abs=1e-12)
+    task = dataclasses.replace(case, periods=30).task(REFERENCE)
+    doubled = dataclasses.replace(task, base=dataclasses.replace(task.base, amplitude=0.02), friction_ratio=0.1)
+    weak, strong = (np.array(run_transients([task])[0].series["response"]) for task in (task, doubled))
+    assert strong == pytest.approx(weak, abs=1e-12)
 
 
 def test_transients_have_died_out_at_their_end() -> None:
@@ -102,10 +102,10 @@ def test_transients_have_died_out_at_their_end() -> None:
 
 def test_reference_and_mujoco_agree_with_the_finer_reference(tmp_path) -> None:
     with ResultStore(tmp_path / "store.sqlite") as store:
-        found = ShortPulse().run([REFERENCE, Variant("mujoco")], evaluator(store))
-    assert [finding.metric for finding in found] == 2 * list(RickerPulseScenario.metrics)
-    assert {finding.comparison.verdict for finding in found} == {Verdict.AGREE}, found
-    series = {finding.variant.engine: finding for finding in found if finding.metric is DIFFERENCE}
+        findings = ShortPulse().run([REFERENCE, Variant("mujoco")], evaluator(store))
+    assert [finding.metric for finding in findings] == 2 * list(RickerPulseScenario.metrics)
+    assert {finding.comparison.verdict for finding in findings} == {Verdict.AGREE}, findings
+    series = {finding.variant.engine: finding for finding in findings if finding.metric is DIFFERENCE}
     assert 0 < series["mujoco"].value < 0.002
     assert series["mujoco"].value == pytest.approx(series["reference"].value, rel=1e-6)
 
@@ -113,8 +113,8 @@ def test_reference_and_mujoco_agree_with_the_finer_reference(tmp_path) -> None:
 def test_friction_that_is_too_large_by_a_twentieth_shows_in_the_series(tmp_path, monkeypatch) -> None:
     rub_harder(monkeypatch, 1.05)
     with ResultStore(tmp_path / "store.sqlite") as store:
-        found = ShortPulse().run([Variant("mujoco")], evaluator(store))
-    verdicts = {finding.metric: finding.comparison.verdict for finding in found}
+        findings = ShortPulse().run([Variant("mujoco")], evaluator(store))
+    verdicts = {finding.metric: finding.comparison.verdict for finding in findings}
     assert verdicts[DIFFERENCE] is Verdict.DISAGREE
     assert verdicts[PEAK] is Verdict.DISAGREE
 
@@ -127,8 +127,8 @@ class OffBy(InProcessExecutor):
 
     def run(self, batches):
         for batch in batches:
-            asked = [dataclasses.replace(motion, variant=REFERENCE) for motion in batch]
-            yield batch, [self.moved(*one) for one in zip(batch, run_transients(asked), strict=True)]
+            references = [dataclasses.replace(motion, variant=REFERENCE) for motion in batch]
+            yield batch, [self.moved(*pair) for pair in zip(batch, run_transients(references), strict=True)]
 
     def moved(self, motion, answer):
         if motion.variant == REFERENCE:
@@ -148,8 +148,8 @@ class OffBy(InProcessExecutor):
 )
 def test_error_that_three_steps_do_not_show_is_looked_at_with_finer_ones(tmp_path, error, verdict) -> None:
     with ResultStore(tmp_path / "store.sqlite") as store:
-        found = ShortPulse().run([Variant("mujoco")], Evaluator(store, OffBy(error)))
-    (series,) = [one.comparison for one in found if one.metric is DIFFERENCE]
+        findings = ShortPulse().run([Variant("mujoco")], Evaluator(store, OffBy(error)))
+    (series,) = [finding.comparison for finding in findings if finding.metric is DIFFERENCE]
     assert series.verdict is verdict
     assert series.reason.endswith("with 2 times the default steps")
 
@@ -164,17 +164,17 @@ def test_engine_that_fails_is_blocked_with_its_reason(tmp_path, monkeypatch) -> 
 
     monkeypatch.setattr(Variant, "build", failing)
     with ResultStore(tmp_path / "store.sqlite") as store:
-        found = ShortPulse().run([Variant("mujoco")], evaluator(store))
-    assert {finding.comparison.verdict for finding in found} == {Verdict.BLOCKED}
-    assert found[0].comparison.reason == "RuntimeError: no convergence"
+        findings = ShortPulse().run([Variant("mujoco")], evaluator(store))
+    assert {finding.comparison.verdict for finding in findings} == {Verdict.BLOCKED}
+    assert findings[0].comparison.reason == "RuntimeError: no convergence"
 
 
 def test_everything_that_is_asked_is_known_beforehand(tmp_path) -> None:
     """Progress bars count it; nothing is asked twice."""
     scenario, told = ShortPulse(), []
-    with ResultStore(tmp_path / "store.sqlite") as store, evaluator(store) as asked:
-        asked.progress = lambda _variant, count: told.append(count)
-        scenario.run([REFERENCE], asked)
+    with ResultStore(tmp_path / "store.sqlite") as store, evaluator(store) as counting:
+        counting.progress = lambda _variant, count: told.append(count)
+        scenario.run([REFERENCE], counting)
     assert sum(told) == len(set(scenario.tasks([REFERENCE]))) == 6
 
 

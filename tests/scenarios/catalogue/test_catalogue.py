@@ -11,11 +11,11 @@ from reference_lcp import Chain, HarmonicForce, steady_state
 from reference_lcp.chain.canonical import CHAIN_STIFFNESS
 from reference_lcp.chain.linear_response import stuck_response
 from scenarios.catalogue import CATALOGUE
-from scenarios.catalogue.den_hartog import POINTS, expected_motion
-from scenarios.catalogue.figure3 import LOWER_EDGE, LOWER_EDGES
-from scenarios.catalogue.linear_limits import LOCKING_FRICTION
-from scenarios.catalogue.steady_base import LONGEST_SECONDS, SAME_STEP, SteadyScenario
-from scenarios.catalogue.unequal_cells import DISORDER_SEED
+from scenarios.catalogue.steady.base import LONGEST_SECONDS, SAME_STEP, SteadyScenario
+from scenarios.catalogue.steady.den_hartog import POINTS, expected_motion
+from scenarios.catalogue.steady.figure3 import LOWER_EDGE, LOWER_EDGES
+from scenarios.catalogue.steady.linear_limits import LOCKING_FRICTION
+from scenarios.catalogue.steady.unequal_cells import DISORDER_SEED
 from scenarios.tasks.result import Result
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.verdict import Verdict
@@ -24,15 +24,15 @@ from tests.reference_lcp.cases import STANDING
 REFERENCE = Variant("reference")
 
 QUICK = ("unit-cell", "den-hartog", "frictionless-limit", "locked-limit")
-LONG = tuple(name for name, one in CATALOGUE.items() if isinstance(one, SteadyScenario) and name not in QUICK)
+LONG = tuple(name for name, scenario in CATALOGUE.items() if isinstance(scenario, SteadyScenario) and name not in QUICK)
 
 
 def wrong(findings, metric=None):
     """Give the findings that disagree."""
     return [
-        one
-        for one in findings
-        if one.comparison.verdict is Verdict.DISAGREE and (metric is None or one.metric == metric)
+        finding
+        for finding in findings
+        if finding.comparison.verdict is Verdict.DISAGREE and (metric is None or finding.metric == metric)
     ]
 
 
@@ -58,8 +58,8 @@ def test_every_scenario_says_what_it_asks_and_is_found_under_its_name() -> None:
 def test_reference_and_who_takes_its_step_agree(verdicts, name) -> None:
     for variant in (REFERENCE, Variant("mujoco")):
         findings = verdicts(CATALOGUE[name], variant=variant)
-        assert {one.comparison.verdict for one in findings} == {Verdict.AGREE}
-        assert {one.variant for one in findings} == {variant}
+        assert {finding.comparison.verdict for finding in findings} == {Verdict.AGREE}
+        assert {finding.variant for finding in findings} == {variant}
 
 
 @pytest.mark.slow
@@ -70,15 +70,19 @@ def test_reference_and_who_takes_its_step_agree_on_long_chains_too(verdicts, nam
 
 def test_friction_that_is_a_twentieth_too_strong_disagrees(verdicts) -> None:
     cell, oscillator = CATALOGUE["unit-cell"], CATALOGUE["den-hartog"]
-    found = {one.case for one in wrong(verdicts(cell, with_friction(1.05)), TRANSMITTANCE)}
-    assert found == {case.label for case in cell.cases}
+    cases = {finding.case for finding in wrong(verdicts(cell, with_friction(1.05)), TRANSMITTANCE)}
+    assert cases == {case.label for case in cell.cases}
     # below its own frequency the oscillator's amplitude hardly feels its friction
-    assert {one.case for one in wrong(verdicts(oscillator, with_friction(1.05)), TRANSMITTANCE)} == {"r 1.3, F/P0 0.4"}
+    assert {finding.case for finding in wrong(verdicts(oscillator, with_friction(1.05)), TRANSMITTANCE)} == {
+        "r 1.3, F/P0 0.4"
+    }
 
 
 def test_friction_that_is_a_thousandth_too_strong_is_found_at_equal_step(verdicts) -> None:
     findings = verdicts(CATALOGUE["unit-cell"], with_friction(1.001))
-    assert {one.case for one in wrong(findings, SAME_STEP)} == {case.label for case in CATALOGUE["unit-cell"].cases}
+    assert {finding.case for finding in wrong(findings, SAME_STEP)} == {
+        case.label for case in CATALOGUE["unit-cell"].cases
+    }
 
 
 def test_friction_where_there_should_be_none_and_a_contact_that_gives_way_disagree(verdicts) -> None:
@@ -94,7 +98,7 @@ def test_cells_in_the_wrong_order_disagree_on_the_graded_chain(verdicts) -> None
 
     findings = verdicts(CATALOGUE["graded-chain"], reversed_friction)
     assert wrong(findings, TRANSMITTANCE)
-    assert {one.metric.name for one in wrong(findings)} >= {"missed", "spurious", "stuck fraction"}
+    assert {finding.metric.name for finding in wrong(findings)} >= {"missed", "spurious", "stuck fraction"}
 
 
 @pytest.mark.parametrize("point", POINTS)
@@ -104,13 +108,13 @@ def test_den_hartogs_motion_is_the_event_driven_one_of_a_mass_beside_one_that_st
         cells=1, outer_mass=np.asarray(1.0), inner_mass=STANDING, chain_stiffness=np.asarray(50.0),
         inner_stiffness=np.asarray(50.0), normal_force=np.asarray(force_ratio * 10), friction_coefficient=np.asarray(1),
     )  # fmt: skip
-    found = steady_state(chain, HarmonicForce(10.0, frequency_ratio * 10), solver="exact")
+    exact = steady_state(chain, HarmonicForce(10.0, frequency_ratio * 10), solver="exact")
     expected = expected_motion(*point)
-    assert found.transmittance_db == pytest.approx(expected.transmittance_db, abs=1e-8)
-    assert [str(change.kind) for change in found.transitions] == [kind for _, _, kind in expected.transitions]
+    assert exact.transmittance_db == pytest.approx(expected.transmittance_db, abs=1e-8)
+    assert [str(change.kind) for change in exact.transitions] == [kind for _, _, kind in expected.transitions]
     period = 2 * np.pi / (frequency_ratio * 10)
     _, drive = CATALOGUE["den-hartog"].cases[POINTS.index(point)].setting()
-    for change, (_, time, _) in zip(found.transitions, expected.transitions, strict=True):
+    for change, (_, time, _) in zip(exact.transitions, expected.transitions, strict=True):
         assert change.time / period == pytest.approx(time / drive.period, abs=1e-9)
 
 
@@ -124,8 +128,8 @@ def test_bound_of_the_locked_chain_is_four_times_the_force_that_holds() -> None:
 
 @pytest.mark.slow
 def test_edges_of_figure_3_are_where_the_exact_curve_has_them(verdicts) -> None:
-    edges = [one for one in verdicts(CATALOGUE["figure3"]) if one.metric == LOWER_EDGE]
-    assert [one.expected for one in edges] == pytest.approx(list(LOWER_EDGES.values()), abs=5e-4)
+    edges = [finding for finding in verdicts(CATALOGUE["figure3"]) if finding.metric == LOWER_EDGE]
+    assert [finding.expected for finding in edges] == pytest.approx(list(LOWER_EDGES.values()), abs=5e-4)
 
 
 def test_numbers_of_the_disordered_chain_are_printed_cell_by_cell() -> None:
@@ -154,8 +158,8 @@ class Answering:
 
     def evaluate(self, tasks):
         self.asked += [task for task in tasks if task.variant != REFERENCE]
-        found = Result(status="converged", transmittance_db=0.0, steps_per_period=400)
-        return [found if task.variant.engine == "reference" else self.answer for task in tasks]
+        certified = Result(status="converged", transmittance_db=0.0, steps_per_period=400)
+        return [certified if task.variant.engine == "reference" else self.answer for task in tasks]
 
 
 def test_a_slow_engine_is_asked_the_first_case_only(verdicts) -> None:
@@ -164,15 +168,15 @@ def test_a_slow_engine_is_asked_the_first_case_only(verdicts) -> None:
     scenario = CATALOGUE["frictionless-limit"]
     findings = scenario.run([Variant("mujoco")], evaluator)
     assert {task.frequency_ratio for task in evaluator.asked} == {scenario.cases[0].frequency_ratio}
-    later = [one for one in findings if one.case == scenario.cases[1].label]
-    assert {one.comparison.verdict for one in later} == {Verdict.INCONCLUSIVE}
+    later = [finding for finding in findings if finding.case == scenario.cases[1].label]
+    assert {finding.comparison.verdict for finding in later} == {Verdict.INCONCLUSIVE}
     assert later[0].comparison.reason == "skipped: η_r 0.9 took 180 s, this would take some 180 s, allowed 150 s"
 
 
 def test_a_longer_chain_is_not_asked_where_the_shorter_one_says_that_it_takes_too_long(verdicts) -> None:
     slow = Result(status="converged", transmittance_db=0.0, residual=1e-9, seconds=LONGEST_SECONDS / 6)
     findings = CATALOGUE["long-chain"].run([Variant("mujoco")], Answering(verdicts, slow))
-    reasons = {one.case: one.comparison.reason for one in findings if one.metric == TRANSMITTANCE}
+    reasons = {finding.case: finding.comparison.reason for finding in findings if finding.metric == TRANSMITTANCE}
     assert reasons["15 cells"].startswith("skipped: 7 cells took 50 s, this would take some 230 s")
     assert reasons["30 cells"] == "skipped, as 15 cells was"
 
@@ -190,5 +194,5 @@ def test_a_longer_chain_is_not_asked_where_the_shorter_one_says_that_it_takes_to
 )
 def test_failures_are_verdicts_with_their_reasons(verdicts, answer, verdict, reason) -> None:
     findings = CATALOGUE["frictionless-limit"].run([Variant("mujoco")], Answering(verdicts, answer))
-    assert {one.comparison.verdict for one in findings} == {verdict}
+    assert {finding.comparison.verdict for finding in findings} == {verdict}
     assert findings[0].comparison.reason == reason

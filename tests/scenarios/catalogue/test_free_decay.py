@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.catalogue.free_decay import DECAYS, OSCILLATOR_DECAY, FreeDecay, loss_a_cycle
+from scenarios.catalogue.transient.free_decay import DECAYS, OSCILLATOR_DECAY, FreeDecay, loss_a_cycle
 from scenarios.execution.batch import run_batch
 from scenarios.execution.store import ResultStore
 from scenarios.verdicts.verdict import Verdict
@@ -46,10 +46,10 @@ def test_dashpots_alone_never_bring_an_oscillation_to_rest() -> None:
 
 
 def test_reference_and_mujoco_decay_as_the_exact_motion_does(tmp_path) -> None:
-    found = findings(tmp_path, "reference", "mujoco")
-    assert len(found) == 2 * (8 + 7 + 7)
-    assert {finding.comparison.verdict for finding in found} == {Verdict.AGREE}, [
-        finding for finding in found if finding.comparison.verdict is not Verdict.AGREE
+    judged = findings(tmp_path, "reference", "mujoco")
+    assert len(judged) == 2 * (8 + 7 + 7)
+    assert {finding.comparison.verdict for finding in judged} == {Verdict.AGREE}, [
+        finding for finding in judged if finding.comparison.verdict is not Verdict.AGREE
     ]
 
 
@@ -70,6 +70,6 @@ def test_variant_that_is_not_installed_is_blocked_in_every_metric(tmp_path, monk
     from engines.mujoco import MuJoCo
 
     monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _self: "no wheel")
-    found = findings(tmp_path, "mujoco")
-    assert {finding.comparison.verdict for finding in found} == {Verdict.BLOCKED}
-    assert "no wheel" in found[0].comparison.reason
+    judged = findings(tmp_path, "mujoco")
+    assert {finding.comparison.verdict for finding in judged} == {Verdict.BLOCKED}
+    assert "no wheel" in judged[0].comparison.reason

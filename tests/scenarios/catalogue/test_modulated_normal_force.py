@@ -7,7 +7,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp.validation import ParameterError
-from scenarios.catalogue.modulated_normal_force import CASES, LARGEST_GAP, OPEN_FRACTION, ModulatedNormalForce
+from scenarios.catalogue.steady.modulated_normal_force import CASES, LARGEST_GAP, OPEN_FRACTION, ModulatedNormalForce
 from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
@@ -31,14 +31,14 @@ class Answering:
         self.change = change
 
     def evaluate(self, tasks):
-        asked = [
+        tasks = [
             task if task.variant == REFERENCE else dataclasses.replace(self.change(task), variant=REFERENCE)
             for task in tasks
         ]
-        missing = [task for task in dict.fromkeys(asked) if task not in KNOWN]
+        missing = [task for task in dict.fromkeys(tasks) if task not in KNOWN]
         if missing:
             KNOWN.update(zip(missing, run_batch(missing), strict=True))
-        return [KNOWN[task] for task in asked]
+        return [KNOWN[task] for task in tasks]
 
 
 class NothingRuns(InProcessExecutor):
@@ -68,8 +68,12 @@ def test_friction_under_another_normal_force_disagrees() -> None:
     """A tenth less of modulation, and every flight is lower and shorter."""
     findings = ModulatedNormalForce().run([OTHER], Answering(lambda task: with_modulation(task, 0.9)))
     for metric in (OPEN_FRACTION, LARGEST_GAP):
-        assert {one.comparison.verdict for one in findings if one.metric == metric} == {Verdict.DISAGREE}
-    off = [one for one in findings if one.metric == TRANSMITTANCE and one.comparison.verdict is Verdict.DISAGREE]
+        assert {finding.comparison.verdict for finding in findings if finding.metric == metric} == {Verdict.DISAGREE}
+    off = [
+        finding
+        for finding in findings
+        if finding.metric == TRANSMITTANCE and finding.comparison.verdict is Verdict.DISAGREE
+    ]
     assert len(off) >= 6
 
 
@@ -82,23 +86,23 @@ def test_what_cannot_be_represented_is_blocked_with_its_reason() -> None:
             ]
 
     findings = ModulatedNormalForce().run([OTHER], Refusing())
-    assert {(one.comparison.verdict, one.comparison.reason) for one in findings} == {
+    assert {(finding.comparison.verdict, finding.comparison.reason) for finding in findings} == {
         (Verdict.BLOCKED, "contacts stay closed")
     }
-    assert all(math.isnan(one.value) for one in findings)
+    assert all(math.isnan(finding.value) for finding in findings)
 
 
 @pytest.mark.parametrize("workers", [None, 1], ids=["nobody is asked", "asked"])
 def test_refusal_is_known_before_the_engine_is_asked(tmp_path, workers) -> None:
     """Joints of PyBullet take a normal force that stays above zero, joints of Exudyn a constant one only."""
-    asked = [
+    tasks = [
         SteadyStateTask(
             variant=variant, friction_ratio=0.3, frequency_ratio=0.6, modulation=Modulation(modulation=modulation)
         )
         for variant, modulation in [(Variant("pybullet"), 1.5), (Variant("exudyn-regularised"), 0.5)]
     ]
     with ResultStore(tmp_path / "store.sqlite") as store:
-        answers = (StoredResults(store) if workers is None else Evaluator(store, NothingRuns())).evaluate(asked)
+        answers = (StoredResults(store) if workers is None else Evaluator(store, NothingRuns())).evaluate(tasks)
     assert [answer.status for answer in answers] == ["blocked", "blocked"]
     for answer, what in zip(answers, ("modulation = 1.5: pybullet", "modulation = 0.5: exudyn"), strict=True):
         assert answer.reason.startswith(("not installed", f"cannot be represented: {what}"))

@@ -8,15 +8,15 @@ FINISHED = Result(status="finished")
 
 
 def test_a_motion_that_nobody_has_asked_for_is_no_failure() -> None:
-    found = missing("", [FINISHED, Result.missing()])
-    assert found is not None
-    assert (found.verdict, found.reason) == (Verdict.INCONCLUSIVE, "not evaluated so far")
+    gap = missing("", [FINISHED, Result.missing()])
+    assert gap is not None
+    assert (gap.verdict, gap.reason) == (Verdict.INCONCLUSIVE, "not evaluated so far")
 
 
 def test_an_engine_that_fails_is_blocked_with_its_reason() -> None:
-    found = missing("", [FINISHED, Result.blocked("crashed")])
-    assert found is not None
-    assert (found.verdict, found.reason) == (Verdict.BLOCKED, "crashed")
+    gap = missing("", [FINISHED, Result.blocked("crashed")])
+    assert gap is not None
+    assert (gap.verdict, gap.reason) == (Verdict.BLOCKED, "crashed")
 
 
 def test_finished_motions_are_compared() -> None:

@@ -111,7 +111,7 @@ def test_an_interrupted_run_says_what_is_kept(run, capsys, tmp_path, monkeypatch
         (["run", "unit-cell", "--out", "verdicts.txt"], "allowed: .md or .csv or .json"),
         (["run", "unit-cell", "--out", "missing/verdicts.md"], "the folder missing does not exist"),
         (["run", "unit-cell", "--workers", "0"], "workers = 0"),
-        (["run", "unit-cell", "--no-ask"], "--no-ask with --store = None; allowed: a store that is there"),
+        (["run", "unit-cell", "--no-ask"], "--store is missing; allowed where nothing is run: a store"),
         (["run", "all", "--time-limit", "-1"], "time_limit = -1"),
     ],
 )

@@ -1,6 +1,7 @@
 """Damage of a store: no traceback, no wrong number believed, nothing overwritten, good rows saved."""
 
 import random
+import resource
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -9,7 +10,9 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp import ParameterError
-from reference_lcp.console import WRONG_INPUT, run_command
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.validation import RunError
 from reports.__main__ import app as reports_app
 from scenarios.__main__ import app
 from scenarios.execution.store import ResultStore
@@ -108,7 +111,7 @@ def test_no_damage_ends_in_a_traceback_or_is_believed(file, tmp_path, capsys) ->
         line = ["store", "check", str(damaged), *(["--salvage", str(new)] if seed % 10 == 0 else [])]
         code = run_command(app, line)
         printed = capsys.readouterr()
-        assert code in (0, WRONG_INPUT)
+        assert code in (0, ExitCode.WRONG_INPUT)
         assert len(printed.err.splitlines()) <= 1
         assert printed.err or printed.out
         assert damaged.read_bytes() == before, seed
@@ -136,9 +139,9 @@ def test_one_flipped_digit_is_refused_with_file_row_and_what_to_do(file, tmp_pat
                 read()
     with pytest.raises(ParameterError, match=message):
         read_all(file)
-    assert run_command(reports_app, ["compare", str(file), str(file)]) == WRONG_INPUT
+    assert run_command(reports_app, ["compare", str(file), str(file)]) == ExitCode.WRONG_INPUT
     assert "row 5" in capsys.readouterr().err
-    assert run_command(app, ["store", "check", str(file)]) == WRONG_INPUT
+    assert run_command(app, ["store", "check", str(file)]) == ExitCode.WRONG_INPUT
     assert "table answers, row 5: its digest does not fit" in capsys.readouterr().out
     assert run_command(app, ["store", "check", str(file), "--salvage", str(tmp_path / "good.sqlite")]) == 0
     with ResultStore(tmp_path / "good.sqlite") as store:
@@ -159,10 +162,24 @@ def test_an_intact_store_has_no_damage_and_a_salvage_overwrites_nothing(file, ca
     before = file.read_bytes()
     with pytest.raises(ParameterError, match="is there already"):
         salvage(found, file)
-    assert run_command(app, ["store", "check", str(file), "--salvage", str(file)]) == WRONG_INPUT
+    assert run_command(app, ["store", "check", str(file), "--salvage", str(file)]) == ExitCode.WRONG_INPUT
     assert run_command(app, ["store", "check", str(file)]) == 0
     assert "12 intact results, 1 intact sweeps, no damages" in capsys.readouterr().out
     assert file.read_bytes() == before
+
+
+def test_a_salvage_that_finds_no_room_leaves_nothing(file, tmp_path) -> None:
+    """A limit on the size of files stands for the disk."""
+    good = check_store(file)
+    before = set(tmp_path.iterdir())
+    old = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (file.stat().st_size - 4096, old[1]))
+    try:
+        with pytest.raises(RunError, match=r"good\.sqlite cannot be written: .*; it is not there"):
+            salvage(good, tmp_path / "good.sqlite")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, old)
+    assert set(tmp_path.iterdir()) == before
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,7 @@ def store(tmp_path):
 
 
 FULL = Result(
-    status="finished", reason="told", transmittance_db=-3.25, residual=1e-9, periods=33, multiple=2,
+    status="finished", reason="told", by_engine=True, transmittance_db=-3.25, residual=1e-9, periods=33, multiple=2,
     steps_per_period=400, period=0.25, stuck_fraction=(0.5, 1.0), transitions=((1, 0.25, "stick"),),
     creep=(1e-6, 2e-6), open_fraction=(0.125, 0.0), largest_gap=(0.75, 0.0), seconds=0.5, series={"outer": (0.0, 1.5)},
 )  # fmt: skip
@@ -77,9 +77,71 @@ def test_kept_answer_is_found_by_an_equal_question_only(store) -> None:
         assert store.find(other) is None
 
 
-def test_blocked_answer_is_not_kept_so_that_it_is_tried_again(store) -> None:
-    store.keep([(task(), Result.blocked("crashed"))])
-    assert store.find(task()) is None
+class Recording(InProcessExecutor):
+    """Gives results by frequency ratio, and records what it has run."""
+
+    def __init__(self, results: dict[float, Result]):
+        self.results = results
+        self.ran = []
+
+    def run(self, batches):
+        for batch in batches:
+            self.ran += [task.frequency_ratio for task in batch]
+            yield batch, [self.results[task.frequency_ratio] for task in batch]
+
+
+CRASHED = Result.blocked("crashed", by_engine=True)
+KILLED = Result.blocked("the worker process was killed")
+GOOD = Result(status="converged", periods=30)
+
+
+@pytest.mark.parametrize("release", [False, True], ids=["evaluate", "complete"])
+def test_what_an_engine_blocked_is_recalled_and_run_again_on_request_other_blocks_always(store, release) -> None:
+    tasks = [task(eta=eta) for eta in (0.5, 0.7, 0.9)]
+
+    def summaries(evaluator: Evaluator) -> dict[SteadyStateTask, ResultSummary]:
+        ends = {}
+        evaluator.complete(tasks, ends.__setitem__)
+        return {each: ends[each] for each in tasks}
+
+    def run(results: list[Result], **options: bool) -> tuple[list[str], list[float]]:
+        executor = Recording(dict(zip((0.5, 0.7, 0.9), results, strict=True)))
+        with Evaluator(store, executor, **options) as evaluator:
+            ends = summaries(evaluator) if release else dict(zip(tasks, evaluator.evaluate(tasks), strict=True))
+        return [f"{ends[task].status} {ends[task].reason}".strip() for task in tasks], executor.ran
+
+    blocked = ["blocked crashed", "blocked the worker process was killed", "converged"]
+    assert run([CRASHED, KILLED, GOOD]) == (blocked, [0.5, 0.7, 0.9])
+    with StoredResults(store) as stored:  # what is run again is blocked until then
+        assert [f"{end.status} {end.reason}".strip() for end in summaries(stored).values()] == blocked
+    assert run([GOOD, KILLED, CRASHED]) == (blocked, [0.7])
+    assert run([GOOD, GOOD, CRASHED]) == (["blocked crashed", "converged", "converged"], [0.7])
+    assert run([GOOD, CRASHED, CRASHED], retry_blocked=True) == (["converged"] * 3, [0.5])
+    assert run([CRASHED] * 3, retry_blocked=True) == (["converged"] * 3, [])
+
+
+def test_a_blocked_result_takes_the_place_of_no_other_one(store) -> None:
+    """Two processes may run the same task at the same time."""
+    store.keep([(task(), GOOD)])
+    store.keep([(task(), CRASHED)])
+    assert store.find(task()) == GOOD
+    store.keep([(task(eta=0.5), KILLED)])
+    store.keep([(task(eta=0.5), CRASHED)])
+    assert store.find(task(eta=0.5)) == CRASHED
+    store.keep([(task(eta=0.5), GOOD)])
+    assert store.find(task(eta=0.5)) == GOOD
+
+
+@pytest.mark.parametrize(
+    ("failure", "by_engine"),
+    [(ValueError("no"), True), (SystemExit(0), True), (MemoryError(), False), (OSError(24, "too many files"), False)],
+)
+def test_an_error_of_the_machine_is_not_the_engines(monkeypatch, failure, by_engine) -> None:
+    failing = _Failing()
+    failing.failure = failure
+    monkeypatch.setattr(variant, "engine", lambda _name: failing)
+    (result,) = run_batch([task()])
+    assert (result.status, result.by_engine) == ("blocked", by_engine)
 
 
 def test_store_is_there_again_after_it_was_closed(tmp_path) -> None:
@@ -129,8 +191,9 @@ def test_stored_answers_complete_with_what_is_kept_and_say_what_is_missing(store
     counted = []
     with StoredResults(store) as stored:
         stored.recalled = lambda asked, count: counted.append((asked, count))
-        found = list(stored.complete([kept, unknown, absent]))
-    assert found == [
+        ends = []
+        stored.complete([kept, unknown, absent], lambda *end: ends.append(end))
+    assert ends == [
         (kept, ResultSummary(ResultStatus.PERIOD_LIMIT, 400, 0)),
         (unknown, ResultSummary(ResultStatus.MISSING, reason="not evaluated so far")),
         (absent, ResultSummary(ResultStatus.BLOCKED, reason="not installed: no wheel")),
@@ -138,7 +201,7 @@ def test_stored_answers_complete_with_what_is_kept_and_say_what_is_missing(store
     assert counted == [(asked.variant, 1) for asked in (kept, unknown, absent)]
 
 
-def test_complete_takes_tasks_and_gives_their_ends_a_part_at_a_time(store, monkeypatch) -> None:
+def test_complete_takes_tasks_a_part_at_a_time_as_their_results_come(store, monkeypatch) -> None:
     """Ten thousand tasks or ten: as many as `AT_ONCE` are in memory, and no result."""
     monkeypatch.setattr(evaluation, "AT_ONCE", 3)
     monkeypatch.setattr(evaluation, "batches_of", lambda tasks: ([task] for task in tasks))
@@ -150,12 +213,15 @@ def test_complete_takes_tasks_and_gives_their_ends_a_part_at_a_time(store, monke
             return ((batch, [Result(status="converged", periods=9)]) for batch in batches)
 
     evaluator = Evaluator(store, Invented())
-    ends = evaluator.complete(taken.append(task) or task for task in tasks)
-    assert next(ends) == (tasks[0], ResultSummary(ResultStatus.CONVERGED, 9))
-    assert taken == tasks[:3]
-    assert {task.frequency_ratio: end.periods for task, end in ends} == {
-        task.frequency_ratio: 400 if task == tasks[4] else 9 for task in tasks[1:]
-    }
+    ends, in_memory = {}, []
+
+    def note(task, end) -> None:
+        ends[task.frequency_ratio] = end.periods
+        in_memory.append(len(taken) - len(ends))
+
+    evaluator.complete((taken.append(task) or task for task in tasks), note)
+    assert max(in_memory) < 3
+    assert ends == {task.frequency_ratio: 400 if task == tasks[4] else 9 for task in tasks}
     assert evaluator.new_tasks(tasks) == tasks
     assert [result.periods for result in store.results(tasks)] == [9, 9, 9, 9, 400, 9, 9]
 

@@ -19,21 +19,21 @@ EXACT = Result(
 )  # fmt: skip
 
 
-def found(**changes) -> Accuracy:
+def accuracy(**changes) -> Accuracy:
     """The exact motion but for `changes`, at every question."""
     wrong = dataclasses.replace(EXACT, **changes)
     return accuracy_of(VARIANT, dict.fromkeys(accuracy_tasks(VARIANT), wrong), dict.fromkeys(ACCURACY_POINTS, EXACT))
 
 
 def test_exact_motion_has_no_error() -> None:
-    row = found()
+    row = accuracy()
     assert (row.map_db, row.points_db[400], row.stuck_fraction, row.largest_transition, row.creep) == (0, 0, 0, 0, 0)
     assert (row.missed, row.spurious, row.transitions) == (0, 0, 4 * 56)
     assert row.certified == row.points == 68
 
 
 def test_transmittance_error_is_absolute_in_decibels_and_an_amplitude_below_the_floor() -> None:
-    assert found(transmittance_db=-3.25).map_db == pytest.approx(0.25)
+    assert accuracy(transmittance_db=-3.25).map_db == pytest.approx(0.25)
     deep = dataclasses.replace(EXACT, transmittance_db=-80.0)
     twice = dataclasses.replace(EXACT, transmittance_db=-80 + 20 * math.log10(2))
     amplitudes = (2e-4 - 1e-4) / 1e-3  # over the floor's, and dB at the floor are 20 / ln 10 times that
@@ -42,19 +42,19 @@ def test_transmittance_error_is_absolute_in_decibels_and_an_amplitude_below_the_
 
 def test_late_transition_is_a_time_error_across_the_end_of_the_period_too() -> None:
     later = tuple((cell, (time + 0.02) % 2.0, kind) for cell, time, kind in EXACT.transitions)
-    row = found(transitions=later)
+    row = accuracy(transitions=later)
     assert row.median_transition == pytest.approx(0.01)
     assert row.largest_transition == pytest.approx(0.01)
     assert (row.missed, row.spurious) == (0, 0)
 
 
 def test_transition_that_is_not_there_is_missed_and_an_added_one_is_spurious() -> None:
-    assert found(transitions=EXACT.transitions[1:]).missed == 56
-    assert found(transitions=(*EXACT.transitions, (1, 1.5, "stick"))).spurious == 56
+    assert accuracy(transitions=EXACT.transitions[1:]).missed == 56
+    assert accuracy(transitions=(*EXACT.transitions, (1, 1.5, "stick"))).spurious == 56
 
 
 def test_stuck_fraction_and_creep_take_the_worst_contact() -> None:
-    row = found(stuck_fraction=(0.5, 0.15), creep=(1e-9, 0.02))
+    row = accuracy(stuck_fraction=(0.5, 0.15), creep=(1e-9, 0.02))
     assert row.stuck_fraction == pytest.approx(0.1)
     assert row.creep == 0.02
 
@@ -83,7 +83,7 @@ def test_points_without_a_steady_state_are_counted_and_give_no_numbers() -> None
 
 
 def test_tables_hold_every_column_and_name_the_command_and_the_versions() -> None:
-    rows = [(found(transmittance_db=-3.25), None)]
+    rows = [(accuracy(transmittance_db=-3.25), None)]
     document = accuracy_document(rows, "python -m scenarios run accuracy")
     assert "| mujoco | joint | tuned | 0.250 | 0.250 | 0.250 |" in document
     assert "`python -m scenarios run accuracy`" in document

@@ -41,16 +41,16 @@ SUPPORT = {
 @pytest.fixture(scope="module")
 def edges(tmp_path_factory):
     """Edges of every engine that comes with the suite, each friction ratio on its own few points."""
-    found = {}
+    edges = {}
     with (
         ResultStore(tmp_path_factory.mktemp("store") / "results.sqlite") as store,
         Evaluator(store, LocalExecutor(2)) as evaluator,
     ):
         for friction, support in SUPPORT.items():
-            asked = figure3([Variant(name) for name in INSTALLED], (friction,), support)
-            for edge in compare_sweep(asked, evaluator).edges:
-                found[edge.variant, friction, edge.edge] = edge
-    return found
+            sweep = figure3([Variant(name) for name in INSTALLED], (friction,), support)
+            for edge in compare_sweep(sweep, evaluator).edges:
+                edges[edge.variant, friction, edge.edge] = edge
+    return edges
 
 
 every_engine = pytest.mark.parametrize("name", INSTALLED)
@@ -92,8 +92,8 @@ def test_every_edge_is_within_the_tolerance_of_the_converged_one(edges, name) ->
 @pytest.mark.parametrize("friction", CONVERGED_LOWER_EDGES)
 def test_lower_edges_of_the_reference_converge_to_the_published_ones(edges, friction) -> None:
     for variant in (REFERENCE, CONVERGED):
-        found = edges[variant, friction, Edge.LOWER].frequency_ratio
-        assert found == pytest.approx(CONVERGED_LOWER_EDGES[friction], abs=0.003)
+        eta = edges[variant, friction, Edge.LOWER].frequency_ratio
+        assert eta == pytest.approx(CONVERGED_LOWER_EDGES[friction], abs=0.003)
 
 
 def linear_edge(low: float, high: float) -> float:
@@ -121,9 +121,9 @@ def test_grid_holds_every_resonance_and_the_ends() -> None:
 
 
 def test_every_point_is_compared_and_reports_its_residual(tmp_path) -> None:
-    asked = figure3((Variant("mujoco"),), (0.3,), (0.6, 0.9, 1.6))
+    sweep = figure3((Variant("mujoco"),), (0.3,), (0.6, 0.9, 1.6))
     with ResultStore(tmp_path / "results.sqlite") as store, Evaluator(store, LocalExecutor(1)) as evaluator:
-        result = compare_sweep(asked, evaluator)
+        result = compare_sweep(sweep, evaluator)
     for variant in (CONVERGED, REFERENCE, Variant("mujoco")):
         curve = result.curve(variant, Case.of(friction_ratio=0.3))
         assert [point.comparison.verdict for point in curve] == [Verdict.AGREE] * len(curve)
@@ -180,9 +180,9 @@ def test_variant_that_there_is_not_is_refused(text, message) -> None:
 )
 def test_eighty_periods_find_the_steady_state_of_all_but_one_point_in_a_hundred(name) -> None:
     """On the grid of the report, with every resonance of the free and of the stuck chain."""
-    asked = figure3()
-    points = [(case, eta) for case in asked.cases for eta in asked.frequency_ratios]
-    answers = run_batch([asked.task(Variant(name), *point) for point in points])
+    sweep = figure3()
+    points = [(case, eta) for case in sweep.cases for eta in sweep.frequency_ratios]
+    answers = run_batch([sweep.task(Variant(name), *point) for point in points])
     assert len(answers) > 370
     assert all(answer.converged for answer in answers)
     assert np.percentile([answer.periods for answer in answers], 99) <= 80

@@ -28,11 +28,11 @@ class Here(Evaluator):
 def test_the_lower_edge_moves_with_friction_as_in_the_paper() -> None:
     """Edges of the converged scheme (docs: 0.84, 0.637, 0.999); a grid of 0.1 alone would miss the second by 0.06."""
     eta = np.round(np.arange(0.3, 1.601, 0.1), 2).tolist()
-    found = friction_map(map_sweep(figure3(), (0.0, 0.3, 1.0), eta), Here())
-    assert found.known == found.transmittance_db.size
-    np.testing.assert_allclose(found.lower, [0.852, 0.637, 0.999], atol=0.02)
-    assert found.lower[1] < found.lower[0] < found.lower[2]
-    assert np.isfinite(found.upper[0])
+    mapped = friction_map(map_sweep(figure3(), (0.0, 0.3, 1.0), eta), Here())
+    assert mapped.known == mapped.transmittance_db.size
+    np.testing.assert_allclose(mapped.lower, [0.852, 0.637, 0.999], atol=0.02)
+    assert mapped.lower[1] < mapped.lower[0] < mapped.lower[2]
+    assert np.isfinite(mapped.upper[0])
 
 
 def test_a_map_without_answers_has_no_edges() -> None:
@@ -40,6 +40,6 @@ def test_a_map_without_answers_has_no_edges() -> None:
         def evaluate(self, tasks: list[SteadyStateTask]) -> list[Result]:
             return [Result.missing() for _ in tasks]
 
-    found = friction_map(map_sweep(figure3(), (0.3,), (0.6, 0.9)), Nobody())
-    assert found.known == 0
-    assert np.isnan(found.lower).all()
+    mapped = friction_map(map_sweep(figure3(), (0.3,), (0.6, 0.9)), Nobody())
+    assert mapped.known == 0
+    assert np.isnan(mapped.lower).all()

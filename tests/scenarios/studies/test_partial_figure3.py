@@ -45,10 +45,10 @@ def test_points_that_are_not_answered_are_inconclusive_with_that_reason(result: 
 
 def test_edges_of_a_curve_with_gaps_are_not_judged(result: ComparedSweep) -> None:
     for edge in Edge:
-        found = result.edge(STOPPED, RUBBING, edge)
-        assert found.comparison.verdict is Verdict.INCONCLUSIVE
-        assert "MuJoCo's curve" in found.comparison.reason
-        assert "points are not evaluated so far" in found.comparison.reason
+        band_edge = result.edge(STOPPED, RUBBING, edge)
+        assert band_edge.comparison.verdict is Verdict.INCONCLUSIVE
+        assert "MuJoCo's curve" in band_edge.comparison.reason
+        assert "points are not evaluated so far" in band_edge.comparison.reason
 
 
 def test_an_empty_store_gives_a_result_without_a_single_number(tmp_path: Path) -> None:

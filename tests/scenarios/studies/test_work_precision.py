@@ -33,8 +33,8 @@ def store(tmp_path: Path):
 
 
 def answer(steps: int, **more: object) -> Result:
-    found = {"status": "converged", "transmittance_db": -5.0 + 4 / steps, "residual": 1e-9, "periods": 20}
-    return Result(**{**found, "steps_per_period": steps, "seconds": steps * 20 * 3e-6, **more})
+    result = {"status": "converged", "transmittance_db": -5.0 + 4 / steps, "residual": 1e-9, "periods": 20}
+    return Result(**{**result, "steps_per_period": steps, "seconds": steps * 20 * 3e-6, **more})
 
 
 def test_error_and_cost_are_read_from_the_answers(store: ResultStore) -> None:
@@ -69,7 +69,7 @@ def test_the_exact_motion_is_a_preset_of_the_reference_whose_results_are_kept(st
     assert [time for _, time, _ in result.transitions] == [change.time for change in expected.transitions]
     assert len(result.series["travels"]) == len(result.transitions)
     assert store.find(task) == result
-    assert [one for one in step_tasks(REFERENCE) if store.find(one) is not None] == []
+    assert [task for task in step_tasks(REFERENCE) if store.find(task) is not None] == []
 
 
 def test_another_drive_has_other_tasks_and_an_exact_motion_of_its_own(store: ResultStore) -> None:

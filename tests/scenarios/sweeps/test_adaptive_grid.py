@@ -36,7 +36,7 @@ def curve_of(ratios: ChainRatios, axis: AdaptiveAxis) -> AdaptiveCurve:
 
 
 def largest_error(ratios: ChainRatios, eta: np.ndarray, levels: np.ndarray, between: np.ndarray) -> float:
-    truth = [level(closed_form(ratios, float(one))) for one in between]
+    truth = [level(closed_form(ratios, float(eta))) for eta in between]
     return float(np.max(np.abs(PchipInterpolator(eta, levels)(between) - truth)))
 
 
@@ -55,7 +55,7 @@ def test_even_grid_of_five_times_the_points_is_less_accurate() -> None:
     assert curve.resolved
     assert eta.size < 250
     even = np.linspace(0.3, 1.6, 5 * eta.size)
-    levels = np.array([level(closed_form(ratios, float(one))) for one in even])
+    levels = np.array([level(closed_form(ratios, float(eta))) for eta in even])
     peaks = np.array([peak for peak in resonances(ratios) if 0.3 < peak < 1.6])
     assert largest_error(ratios, even, levels, peaks) > AXIS.accuracy_db
 
@@ -119,7 +119,7 @@ def test_places_without_a_steady_state_do_not_hold_up_the_rest() -> None:
     known = ~np.isnan(levels)
     assert known.sum() > START_POINTS
     between = np.linspace(1.1, 1.6, 101)
-    error = PchipInterpolator(eta[known], levels[known])(between) - [level(100 * one**4) for one in between]
+    error = PchipInterpolator(eta[known], levels[known])(between) - [level(100 * eta**4) for eta in between]
     assert np.max(np.abs(error)) < AXIS.accuracy_db
 
 

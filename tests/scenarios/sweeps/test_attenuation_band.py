@@ -54,12 +54,12 @@ def test_edges_are_refined_to_the_resolution_in_all_curves_at_once() -> None:
     def curves(index, eta):
         return np.tanh(30 * (shifts[index] - eta)) + 0.2 * (shifts[index] - eta)
 
-    found = refined_crossings([(0.0, 0.3), (0.2, 0.9), (0.25, 0.45)], curves, BAND)
-    assert [crossing.frequency_ratio for crossing in found] == pytest.approx(shifts, abs=EDGE_RESOLUTION)
-    assert [crossing.slope for crossing in found[:2]] == pytest.approx([-30.2] * 2, rel=1e-3)
-    assert all(0 < crossing.width <= EDGE_RESOLUTION for crossing in found[:2])
+    crossings = refined_crossings([(0.0, 0.3), (0.2, 0.9), (0.25, 0.45)], curves, BAND)
+    assert [crossing.frequency_ratio for crossing in crossings] == pytest.approx(shifts, abs=EDGE_RESOLUTION)
+    assert [crossing.slope for crossing in crossings[:2]] == pytest.approx([-30.2] * 2, rel=1e-3)
+    assert all(0 < crossing.width <= EDGE_RESOLUTION for crossing in crossings[:2])
     # the search has met the third one exactly
-    assert found[2].width == 0
+    assert crossings[2].width == 0
 
 
 def test_refinement_that_meets_a_point_without_an_answer_gives_nan() -> None:

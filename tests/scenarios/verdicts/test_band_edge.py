@@ -39,10 +39,10 @@ def test_an_edge_may_be_off_by_the_error_of_the_curve_over_its_slope(share, verd
     around = [point(3.0, 0.1), point(-3.0, 0.05)]
     allowed = point_tolerance(around[0], CONVERGED).allowed / abs(SLOPE) + 2 * WIDTH
     assert allowed == pytest.approx(1.25 * (0.1 + 2 * 0.01 / 32) / 100 + 2 * WIDTH, rel=1e-3)
-    found = compare_edge(Crossing(PLACE + share * allowed, SLOPE, WIDTH), TRUE, around)
-    assert found.verdict is verdict
-    assert found.tolerance == pytest.approx(allowed, rel=1e-3)
-    assert "mostly the engine's own step" in found.reason
+    comparison = compare_edge(Crossing(PLACE + share * allowed, SLOPE, WIDTH), TRUE, around)
+    assert comparison.verdict is verdict
+    assert comparison.tolerance == pytest.approx(allowed, rel=1e-3)
+    assert "mostly the engine's own step" in comparison.reason
 
 
 def test_an_engine_without_an_error_of_its_own_may_be_off_as_the_scheme_is() -> None:

@@ -39,9 +39,9 @@ def judged(variant, db, *others, reference=-10.02, converged=-10.0, amplified=1.
 def test_who_shares_the_scheme_equals_the_reference_at_equal_step_or_does_not_share_it() -> None:
     assert baseline(SHARES) == REFERENCE
     assert judged(SHARES, -10.02 + 1e-8).verdict is Verdict.AGREE
-    found = judged(SHARES, -10.02 + 1e-6)
-    assert found.verdict is Verdict.DISAGREE
-    assert "mostly resolution" in found.reason
+    comparison = judged(SHARES, -10.02 + 1e-6)
+    assert comparison.verdict is Verdict.DISAGREE
+    assert "mostly resolution" in comparison.reason
 
 
 def test_near_a_resonance_a_steady_state_is_farther_than_its_residual() -> None:
@@ -52,15 +52,15 @@ def test_near_a_resonance_a_steady_state_is_farther_than_its_residual() -> None:
 def test_an_integrator_of_its_own_may_err_as_the_scheme_does_at_the_same_step() -> None:
     assert baseline(OWN) == CONVERGED
     assert judged(OWN, -9.98, answer(-9.98, 200)).verdict is Verdict.AGREE
-    found = judged(OWN, -9.97, answer(-9.97, 200))
-    assert found.verdict is Verdict.DISAGREE
-    assert "the error of the reference's scheme at this step (0.026)" in found.reason
+    comparison = judged(OWN, -9.97, answer(-9.97, 200))
+    assert comparison.verdict is Verdict.DISAGREE
+    assert "the error of the reference's scheme at this step (0.026)" in comparison.reason
 
 
 def test_an_error_that_halves_with_the_step_is_its_own() -> None:
-    found = judged(OWN, -9.5, answer(-9.0, 200))
-    assert found.verdict is Verdict.AGREE
-    assert "mostly the engine's own step (0.62" in found.reason
+    comparison = judged(OWN, -9.5, answer(-9.0, 200))
+    assert comparison.verdict is Verdict.AGREE
+    assert "mostly the engine's own step (0.62" in comparison.reason
     # where stability asks for 300 steps instead of half of 400, the same difference tells of three times the error
     assert judged(OWN, -9.0, answer(-8.7, 300)).verdict is Verdict.AGREE
     assert judged(OWN, -9.0, answer(-8.7, 200)).verdict is Verdict.DISAGREE
@@ -91,8 +91,8 @@ def test_ruler_and_sharers_need_no_second_step() -> None:
 
 def test_below_the_floor_differences_are_those_of_amplitudes() -> None:
     deep = FLOOR_DB - 40
-    found = judged(OWN, deep + 6, answer(deep + 6, 200), reference=deep, converged=deep)
-    assert found.difference == pytest.approx(8.7 * 1e-2 * (10 ** (6 / 20) - 1), rel=0.02)
+    comparison = judged(OWN, deep + 6, answer(deep + 6, 200), reference=deep, converged=deep)
+    assert comparison.difference == pytest.approx(8.7 * 1e-2 * (10 ** (6 / 20) - 1), rel=0.02)
 
 
 @pytest.mark.parametrize(("whom", "level"), [(REFERENCE, -10.02), (CONVERGED, -10.0)])
@@ -102,9 +102,9 @@ def test_a_given_tolerance_judges_everybody_but_whom_others_are_compared_with(wh
         assert baseline(variant, given) == whom
         assert refinements(variant, given) == ()
         assert judged(variant, level + 0.099, given=given).verdict is Verdict.AGREE
-        found = judged(variant, level - 0.101, given=given)
-        assert found.verdict is Verdict.DISAGREE
-        assert found.tolerance == pytest.approx(0.1, rel=1e-12)
+        comparison = judged(variant, level - 0.101, given=given)
+        assert comparison.verdict is Verdict.DISAGREE
+        assert comparison.tolerance == pytest.approx(0.1, rel=1e-12)
     # its own steps are its measure still
     assert refinements(whom, given) == refinements(whom)
     assert judged(REFERENCE, -10.02, answer(-10.02, 800), given=GivenTolerance(transmittance_db=9, baseline=REFERENCE)

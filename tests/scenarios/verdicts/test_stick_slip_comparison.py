@@ -43,13 +43,13 @@ def evidence(coarse, fine, scheme=None, expected=TRANSITIONS, variant="mujoco", 
         case=CASE,
         coarse=answer(coarse, 400),
         fine=dataclasses.replace(answer(fine, 800), **changes),
-        scheme=tuple(answer(one, steps) for one, steps in zip(scheme, (400, 800, 1600), strict=True)),
+        scheme=tuple(answer(transitions, steps) for transitions, steps in zip(scheme, (400, 800, 1600), strict=True)),
         expected=Expected(transmittance_db=-3.0, transitions=expected, stuck_fraction=(0.4,)),
     )
 
 
 def judged(*args, **more):
-    return {one.metric: one for one in stick_slip_findings(evidence(*args, **more))}
+    return {finding.metric: finding for finding in stick_slip_findings(evidence(*args, **more))}
 
 
 def later(shift, transitions=TRANSITIONS):
@@ -57,46 +57,46 @@ def later(shift, transitions=TRANSITIONS):
 
 
 def test_the_expected_motion_agrees_in_every_metric() -> None:
-    found = judged(TRANSITIONS, TRANSITIONS)
-    assert tuple(found) == STICK_SLIP_METRICS
-    assert {one.comparison.verdict for one in found.values()} == {Verdict.AGREE}
+    findings = judged(TRANSITIONS, TRANSITIONS)
+    assert tuple(findings) == STICK_SLIP_METRICS
+    assert {finding.comparison.verdict for finding in findings.values()} == {Verdict.AGREE}
 
 
 @pytest.mark.parametrize(("steps", "verdict"), [(0.9, Verdict.AGREE), (-0.9, Verdict.AGREE), (1.1, Verdict.DISAGREE)])
 def test_a_transition_may_be_a_step_off_whatever_the_sign(steps, verdict) -> None:
-    found = judged(later(steps * STEP), later(steps * STEP))
-    assert found[LARGEST_TIME].comparison.verdict is verdict
-    assert found[MEDIAN_TIME].value == pytest.approx(100 * abs(steps) * STEP)
+    findings = judged(later(steps * STEP), later(steps * STEP))
+    assert findings[LARGEST_TIME].comparison.verdict is verdict
+    assert findings[MEDIAN_TIME].value == pytest.approx(100 * abs(steps) * STEP)
 
 
 def test_an_error_that_halves_with_the_step_is_the_engines_own() -> None:
-    found = judged(later(8 * STEP), later(4 * STEP))
-    assert found[LARGEST_TIME].comparison.verdict is Verdict.AGREE
-    assert "mostly the engine's own step" in found[LARGEST_TIME].comparison.reason
+    findings = judged(later(8 * STEP), later(4 * STEP))
+    assert findings[LARGEST_TIME].comparison.verdict is Verdict.AGREE
+    assert "mostly the engine's own step" in findings[LARGEST_TIME].comparison.reason
     assert judged(later(4 * STEP), later(4 * STEP))[LARGEST_TIME].comparison.verdict is Verdict.DISAGREE
 
 
 def test_an_error_that_the_reference_makes_at_the_same_step_is_no_disagreement() -> None:
     """At some step an engine may happen to err as much as at the other: its own estimate is then zero by luck."""
     scheme = (later(8 * STEP), later(4 * STEP), later(2 * STEP))
-    found = judged(later(4 * STEP), later(4 * STEP), scheme=scheme)
-    assert found[LARGEST_TIME].comparison.verdict is Verdict.AGREE
-    assert "error of the reference's scheme" in found[LARGEST_TIME].comparison.reason
+    findings = judged(later(4 * STEP), later(4 * STEP), scheme=scheme)
+    assert findings[LARGEST_TIME].comparison.verdict is Verdict.AGREE
+    assert "error of the reference's scheme" in findings[LARGEST_TIME].comparison.reason
 
 
 def test_the_worst_transition_is_the_one_that_is_worst_beside_what_is_allowed_for_it() -> None:
     fine = (*TRANSITIONS[:3], (1, 0.8 + 3 * STEP, "backward slip"))
-    found = judged(fine, fine)
-    assert found[LARGEST_TIME].value == pytest.approx(300 * STEP)
-    assert found[MEDIAN_TIME].value == pytest.approx(0, abs=1e-12)
+    findings = judged(fine, fine)
+    assert findings[LARGEST_TIME].value == pytest.approx(300 * STEP)
+    assert findings[MEDIAN_TIME].value == pytest.approx(0, abs=1e-12)
 
 
 def test_transitions_beyond_the_window_are_missed_and_spurious() -> None:
     gone = later(1.01 * MATCHING_WINDOW)
-    found = judged(gone, gone)
-    assert found[MISSED].value == found[SPURIOUS].value == 4
-    assert found[MISSED].comparison.verdict is found[SPURIOUS].comparison.verdict is Verdict.DISAGREE
-    assert found[LARGEST_TIME].comparison.verdict is Verdict.INCONCLUSIVE
+    findings = judged(gone, gone)
+    assert findings[MISSED].value == findings[SPURIOUS].value == 4
+    assert findings[MISSED].comparison.verdict is findings[SPURIOUS].comparison.verdict is Verdict.DISAGREE
+    assert findings[LARGEST_TIME].comparison.verdict is Verdict.INCONCLUSIVE
 
 
 def test_what_only_one_step_of_the_engine_misses_or_makes_up_is_inconclusive() -> None:
@@ -110,8 +110,8 @@ def test_what_only_one_step_of_the_engine_misses_or_makes_up_is_inconclusive() -
 def test_a_grazing_stick_that_the_reference_has_at_some_steps_only_is_left_out() -> None:
     with_it = (*TRANSITIONS, *SHORT)
     step_dependent = (TRANSITIONS, with_it, with_it)
-    for expected, found in ((with_it, TRANSITIONS), (TRANSITIONS, with_it)):
-        verdicts = judged(found, found, scheme=step_dependent, expected=expected)
+    for expected, own in ((with_it, TRANSITIONS), (TRANSITIONS, with_it)):
+        verdicts = judged(own, own, scheme=step_dependent, expected=expected)
         for metric in (MISSED, SPURIOUS, LARGEST_TIME):
             assert verdicts[metric].comparison.verdict is Verdict.AGREE, metric
         reasons = verdicts[MISSED].comparison.reason + verdicts[SPURIOUS].comparison.reason
@@ -122,9 +122,11 @@ def test_a_grazing_stick_that_the_reference_has_at_some_steps_only_is_left_out()
 
 def test_stuck_fraction_may_be_off_by_a_step_a_stick() -> None:
     for steps, verdict in ((1.9, Verdict.AGREE), (2.1, Verdict.DISAGREE)):
-        found = evidence(TRANSITIONS, TRANSITIONS, stuck_fraction=(0.4 + steps * STEP,))
-        same = dataclasses.replace(found.coarse, stuck_fraction=found.fine.stuck_fraction)
-        judgement = {one.metric: one for one in stick_slip_findings(dataclasses.replace(found, coarse=same))}
+        given = evidence(TRANSITIONS, TRANSITIONS, stuck_fraction=(0.4 + steps * STEP,))
+        same = dataclasses.replace(given.coarse, stuck_fraction=given.fine.stuck_fraction)
+        judgement = {
+            finding.metric: finding for finding in stick_slip_findings(dataclasses.replace(given, coarse=same))
+        }
         assert judgement[STUCK_FRACTION].comparison.verdict is verdict
 
 
@@ -138,17 +140,17 @@ def test_stuck_fraction_may_be_off_by_a_step_a_stick() -> None:
     ],
 )
 def test_a_stick_may_creep_by_no_more_than_the_orbit_resolves(variant, creep, verdict) -> None:
-    found = evidence(TRANSITIONS, TRANSITIONS, variant=variant, creep=(creep,))
-    same = dataclasses.replace(found, coarse=dataclasses.replace(found.coarse, creep=(creep,)))
-    judgement = {one.metric: one for one in stick_slip_findings(same)}
+    given = evidence(TRANSITIONS, TRANSITIONS, variant=variant, creep=(creep,))
+    same = dataclasses.replace(given, coarse=dataclasses.replace(given.coarse, creep=(creep,)))
+    judgement = {finding.metric: finding for finding in stick_slip_findings(same)}
     assert judgement[CREEP_VELOCITY].comparison.verdict is verdict
 
 
 def test_without_a_steady_state_every_metric_is_inconclusive() -> None:
-    found = evidence(TRANSITIONS, TRANSITIONS, status="period limit", residual=1e-3)
-    findings = stick_slip_findings(found)
-    assert [one.metric for one in findings] == list(STICK_SLIP_METRICS)
-    assert {one.comparison.verdict for one in findings} == {Verdict.INCONCLUSIVE}
+    given = evidence(TRANSITIONS, TRANSITIONS, status="period limit", residual=1e-3)
+    findings = stick_slip_findings(given)
+    assert [finding.metric for finding in findings] == list(STICK_SLIP_METRICS)
+    assert {finding.comparison.verdict for finding in findings} == {Verdict.INCONCLUSIVE}
 
 
 def test_a_slip_too_short_for_single_precision_is_read_as_stick() -> None:
@@ -156,14 +158,14 @@ def test_a_slip_too_short_for_single_precision_is_read_as_stick() -> None:
     exact = ((1, 0.1, "forward slip"), (1, 0.106, "stick"), (1, 0.3, "backward slip"))
     read = ((1, 0.1, "stick"), (1, 0.3, "backward slip"))
     for variant, expected in (("mujoco", exact), ("box2d", read)):
-        found = evidence(expected, expected, scheme=(exact,) * 3, expected=exact, variant=variant)
+        given = evidence(expected, expected, scheme=(exact,) * 3, expected=exact, variant=variant)
         stuck = 0.194 if variant == "mujoco" else 0.2
         answers = {
-            name: dataclasses.replace(getattr(found, name), stuck_fraction=(stuck,)) for name in ("coarse", "fine")
+            name: dataclasses.replace(getattr(given, name), stuck_fraction=(stuck,)) for name in ("coarse", "fine")
         }
-        scheme = tuple(dataclasses.replace(one, stuck_fraction=(0.194,)) for one in found.scheme)
-        right = dataclasses.replace(found.expected, travels=(5e-6, math.inf, 2.0), stuck_fraction=(0.194,))
-        found = dataclasses.replace(found, expected=right, scheme=scheme, **answers)
-        assert as_resolved(found).transitions == expected
-        assert as_resolved(found).stuck_fraction[0] == pytest.approx(stuck)
-        assert {one.comparison.verdict for one in stick_slip_findings(found)} == {Verdict.AGREE}
+        scheme = tuple(dataclasses.replace(result, stuck_fraction=(0.194,)) for result in given.scheme)
+        right = dataclasses.replace(given.expected, travels=(5e-6, math.inf, 2.0), stuck_fraction=(0.194,))
+        given = dataclasses.replace(given, expected=right, scheme=scheme, **answers)
+        assert as_resolved(given).transitions == expected
+        assert as_resolved(given).stuck_fraction[0] == pytest.approx(stuck)
+        assert {finding.comparison.verdict for finding in stick_slip_findings(given)} == {Verdict.AGREE}

@@ -47,8 +47,8 @@ def test_tolerance_below_the_floor_is_the_amplitude_that_it_is_at_the_floor() ->
 
 def test_no_steady_state_is_inconclusive_and_says_whose() -> None:
     stuck = answer(-10.0, status="period limit")
-    for one, other, whose in ((stuck, answer(-10.0), "engine"), (answer(-10.0), stuck, "reference")):
-        comparison = compared(one, other, 0.02)
+    for own, other, whose in ((stuck, answer(-10.0), "engine"), (answer(-10.0), stuck, "reference")):
+        comparison = compared(own, other, 0.02)
         assert comparison.verdict is Verdict.INCONCLUSIVE
         assert comparison.reason.startswith(f"{whose}: period limit after 30 periods")
 
@@ -90,9 +90,9 @@ def test_why_there_is_no_number_is_the_verdict() -> None:
 
 def test_of_arrays_the_largest_difference_is_judged_by_the_largest_error() -> None:
     own = Steps({1: np.array([0.0, 0.4]), 2: np.array([0.0, 0.2])})
-    found = judge(NUMBER, own, np.array([0.24, 0.0]))
-    assert (found.difference, found.tolerance) == pytest.approx((0.24, 1.25 * 0.2))
-    assert found.verdict is Verdict.AGREE
+    comparison = judge(NUMBER, own, np.array([0.24, 0.0]))
+    assert (comparison.difference, comparison.tolerance) == pytest.approx((0.24, 1.25 * 0.2))
+    assert comparison.verdict is Verdict.AGREE
     assert judge(NUMBER, own, np.array([0.26, 0.0])).verdict is Verdict.DISAGREE
 
 
@@ -100,9 +100,9 @@ def test_verdict_names_the_largest_part_of_what_is_allowed() -> None:
     tolerance = Tolerance(reference=0.1, engine=0.2, resolution=0.05, scheme=0.15)
     assert tolerance.allowed == pytest.approx(0.35)
     assert decide(NUMBER, 1.34, 1.0, tolerance).verdict is Verdict.AGREE
-    found = decide(NUMBER, 0.64, 1.0, tolerance)
-    assert found.verdict is Verdict.DISAGREE
-    assert found.reason == "difference -0.36 dB, allowed 0.35, mostly the engine's own step (0.2)"
+    comparison = decide(NUMBER, 0.64, 1.0, tolerance)
+    assert comparison.verdict is Verdict.DISAGREE
+    assert comparison.reason == "difference -0.36 dB, allowed 0.35, mostly the engine's own step (0.2)"
     lucky = Tolerance(reference=0.1, engine=0.0, resolution=0.05, scheme=0.15)
     assert "mostly the error of the reference's scheme at this step (0.15)" in str(lucky)
 

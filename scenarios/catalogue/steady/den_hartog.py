@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 from reference_lcp.exact.den_hartog import SlidingMotion
 from reference_lcp.observables.stick_slip import Mode
-from scenarios.catalogue.steady_base import SteadyScenario
+from scenarios.catalogue.steady.base import ClosedForm
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
@@ -35,7 +35,7 @@ def _case(frequency_ratio: float, force_ratio: float) -> SteadyCase:
     )
 
 
-class DenHartog(SteadyScenario):
+class DenHartog(ClosedForm):
     """The outer mass slides on an inner one that stands still, as heavy as a million of it.
 
     The base moves it through the chain's spring, without a dashpot: a force P0 = k_c U0 on an oscillator of the
@@ -48,10 +48,6 @@ class DenHartog(SteadyScenario):
     expects = "the closed form; its error bar is the motion of the mass that stands"
     cases = tuple(_case(*point) for point in POINTS)
     with_stick_slip = True
-
-    def expected_by(self, case: SteadyCase) -> list[SteadyStateTask]:
-        """A closed form needs no task."""
-        return []
 
     def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
         """Give the closed form."""

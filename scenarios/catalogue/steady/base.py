@@ -1,13 +1,14 @@
 """Scenarios whose cases are steady states under a harmonic base motion."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import ClassVar
 
 from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.law_period import LawPeriodTask
+from scenarios.tasks.parameters import ChainRatios, Ratio
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE, Finding, Metric
@@ -119,6 +120,32 @@ class SteadyScenario(Scenario):
         """Judge one variant in one case."""
         findings = [transmittance_finding(evidence), *same_step_findings(evidence)]
         return [*findings, *stick_slip_findings(evidence)] if self.with_stick_slip else findings
+
+
+def point_case(friction_ratio: float, frequency_ratio: float, ratios: ChainRatios | None = None) -> SteadyCase:
+    """Give a case that is named by both ratios; of the canonical chain unless another is given."""
+    return SteadyCase(
+        label=f"friction {friction_ratio:g}, η_r {frequency_ratio:g}",
+        friction_ratio=friction_ratio,
+        frequency_ratio=frequency_ratio,
+        ratios=ratios or ChainRatios(),
+    )
+
+
+def cases_over(frequency_ratios: Iterable[float], friction_ratio: Ratio, ratios: ChainRatios) -> tuple[SteadyCase, ...]:
+    """Give cases of one chain with one friction, named by their frequency ratios."""
+    return tuple(
+        SteadyCase(label=f"η_r {eta:g}", friction_ratio=friction_ratio, frequency_ratio=eta, ratios=ratios)
+        for eta in frequency_ratios
+    )
+
+
+class ClosedForm(SteadyScenario):
+    """A scenario of steady states whose motion is known in closed form: it needs no task."""
+
+    def expected_by(self, case: SteadyCase) -> list[SteadyStateTask]:
+        """A closed form needs no task."""
+        return []
 
 
 def _results_of(tasks: Sequence[SteadyStateTask], evaluator: Evaluator) -> dict[SteadyStateTask, Result]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
 from reference_lcp.observables.transmittance import decibel
-from scenarios.catalogue.steady_base import SteadyScenario
+from scenarios.catalogue.steady.base import ClosedForm, cases_over
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
@@ -18,43 +18,28 @@ LOCKING_FRICTION = 5.0
 four times the force that holds the inner masses."""
 
 
-def _cases(friction_ratio: float, frequency_ratios: tuple[float, ...]) -> tuple[SteadyCase, ...]:
-    return tuple(
-        SteadyCase(label=f"η_r {eta:g}", friction_ratio=friction_ratio, frequency_ratio=eta, ratios=THREE_CELLS)
-        for eta in frequency_ratios
-    )
-
-
-class FrictionlessLimit(SteadyScenario):
+class FrictionlessLimit(ClosedForm):
     """No friction: the resonators move freely."""
 
     name = "frictionless-limit"
     question = "Is the chain without friction the linear one: masses, springs, dashpots, drive, time step?"
     source = "linear theory: (K + iωC − ω²M) x = f"
     expects = "closed form"
-    cases = _cases(0.0, (0.9, 0.5))
-
-    def expected_by(self, case: SteadyCase) -> list[SteadyStateTask]:
-        """A closed form needs no task."""
-        return []
+    cases = cases_over((0.9, 0.5), 0.0, THREE_CELLS)
 
     def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
         """Solve the linear chain."""
         return Expected(transmittance_db=decibel(frictionless_transmittance(*case.setting())))
 
 
-class LockedLimit(SteadyScenario):
+class LockedLimit(ClosedForm):
     """So much friction that every cell moves as one mass."""
 
     name = "locked-limit"
     question = "Does a contact that must not slip hold?"
     source = "linear theory with v = u + const in every cell"
     expects = "closed form"
-    cases = _cases(LOCKING_FRICTION, (1.1, 0.7))
-
-    def expected_by(self, case: SteadyCase) -> list[SteadyStateTask]:
-        """A closed form needs no task."""
-        return []
+    cases = cases_over((1.1, 0.7), LOCKING_FRICTION, THREE_CELLS)
 
     def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
         """Solve the linear chain of locked cells."""

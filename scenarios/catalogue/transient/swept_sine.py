@@ -4,9 +4,7 @@ import math
 
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.transient import SweptSine
-from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
-from reference_lcp.validation import FloatArray
-from scenarios.catalogue.transient_base import RATIOS, Broadband, TransientCase
+from scenarios.catalogue.transient.base import RESONATOR_FREQUENCY, Broadband, TransientCase
 
 SWEEP, REST = 250, 100
 """Periods 2π / ω_r of the sweep, and of the rest in which the chain dies out."""
@@ -24,10 +22,6 @@ class SweptSineScenario(Broadband):
 
     def case(self, friction_ratio: float) -> TransientCase:
         """Sweep, then wait."""
-        omega = RATIOS.chain(friction_ratio).resonator_frequency
+        omega = RESONATOR_FREQUENCY
         sweep = SweptSine(BASE_AMPLITUDE, 0.2 * omega, 2.4 * omega, SWEEP * 2 * math.pi / omega)
         return TransientCase(friction_ratio, sweep, SWEEP + REST)
-
-    def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
-        """Divide the Fourier transforms."""
-        return transient_transmissibility(base, response, time_step)

@@ -1,12 +1,10 @@
 """Band-limited noise of the base: a stationary motion without a period."""
 
-import math
-
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.transient import FilteredNoise
 from reference_lcp.observables.transmissibility import Transmissibility, stationary_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.transient_base import RATIOS, ROWS_PER_PERIOD, Broadband, TransientCase
+from scenarios.catalogue.transient.base import PERIOD, RESONATOR_FREQUENCY, ROWS_PER_PERIOD, Broadband, TransientCase
 
 PERIODS = 300
 """Length of the noise in periods 2π / ω_r; it does not repeat before."""
@@ -33,14 +31,12 @@ class FilteredNoiseScenario(Broadband):
 
     def case(self, friction_ratio: float) -> TransientCase:
         """Noise throughout, from rest."""
-        omega = RATIOS.chain(friction_ratio).resonator_frequency
-        period = 2 * math.pi / omega
         noise = FilteredNoise(
             amplitude=BASE_AMPLITUDE,
-            lowest_frequency=0.2 * omega,
-            highest_frequency=2.4 * omega,
-            repetition=PERIODS * period,
-            rise=RISE * period,
+            lowest_frequency=0.2 * RESONATOR_FREQUENCY,
+            highest_frequency=2.4 * RESONATOR_FREQUENCY,
+            repetition=PERIODS * PERIOD,
+            rise=RISE * PERIOD,
             seed=1,
         )
         return TransientCase(friction_ratio, noise, PERIODS)

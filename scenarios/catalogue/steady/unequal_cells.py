@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from scenarios.catalogue.steady_base import SteadyScenario
+from scenarios.catalogue.steady.base import SteadyScenario, cases_over
 from scenarios.tasks.parameters import ChainRatios, Ratio
 from scenarios.verdicts.steady_case import SteadyCase
 
@@ -21,8 +21,8 @@ FRICTION_SPAN = (0.1, 0.5)
 CELLS = 7
 
 
-def disordered() -> tuple[ChainRatios, Ratio]:
-    """Draw both masses, both springs, dashpot and friction of each cell, to two digits."""
+def disordered() -> tuple[Ratio, ChainRatios]:
+    """Draw friction, both masses, both springs and dashpot of each cell, to two digits."""
     draw = np.random.default_rng(DISORDER_SEED)
     mass, stiffness, friction = (_numbers(draw.uniform(*span, CELLS)) for span in (SPREAD, SPREAD, FRICTION_SPAN))
     damping = _numbers(draw.uniform(0.5, 1.5, CELLS), 0.01)
@@ -35,26 +35,19 @@ def disordered() -> tuple[ChainRatios, Ratio]:
         outer_mass_ratio=outer,
         chain_stiffness_ratio=springs,
     )
-    return ratios, friction
+    return friction, ratios
 
 
-def graded() -> tuple[ChainRatios, Ratio]:
+def graded() -> tuple[Ratio, ChainRatios]:
     """Let resonators become heavier and softer, and friction stronger, along the chain."""
     low, high = SPREAD
     mass, stiffness = _numbers(np.linspace(low, high, CELLS)), _numbers(np.linspace(high, low, CELLS))
     ratios = ChainRatios(cells=CELLS, mass_ratio=mass, stiffness_ratio=stiffness)
-    return ratios, _numbers(np.linspace(*FRICTION_SPAN, CELLS))
+    return _numbers(np.linspace(*FRICTION_SPAN, CELLS)), ratios
 
 
 def _numbers(values: np.ndarray, scale: float = 1.0) -> tuple[float, ...]:
     return tuple(float(np.round(scale * np.round(value, 2), 6)) for value in values)
-
-
-def _cases(ratios: ChainRatios, friction: Ratio, frequency_ratios: tuple[float, ...]) -> tuple[SteadyCase, ...]:
-    return tuple(
-        SteadyCase(label=f"η_r {eta:g}", ratios=ratios, friction_ratio=friction, frequency_ratio=eta)
-        for eta in frequency_ratios
-    )
 
 
 class UnequalCells(SteadyScenario):
@@ -80,7 +73,7 @@ class DisorderedChain(UnequalCells):
     name = "disordered-chain"
     question = "Does each cell have its own parameters, and its own stick and slip?"
     source = f"ratios drawn from even distributions, seed {DISORDER_SEED}"
-    cases = _cases(*disordered(), (0.6, 0.9))
+    cases = cases_over((0.6, 0.9), *disordered())
 
 
 class GradedChain(UnequalCells):
@@ -89,4 +82,4 @@ class GradedChain(UnequalCells):
     name = "graded-chain"
     question = "Where along a graded chain do the contacts stick?"
     source = "graded resonators (rainbow trapping), linear in the cell's number"
-    cases = _cases(*graded(), (0.6, 0.8))
+    cases = cases_over((0.6, 0.8), *graded())

@@ -1,8 +1,9 @@
 """Free decay: a chain that is let go, and the friction that brings its contacts to rest."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -12,13 +13,13 @@ from reference_lcp.chain.harmonic import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.transient_base import with_refined_steps
+from scenarios.catalogue.transient.base import Readings, read_refined, with_refined_steps
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import NamedNumbers, Result
 from scenarios.tasks.transient import TransientTask
 from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.judge import Number, Steps, judge, missing
+from scenarios.verdicts.judge import Number, judge, missing
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from scenarios.verdicts.verdict import Comparison
 
@@ -159,11 +160,12 @@ class FreeDecay(Scenario):
 def _findings(variant: Variant, decay: Decay, exact: Result, evaluator: Evaluator) -> list[Finding]:
     """Compare one decay with the exact one, and its error with that of the reference in the same steps."""
     metrics = [metric for metric in FreeDecay.metrics if metric is not LOSS or decay is OSCILLATOR_DECAY]
-    own, scheme = (_read(decay, simulated, evaluator) for simulated in (variant, REFERENCE))
+    numbers = partial(_numbers, decay)
+    own, scheme = (read_refined(decay.task(simulated), evaluator, numbers) for simulated in (variant, REFERENCE))
     gap = missing("exact motion", [exact])
     if isinstance(own, Comparison) or isinstance(scheme, Comparison) or gap is not None:
         gap = next(reading for reading in (own, scheme, gap) if isinstance(reading, Comparison))
-        return [Finding(variant, decay.title, metric, math.nan, math.nan, gap) for metric in metrics]
+        return Finding.without_numbers(variant, decay.title, metrics, gap)
     expected, shared = _expected(decay, exact.series), max(_shared_error(own), _shared_error(scheme))
     findings = []
     for metric in metrics:
@@ -181,18 +183,7 @@ def _findings(variant: Variant, decay: Decay, exact: Result, evaluator: Evaluato
     return findings
 
 
-def _read(decay: Decay, variant: Variant, evaluator: Evaluator) -> dict[Metric, Steps] | Comparison:
-    """Read the compared numbers of a motion with three step sizes, or give the reason why there are none."""
-    tasks = with_refined_steps(decay.task(variant))
-    results = evaluator.evaluate(tasks)
-    gap = missing("", results)
-    if gap is not None:
-        return gap
-    numbers = {task.steps: _numbers(decay, result.series) for task, result in zip(tasks, results, strict=True)}
-    return {metric: Steps({steps: values[metric] for steps, values in numbers.items()}) for metric in FreeDecay.metrics}
-
-
-def _shared_error(read: Mapping[Metric, Steps]) -> float:
+def _shared_error(read: Readings) -> float:
     """Error of heat, what is left and what is missing, shares of one energy: that of one alone may vanish by chance."""
     return max(read[metric].error(metric) for metric in SHARES)
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 
-from scenarios.catalogue.steady_base import SteadyScenario
+from scenarios.catalogue.steady.base import SteadyScenario
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask

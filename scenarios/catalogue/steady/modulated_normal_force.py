@@ -6,7 +6,6 @@ the steady state is unique. For a < 1 contacts stay closed, and every formulatio
 For a > 1 they open: the inner mass flies, lands without rebound, and its impact rubs.
 """
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -23,6 +22,7 @@ from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Metric
 from scenarios.verdicts.judge import Steps, decide, judge, missing
 from scenarios.verdicts.steady_case import amplitude_in_db
+from scenarios.verdicts.stick_slip_comparison import matched_errors
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
 CASE_STEPS = (400, 800, 1600)
@@ -130,7 +130,7 @@ def _findings(variant: Variant, case: ModulatedCase, own: list[Result], expected
     metrics = [TRANSMITTANCE, STUCK, UNMATCHED, TIMES, *([] if case.modulation <= 1 else [OPEN_FRACTION, LARGEST_GAP])]
     gap = _missing("engine", own) or _missing("reference", expected)
     if gap is not None:
-        return [Finding(variant, str(case), metric, math.nan, math.nan, gap) for metric in metrics]
+        return Finding.without_numbers(variant, str(case), metrics, gap)
     judged = [_transmittance(own, expected), _stuck_fraction(own, expected), _unmatched(own, expected),
                 _transition_times(own, expected), *_flights(case.flight(variant), case.multiple, own)]  # fmt: skip
     return [
@@ -205,17 +205,11 @@ def _apart(first: Result, second: Result) -> int:
 def _transition_times(own: list[Result], expected: list[Result]) -> Judged:
     """Judge the largest distance of matching transitions; its error is the largest of theirs."""
     baseline = expected[1].transitions
-    times, scheme = ([_time_errors(result, baseline) for result in results] for results in (own, expected))
+    times, scheme = ([matched_errors(result, baseline) for result in results] for results in (own, expected))
     size = max(map(abs, times[1].values()), default=0.0)
     engine, reference = (_largest_error(errors) for errors in (times, scheme))
     tolerance = Tolerance(reference=reference, engine=engine, resolution=1 / CASE_STEPS[1])
     return size, 0.0, decide(TIMES, size, 0.0, tolerance)
-
-
-def _time_errors(result: Result, baseline: Sequence[TimedTransition]) -> dict[TimedTransition, float]:
-    """Distance over the period of every transition that a result has, by the baseline's."""
-    match = match_transitions(result.transitions, baseline, result.period)
-    return {pair[1]: error for pair, error in zip(match.pairs, match.time_errors, strict=True)}
 
 
 def _largest_error(errors: Sequence[Mapping[TimedTransition, float]]) -> float:

@@ -6,17 +6,16 @@ from pathlib import Path
 
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.record import RecordedBase
-from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
-from reference_lcp.validation import FloatArray
-from scenarios.catalogue.example_record import FILE
-from scenarios.catalogue.transient_base import (
+from scenarios.catalogue.transient.base import (
     BANDS,
     BROADBAND_STEPS,
-    RATIOS,
+    PERIOD,
+    RESONATOR_FREQUENCY,
     ROWS_PER_PERIOD,
     Broadband,
     TransientCase,
 )
+from scenarios.catalogue.transient.example_record import FILE
 
 REST = 200
 """Periods 2π / ω_r after the record in which the chain dies out."""
@@ -52,8 +51,7 @@ class Record(Broadband):
         """
         raw = RecordedBase.from_csv(self.file)
         base = RecordedBase.from_csv(self.file, BASE_AMPLITUDE / raw.amplitude)
-        omega = RATIOS.chain(0.0).resonator_frequency
-        base.check_resolves(omega * max(highest for _, highest in BANDS.values()))
+        base.check_resolves(RESONATOR_FREQUENCY * max(highest for _, highest in BANDS.values()))
         return base
 
     def check(self) -> None:
@@ -68,11 +66,6 @@ class Record(Broadband):
 
     def case(self, friction_ratio: float) -> TransientCase:
         """Follow the record, then wait; no step is so long that it leaves out samples."""
-        period = 2 * math.pi / RATIOS.chain(friction_ratio).resonator_frequency
-        rows = math.ceil(period / self.base.shortest_spacing / ROWS_PER_PERIOD - 1e-9)
+        rows = math.ceil(PERIOD / self.base.shortest_spacing / ROWS_PER_PERIOD - 1e-9)
         steps = max(BROADBAND_STEPS, ROWS_PER_PERIOD * rows)
-        return TransientCase(friction_ratio, self.base, math.ceil(self.base.duration / period) + REST, steps)
-
-    def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
-        """Divide the Fourier transforms."""
-        return transient_transmissibility(base, response, time_step)
+        return TransientCase(friction_ratio, self.base, math.ceil(self.base.duration / PERIOD) + REST, steps)

@@ -4,7 +4,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 
-from scenarios.catalogue.steady_base import SAME_STEP, SteadyScenario
+from scenarios.catalogue.steady.base import SAME_STEP, SteadyScenario, point_case
 from scenarios.sweeps.attenuation_band import BandDefinition
 from scenarios.tasks.result import Result
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Metric
@@ -30,16 +30,10 @@ LOWER_EDGES = {0.3: 0.637, 1.0: 0.999}
 """Friction ratios of the widest band and of cells that nearly lock; its lower edges, to three digits."""
 
 
-def _case(friction_ratio: float, frequency_ratio: float) -> SteadyCase:
-    label = f"friction {friction_ratio:g}, η_r {frequency_ratio:g}"
-    return SteadyCase(label=label, friction_ratio=friction_ratio, frequency_ratio=round(frequency_ratio, 6))
-
-
-def _edge_cases(friction_ratio: float, edge: float) -> tuple[SteadyCase, SteadyCase]:
-    return _case(friction_ratio, edge - HALF_WIDTH), _case(friction_ratio, edge + HALF_WIDTH)
-
-
-EDGE_CASES = {friction: _edge_cases(friction, edge) for friction, edge in LOWER_EDGES.items()}
+EDGE_CASES = {
+    friction: [point_case(friction, round(edge + side, 6)) for side in (-HALF_WIDTH, HALF_WIDTH)]
+    for friction, edge in LOWER_EDGES.items()
+}
 
 
 class Figure3Points(SteadyScenario):
@@ -49,7 +43,7 @@ class Figure3Points(SteadyScenario):
     question = "How much of the base's motion reaches the end of seven cells, and where does attenuation begin?"
     source = "Sethi, Banerjee, Manna, figure 3: mass and stiffness ratio 1, ζ = 0.01, seven cells"
     expects = "the event-driven solver, exact to round-off"
-    cases = (*(case for pair in EDGE_CASES.values() for case in pair), _case(0.6, 0.9), _case(0.1, 0.6))
+    cases = (*(case for pair in EDGE_CASES.values() for case in pair), point_case(0.6, 0.9), point_case(0.1, 0.6))
     metrics = (TRANSMITTANCE, SAME_STEP, LOWER_EDGE)
 
     def judged(self, by_case: Mapping[SteadyCase, Evidence]) -> list[Finding]:

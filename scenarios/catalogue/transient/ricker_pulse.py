@@ -2,9 +2,7 @@
 
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.transient import QUIET, RickerPulse
-from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
-from reference_lcp.validation import FloatArray
-from scenarios.catalogue.transient_base import RATIOS, Broadband, TransientCase
+from scenarios.catalogue.transient.base import RESONATOR_FREQUENCY, Broadband, TransientCase
 
 
 class RickerPulseScenario(Broadband):
@@ -19,9 +17,5 @@ class RickerPulseScenario(Broadband):
 
     def case(self, friction_ratio: float) -> TransientCase:
         """Follow the pulse until it has died out."""
-        omega = RATIOS.chain(friction_ratio).resonator_frequency
-        return TransientCase(friction_ratio, RickerPulse(BASE_AMPLITUDE, omega, QUIET / omega), 300)
-
-    def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
-        """Divide the Fourier transforms."""
-        return transient_transmissibility(base, response, time_step)
+        pulse = RickerPulse(BASE_AMPLITUDE, RESONATOR_FREQUENCY, QUIET / RESONATOR_FREQUENCY)
+        return TransientCase(friction_ratio, pulse, 300)

@@ -7,7 +7,7 @@ errors of the steps before do not grow, and time series are compared as they are
 import dataclasses
 import math
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -16,20 +16,27 @@ import numpy as np
 from engines.interface.variant import Variant
 from reference_lcp.accuracy.error_bar import REFINEMENTS
 from reference_lcp.chain.harmonic import MovingBase
-from reference_lcp.observables.transmissibility import Transmissibility
+from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
 from reference_lcp.observables.transmittance import decibel
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.result import NamedNumbers
 from scenarios.tasks.transient import TransientTask
 from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.judge import Steps, judge, missing
+from scenarios.verdicts.judge import Number, Steps, judge, missing
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Comparison, Verdict
 
 RATIOS = ChainRatios(damping_ratio=0.05, inner_damping_ratio=0.02)
 """The canonical chain with dashpots that let a transient die out: to 1 % of its peak in 300 periods 2π / ω_r."""
+
+RESONATOR_FREQUENCY = RATIOS.chain(0.0).resonator_frequency
+"""ω_r [rad/s], whatever the friction."""
+
+PERIOD = 2 * math.pi / RESONATOR_FREQUENCY
+"""2π / ω_r [s]."""
 
 BROADBAND_STEPS = 50
 """Coarsest steps to a period 2π / ω_r; the finest of the three step sizes takes four times as many."""
@@ -97,13 +104,12 @@ class TransientCase:
 
     def task(self, variant: Variant) -> TransientTask:
         """Give the task of a variant, with its coarsest step."""
-        period = 2 * math.pi / RATIOS.chain(self.friction_ratio).resonator_frequency
         return TransientTask(
             variant=variant,
             ratios=RATIOS,
             friction_ratio=self.friction_ratio,
             base=self.base,
-            time_step=period / self.steps_per_period,
+            time_step=PERIOD / self.steps_per_period,
             steps=self.periods * self.steps_per_period,
             every=self.steps_per_period // ROWS_PER_PERIOD,
         )
@@ -119,7 +125,7 @@ class TransientCase:
 
 
 Readings = Mapping[Metric, Steps]
-"""What is compared, by step size; the response itself, at each row over the base's scale, is under `DIFFERENCE`."""
+"""What is compared, by step size."""
 
 
 class Broadband(Scenario):
@@ -142,9 +148,9 @@ class Broadband(Scenario):
     def case(self, friction_ratio: float) -> TransientCase:
         """Give the base motion, and how long it is followed."""
 
-    @abstractmethod
     def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
-        """Read the transmissibility of rows that are `time_step` [s] apart."""
+        """Read the transmissibility of rows that are `time_step` [s] apart: Fourier transforms, unless overridden."""
+        return transient_transmissibility(base, response, time_step)
 
     def parameters(self) -> list[str]:
         """Give chain, base and step sizes; see `Scenario.parameters`."""
@@ -196,28 +202,24 @@ class Broadband(Scenario):
 
     def numbers(self, case: TransientCase, response: FloatArray) -> dict[Metric, float]:
         """Read what is compared, but for the series itself, from the rows of a response."""
-        chain = RATIOS.chain(case.friction_ratio)
-        base, omega = case.base_rows(), chain.resonator_frequency
-        spectrum = self.spectrum(base, response, 2 * math.pi / omega / ROWS_PER_PERIOD)
+        base = case.base_rows()
+        spectrum = self.spectrum(base, response, PERIOD / ROWS_PER_PERIOD)
         bands = {
-            metric: decibel(spectrum.in_band(*(omega * edge for edge in BANDS[name])))
+            metric: decibel(spectrum.in_band(*(RESONATOR_FREQUENCY * edge for edge in BANDS[name])))
             for name, metric in BAND_METRICS.items()
         }
         rms = float(np.sqrt(np.mean(response**2) / np.mean(base**2)))
         return {**bands, RMS: rms, PEAK: float(np.max(np.abs(response)))}
 
     def _read(self, case: TransientCase, coarsest: TransientTask, evaluator: Evaluator) -> Readings | Comparison:
-        """Read a motion with three step sizes, or give the reason why there is none."""
-        tasks = with_refined_steps(coarsest)
-        results = evaluator.evaluate(tasks)
-        gap = missing("reference" if coarsest.variant.engine == REFERENCE.engine else "", results)
-        if gap is not None:
-            return gap
-        rows = {task.steps: np.array(result.series["response"]) for task, result in zip(tasks, results, strict=True)}
-        numbers = {steps: self.numbers(case, response) for steps, response in rows.items()}
-        read = {metric: Steps({steps: values[metric] for steps, values in numbers.items()}) for metric in self.metrics
-                if metric is not DIFFERENCE}  # fmt: skip
-        return {**read, DIFFERENCE: Steps(rows)}
+        """Read a motion with three step sizes; the response, over the base's scale, is under `DIFFERENCE`."""
+
+        def numbers(series: NamedNumbers) -> dict[Metric, Number]:
+            response = np.array(series["response"])
+            return {**self.numbers(case, response), DIFFERENCE: response}
+
+        source = "reference" if coarsest.variant.engine == REFERENCE.engine else ""
+        return read_refined(coarsest, evaluator, numbers, source)
 
     def _findings(
         self,
@@ -230,7 +232,7 @@ class Broadband(Scenario):
         """Compare a variant's reading with the reference's, in finer steps and in the same ones."""
         if isinstance(own, Comparison) or isinstance(exact, Comparison) or isinstance(scheme, Comparison):
             gap = next(reading for reading in (own, exact, scheme) if isinstance(reading, Comparison))
-            return [Finding(variant, case.title, metric, math.nan, math.nan, gap) for metric in self.metrics]
+            return Finding.without_numbers(variant, case.title, self.metrics, gap)
         findings = []
         for metric in self.metrics:
             expected = exact[metric]
@@ -258,3 +260,20 @@ def needs_step_refinement(findings: Sequence[Finding]) -> bool:
 def with_refined_steps(coarsest: TransientTask) -> list[TransientTask]:
     """Give the tasks of a motion with three step sizes, its own first."""
     return [coarsest.refined(factor) for factor in REFINEMENTS]
+
+
+def read_refined(
+    coarsest: TransientTask,
+    evaluator: Evaluator,
+    numbers: Callable[[NamedNumbers], Mapping[Metric, Number]],
+    source: str = "",
+) -> Readings | Comparison:
+    """Read `numbers` of a motion with three step sizes; or why there are none, a reason that begins with `source`."""
+    tasks = with_refined_steps(coarsest)
+    results = evaluator.evaluate(tasks)
+    gap = missing(source, results)
+    if gap is not None:
+        return gap
+    read = {task.steps: numbers(result.series) for task, result in zip(tasks, results, strict=True)}
+    metrics = next(iter(read.values()))
+    return {metric: Steps({steps: values[metric] for steps, values in read.items()}) for metric in metrics}

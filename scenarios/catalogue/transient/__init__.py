@@ -1,0 +1,1 @@
+"""Motions that do not repeat: one scenario a file, and what they share."""

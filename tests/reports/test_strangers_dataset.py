@@ -1,0 +1,177 @@
+"""A dataset that a stranger made: refused in one line that names the file, or read as what it says."""
+
+import json
+import random
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+from reference_lcp import ParameterError
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
+from reports.__main__ import app
+from reports.data.collect import collect_dataset
+from reports.export.tables import transmittance_table
+from scenarios.execution.store import ResultStore
+from scenarios.sweeps import dataset_file
+from scenarios.sweeps.dataset import sweep_dataset, write_dataset
+from scenarios.sweeps.dataset_file import read_dataset
+from scenarios.sweeps.run import stored_table
+from scenarios.sweeps.spec_file import read_sweep
+from scenarios.sweeps.table import grid, tasks_of
+from scenarios.tasks.result import Result
+
+SWEEP = """
+engines = ["reference:joint", "reference:joint:converged", "mujoco:joint"]
+[grid]
+friction_ratio = [0.1, 0.3]
+frequency_ratio = [0.6, 0.9, 1.3]
+"""
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
+    """A dataset of numbers that no engine computed."""
+    folder = tmp_path_factory.mktemp("dataset")
+    (folder / "sweep.toml").write_text(SWEEP)
+    sweep, draw = read_sweep(folder / "sweep.toml"), random.Random(1)
+    with ResultStore(folder / "results.sqlite") as store:
+        for task in tasks_of(sweep, grid(sweep)):
+            result = Result(
+                status="converged", transmittance_db=-60 * draw.random(), residual=1e-9, periods=30, period=0.25,
+                steps_per_period=task.steps_per_period, stuck_fraction=(0.5,) * 7,
+                transitions=((1, 0.1, "stick"), (2, 0.2, "forward slip")), creep=(1e-6,) * 7, seconds=0.1,
+            )  # fmt: skip
+            store.keep([(task, result)])
+        return sweep_dataset(*stored_table(sweep, store))
+
+
+@pytest.fixture
+def file(data: xr.Dataset, tmp_path: Path) -> Path:
+    write_dataset(data, tmp_path / "sweep.nc")
+    return tmp_path / "sweep.nc"
+
+
+def refusal(file: Path, capsys) -> str:
+    """Make a report of a file that is refused; gives the message."""
+    before = file.read_bytes()
+    assert run_command(app, ["--data", str(file), "--out", str(file.parent / "report")]) == ExitCode.WRONG_INPUT
+    printed = capsys.readouterr().err
+    assert printed.startswith(f"error: {file}")
+    assert len(printed.splitlines()) == 1
+    assert file.read_bytes() == before
+    return printed
+
+
+NEEDED = [
+    "status", "verdict", "reason", "transmittance_db", "residual", "periods", "multiple", "steps_per_period", "period",
+    "creep", "seconds", "stuck_fraction", "transition_cell", "transition_time", "transition_mode",
+    "refined_transmittance_db", "refined_steps_per_period",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NEEDED)
+def test_a_dataset_without_a_variable_is_refused(data, name) -> None:
+    with pytest.raises(ParameterError, match=f"no variable '{name}'"):
+        collect_dataset(data.drop_vars(name), "")
+
+
+@pytest.mark.parametrize("name", ["variant", "friction_ratio", "frequency_ratio"])
+def test_a_dataset_without_a_coordinate_is_refused(data, name) -> None:
+    with pytest.raises(ParameterError, match=f"no coordinate '{name}'"):
+        collect_dataset(data.drop_vars(name), "")
+
+
+@pytest.mark.parametrize("name", [name for name in NEEDED if name != "reason"])
+def test_text_in_place_of_numbers_is_refused(data, name) -> None:
+    with pytest.raises(ParameterError, match=f"{name} has the dimensions .* allowed: numbers"):
+        collect_dataset(data.assign({name: data[name].astype(str).astype(object)}), "")
+
+
+VALUES = [
+    ("status", 99), ("status", -1), ("verdict", -2), ("verdict", 99), ("periods", np.inf), ("periods", -1),
+    ("multiple", 1e300), ("steps_per_period", -np.inf), ("stuck_fraction", 2), ("transition_mode", 7),
+    ("transition_cell", np.inf), ("transition_time", np.nan), ("refined_steps_per_period", np.inf),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "value"), VALUES)
+def test_numbers_outside_their_range_are_refused(data, name, value) -> None:
+    changed = data[name].copy(deep=True)
+    changed.values.flat[0] = value
+    with pytest.raises(ParameterError, match=f"{name}.* allowed: "):
+        collect_dataset(data.assign({name: changed}), "")
+
+
+DESCRIPTION = {"package": "p", "version": "1", "description": "d", "options": []}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("sweep", "[]"),
+        ("sweep", "[" * 5_000),
+        ("sweep", None),
+        ("variants", "[]"),
+        ("variants", None),
+        ("variants", json.dumps({"reference": {**DESCRIPTION, "options": "all"}})),
+        ("variants", json.dumps({"reference": {**DESCRIPTION, "title": "<script>alert(1)</script>"}})),
+    ],
+    ids=range(7),
+)
+def test_attributes_of_the_wrong_form_are_refused(file, data, capsys, name, value) -> None:
+    changed = data.copy()
+    changed.attrs = {key: text for key, text in data.attrs.items() if key != name}
+    changed.attrs |= {} if value is None else {name: value}
+    write_dataset(changed, file)
+    assert name in refusal(file, capsys)
+
+
+def test_a_file_that_is_no_netcdf_is_refused(tmp_path, capsys) -> None:
+    for number, content in enumerate([b"", b"text", b"\x89HDF\r\n\x1a\n" + bytes(100), b"CDF\x01" + bytes(100)]):
+        file = tmp_path / f"{number}.nc"
+        file.write_bytes(content)
+        assert "cannot be read" in refusal(file, capsys)
+
+
+def test_arrays_that_lie_in_other_files_are_refused(file, tmp_path, capsys) -> None:
+    """An HDF5 file may name any file of its reader as the place of its numbers."""
+    (tmp_path / "secret").write_bytes(bytes(144))
+    with h5py.File(file, "a") as opened:
+        opened.create_dataset("secret", (18,), "f8", external=[(str(tmp_path / "secret"), 0, 144)])
+    assert "'secret' lies in another file" in refusal(file, capsys)
+    with h5py.File(file, "a") as opened:
+        del opened["secret"]
+        opened["other"] = h5py.ExternalLink(str(tmp_path / "other.nc"), "/x")
+    assert "'other' is a link" in refusal(file, capsys)
+
+
+def test_a_small_file_of_huge_arrays_is_refused(file, data, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(dataset_file, "LARGEST_DATASET", 2**20)
+    huge = data.assign(zeros=("zero", np.zeros(2**18)))
+    huge.to_netcdf(file, engine="h5netcdf", encoding={"zeros": {"zlib": True}})
+    assert file.stat().st_size < 2**20
+    assert "holds 2.1e+06 bytes" in refusal(file, capsys)
+
+
+@pytest.mark.parametrize("trials", [60, pytest.param(500, marks=pytest.mark.slow)])
+def test_a_damaged_dataset_is_refused_or_read(file, tmp_path, trials) -> None:
+    """NetCDF has no digests: a flipped bit of a number is not noticed, but nothing ends in a traceback."""
+    content, refused = file.read_bytes(), 0
+    for seed in range(trials):
+        draw, changed = random.Random(seed), bytearray(content)
+        for _ in range(draw.choice([1, 20])):
+            changed[draw.randrange(len(changed))] ^= 1 << draw.randrange(8)
+        damaged = tmp_path / f"{seed}.nc"
+        damaged.write_bytes(changed[: draw.randrange(len(changed))] if seed % 5 == 0 else changed)
+        try:
+            table = transmittance_table(collect_dataset(read_dataset(damaged), "").result)
+        except ParameterError as problem:
+            message, refused = str(problem), refused + 1
+        else:
+            message = str(len(table))
+        assert len(message.splitlines()) == 1
+    assert refused > trials / 10

@@ -1,0 +1,115 @@
+"""One table of exit codes: in the documentation, in the help of every command, and in what commands do."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import reports.cli.animate
+import scenarios.__main__
+from engines.interface.variant import Variant
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.validation import ParameterError, RunError
+from scenarios.execution.store import ResultStore
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
+from tests.test_help import COMMANDS
+from tests.test_mistakes import APPS
+
+ROOT = Path(__file__).parents[1]
+
+GROUPS = {"python -m scenarios run", "python -m scenarios store"}
+"""Commands that only hold others."""
+
+REFERENCE = "reference_lcp --cells 1 --frequency-ratio 0.9"
+
+
+def test_documentation_has_the_table() -> None:
+    document = (ROOT / "docs/exit_codes.md").read_text()
+    rows = re.findall(r"^\| (\d+) \| `(\w+)` \| (.+) \|$", document, flags=re.MULTILINE)
+    assert {name: int(code) for code, name, _ in rows} == dict(ExitCode.__members__)
+    source = " ".join((ROOT / "reference_lcp/exit_code.py").read_text().split())
+    assert all(f'"""{meaning}"""' in source for _, _, meaning in rows)
+
+
+@pytest.mark.parametrize("path", sorted(COMMANDS.keys() - GROUPS))
+def test_help_of_every_command_says_its_codes(path) -> None:
+    _, _, text = " ".join(COMMANDS[path].help.split()).partition("Exit code ")
+    codes = [int(code) for code in re.findall(r"(?:^|; )(\d+):", text.partition("Example:")[0])]
+    assert codes == sorted(set(codes))
+    assert set(codes) <= set(ExitCode)
+    needed = {ExitCode.DONE, ExitCode.WRONG_INPUT, ExitCode.INTERRUPTED}
+    if {"out", "plot", "store", "new"} & {option.name for option in COMMANDS[path].params}:
+        needed.add(ExitCode.RUN_FAILED)
+    assert needed <= set(codes), text
+
+
+def code_of(line: str) -> int:
+    """Run a command line without its ``python -m``."""
+    name, *arguments = line.split()
+    return run_command(APPS[name], arguments)
+
+
+@pytest.fixture
+def stores(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two stores, of which the second has lost a result."""
+    monkeypatch.chdir(tmp_path)
+    variant, result = Variant("reference"), Result(status="converged", transmittance_db=-3.0, period=1.0)
+    tasks = [SteadyStateTask(variant=variant, friction_ratio=0.3, frequency_ratio=eta) for eta in (0.5, 0.9)]
+    for name, held in ("before.sqlite", tasks), ("now.sqlite", tasks[:1]):
+        with ResultStore(Path(name)) as store:
+            store.keep((task, result) for task in held)
+
+
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        ("engines", ExitCode.DONE),
+        (REFERENCE, ExitCode.DONE),
+        (f"{REFERENCE} --max-periods 1", ExitCode.FAILED),
+        ("reports compare before.sqlite before.sqlite", ExitCode.DONE),
+        ("reports compare before.sqlite now.sqlite", ExitCode.FAILED),
+        ("reports compare before.sqlite none.sqlite", ExitCode.WRONG_INPUT),
+        ("scenarios sweep sweep.toml --no-ask --retry-blocked", ExitCode.WRONG_INPUT),
+        ("scenarios run unit-cell --store before.sqlite --no-ask --retry-blocked", ExitCode.WRONG_INPUT),
+        ("scenarios run record --store before.sqlite --no-ask --retry-blocked", ExitCode.WRONG_INPUT),
+        ("reports --no-ask --retry-blocked", ExitCode.WRONG_INPUT),
+    ],
+)
+def test_commands_end_with_the_code_of_the_table(stores, line, code, capsys) -> None:
+    assert code_of(line) == code
+    assert len(capsys.readouterr().err.splitlines()) == (code == ExitCode.WRONG_INPUT)
+
+
+@pytest.mark.parametrize(
+    ("problem", "code"),
+    [
+        (ParameterError("x = 1; allowed: 2"), ExitCode.WRONG_INPUT),
+        (RunError("store x is gone"), ExitCode.RUN_FAILED),
+    ],
+)
+def test_what_is_raised_on_the_way_is_one_line_and_its_code(problem, code, monkeypatch, capsys) -> None:
+    def fail() -> None:
+        raise problem
+
+    monkeypatch.setattr(scenarios.__main__, "_print_catalogue", fail)
+    assert code_of("scenarios") == code
+    assert re.fullmatch("error: .+\n", capsys.readouterr().err)
+
+
+def test_standard_output_that_cannot_be_written_is_a_failed_run() -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "engines"], cwd=ROOT, stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    assert done.returncode == ExitCode.RUN_FAILED
+    assert done.stderr == "error: standard output cannot be written: No space left on device\n"
+
+
+def test_a_missing_engine_is_wrong_input_where_nothing_else_is_wanted(stores, monkeypatch, capsys) -> None:
+    monkeypatch.setattr(reports.cli.animate, "unavailable_reason", lambda _variant: "no wheel")
+    assert code_of("reports animate --engine mujoco") == ExitCode.WRONG_INPUT
+    assert "--engine = mujoco is not installed: no wheel" in capsys.readouterr().err

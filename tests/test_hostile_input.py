@@ -1,0 +1,234 @@
+"""Hostile input: seeded mutations of sweep files and command lines are planned, or refused in one line."""
+
+import random
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+
+import engines.__main__
+import reference_lcp.__main__
+import reference_lcp.one_call
+import reports.__main__
+import reports.cli.animate
+import scenarios.__main__
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
+from scenarios.execution.evaluator import Evaluator
+from scenarios.execution.executor import WorkerExecutor
+from scenarios.sweeps.spec_file import EXAMPLE
+
+APPS = {
+    "reference_lcp": reference_lcp.__main__.app,
+    "engines": engines.__main__.app,
+    "scenarios": scenarios.__main__.app,
+    "reports": reports.__main__.app,
+}
+
+LONGEST_LINE = 2000
+"""Characters of a message: of what was given, only a part is shown."""
+
+NESTED = "[" * 3000 + "]" * 3000
+
+VALUES = (
+    *("9" * digits for digits in (19, 400, 4300, 4301, 5000)),
+    *("nan", "inf", "-inf", "1e-320", "1e-160", "1e160", "1e308", "-1e308", "-0.0", "0", "0.0", "1", "3", "-1"),
+    "1e400",
+    *("1_000_000_000", "1" + "0" * 30, "9223372036854775807", "9223372036854775808", "0xffffffff", "2.5", "1e7"),
+    *("true", "false", '""', '"\\u0000"', f'"{"x" * 400}"', '"reference"', '"mujocko"', '"1.0"', '"base"', "'[red]'"),
+    *("[]", "[[]]", NESTED, "[nan]", "[1e-320]", "[inf, 1]", "[1, 1]", "[1.0, 2.0]", "[0]", '["reference:joint"]'),
+    *("{}", "{ first = 1 }", "{ first = 0.3, last = 1.6, points = 1000000000 }", "1979-05-27", "07:32:00"),
+    "{ first = 1e-320, last = 1e308, points = 2 }", "{ first = 0.3, last = 0.3, points = 5 }",
+    "{ first = 1.6, last = 0.3, points = 5 }", "{ first = nan, last = 1, points = 3 }",
+    "{ first = 0.3, last = 1.6, points = 1" + "0" * 30 + " }", "{ first = 0.3, last = 1.6, accuracy_db = 1e-300 }",
+    "{ first = 0.3, last = 1.6, accuracy_db = 0.5, least_spacing = 1e-320, most_points = 1" + "0" * 30 + " }",
+    "{ first = -1e308, last = 1e308, points = 3 }", "{ first = 1e-308, last = 1e308, accuracy_db = 1e308 }",
+)  # fmt: skip
+"""What is written in place of a value, as TOML."""
+
+KEYS = (
+    *("engines", "presets", "steps_per_period", "grid", "chain", "drive", "tolerances", "cells", "mass_ratio"),
+    *("friction_ratio", "frequency_ratio", "friction_profile", "outer_mass_ratio", "amplitude", "kind", "__class__"),
+    *("damping_ratio", "transmittance_db", "chain_stiffness_ratio", '"\\u0000"', '"a.b"', "x" * 400, "grid.cells"),
+)
+
+SWEEPS = (
+    EXAMPLE,
+    '''engines = ["reference"]
+steps_per_period = 400
+[grid]
+friction_ratio = 0.3
+frequency_ratio = [0.9]
+mass_ratio = [0.5, 1.0]
+cells = [1, 2]
+steps_per_period = [400, 800]
+[chain]
+stiffness_ratio = 1.0
+damping_ratio = 0.01
+[drive]
+kind = "force"
+amplitude = 100.0
+[tolerances]
+transmittance_db = 0.1
+'''.replace("friction_ratio = 0.3", "friction_ratio = [0.3]"),
+    '''engines = ["mujoco", "reference"]
+presets = ["tuned"]
+[grid]
+friction_ratio = { first = 0.0, last = 1.0, points = 5 }
+frequency_ratio = { first = 0.3, last = 1.6, accuracy_db = 0.5, least_spacing = 5e-5, most_points = 500 }
+[chain]
+cells = 3
+outer_mass_ratio = [1.0, 0.9, 1.1]
+chain_stiffness_ratio = 1.0
+friction_profile = [1.0, 0.5, 0.0]
+''',
+)  # fmt: skip
+
+LINES = (
+    "reference_lcp --friction-ratio 0.3 --frequency-ratio 0.9 --cells 7 --max-periods 100 --solver compiled",
+    "reference_lcp --mass-ratio 1 --stiffness-ratio 1 --damping-ratio 0.01 --inner-damping-ratio 0 --error-bar",
+    "reference_lcp --base-amplitude 0.01 --steps-per-period 400 --tolerance 1e-9 --exact-value --json",
+    "reference_lcp --plot period.png --solver exact --cells 2",
+    "reference_lcp bench --cells --json",
+    "reference_lcp convergence --plot orders.png --json",
+    "engines --json",
+    "scenarios",
+    "scenarios example",
+    "scenarios store check sweep.sqlite --salvage good.sqlite",
+    "scenarios sweep sweep.toml --store a.sqlite --out a.nc --workers 2 --time-limit 60",
+    "scenarios sweep sweep.toml --no-ask --out a.csv --store sweep.sqlite --scheduler tcp://127.0.0.1:1",
+    "scenarios run unit-cell --engine reference --store a.sqlite --out a.md --workers 1 --time-limit 9",
+    "scenarios run record --record quake.csv --engine mujoco:joint --out a.json --store b.sqlite",
+    "scenarios run all --no-ask --store sweep.sqlite --out a.csv --engine reference:joint:tuned",
+    "scenarios run accuracy --engine mujoco:joint --store a.sqlite --out a.csv --workers 1 --no-cost",
+    "scenarios run cost --engine mujoco --seconds 0.1 --out a.md",
+    "reports --out report --quick --engine mujoco --store a.sqlite --workers 1 --time-limit 10",
+    "reports --sweep sweep.toml --out report --no-ask",
+    "reports --data sweep.nc --out report",
+    "reports compare sweep.sqlite sweep.sqlite --db 0.1 --stuck-fraction 0.1 --transition 0.1 --out a.csv",
+    "reports animate --engine mujoco --friction-ratio 0.3 --frequency-ratio 0.9 --out a.gif --frames 20",
+)
+
+WORDS = (
+    *("9" * 400, "9" * 4301, "1e300", "1e308", "1e-320", "1e5", "nan", "inf", "-inf", "-1", "0", "1" + "0" * 30, "2.5"),
+    *("x" * 400, "x" * 5000, "a/" * 3000, "", " ", "\x00", "a\x00b.nc", "\n", "é\udcff", "[red]", "%s", "--", "-"),
+    "=1+1",
+    *("sweep.toml", "sweep.sqlite", "folder", "folder/x.nc", "missing/x.csv", "/dev/null", "/dev/full", "/proc/1/mem"),
+    *("reference", "mujocko", "mujoco:glue", "mujoco:joint:", "::", "all", "a:b:c:d", ":memory:"),
+    "tcp://nowhere:99999999",
+    *("--json", "--quick", "--no-ask", "--help", "--out", "--store", "--engine", "--workers", "--time-limit", "--db"),
+)  # fmt: skip
+"""What is written in place of a word of a command line."""
+
+
+class Planned(typer.Exit):
+    """Ends a command where its work would begin."""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a sweep and a record, in which no command works: it ends with exit code 0 instead."""
+
+    def planned(*_: Any, **__: Any) -> Any:
+        raise Planned(0)
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "sweep.toml").write_text(SWEEPS[1].replace("reference", "mujoco"))
+    (tmp_path / "quake.csv").write_text("0,0\n0.1,1\n0.2,0\n0.3,2\n0.4,1\n")
+    monkeypatch.setattr(WorkerExecutor, "run", planned)
+    for name in ("periodic_orbits", "exact_orbit", "measured_error_bar"):
+        monkeypatch.setattr(reference_lcp.one_call, name, planned)
+    for name in ("bench", "bench_cells", "convergence"):
+        monkeypatch.setattr(reference_lcp.__main__, name, planned)
+    for name in ("cost", "step_cost"):
+        monkeypatch.setattr(scenarios.__main__, name, planned)
+    monkeypatch.setattr(Evaluator, "close", lambda _: None)
+    return tmp_path
+
+
+def mutated_file(random_: random.Random) -> str:
+    """A sweep file with one to three faults."""
+    text = random_.choice(SWEEPS)
+    for _ in range(random_.choice((1, 1, 1, 2, 3))):
+        text = random_.choice((with_value, with_value, with_value, with_line, with_damage))(text, random_)
+    return text
+
+
+def with_value(text: str, random_: random.Random) -> str:
+    """Write another value behind a key, perhaps one that is commented out."""
+    lines = text.splitlines()
+    places = [number for number, line in enumerate(lines) if " = " in line]
+    if not places:
+        return text
+    place = random_.choice(places)
+    key = lines[place].removeprefix("# ").partition(" = ")[0]
+    lines[place] = f"{key} = {random_.choice(VALUES)}"
+    return "\n".join(lines)
+
+
+def with_line(text: str, random_: random.Random) -> str:
+    """Add, remove or repeat a line."""
+    lines = text.splitlines()
+    place = random_.randrange(len(lines))
+    added = f"{random_.choice(KEYS)} = {random_.choice(VALUES)}"
+    lines[place : place + 1] = random_.choice(([], [lines[place]] * 2, [lines[place], added], [f"[{added}]"]))
+    return "\n".join(lines)
+
+
+def with_damage(text: str, random_: random.Random) -> str:
+    """Cut the file, or change one character."""
+    place = random_.randrange(len(text))
+    character = random_.choice('\x00\x7f\ud800[]{}"=.,#\n 09é\U0001f600')
+    return random_.choice((text[:place], text[:place] + character + text[place + 1 :]))
+
+
+def mutated_line(random_: random.Random) -> list[str]:
+    """A command line with one to three faults."""
+    name, *words = random_.choice(LINES).split()
+    for _ in range(random_.choice((1, 1, 1, 2, 3))):
+        place = random_.randrange(len(words) + 1)
+        word = random_.choice(WORDS)
+        words[place : place + 1] = random_.choice(([word], [word], [word], [], [*words[place : place + 1], word]))
+    return [name, *words]
+
+
+def refusal(name: str, arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str | None:
+    """Run a command line; gives what is wrong with how it ended, ``None`` if nothing is."""
+    try:
+        code = run_command(APPS[name], arguments)
+    except Exception as problem:
+        capsys.readouterr()
+        return f"{type(problem).__name__}: {problem!s:.200}"
+    error = capsys.readouterr().err
+    if code not in (0, ExitCode.WRONG_INPUT):
+        return f"exit code {code}: {error:.200}"
+    lines = [line for line in error.splitlines() if line.startswith("error: ")]
+    if code == ExitCode.WRONG_INPUT and (len(lines) != 1 or len(error) > LONGEST_LINE or "Traceback" in error):
+        return f"{len(lines)} lines, {len(error)} characters: {error:.200}"
+    return None
+
+
+def seeds(short: int, long: int) -> list[Any]:
+    """Ranges of seeds: the first is tried by default."""
+    return [range(short), pytest.param(range(short, long), marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("seeds", seeds(60, 1000), ids=str)
+def test_mutated_sweep_file_is_planned_or_refused(folder, capsys, seeds) -> None:
+    problems = {}
+    for seed in seeds:
+        content = mutated_file(random.Random(seed))
+        (folder / "mine.toml").write_text(content, encoding="utf-8", errors="surrogatepass")
+        problems[seed] = refusal("scenarios", ["sweep", "mine.toml", "--store", f"{seed}.sqlite"], capsys)
+    assert {seed: problem for seed, problem in problems.items() if problem} == {}
+
+
+@pytest.mark.parametrize("seeds", seeds(60, 1000), ids=str)
+def test_mutated_command_line_is_planned_or_refused(folder, capsys, seeds) -> None:
+    problems = {}
+    for seed in seeds:
+        name, *arguments = mutated_line(random.Random(seed))
+        problems[seed] = refusal(name, arguments, capsys)
+    assert {seed: problem for seed, problem in problems.items() if problem} == {}

@@ -1,0 +1,90 @@
+"""No encoding of a terminal, no setting of matplotlib and no text of others ends a command or is obeyed."""
+
+import io
+import os
+import subprocess
+import sys
+
+import pytest
+
+import engines.__main__
+import reference_lcp.__main__
+import reports.__main__
+import scenarios.__main__
+from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.visible import visible
+
+APPS = {
+    "reference_lcp": reference_lcp.__main__.app,
+    "engines": engines.__main__.app,
+    "scenarios": scenarios.__main__.app,
+    "reports": reports.__main__.app,
+}
+
+LINES = [
+    *(f"{name} --help" for name in APPS),
+    "reference_lcp --cells 2",
+    "reference_lcp convergence --help",
+    "engines",
+    "engines --json",
+    "scenarios",
+    "scenarios example",
+    "scenarios sweep --help",
+    "scenarios run all --help",
+    "scenarios store check --help",
+    "reports compare --help",
+    "reports animate --help",
+]
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
+@pytest.mark.parametrize("line", LINES)
+def test_an_output_without_greek_letters_ends_no_command(monkeypatch, line, encoding) -> None:
+    name, *arguments = line.split()
+    for stream in ("stdout", "stderr"):
+        monkeypatch.setattr(sys, stream, io.TextIOWrapper(io.BytesIO(), encoding=encoding))
+    assert run_command(APPS[name], arguments) == 0
+    sys.stdout.flush()
+    assert sys.stdout.buffer.getvalue()
+
+
+def test_a_file_name_that_is_no_text_is_printed(monkeypatch) -> None:
+    monkeypatch.setattr(sys, "stderr", io.TextIOWrapper(io.BytesIO(), encoding="utf-8"))
+    assert run_command(APPS["scenarios"], ["sweep", os.fsdecode(b"\xff.toml")]) == ExitCode.WRONG_INPUT
+    sys.stderr.flush()
+    assert sys.stderr.buffer.getvalue().startswith(rb"error: \udcff.toml cannot be read")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["reports", "--help"], ["reference_lcp", "--cells", "1", "--steps-per-period", "16", "--plot", "period.png"]],
+)
+def test_a_matplotlib_backend_that_there_is_not_ends_no_command(tmp_path, arguments) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", *arguments], cwd=tmp_path, env=os.environ | {"MPLBACKEND": "odd"}, check=False,
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "period.png" not in arguments or (tmp_path / "period.png").stat().st_size
+
+
+@pytest.mark.parametrize("text", ["\x1b[2J", "\x9b2J", "\r", "\n", "\x00", "\u202e", "\u2028", "\udcff"])
+def test_a_character_that_controls_a_terminal_becomes_letters(text) -> None:
+    assert visible(f"a{text}b") == "a" + text.encode("unicode_escape").decode() + "b"
+    assert visible(f"a{text}b").isprintable()
+
+
+def test_letters_of_all_languages_stay() -> None:
+    assert visible("μ λ_N – η̃ 摩擦 تحمل 🙂") == "μ λ_N – η̃ 摩擦 تحمل 🙂"
+
+
+def test_a_message_about_a_strangers_file_is_one_line_that_no_terminal_obeys(tmp_path, capsys) -> None:
+    file = tmp_path / "hostile.toml"
+    file.write_text(
+        'engines = ["\\u001b]0;owned\\u0007\\nerror: fine"]\n[grid]\nfriction_ratio = [0]\nfrequency_ratio = [1]'
+    )
+    assert run_command(APPS["scenarios"], ["sweep", str(file)]) == ExitCode.WRONG_INPUT
+    printed = capsys.readouterr().err
+    assert "\x1b" not in printed
+    assert len(printed.splitlines()) == 1
