@@ -68,10 +68,3 @@ def test_the_rounding_of_a_state_is_not_passed_on(preset: str) -> None:
     for step in range(0, STEPS, 10):
         state = simulation.advance(state, step, 10)
     np.testing.assert_allclose(state.positions[0], whole.positions[-1], rtol=0, atol=1e-12 * AMPLITUDE)
-
-
-def test_versions_without_friction_of_joints_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("engines.shared.wheel_engine.version", lambda _: "3.9.0")
-    reason = Pinocchio().unavailable_reason()
-    assert reason is not None
-    assert "4.0 or newer" in reason
