@@ -2,8 +2,8 @@
 
 A step of length h takes positions q, velocities q̇ and the loads f of the drive at its start and its end to
 
-    (q̇_free, w_free) = P (q̇, q) + h Q (f(t), f(t+h)) − h D q̇ |q̇| + A λ(w),
-    w_i = w_free,i + Σ_j G_ij p_j,   p_i = s φ_i(w_i),
+    (q̇_free, w_free) = P (q̇, q) + h Q (f(t), f(t+h)) − h D q̇ |q̇|,
+    w_i = w_free,i + Σ_j G_ij p_j,   p_i = h φ_i(w_i),
     q̇⁺ = q̇_free + R p,   q⁺ = q + h (α q̇⁺ + (1 − α) q̇),
 
 with p the impulses of friction. The coupled scalar equations are solved by Gauss–Seidel sweeps with a closed solution a
@@ -45,7 +45,7 @@ class FrictionLaw:
     smoothing
         z [m/s], shape (n,), of the smooth law; zeros for the other one.
     bound_share
-        b over s μ λ_N: less than one where friction grows on beyond b.
+        b over h μ λ_N: less than one where friction grows on beyond b.
     """
 
     compliance: FloatArray
@@ -92,12 +92,8 @@ class LinearStep:
         R, shape (2n, n).
     coupling
         G, shape (n, n).
-    impulse_time
-        s [s]: impulse of friction over its force.
     end_weight
         α of the velocity at the end of the step.
-    starting_friction
-        A, shape (3n, n): for the friction at the start of the step; zeros where it has no part.
     quadratic_drag
         D, shape (2n,) [1/m].
     """
@@ -107,9 +103,7 @@ class LinearStep:
     load: FloatArray
     response: FloatArray
     coupling: FloatArray
-    impulse_time: float
     end_weight: float
-    starting_friction: FloatArray
     quadratic_drag: FloatArray
 
     @classmethod
@@ -145,8 +139,6 @@ class LinearStep:
         load: tuple[float, float],
         *,
         end_weight: float = 1.0,
-        impulse_time: float | None = None,
-        starting_friction: float = 0.0,
         response_matrix: FloatArray | None = None,
         slip_weight: float = 0.0,
     ) -> "LinearStep":
@@ -164,10 +156,6 @@ class LinearStep:
             β_0 and β_1.
         end_weight
             α.
-        impulse_time
-            s [s]; h without it.
-        starting_friction
-            Time [s] by which the friction at the start of the step acts beside p.
         response_matrix
             Mass matrix under which friction acts, where that is not S.
         slip_weight
@@ -178,7 +166,6 @@ class LinearStep:
         response = (inverse if response_matrix is None else np.linalg.inv(response_matrix)) @ slip
         state = np.hstack([inverse @ velocity, -length * inverse @ chain.stiffness_matrix])
         loads = length * np.outer(inverse[:, 0], load)
-        start = starting_friction * inverse @ slip
         seen = slip.T @ state
         seen[:, :count] += slip_weight * slip.T
         return cls(
@@ -187,9 +174,7 @@ class LinearStep:
             load=np.vstack([loads, slip.T @ loads]),
             response=response,
             coupling=slip.T @ response,
-            impulse_time=length if impulse_time is None else impulse_time,
             end_weight=end_weight,
-            starting_friction=np.vstack([start, slip.T @ start]),
             quadratic_drag=np.zeros(count),
         )
 
@@ -212,14 +197,12 @@ class LinearImplicitLane(LaneModel):
     lane
         The chain, its drive and the time step.
     step, friction
-        Of one substep.
-    substeps
-        Substeps a time step.
+        Of one time step.
     """
 
-    def __init__(self, lane: Lane, step: LinearStep, friction: FrictionLaw, substeps: int = 1):
+    def __init__(self, lane: Lane, step: LinearStep, friction: FrictionLaw):
         self.lane = lane
-        self._step, self._friction, self._substeps = step, friction, substeps
+        self._step, self._friction = step, friction
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state` at step index `start`."""
@@ -246,18 +229,15 @@ class LinearImplicitLane(LaneModel):
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> FloatArray:
         """Run the kernel; gives positions and velocities at the end, shape (2, 2n)."""
-        lane, step, friction, parts = self.lane, self._step, self._friction, self._substeps
-        times = step.length * np.arange(start * parts, (start + steps) * parts + 1, dtype=np.float64)
-        bounds = (
-            friction.bound_share * step.impulse_time * lane.chain.friction_coefficient * lane.preloads(start, steps)
-        )
+        lane, step, friction = self.lane, self._step, self._friction
+        bounds = friction.bound_share * step.length * lane.chain.friction_coefficient * lane.preloads(start, steps)
         motion = np.vstack([state.positions[0], state.velocities[0]])
         _advance(
             motion,
-            lane.drive.load(lane.chain, times),
+            lane.loads(start, steps + 1),
             np.ascontiguousarray(bounds),
-            (step.state, step.load, step.response, step.coupling, step.starting_friction, step.quadratic_drag),
-            (step.length, step.end_weight, step.impulse_time, parts),
+            (step.state, step.load, step.response, step.coupling, step.quadratic_drag),
+            (step.length, step.end_weight),
             (friction.compliance, friction.slope, friction.smoothing),
             record,
         )
@@ -266,7 +246,7 @@ class LinearImplicitLane(LaneModel):
 
 @numba.njit(inline="always", error_model="numpy")
 def _impulse(slip: Any, coupling: Any, bound: Any, compliance: Any, slope: Any, smoothing: Any) -> Any:
-    """Solve w = slip + coupling p, p = s φ(w), for p; see `FrictionLaw`."""
+    """Solve w = slip + coupling p, p = h φ(w), for p; see `FrictionLaw`."""
     if smoothing > 0:
         return smooth_impulse(slip, coupling, bound, smoothing)
     impulse = -slip / (coupling + compliance)
@@ -320,55 +300,32 @@ def solve_contacts(free: Any, coupling: Any, bound: Any, law: Any, impulses: Any
             return
 
 
-@numba.njit(inline="always", error_model="numpy")
-def _friction_of(slip: Any, bound: Any, compliance: Any, smoothing: Any) -> Any:
-    """Give s φ(w) of a slip velocity that is known; not for Coulomb's law."""
-    if smoothing > 0:
-        return -bound * slip / np.sqrt(slip * slip + smoothing * smoothing)
-    return -min(max(slip / compliance, -bound), bound)
-
-
 @numba.njit(cache=True, error_model="numpy")
 def _advance(motion: Any, loads: Any, bounds: Any, matrices: Any, numbers: Any, law: Any, record: Any) -> None:
     """Advance one lane in place; `record` is (steps, 5n), or has no rows when nothing is kept."""
-    state_matrix, load_matrix, response, coupling, starting, drag = matrices
-    length, weight, impulse_time, parts = numbers
+    state_matrix, load_matrix, response, coupling, drag = matrices
+    length, weight = numbers
     cells = coupling.shape[0]
     count = 2 * cells
-    starts = np.any(starting)
     drags = np.any(drag)
     impulses, state = np.zeros(cells), np.empty(2 * count)
     state[:count], state[count:] = motion[1], motion[0]
     before = np.empty(count)
     for step in range(bounds.shape[0]):
-        for part in range(parts):
-            index = step * parts + part
-            free = state_matrix @ state + load_matrix[:, 0] * loads[index] + load_matrix[:, 1] * loads[index + 1]
-            if starts:
-                for i in range(cells):
-                    slip = state[cells + i] - state[i]
-                    force = _friction_of(slip, bounds[step, i], law[0][i], law[2][i]) / impulse_time
-                    free += starting[:, i] * force
-            if drags:
-                for i in range(cells):
-                    outer = length * drag[i] * state[i] * abs(state[i])
-                    inner = length * drag[cells + i] * state[cells + i] * abs(state[cells + i])
-                    free[i] -= outer
-                    free[cells + i] -= inner
-                    free[count + i] -= inner - outer
-            solve_contacts(free[count:], coupling, bounds[step], law, impulses)
-            before[:] = state[:count]
-            state[:count] = free[:count] + response @ impulses
-            state[count:] += length * (weight * state[:count] + (1 - weight) * before)
+        free = state_matrix @ state + load_matrix[:, 0] * loads[step] + load_matrix[:, 1] * loads[step + 1]
+        if drags:
+            for i in range(cells):
+                outer = length * drag[i] * state[i] * abs(state[i])
+                inner = length * drag[cells + i] * state[cells + i] * abs(state[cells + i])
+                free[i] -= outer
+                free[cells + i] -= inner
+                free[count + i] -= inner - outer
+        solve_contacts(free[count:], coupling, bounds[step], law, impulses)
+        before[:] = state[:count]
+        state[:count] = free[:count] + response @ impulses
+        state[count:] += length * (weight * state[:count] + (1 - weight) * before)
         if record.shape[0] > 0:
             record[step, :count] = state[count:]
             record[step, count : 2 * count] = state[:count]
-            for i in range(cells):
-                if starts:
-                    slip = state[cells + i] - state[i]
-                    record[step, 2 * count + i] = (
-                        _friction_of(slip, bounds[step, i], law[0][i], law[2][i]) / impulse_time
-                    )
-                else:
-                    record[step, 2 * count + i] = impulses[i] / impulse_time
+            record[step, 2 * count :] = impulses / length
     motion[0], motion[1] = state[count:], state[:count]
