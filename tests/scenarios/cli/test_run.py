@@ -152,7 +152,7 @@ def test_matrix_has_variants_as_rows_and_scenarios_as_columns() -> None:
 def test_document_has_how_it_was_made_laws_parameters_and_reasons() -> None:
     text = verdict_document(RESULTS, "python -m scenarios run by-hand")
     assert "`python -m scenarios run by-hand`" in text
-    assert "- mujoco:joint:default: friction has a time constant" in text
+    assert "- mujoco:joint:default: friction is a soft constraint with a time constant" in text
     assert "- length = 0.12" in text
     assert "pitch, soft: agree \\| by hand" in text
     assert "Versions: mujoco" in text
