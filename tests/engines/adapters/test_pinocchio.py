@@ -71,7 +71,7 @@ def test_the_rounding_of_a_state_is_not_passed_on(preset: str) -> None:
 
 
 def test_versions_without_friction_of_joints_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("engines.shared.wheel_engine.version", lambda _: "3.9.0")
+    monkeypatch.setattr("engines.shared.wheel_engine.installed_version", lambda _: "3.9.0")
     reason = Pinocchio().unavailable_reason()
     assert reason is not None
     assert "4.0 or newer" in reason
