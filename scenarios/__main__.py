@@ -118,8 +118,9 @@ def sweep(
     """
     check_retry(ask, retry_blocked)
     planned = read_sweep(file)
-    if ask:
-        check_size(planned, yes=yes, how="--yes")
+    whole = out is not None or planned.tolerance is not None  # all results in memory together
+    if ask or whole:
+        check_size(planned, yes=yes and not whole, how="--yes, without --out and [tolerances]")
     check_out(out, (".nc", ".csv"), [store, file])
     executor = executor_for(workers, time_limit, scheduler)
     with ResultStore(store if ask else existing_store(store)) as stored:
@@ -131,12 +132,12 @@ def sweep(
             except KeyboardInterrupt:
                 announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
                 raise typer.Exit(ExitCode.INTERRUPTED) from None
-        if out is None and planned.tolerance is None:
+        if not whole:
             return
-        whole, table = stored_table(planned, stored)
-        print_verdicts(whole, points_of(table))
+        judged, table = stored_table(planned, stored)
+        print_verdicts(judged, points_of(table))
         if out is not None:
-            write_dataset(sweep_dataset(whole, table, store), out)
+            write_dataset(sweep_dataset(judged, table, store), out)
 
 
 @run.command()

@@ -170,7 +170,15 @@ LARGE = SWEEP.replace("[0.3]", "{ first = 0.1, last = 1.0, points = 1000 }").rep
 )
 
 
-@pytest.mark.parametrize("command", ["scenarios sweep large.toml", "reports --sweep large.toml"])
+@pytest.mark.parametrize(
+    "command",
+    [
+        "scenarios sweep large.toml",
+        "scenarios sweep large.toml --yes --out large.nc",
+        "scenarios sweep large.toml --no-ask --out large.csv",
+        "reports --sweep large.toml",
+    ],
+)
 def test_sweep_of_ten_million_points_says_its_size_and_asks_for_a_yes(folder, capsys, command) -> None:
     (folder / "large.toml").write_text(LARGE)
     before = files_in(folder)
