@@ -16,24 +16,43 @@ from rich.console import Console
 from rich.table import Table
 
 from engines.interface.registry import broken_reason, engine, registered_names
+from engines.interface.variant import Variant
+from engines.law_command import print_law
 from reference_lcp.console import run_command
 
 app = typer.Typer(name="python -m engines", add_completion=False, pretty_exceptions_enable=False)
 
 
-@app.command()
-def engines(as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
+@app.callback(invoke_without_command=True)
+def engines(
+    context: typer.Context, as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False
+) -> None:
     """List every registered engine: its version, its friction law, what it supports, and why it is missing if it is.
 
     Exit code 0: listed, installed or not; 2: wrong input; 130: interrupted.
 
     Example: python -m engines --json
     """
+    if context.invoked_subcommand is not None:
+        return
     rows = [described(name) for name in registered_names()]
     if as_json:
         print(json.dumps(rows, indent=2))
     else:
         _print(rows)
+
+
+@app.command()
+def law(
+    name: Annotated[str, typer.Argument(metavar="NAME[:FORMULATION[:PRESET]]", help="The variant.")],
+) -> None:
+    """Print by which law a preset steps: formula, constants and where they come from, and how near the engine is to it.
+
+    Exit code 0: printed; 2: wrong input; 130: interrupted.
+
+    Example: python -m engines law mujoco:joint:default
+    """
+    print_law(Variant.parse(name))
 
 
 def described(name: str) -> dict[str, Any]:

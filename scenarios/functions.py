@@ -18,6 +18,7 @@ from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import FloatArray, ParameterError, checked_choice, checked_path, shown
 from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
+from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.catalogue.verdict_table import finding_table
 from scenarios.cli.sweep import evaluate_sweep
 from scenarios.execution.dask_cluster import executor_for
@@ -152,7 +153,8 @@ def check(
     -------
     pandas.DataFrame
         One row a number: ``scenario``, ``case``, ``engine``, ``formulation``, ``preset``, ``metric``, ``unit``,
-        ``value``, ``expected``, ``verdict``, ``explained``, ``difference``, ``allowed``, ``reason``.
+        ``value``, ``expected``, ``verdict``, ``difference``, ``allowed``, ``as predicted`` (whether the law of the
+        preset predicts a disagreement), five numbers of that prediction, ``reason``.
 
     Raises
     ------
@@ -169,7 +171,7 @@ def check(
             stored, executor_for(workers, time_limit, scheduler), [], bars, retry_blocked=retry_blocked
         ) as evaluator,
     ):
-        return finding_table({item: item.run(variants, evaluator) for item in chosen})
+        return finding_table({item: run_with_predictions(item, variants, evaluator) for item in chosen})
 
 
 def _validated(content: Mapping[str, Any]) -> Sweep:

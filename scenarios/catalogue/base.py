@@ -28,12 +28,9 @@ class Scenario(ABC):
         """Give the parameters of the cases that their names leave out (numbers cell by cell, for example), in lines."""
         return []
 
+    @abstractmethod
     def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
-        """Give, by case, the tasks that compare a period of a variant with its law's.
-
-        There are none where whole motions from the same state are compared.
-        """
-        return {}
+        """Give, by case, the tasks that compare a period of a variant with its law's, from the same state."""
 
     @abstractmethod
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:

@@ -20,23 +20,18 @@ Results = Mapping[Scenario, Sequence[Finding]]
 VERDICT_LEGEND = """\
 A number *agrees* if it is within what is allowed of what is expected: the error bar of the expected number, plus the
 error of the engine's own time step, estimated from two step sizes (and taken to be no less than the reference's at the
-same step), plus what neither can resolve. A disagreement is *explained* where the preset names a known deviation from
-Coulomb's law, and *unexplained* otherwise. *Inconclusive*: there is no certified steady state,
-nothing to compare, or no result so far (skipped as too slow, or left out by --no-ask). *Blocked*: the engine is not
-installed, or has failed. *Worst*: the largest difference over what is
-allowed for it.
+same step), plus what neither can resolve. A disagreement is *as its law predicts* where the law of the preset, a model
+with constants from the preset's options, gives the same number within what both leave open, and a period of engine and
+law from the same state ends within the bound of the law; it is *unexplained* otherwise. *Inconclusive*: there is no
+certified steady state, nothing to compare, or no result so far (skipped as too slow, or left out by --no-ask).
+*Blocked*: the engine is not installed, or has failed. *Worst*: the largest difference over what is allowed for it.
 """
 
 
-def explained(finding: Finding) -> bool:
-    """Whether a disagreement is explained by a known deviation of the preset."""
-    return finding.comparison.verdict is Verdict.DISAGREE and bool(finding.variant.preset.known_deviation)
-
-
 def unexplained(findings: Sequence[Finding]) -> list[Finding]:
-    """Give the disagreements that no known deviation explains."""
+    """Give the disagreements that no law predicts."""
     return [
-        finding for finding in findings if finding.comparison.verdict is Verdict.DISAGREE and not explained(finding)
+        finding for finding in findings if finding.comparison.verdict is Verdict.DISAGREE and not finding.as_predicted
     ]
 
 
@@ -72,7 +67,7 @@ class VariantRow:
         if unexplained(self.findings):
             return f"DISAGREES {disagree}/{total}"
         if disagree:
-            return f"explained {disagree}/{total}"
+            return f"as predicted {disagree}/{total}"
         for verdict in (Verdict.BLOCKED, Verdict.INCONCLUSIVE):
             if self.count(verdict):
                 return f"{verdict} {self.count(verdict)}/{total}"
@@ -139,17 +134,18 @@ def _detail(group: Sequence[Finding]) -> str:
     """One line for findings of one metric and verdict: the worst of them, and how many there are."""
     worst = max(group, key=_excess)
     more = f" (and {len(group) - 1} more)" if len(group) > 1 else ""
-    return f"{worst.comparison.verdict}, {worst.metric.name}, {worst.case}: {worst.comparison.reason}{more}"
+    law = "" if worst.prediction is None else f"; {worst.prediction}"
+    return f"{worst.comparison.verdict}, {worst.metric.name}, {worst.case}: {worst.comparison.reason}{law}{more}"
 
 
 def verdict_document(results: Results, command: str) -> str:
     """Give everything as a document, with how it was made."""
     lines = ["# Verdicts", "", VERDICT_LEGEND, f"Made by `{command}`.", ""]
-    lines += [*markdown_lines(matrix(results)), "", "## Known deviations that explain disagreements", ""]
+    lines += [*markdown_lines(matrix(results)), "", "## What the laws of the presets are", ""]
     findings = [finding for own in results.values() for finding in own]
     lines += [
         f"- {variant}: {variant.preset.known_deviation}"
-        for variant in dict.fromkeys(finding.variant for finding in findings if explained(finding))
+        for variant in dict.fromkeys(finding.variant for finding in findings if finding.as_predicted)
     ]
     for scenario, own in results.items():
         lines += ["", f"## {scenario.name}", "", scenario.question, ""]
@@ -169,6 +165,11 @@ def verdict_document(results: Results, command: str) -> str:
     return "\n".join([*lines, "", f"Versions: {versions_of(names)}; Python {platform.python_version()}.", ""])
 
 
+def _predicted(name: str) -> Column[tuple[Scenario, Finding]]:
+    """Give a number of the prediction; NaN where there is none."""
+    return Column(f"law {name}".replace("_", " "), lambda row: getattr(row[1].prediction, name, math.nan))
+
+
 FINDING_COLUMNS: tuple[Column[tuple[Scenario, Finding]], ...] = (
     Column("scenario", lambda row: row[0].name),
     Column("case", lambda row: row[1].case),
@@ -180,9 +181,10 @@ FINDING_COLUMNS: tuple[Column[tuple[Scenario, Finding]], ...] = (
     Column("value", lambda row: row[1].value),
     Column("expected", lambda row: row[1].expected),
     Column("verdict", lambda row: str(row[1].comparison.verdict)),
-    Column("explained", lambda row: explained(row[1])),
     Column("difference", lambda row: row[1].comparison.difference),
     Column("allowed", lambda row: row[1].comparison.tolerance),
+    Column("as predicted", lambda row: row[1].as_predicted),
+    *(_predicted(name) for name in ("value", "difference", "allowed", "distance", "period_bound")),
     Column("reason", lambda row: row[1].comparison.reason),
 )
 
@@ -213,6 +215,6 @@ def _content(results: Results, command: str) -> dict[str, object]:
         ],
         "findings": records(finding_table(results)),
         "known_deviations": {
-            str(finding.variant): finding.variant.preset.known_deviation for finding in findings if explained(finding)
+            str(finding.variant): finding.variant.preset.known_deviation for finding in findings if finding.as_predicted
         },
     }  # fmt: skip

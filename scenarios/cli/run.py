@@ -14,11 +14,11 @@ from reference_lcp.exit_code import ExitCode
 from reference_lcp.output import write_whole
 from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.base import Scenario
+from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.catalogue.transient.record import Record
 from scenarios.catalogue.verdict_table import (
     Results,
     details,
-    explained,
     matrix,
     unexplained,
     verdict_table,
@@ -79,7 +79,7 @@ def add_scenarios(run: typer.Typer) -> None:
 def _help(name: str, summary: str, options: str = "") -> str:
     """Give the help of a command: the physical question, the exit codes, an example."""
     return (
-        f"{summary}\n\nExit code 0: a known deviation explains every disagreement, if there is any; 1: not so; "
+        f"{summary}\n\nExit code 0: every disagreement, if there is any, is as its law predicts; 1: not so; "
         "2: wrong input; 3: results or --out could not be kept; 130: interrupted.\n\n"
         f"Example: python -m scenarios run {name}{options} --engine mujoco --out verdicts.md"
     )
@@ -161,13 +161,13 @@ def _findings(run: _Run, store: Path | None, executor: Executor) -> dict[Scenari
         ProgressBars(run.variants) as bars,
         CountingEvaluator(stored, executor, [], bars, retry_blocked=run.retry_blocked) as evaluator,
     ):
-        return {scenario: scenario.run(run.variants, evaluator) for scenario in run.scenarios}
+        return {scenario: run_with_predictions(scenario, run.variants, evaluator) for scenario in run.scenarios}
 
 
 def _stored_findings(run: _Run, store: Path | None) -> dict[Scenario, list[Finding]]:
     """Judge the results of a store; the rest is inconclusive."""
     with store_of_run(existing_store(store)) as stored, StoredResults(stored) as evaluator:
-        return {scenario: scenario.run(run.variants, evaluator) for scenario in run.scenarios}
+        return {scenario: run_with_predictions(scenario, run.variants, evaluator) for scenario in run.scenarios}
 
 
 def print_results(results: Results) -> None:
@@ -185,9 +185,9 @@ def print_results(results: Results) -> None:
 
 
 def _print_explanations(console: Console, findings: Sequence[Finding]) -> None:
-    """Print the known deviations that explain disagreements, and how many disagreements have none."""
-    for variant in dict.fromkeys(finding.variant for finding in findings if explained(finding)):
-        console.print(plain(f"explained, {variant}: {variant.preset.known_deviation}"), soft_wrap=True)
+    """Print the laws that predict disagreements, and how many disagreements none predicts."""
+    for variant in dict.fromkeys(finding.variant for finding in findings if finding.as_predicted):
+        console.print(plain(f"as its law predicts, {variant}: {variant.preset.known_deviation}"), soft_wrap=True)
     left = unexplained(findings)
     if left:
         names = ", ".join(dict.fromkeys(str(finding.variant) for finding in left))

@@ -5,9 +5,6 @@ from typing import Any, Self
 
 from scenarios.tasks.task import SteadyStateTask
 
-APPROACH_PERIODS = 10
-"""Periods from rest that the law leads to the state from which both start: stick and slip are then as they will be."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class LawPeriodTask(SteadyStateTask):

@@ -76,6 +76,12 @@ class Prediction:
     distance: float
     period_bound: float
 
+    def __str__(self) -> str:
+        return (
+            f"its law gives {self.value:.4g}, {self.difference:+.2g} left, allowed {self.allowed:.2g}; after a period "
+            f"{self.distance:.2g} U0 from its law, allowed {self.period_bound:.2g}"
+        )
+
     @property
     def holds(self) -> bool:
         """Whether the engine does what its law says."""

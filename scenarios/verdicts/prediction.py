@@ -8,7 +8,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from engines.interface.law import Law
+import numpy as np
+
+from engines.interface.law import ROUND_OFF_PERIOD, Law
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.verdicts.finding import Finding, Prediction
 from scenarios.verdicts.judge import metric_difference
@@ -32,8 +34,7 @@ def with_predictions(
     predicted
         Of its law, in the same cases.
     periods
-        By case, a period of engine and law from the same state; where there is none, the cases compare whole motions
-        from the same state.
+        By case, a period of engine and law from the same state; a case that has none of its own takes the worst.
     law
         The law.
     """
@@ -48,19 +49,23 @@ def with_predictions(
 
 def _prediction(finding: Finding, own: Finding, periods: Mapping[str, Result], law: Law) -> Prediction:
     """Compare a number with that of the law."""
-    error = PERIODS_OF_ERROR * law.period_bound
-    if finding.metric.unit == "dB":
-        error = amplitude_in_db(error, finding.value)
-    period = periods.get(finding.case)
+    distances = {case: _distance(period) for case, period in periods.items()}
+    distance = distances.get(finding.case, float(np.max(list(distances.values()), initial=0.0)))
     return Prediction(
         value=own.value,
         difference=metric_difference(finding.metric, finding.value, own.value),
-        allowed=finding.comparison.resolution + own.comparison.resolution + error,
-        distance=0.0 if period is None else _distance(period),
+        allowed=finding.comparison.resolution + own.comparison.resolution + _added_up(distance, finding),
+        distance=distance,
         period_bound=law.period_bound,
     )
 
 
+def _added_up(distance: float, finding: Finding) -> float:
+    """Give what distances of a period make of a number while they add up; no less than round-off makes."""
+    error = PERIODS_OF_ERROR * float(np.maximum(distance, ROUND_OFF_PERIOD))
+    return amplitude_in_db(error, finding.value) if finding.metric.unit == "dB" else error
+
+
 def _distance(period: Result) -> float:
-    """Give the distance of engine and law after a period; NaN where there is none."""
+    """Give the distance of engine and law after a period; NaN, which no bound allows, where there is none."""
     return period.series["distance"][0] if period.status is ResultStatus.FINISHED else math.nan

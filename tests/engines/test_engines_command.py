@@ -1,6 +1,7 @@
 """``python -m engines``: capabilities as data."""
 
 import json
+import re
 
 import pytest
 
@@ -37,3 +38,33 @@ def test_missing_engine_is_listed_with_its_reason(
 def test_unknown_option_is_one_line_and_exit_code_2(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_command(app, ["--all"]) == 2
     assert capsys.readouterr().err.startswith("error: ")
+
+
+def test_law_is_printed_with_its_constants_and_how_near_the_engine_is(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(app, ["law", "mujoco:joint:default"]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "mujoco:joint:default: forces at the start of the step" in printed
+    assert "d_max 0.95" in printed
+    assert re.search(r"at 18 points: at most \S+ U0 from its law, 0\.1\d U0 from the reference", printed)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("mujoco", "mujoco: the step of the reference, equation (5)"),
+        ("exudyn-bristle:joint:default", "is not modelled: .* round-off decides"),
+    ],
+)
+def test_preset_without_a_model_says_what_it_is_instead(
+    capsys: pytest.CaptureFixture[str], name: str, said: str
+) -> None:
+    assert run_command(app, ["law", name]) == 0
+    assert re.search(said, " ".join(capsys.readouterr().out.split()))
+
+
+def test_law_of_an_engine_that_is_missing_is_not_measured(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(PyBullet, "unavailable_reason", lambda _self: "no wheel for this Python")
+    assert run_command(app, ["law", "pybullet:joint:default"]) == 0
+    assert "not measured here, no wheel for this Python" in " ".join(capsys.readouterr().out.split())

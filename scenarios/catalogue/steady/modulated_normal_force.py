@@ -7,7 +7,7 @@ For a > 1 they open: the inner mass flies, lands without rebound, and its impact
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import ClassVar
 
@@ -16,6 +16,7 @@ from reference_lcp.chain.preload import Flight
 from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
 from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
+from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.parameters import Modulation
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
@@ -23,7 +24,7 @@ from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Metric
 from scenarios.verdicts.judge import Steps, decide, judge, missing
 from scenarios.verdicts.steady_case import amplitude_in_db
 from scenarios.verdicts.stick_slip_comparison import matched_errors
-from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
+from scenarios.verdicts.verdict import Comparison, Tolerance
 
 CASE_STEPS = (400, 800, 1600)
 """Steps a period of the three results of every case; those with 800 are compared.
@@ -109,6 +110,10 @@ class ModulatedNormalForce(Scenario):
     expects: ClassVar[str] = "the reference at the same step with its error bar; of flights the closed form"
     metrics: ClassVar[tuple[Metric, ...]] = (TRANSMITTANCE, STUCK, UNMATCHED, TIMES, OPEN_FRACTION, LARGEST_GAP)
 
+    def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
+        """Compare a period in every case, with the steps that are judged."""
+        return {str(case): LawPeriodTask.of(case.task(variant, CASE_STEPS[1])) for case in CASES}
+
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Run every case with every variant; see `Scenario.run`."""
         reference = Variant("reference")
@@ -134,21 +139,13 @@ def _findings(variant: Variant, case: ModulatedCase, own: list[Result], expected
     judged = [_transmittance(own, expected), _stuck_fraction(own, expected), _unmatched(own, expected),
                 _transition_times(own, expected), *_flights(case.flight(variant), case.multiple, own)]  # fmt: skip
     return [
-        Finding(variant, str(case), metric, value, right, _explained(comparison, variant))
+        Finding(variant, str(case), metric, value, right, comparison)
         for metric, (value, right, comparison) in zip(metrics, judged, strict=True)
     ]
 
 
 Judged = tuple[float, float, Comparison]
 """A number, its expected value, and their comparison."""
-
-
-def _explained(comparison: Comparison, variant: Variant) -> Comparison:
-    """Add the known deviation from Coulomb's law to a disagreement."""
-    known_deviation = variant.preset.known_deviation
-    if comparison.verdict is not Verdict.DISAGREE or not known_deviation:
-        return comparison
-    return replace(comparison, reason=f"{comparison.reason}; {known_deviation}")
 
 
 def _missing(source: str, results: Sequence[Result]) -> Comparison | None:

@@ -13,6 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from engines.interface.law_engine import law_of
 from engines.interface.variant import Variant
 from reference_lcp.accuracy.error_bar import REFINEMENTS
 from reference_lcp.chain.harmonic import MovingBase
@@ -21,6 +22,7 @@ from reference_lcp.observables.transmittance import decibel
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
+from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import NamedNumbers
 from scenarios.tasks.transient import TransientTask
@@ -48,11 +50,14 @@ REFERENCE_REFINEMENT = 16
 """The reference takes so many times as many steps as the engines, and has a sixteenth of its error there."""
 
 STEP_REFINEMENT = 2
-"""A variant that disagrees, and not by far for a known deviation, is simulated again with so many times as many steps.
+"""A variant that disagrees, and not by far for a law of its own, is simulated again with so many times as many steps.
 
 Where events fall between the steps is chance, and so is part of an error: three steps may show less of it than there
 is. Finer ones then show a smaller error; an engine that is wrong is as wrong with them, and is allowed less.
 """
+
+HARMONIC_FREQUENCY = 0.6
+"""η_r of the period in which engine and law are compared: in the pass band, where contacts stick and slip."""
 
 BY_FAR = 2.0
 """A difference of more than so many times what is allowed is no chance."""
@@ -138,7 +143,7 @@ class Broadband(Scenario):
     expects = (
         f"the reference with {REFERENCE_REFINEMENT} times as many steps; allowed: its error from three step sizes, and "
         "the engine's own from three, or the reference's at the same ones if that is larger; a variant that disagrees, "
-        "and not by far for a known deviation, is simulated again with twice as many steps"
+        "and not by far for a law of its own, is simulated again with twice as many steps"
     )
     metrics = (*BAND_METRICS.values(), RMS, PEAK, DIFFERENCE)
     friction_ratios: ClassVar[tuple[float, ...]]
@@ -196,6 +201,11 @@ class Broadband(Scenario):
         coarse += [case.task(variant) for variant in dict.fromkeys((REFERENCE, *variants)) for case in cases]
         return [task for coarsest in coarse for task in with_refined_steps(coarsest)]
 
+    def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
+        """Compare a period of a harmonic motion of the same chain."""
+        cases = [self.case(ratio) for ratio in self.friction_ratios]
+        return {case.title: harmonic_period(variant, RATIOS, case.friction_ratio) for case in cases}
+
     def baseline_task(self, case: TransientCase) -> TransientTask:
         """Give the task of the reference, with the coarsest of its three steps."""
         return case.task(REFERENCE).refined(REFERENCE_REFINEMENT)
@@ -245,6 +255,13 @@ class Broadband(Scenario):
         return findings
 
 
+def harmonic_period(variant: Variant, ratios: ChainRatios, friction_ratio: float) -> LawPeriodTask:
+    """Compare a period of a chain, driven where it responds most, with its law's."""
+    return LawPeriodTask(
+        variant=variant, ratios=ratios, friction_ratio=friction_ratio, frequency_ratio=HARMONIC_FREQUENCY
+    )
+
+
 def _annotated(finding: Finding) -> Finding:
     """Add to the reason that the steps are refined."""
     reason = f"{finding.comparison.reason}; with {STEP_REFINEMENT} times the default steps"
@@ -252,9 +269,9 @@ def _annotated(finding: Finding) -> Finding:
 
 
 def needs_step_refinement(findings: Sequence[Finding]) -> bool:
-    """Whether there is a disagreement that may be chance: without a known deviation, or not by far."""
+    """Whether there is a disagreement that may be chance: without a law that predicts it, or not by far."""
     wrong = [finding for finding in findings if finding.comparison.verdict is Verdict.DISAGREE]
-    return any(not finding.variant.preset.known_deviation or finding.comparison.excess <= BY_FAR for finding in wrong)
+    return any(law_of(finding.variant.preset) is None or finding.comparison.excess <= BY_FAR for finding in wrong)
 
 
 def with_refined_steps(coarsest: TransientTask) -> list[TransientTask]:

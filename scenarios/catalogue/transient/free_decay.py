@@ -1,7 +1,7 @@
 """Free decay: a chain that is let go, and the friction that brings its contacts to rest."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -13,8 +13,9 @@ from reference_lcp.chain.harmonic import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.transient.base import Readings, read_refined, with_refined_steps
+from scenarios.catalogue.transient.base import Readings, harmonic_period, read_refined, with_refined_steps
 from scenarios.execution.evaluator import Evaluator
+from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import NamedNumbers, Result
 from scenarios.tasks.transient import TransientTask
@@ -138,6 +139,10 @@ class FreeDecay(Scenario):
             f"{decay.periods} periods 2π / ω_r, in {steps} steps each"
             for decay in DECAYS
         ]
+
+    def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
+        """Compare a period of a harmonic motion of the same chain."""
+        return {decay.title: harmonic_period(variant, decay.ratios, decay.friction_ratio) for decay in DECAYS}
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Run every decay with every variant; see `Scenario.run`. The loss a cycle is the oscillator's only."""

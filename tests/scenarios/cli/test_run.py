@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -24,7 +25,8 @@ from scenarios.catalogue.verdict_table import (
     verdicts_text,
 )
 from scenarios.cli import run as catalogue_command
-from scenarios.verdicts.finding import Finding, Metric
+from scenarios.tasks.law_period import LawPeriodTask
+from scenarios.verdicts.finding import Finding, Metric, Prediction
 from scenarios.verdicts.verdict import Comparison, Verdict
 
 PITCH = Metric("pitch", "Hz", "how high it is")
@@ -34,6 +36,9 @@ RIGHT, LAWFUL, MISSING = Variant("reference"), Variant("mujoco", preset_name="de
 def finding(variant, case, verdict, difference=math.nan, tolerance=math.nan) -> Finding:
     comparison = Comparison(verdict, f"{verdict} | by hand", difference, tolerance)
     return Finding(variant, case, PITCH, 440.0 + difference, 440.0, comparison)
+
+
+PERIOD = LawPeriodTask(variant=LAWFUL, friction_ratio=0.3, frequency_ratio=0.9)
 
 
 class ByHand(Scenario):
@@ -47,7 +52,12 @@ class ByHand(Scenario):
     def parameters(self):
         return ["length = 0.12"]
 
+    def period_tasks(self, variant):
+        return {"soft": PERIOD, "loud": PERIOD}
+
     def run(self, variants, evaluator):
+        if variants == [LAWFUL.law]:
+            return [finding(LAWFUL.law, case, Verdict.DISAGREE, left) for case, left in (("soft", -3.0), ("loud", 9.0))]
         return [
             finding(RIGHT, "soft", Verdict.AGREE, 0.5, 1.0),
             finding(RIGHT, "loud", Verdict.INCONCLUSIVE),
@@ -62,7 +72,15 @@ class Interrupted(ByHand):
         raise KeyboardInterrupt
 
 
-RESULTS = MappingProxyType({ByHand(): ByHand().run((), None)})
+HELD = Prediction(value=449.0, difference=0.0, allowed=1.0, distance=0.0, period_bound=1.0)
+
+
+def predicted(judged: Finding) -> Finding:
+    """Give a finding as its law predicts it, where it has one."""
+    return replace(judged, prediction=HELD) if judged.variant == LAWFUL else judged
+
+
+RESULTS = MappingProxyType({ByHand(): [predicted(judged) for judged in ByHand().run((), None)]})
 
 
 @pytest.fixture
@@ -83,10 +101,10 @@ def test_catalogue_is_listed_with_questions_and_what_they_are_compared_with(caps
         assert name in printed
 
 
-def test_a_disagreement_with_a_law_of_the_engine_is_explained_and_one_without_is_not(run, capsys) -> None:
+def test_a_disagreement_is_as_the_law_of_the_engine_predicts_or_unexplained(run, capsys) -> None:
     assert run(ByHand()) == 0
     printed = capsys.readouterr().out
-    assert "explained, mujoco:joint:default: friction is a soft constraint with a time constant" in printed
+    assert "as its law predicts, mujoco:joint:default: friction is a soft constraint with a time constant" in printed
     assert "unexplained" not in printed
     wrong = ByHand()
     wrong.wrong = Variant("mujoco")
@@ -127,7 +145,7 @@ def test_rows_count_verdicts_and_name_the_worst() -> None:
     assert [right.count(verdict) for verdict in Verdict] == [1, 0, 1, 0]
     assert right.outcome == "inconclusive 1/2"
     assert ends[0] == ["0.5", "pitch, soft: agree | by hand"]
-    assert lawful.outcome == "explained 2/2"
+    assert lawful.outcome == "as predicted 2/2"
     assert ends[1] == ["9", "pitch, loud: disagree | by hand"]
     assert ends[2] == ["–", "blocked | by hand"]
     assert unexplained(*RESULTS.values()) == []
@@ -135,7 +153,8 @@ def test_rows_count_verdicts_and_name_the_worst() -> None:
 
 def test_details_have_one_line_a_metric_and_verdict() -> None:
     remarks = dict(details(*RESULTS.values()))
-    assert remarks[LAWFUL] == ["disagree, pitch, loud: disagree | by hand (and 1 more)"]
+    law = "its law gives 449, +0 left, allowed 1; after a period 0 U0 from its law, allowed 1"
+    assert remarks[LAWFUL] == [f"disagree, pitch, loud: disagree | by hand; {law} (and 1 more)"]
     assert remarks[RIGHT] == ["inconclusive, pitch, loud: inconclusive | by hand"]
 
 
@@ -144,7 +163,7 @@ def test_matrix_has_variants_as_rows_and_scenarios_as_columns() -> None:
     assert list(table.columns) == ["engine:formulation:preset", "by-hand"]
     assert table.to_numpy().tolist() == [
         ["reference", "inconclusive 1/2"],
-        ["mujoco:joint:default", "explained 2/2"],
+        ["mujoco:joint:default", "as predicted 2/2"],
         ["siconos", "blocked 1/1"],
     ]
 
@@ -165,7 +184,7 @@ def test_csv_and_json_hold_every_finding_in_full() -> None:
     content = json.loads(verdicts_text(RESULTS, "command", ".json"))
     assert len(content["findings"]) == 5
     assert content["findings"][4]["allowed"] is None
-    assert content["findings"][3]["explained"] is True
+    assert content["findings"][3]["as predicted"] is True
     assert content["scenarios"][0]["parameters"] == ["length = 0.12"]
 
 

@@ -1,0 +1,107 @@
+"""Disagreements that a law predicts, and those that it does not, whatever a text says."""
+
+import dataclasses
+import math
+
+import pytest
+
+from engines.interface.law_engine import law_of
+from engines.interface.variant import Variant
+from engines.mujoco import MuJoCo
+from scenarios.catalogue.predicted import run_with_predictions
+from scenarios.catalogue.steady.unit_cell import UnitCell
+from scenarios.execution.store import opened_store
+from scenarios.tasks.result import Result
+from scenarios.verdicts.finding import TRANSMITTANCE, Finding
+from scenarios.verdicts.prediction import PERIODS_OF_ERROR, with_predictions
+from scenarios.verdicts.verdict import Comparison, Verdict
+from tests.scenarios.in_process import evaluator
+
+LAWFUL = Variant("mujoco", "joint", "default")
+LAW = law_of(LAWFUL.preset)
+
+
+class OneCase(UnitCell):
+    cases = UnitCell.cases[:1]
+
+
+def wrong_findings(scenario=None) -> list[Finding]:
+    with opened_store(None) as store, evaluator(store) as running:
+        findings = run_with_predictions(scenario or OneCase(), [LAWFUL], running)
+    return [finding for finding in findings if finding.comparison.verdict is Verdict.DISAGREE]
+
+
+def spoil(monkeypatch, factor: float) -> None:
+    """Let the engine press harder by a factor; its law does not."""
+    build = Variant.build
+
+    def spoilt(self, lanes):
+        if self != LAWFUL:
+            return build(self, lanes)
+        chains = [dataclasses.replace(lane.chain, normal_force=factor * lane.chain.normal_force) for lane in lanes]
+        return build(self, [dataclasses.replace(lane, chain=chain) for lane, chain in zip(lanes, chains, strict=True)])
+
+    monkeypatch.setattr(Variant, "build", spoilt)
+
+
+@pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
+def test_the_soft_friction_of_mujoco_is_as_its_law_predicts_number_by_number() -> None:
+    wrong = wrong_findings()
+    assert wrong
+    assert all(finding.as_predicted for finding in wrong)
+    largest = max(abs(finding.prediction.difference) for finding in wrong if finding.prediction is not None)
+    assert largest < 1e-6 * max(abs(finding.comparison.difference) for finding in wrong)
+
+
+@pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
+@pytest.mark.parametrize("factor", [0.99, 1.01, 10.0])
+def test_an_engine_that_does_not_obey_its_law_is_not_excused_by_it(monkeypatch, factor) -> None:
+    """The preset has a law and a text; friction that is a hundredth off is found out by both parts of the check."""
+    spoil(monkeypatch, factor)
+    wrong = wrong_findings()
+    assert wrong
+    assert not any(finding.as_predicted for finding in wrong)
+
+
+def finding(variant: Variant, value: float, resolution: float = 0.0) -> Finding:
+    comparison = Comparison(Verdict.DISAGREE, "by hand", value + 20.0, 0.1, resolution)
+    return Finding(variant, "case", TRANSMITTANCE, value, -20.0, comparison)
+
+
+def period(distance: float) -> Result:
+    return Result(status="finished", series={"distance": (distance,), "reference": (1.0,)})
+
+
+@pytest.mark.parametrize(
+    ("left", "periods", "holds"),
+    [
+        (0.0, {"case": period(0.0)}, True),
+        (1e-9, {"case": period(0.0)}, True),
+        (28.0, {"case": period(0.0)}, False),  # another number
+        (0.0, {"case": period(1.0)}, False),  # the same number from other steps
+        (0.0, {"case": Result.blocked("no law here")}, False),
+        (0.0, {"another": period(1.0)}, False),  # a case without a period of its own takes the worst
+        (math.nan, {"case": period(0.0)}, False),
+    ],
+)
+def test_a_law_predicts_a_number_and_a_period(left, periods, holds) -> None:
+    law = LAWFUL.law
+    assert law is not None
+    assert LAW is not None
+    judged = with_predictions([finding(LAWFUL, -10.0)], [finding(law, -10.0 - left)], periods, LAW)
+    assert judged[0].as_predicted is holds
+
+
+def test_a_distance_that_the_law_allows_leaves_a_number_what_it_makes_in_many_periods() -> None:
+    law = LAWFUL.law
+    assert law is not None
+    assert LAW is not None
+    distance = LAW.period_bound / 10
+    judged = with_predictions([finding(LAWFUL, 0.0)], [finding(law, 0.0)], {"case": period(distance)}, LAW)
+    assert judged[0].prediction is not None
+    assert judged[0].prediction.allowed == pytest.approx(20 * math.log10(1 + PERIODS_OF_ERROR * distance))
+
+
+def test_a_preset_without_a_law_is_excused_by_no_text() -> None:
+    assert Variant("exudyn-bristle", "joint", "default").preset.known_deviation
+    assert Variant("exudyn-bristle", "joint", "default").law is None
