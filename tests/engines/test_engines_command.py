@@ -51,7 +51,7 @@ def test_law_is_printed_with_its_constants_and_how_near_the_engine_is(capsys: py
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("mujoco", "mujoco: the step of the reference, equation (5)"),
+        ("mujoco", r"mujoco: the step of the reference, equation \(5\)"),
         ("exudyn-bristle:joint:default", "is not modelled: .* round-off decides"),
     ],
 )
