@@ -28,12 +28,13 @@ def checked_store(file: Path) -> Path:
     Raises
     ------
     ParameterError
-        If SQLite would keep nothing under this name, or it is a folder.
+        If SQLite would keep nothing under this name, or it is a folder or a device.
     """
     if str(file).startswith(SPECIAL_NAMES):
         raise ParameterError(f"store {file} keeps nothing or means another file; allowed: the path of a file")
-    if checked_path("store", file).is_dir():
-        raise ParameterError(f"store {file} is a folder; allowed: a file")
+    path = checked_path("store", file)
+    if path.exists() and not path.is_file():
+        raise ParameterError(f"store {file} is a folder or a device; allowed: a file")
     return file
 
 
