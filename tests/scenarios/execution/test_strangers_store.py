@@ -158,7 +158,9 @@ def test_a_noted_sweep_of_the_wrong_form_is_refused(file, tmp_path, text) -> Non
         noted_sweep(file)
 
 
-@pytest.mark.parametrize("name", [":memory:", "", "file:results.sqlite", "file::memory:?cache=shared", ":", "/dev/full"])
+@pytest.mark.parametrize(
+    "name", [":memory:", "", "file:results.sqlite", "file::memory:?cache=shared", ":", "/dev/full"]
+)
 def test_a_store_that_would_keep_nothing_is_refused(tmp_path, monkeypatch, capsys, name) -> None:
     (tmp_path / "sweep.toml").write_text(
         'engines = ["reference:joint"]\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]'
