@@ -49,6 +49,7 @@ from scenarios.execution.store_file import existing_store
 from scenarios.studies.accuracy import Accuracy, accuracies, accuracy_tasks, exact_tasks
 from scenarios.studies.accuracy_table import ACCURACY_COLUMNS, AccuracyRow, accuracy_document, csv_table, remark
 from scenarios.studies.cost import COST_COLUMNS, SECONDS, cost
+from scenarios.studies.law_agreement import LAW_COLUMNS, departing, law_agreements, law_csv, law_document
 from scenarios.sweeps.dataset import sweep_dataset, write_dataset
 from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.run import stored_table
@@ -60,6 +61,7 @@ from scenarios.verdicts.steady_case import EXACT, REFERENCE
 
 EXPERIMENTS = {
     "accuracy": "How wrong is the friction of each engine, formulation and preset? Against the exact motion.",
+    "laws": "How well does the law of each preset predict its engine? Number by number, and over a period.",
     "cost": "What do a step and a steady state cost in each engine, and what is gained by two workers?",
 }
 
@@ -170,6 +172,41 @@ def accuracy(
     if out is not None:
         command = shlex.join(["python", "-m", "scenarios", "run", "accuracy", *(f"--engine={c}" for c in chosen or [])])
         write_whole(out, accuracy_document(rows, command) if out.suffix == ".md" else csv_table(rows))
+
+
+@run.command()
+def laws(
+    chosen: Chosen = None,
+    store: Store = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")
+    ] = None,
+    workers: Workers = None,
+    time_limit: Limit = TIME_LIMIT,
+    scheduler: Scheduler = None,
+    retry_blocked: Retry = False,
+) -> None:
+    """Compare engines with the laws of their presets: departure from the reference, and what the law leaves of it.
+
+    Exit code 0: the table is complete, whatever it says; 2: wrong input; 3: results or --out could not be kept; 130:
+    interrupted.
+
+    Example: python -m scenarios run laws --engine mujoco --out laws.md
+    """
+    variants = departing(chosen_variants(chosen))
+    check_out(out, (".md", ".csv"), [store])
+    with (
+        store_of_run(store) as stored,
+        ProgressBars(variants) as bars,
+        CountingEvaluator(
+            stored, executor_for(workers, time_limit, scheduler), [], bars, retry_blocked=retry_blocked
+        ) as evaluator,
+    ):
+        rows = law_agreements(variants, evaluator)
+    print_table(text_table(LAW_COLUMNS, rows))
+    if out is not None:
+        command = shlex.join(["python", "-m", "scenarios", "run", "laws", *(f"--engine={c}" for c in chosen or [])])
+        write_whole(out, law_document(rows, command) if out.suffix == ".md" else law_csv(rows))
 
 
 @run.command(name="cost")

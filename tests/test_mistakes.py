@@ -41,6 +41,7 @@ COMMAND_LINES = [
     ("reference_lcp --plot missing/period.png", r"the folder missing does not exist"),
     ("reference_lcp bench --cells 7", r"unexpected extra argument"),
     ("reference_lcp convergence --plot missing/orders.png", r"the folder missing does not exist"),
+    ("scenarios run laws --out laws.txt", r"allowed: \.md or \.csv"),
     ("engines law mujocko", r"engine = 'mujocko' is unknown"),
     ("engines --jason", r"No such option.*--json"),
     ("scenarios run accuracy --engine mujocko", r"engine = 'mujocko' is unknown; allowed: .*mujoco"),

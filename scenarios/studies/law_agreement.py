@@ -1,0 +1,150 @@
+"""How well the laws of the presets predict their engines: a row of numbers for every variant that departs."""
+
+import platform
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from engines.interface.law import NotModelled
+from engines.interface.law_engine import law_of
+from engines.interface.variant import Variant
+from engines.law_command import FREQUENCY_RATIOS, FRICTION_RATIOS
+from reference_lcp.validation import FloatArray
+from scenarios.execution.evaluator import Evaluator
+from scenarios.tables import Column, csv_text, full_table, markdown_lines, text_table
+from scenarios.tasks.law_period import LawPeriodTask
+from scenarios.tasks.result import Result, ResultStatus
+from scenarios.tasks.task import SteadyStateTask
+from scenarios.tasks.versions import versions_of
+from scenarios.verdicts.steady_case import REFERENCE
+
+POINTS = tuple((friction, frequency) for friction in FRICTION_RATIOS for frequency in FREQUENCY_RATIOS)
+"""Friction and frequency ratio of each point."""
+
+
+@dataclass(frozen=True)
+class LawAgreement:
+    """What a variant departs by from the reference at equal step, and what its law leaves of it.
+
+    Parameters
+    ----------
+    variant
+        The variant.
+    reason
+        Why its steps are not modelled; empty where they are.
+    departure, error
+        Largest difference of its transmittance from the reference's, and from its law's [dB], over the points that are
+        certified in both; NaN without any.
+    stuck_fraction
+        Largest difference of a stuck fraction from the law's.
+    period
+        Distance from the law after a period from the same state, over U0, at every point where the law claims to hold.
+    bound
+        What the law allows of it.
+    certified
+        Points that are certified in engine and law.
+    """
+
+    variant: Variant
+    reason: str
+    departure: float
+    error: float
+    stuck_fraction: float
+    period: FloatArray
+    bound: float
+    certified: int
+
+
+def law_tasks(variant: Variant) -> Iterator[SteadyStateTask]:
+    """Give everything that the row of a variant needs."""
+    for simulated in (variant, REFERENCE, variant.law):
+        if simulated is not None:
+            yield from _steady_states(simulated)
+    if variant.law is not None:
+        yield from _periods(variant)
+
+
+def departing(variants: Iterable[Variant]) -> list[Variant]:
+    """Give the variants that state a law, or why they have none."""
+    return [variant for variant in variants if variant.preset.law is not None and variant.engine != REFERENCE.engine]
+
+
+def law_agreements(variants: Sequence[Variant], evaluator: Evaluator) -> list[LawAgreement]:
+    """Give the row of each of `departing`."""
+    tasks = list(dict.fromkeys(task for variant in variants for task in law_tasks(variant)))
+    results = dict(zip(tasks, evaluator.evaluate(tasks), strict=True))
+    return [_row(variant, results) for variant in variants]
+
+
+def _steady_states(variant: Variant) -> list[SteadyStateTask]:
+    return [SteadyStateTask(variant=variant, friction_ratio=point[0], frequency_ratio=point[1]) for point in POINTS]
+
+
+def _periods(variant: Variant) -> list[LawPeriodTask]:
+    return [LawPeriodTask.of(task) for task in _steady_states(variant)]
+
+
+def _row(variant: Variant, results: Mapping[SteadyStateTask, Result]) -> LawAgreement:
+    own, reference = ([results[task] for task in _steady_states(each)] for each in (variant, REFERENCE))
+    departure, _, certified = _differences(own, reference)
+    preset, law = variant.preset, variant.law
+    stated = None if preset.law is None else preset.law(preset)
+    if law is None or not (model := law_of(preset)):
+        reason = stated.reason if isinstance(stated, NotModelled) else ""
+        return LawAgreement(variant, reason, departure, np.nan, np.nan, np.empty(0), np.nan, certified)
+    error, stuck, both = _differences(own, [results[task] for task in _steady_states(law)])
+    ends = [results[task] for task in _periods(variant)]
+    distances = [end.series["distance"][0] for end in ends if end.status is ResultStatus.FINISHED]
+    return LawAgreement(variant, "", departure, error, stuck, np.array(distances), model.period_bound, both)
+
+
+def _differences(own: Sequence[Result], others: Sequence[Result]) -> tuple[float, float, int]:
+    """Give the largest differences of transmittance and stuck fraction, and how many points are certified in both."""
+    pairs = [pair for pair in zip(own, others, strict=True) if all(result.converged for result in pair)]
+    if not pairs:
+        return np.nan, np.nan, 0
+    levels = [abs(one.transmittance_db - other.transmittance_db) for one, other in pairs]
+    stuck = [np.max(np.abs(np.subtract(one.stuck_fraction, other.stuck_fraction))) for one, other in pairs]
+    return float(max(levels)), float(max(stuck)), len(pairs)
+
+
+LAW_COLUMNS: tuple[Column[LawAgreement], ...] = (
+    Column("variant", lambda row: str(row.variant), "engine:formulation:preset"),
+    Column("departure_db", lambda row: row.departure, "departure [dB]", "{:.3g}"),
+    Column("prediction_error_db", lambda row: row.error, "prediction error [dB]", "{:.1e}"),
+    Column("stuck_fraction_error", lambda row: row.stuck_fraction, "of stuck fraction", "{:.2g}"),
+    Column("period_largest", lambda row: _of(np.max, row.period), "period, largest [U0]", "{:.1e}"),
+    Column("period_median", lambda row: _of(np.median, row.period), "median", "{:.1e}"),
+    Column("period_bound", lambda row: row.bound, "allowed", "{:.0e}"),
+    Column("period_points", lambda row: len(row.period) if not row.reason else None, "points"),
+    Column("certified", lambda row: f"{row.certified}/{len(POINTS)}"),
+    Column("not_modelled", lambda row: row.reason, "not modelled"),
+)
+
+LAW_LEGEND = f"""\
+The chain of figure 3 at {len(POINTS)} points (friction {", ".join(map(str, FRICTION_RATIOS))} × η_r
+{", ".join(map(str, FREQUENCY_RATIOS))}), 400 steps a period. *Departure*: largest difference of the transmittance
+from the reference's at equal step. *Prediction error*: what is left of it against the steady state of the law, over
+points that are certified in both (*certified*). *Period*: distance of engine and law after a period from the same
+state, at the *points* where the law claims to hold.
+"""
+
+
+def _of(reduce: Callable[[FloatArray], Any], values: FloatArray) -> float:
+    """Give the largest or the median value; NaN without any."""
+    return float(reduce(values)) if values.size else np.nan
+
+
+def law_document(rows: Sequence[LawAgreement], command: str) -> str:
+    """Give the table as a document, with how it was made."""
+    lines = ["# Laws and engines", "", LAW_LEGEND, f"Made by `{command}`.", ""]
+    lines += markdown_lines(text_table(LAW_COLUMNS, rows))
+    versions = versions_of(row.variant.engine for row in rows)
+    return "\n".join([*lines, "", f"Versions: {versions}; Python {platform.python_version()}.", ""])
+
+
+def law_csv(rows: Sequence[LawAgreement]) -> str:
+    """Give the table as CSV, with full precision."""
+    return csv_text(full_table(LAW_COLUMNS, rows))

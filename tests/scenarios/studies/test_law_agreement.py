@@ -1,0 +1,67 @@
+"""How well laws predict engines, as a table."""
+
+import math
+
+import pytest
+
+from engines.interface.variant import Variant
+from scenarios.execution.store import opened_store
+from scenarios.studies.law_agreement import LawAgreement, departing, law_agreements, law_csv, law_document
+from scenarios.tasks.result import Result
+from tests.scenarios.in_process import evaluator
+
+SOFT, UNMODELLED = Variant("mujoco", "joint", "default"), Variant("exudyn-bristle", "joint", "default")
+
+
+LEVELS = {"mujoco": -7.0, "exudyn-bristle": -9.0, "reference": -10.0, "mujoco@law": -7.25}
+
+
+class Known:
+    """Gives numbers that are known: the engine 3 dB beside the reference, its law 0.25 dB beside the engine."""
+
+    def evaluate(self, tasks):
+        return [self.result(task) for task in tasks]
+
+    def result(self, task):
+        if type(task).__name__ == "LawPeriodTask":
+            return Result(status="finished", series={"distance": (task.frequency_ratio,), "reference": (1.0,)})
+        certified = task.variant.engine != "mujoco" or task.friction_ratio < 1
+        return Result(
+            status="converged" if certified else "period limit",
+            transmittance_db=LEVELS[task.variant.engine],
+            stuck_fraction=(0.5 if "@" in task.variant.engine else 0.25,) * 7,
+        )
+
+
+def rows() -> list[LawAgreement]:
+    return law_agreements([SOFT, UNMODELLED], Known())
+
+
+def test_row_has_departure_what_the_law_leaves_and_the_distance_of_a_period() -> None:
+    soft, unmodelled = rows()
+    assert (soft.departure, soft.error, soft.stuck_fraction, soft.certified) == (3.0, 0.25, 0.25, 12)
+    assert sorted(set(soft.period)) == [0.5, 0.7, 0.9, 1.1, 1.3, 1.5]
+    assert (unmodelled.departure, unmodelled.certified) == (1.0, 18)
+    assert math.isnan(unmodelled.error)
+    assert "round-off decides" in unmodelled.reason
+
+
+def test_presets_that_take_the_step_of_the_reference_are_left_out() -> None:
+    assert departing([Variant("reference"), Variant("mujoco"), SOFT]) == [SOFT]
+
+
+def test_document_and_csv_hold_every_row() -> None:
+    text = law_document(rows(), "python -m scenarios run laws")
+    assert "| mujoco:joint:default | 3 | 2.5e-01 | 0.25 | 1.5e+00 |" in text
+    assert "round-off decides" in text
+    assert len(law_csv(rows()).splitlines()) == 3
+
+
+@pytest.mark.slow
+def test_the_law_of_mujoco_predicts_its_soft_friction_at_eighteen_points() -> None:
+    with opened_store(None) as store, evaluator(store) as running:
+        (soft,) = law_agreements([SOFT], running)
+    assert soft.certified == 18
+    assert soft.departure > 10
+    assert soft.error < 1e-5
+    assert max(soft.period) <= soft.bound
