@@ -3,15 +3,18 @@
 import contextlib
 import json
 import re
+import sqlite3
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp import ParameterError
+from reference_lcp.exit_code import ExitCode
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import LocalExecutor
 from scenarios.execution.store import ResultStore
@@ -39,8 +42,8 @@ print(json.dumps(found))
 
 
 @contextlib.contextmanager
-def started(module: str, *options: str, environment=None, says: str) -> Iterator[str]:
-    """Run a command of dask until the end of the context; gives what matched in its output."""
+def running(module: str, *options: str, environment=None, says: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """Run a command of dask until the end of the context; gives the process, and what matched in its output."""
     process = subprocess.Popen(
         [sys.executable, "-m", module, *options], stderr=subprocess.PIPE, text=True, env=environment
     )
@@ -48,7 +51,7 @@ def started(module: str, *options: str, environment=None, says: str) -> Iterator
         for line in process.stderr:
             found = re.search(says, line)
             if found:
-                yield found[0]
+                yield process, found[0]
                 break
         else:
             raise AssertionError(f"{module} ended without {says!r}")
@@ -56,6 +59,13 @@ def started(module: str, *options: str, environment=None, says: str) -> Iterator
         process.terminate()
         process.wait()
         process.stderr.close()
+
+
+@contextlib.contextmanager
+def started(module: str, *options: str, environment=None, says: str) -> Iterator[str]:
+    """Run a command of dask until the end of the context; gives what matched in its output."""
+    with running(module, *options, environment=environment, says=says) as (_, text):
+        yield text
 
 
 @pytest.fixture(scope="module")
@@ -102,3 +112,49 @@ def test_nobody_at_the_address_is_an_error_that_names_it(monkeypatch) -> None:
         DaskExecutor("tcp://127.0.0.1:9")
     with pytest.raises(ParameterError, match="scheduler = 'nonsense:nonsense' cannot be reached"):
         DaskExecutor("nonsense:nonsense")
+
+
+LARGE = """
+engines = ["mujoco:joint:tuned"]
+[grid]
+friction_ratio = [0.1, 0.3, 0.6, 1.0]
+frequency_ratio = { first = 0.3, last = 1.6, points = 1000 }
+"""
+
+LOST_WITHIN = 60.0
+"""Seconds within which a command has to notice that its cluster is lost."""
+
+
+def first_result(store: Path, within: float = 120.0) -> None:
+    """Wait until a store holds a result."""
+    until = time.monotonic() + within
+    while time.monotonic() < until:
+        with contextlib.suppress(sqlite3.Error), contextlib.closing(sqlite3.connect(store)) as connection:
+            if connection.execute("SELECT count(*) FROM answers").fetchone()[0] > 0:
+                return
+        time.sleep(0.2)
+    raise AssertionError("nothing was computed")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lost", ["scheduler", "worker"])
+def test_lost_cluster_ends_a_sweep_within_a_minute_with_one_line(tmp_path, lost) -> None:
+    (tmp_path / "sweep.toml").write_text(LARGE)
+    store = tmp_path / "sweep.sqlite"
+    with running("distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard", says=r"tcp://\S+:\d+") as scheduler:
+        options = ("--nworkers", "1", "--nthreads", "1", "--no-dashboard", "--no-nanny")
+        with running("distributed.cli.dask_worker", scheduler[1], *options, says="Registered to|Starting") as worker:
+            time.sleep(5)
+            command = [sys.executable, "-m", "scenarios", "sweep", "sweep.toml", "--scheduler", scheduler[1]]
+            sweep = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+            first_result(store)
+            (scheduler if lost == "scheduler" else worker)[0].kill()
+            begin = time.monotonic()
+            _, error = sweep.communicate(timeout=2 * LOST_WITHIN)
+            assert time.monotonic() - begin < LOST_WITHIN
+    assert sweep.returncode == ExitCode.RUN_FAILED
+    lines = [line for line in error.splitlines() if line.startswith("error: ")]
+    assert len(lines) == 1
+    assert "is lost" in lines[0]
+    assert "Traceback" not in error
+    first_result(store, within=1.0)
