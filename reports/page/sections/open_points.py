@@ -30,8 +30,8 @@ class OpenPoints(Section):
             if rows:
                 of = engine(variant.engine)
                 known_deviation = of.preset(variant.formulation, variant.preset_name).known_deviation
-                explanation = f"What explains a disagreement: {known_deviation}." if known_deviation else ""
-                notes = " ".join(note for note in (of.capabilities.notes, explanation) if note)
+                departs = f"Departs from Coulomb's law: {known_deviation}." if known_deviation else ""
+                notes = " ".join(note for note in (of.capabilities.notes, departs) if note)
                 left_out = max(len(rows) - LONGEST, 0)
                 shown.append({"title": variant.title, "notes": notes, "rows": rows[:LONGEST], "left_out": left_out})
         return {"variants": shown}
