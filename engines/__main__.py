@@ -13,12 +13,14 @@ from typing import Annotated, Any
 import typer
 from rich import box
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from engines.interface.registry import broken_reason, engine, registered_names
 from engines.interface.variant import Variant
 from engines.law_command import print_law
 from reference_lcp.console import run_command
+from reference_lcp.visible import visible
 
 app = typer.Typer(name="python -m engines", add_completion=False, pretty_exceptions_enable=False)
 
@@ -111,12 +113,13 @@ def _print(rows: list[dict[str, Any]]) -> None:
         presets = "\n".join(f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items())
         arithmetic = row.get("precision", "") + ("" if row.get("deterministic", True) else ", varies")
         law = row.get("friction_law", "")
-        table.add_row(row["engine"], row["version"] or "missing", row["python"] or "", law, presets, arithmetic)
+        cells = (row["engine"], row["version"] or "missing", row["python"] or "", law, presets, arithmetic)
+        table.add_row(*(escape(visible(cell)) for cell in cells))
     console = Console()
     console.print(table)
     for row in rows:
         if row["missing"] is not None:
-            console.print(f"{row['engine']}: {row['missing']}", markup=False, soft_wrap=True)
+            console.print(visible(f"{row['engine']}: {row['missing']}"), markup=False, soft_wrap=True)
 
 
 if __name__ == "__main__":

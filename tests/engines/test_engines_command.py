@@ -7,6 +7,7 @@ import pytest
 
 from engines.__main__ import app
 from engines.interface.registry import engine_names
+from engines.mujoco import MuJoCo
 from engines.pybullet import PyBullet
 from reference_lcp.console import run_command
 
@@ -68,3 +69,15 @@ def test_law_of_an_engine_that_is_missing_is_not_measured(
     monkeypatch.setattr(PyBullet, "unavailable_reason", lambda _self: "no wheel for this Python")
     assert run_command(app, ["law", "pybullet:joint:default"]) == 0
     assert "not measured here, no wheel for this Python" in " ".join(capsys.readouterr().out.split())
+
+
+def test_texts_of_a_plugin_neither_colour_nor_move_the_table(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(PyBullet, "version", lambda _self: "[red]3\x1b[2J")
+    monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _self: "no\x1b[2J wheel")
+    assert run_command(app, []) == 0
+    printed = capsys.readouterr().out
+    assert "\x1b" not in printed
+    assert "[red]3" in printed
+    assert r"mujoco: no\x1b[2J wheel" in printed
