@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from engines.interface.law import Law
 from engines.interface.presets import NormalForce, Preset
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.stepping.linear_implicit import FrictionLaw, LinearImplicitLane, LinearStep
+from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 
 SINGLE_PRECISION_PERIOD = 3e-5
 """Of U0: the stretch of a spring is the difference of two lengths of 64 U0, rounded to 64 U0 · 2^-24 = 4e-6 U0; a
@@ -25,5 +25,5 @@ def own_springs(preset: Preset) -> Law:
 
 def _own_springs(lane: Lane, _: Mapping[str, float]) -> LinearImplicitLane:
     return LinearImplicitLane(
-        lane, LinearStep.implicit(lane.chain, lane.time_step), FrictionLaw.coulomb(lane.chain.cells)
+        lane, LinearStep.implicit(lane.chain, lane.time_step), ScalarFriction.coulomb(lane.chain.cells)
     )

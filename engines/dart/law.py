@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.stepping.linear_implicit import FrictionLaw, LinearImplicitLane, LinearStep
+from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 
 OWN_SPRINGS_PERIOD = 1e-12
 """Of U0: 400 steps of some ten roundings of 1e-16, each of U0. A hundredth of DART's softness is above it."""
@@ -53,4 +53,4 @@ def _soft_sphere(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLa
 
 
 def _softened(lane: Lane, step: LinearStep, part: float) -> LinearImplicitLane:
-    return LinearImplicitLane(lane, step, FrictionLaw.coulomb(lane.chain.cells, part * step.coupling.diagonal()))
+    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells, part * step.coupling.diagonal()))

@@ -10,7 +10,7 @@ from engines.drake.sizes import sphere_depth, stiction_speed
 from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.stepping.linear_implicit import FrictionLaw, LinearImplicitLane, LinearStep
+from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 
 STEP = "(M + h C) q̇⁺ = M q̇ − h K q + h f(t) e_1 + W p"
 """What all formulas begin with."""
@@ -108,7 +108,7 @@ def _step(lane: Lane) -> LinearStep:
 
 def _actuator(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
     compliance = 1 / (constants["d"] * lane.time_step)
-    return LinearImplicitLane(lane, _step(lane), FrictionLaw.coulomb(lane.chain.cells, compliance))
+    return LinearImplicitLane(lane, _step(lane), ScalarFriction.coulomb(lane.chain.cells, compliance))
 
 
 def _near_rigid_actuator(lane: Lane, constants: Mapping[str, float], gain: float) -> LinearImplicitLane:
@@ -116,16 +116,16 @@ def _near_rigid_actuator(lane: Lane, constants: Mapping[str, float], gain: float
     chain = lane.chain
     wanted = (1 / chain.outer_mass + 1 / chain.inner_mass) / gain
     compliance = np.maximum(wanted, constants["β"] ** 2 / (4 * np.pi**2 * chain.inner_mass))
-    return LinearImplicitLane(lane, _step(lane), FrictionLaw.coulomb(lane.chain.cells, compliance))
+    return LinearImplicitLane(lane, _step(lane), ScalarFriction.coulomb(lane.chain.cells, compliance))
 
 
 def _lagged_si(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
-    return LinearImplicitLane(lane, _step(lane), FrictionLaw.smooth(lane.chain.cells, constants["v_s"]))
+    return LinearImplicitLane(lane, _step(lane), ScalarFriction.smooth(lane.chain.cells, constants["v_s"]))
 
 
 def _lagged_of_drive(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
     speed = stiction_speed(lane, constants["v_s"])
-    return LinearImplicitLane(lane, _step(lane), FrictionLaw.smooth(lane.chain.cells, speed))
+    return LinearImplicitLane(lane, _step(lane), ScalarFriction.smooth(lane.chain.cells, speed))
 
 
 def _sap(lane: Lane, constants: Mapping[str, float]) -> GlidingLane:

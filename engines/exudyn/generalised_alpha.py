@@ -24,7 +24,7 @@ from reference_lcp.validation import FloatArray
 
 
 @dataclass(frozen=True)
-class Rule:
+class IntegrationRule:
     """The numbers of the integrator; see the module.
 
     Parameters
@@ -42,12 +42,12 @@ class Rule:
     gamma: float
 
     @classmethod
-    def trapezoidal(cls) -> "Rule":
+    def trapezoidal(cls) -> "IntegrationRule":
         """Give Newmark's rule with β = ¼ and γ = ½."""
         return cls(0.0, 0.0, 1.0, 0.25, 0.5)
 
     @classmethod
-    def of_radius(cls, radius: float) -> "Rule":
+    def of_radius(cls, radius: float) -> "IntegrationRule":
         """Give generalised alpha with this spectral radius at infinite frequency (Chung and Hulbert, 1993)."""
         mass, force = (2 * radius - 1) / (radius + 1), radius / (radius + 1)
         gamma = 0.5 + force - mass
@@ -70,7 +70,7 @@ class GeneralisedAlphaLane(LaneModel):
         Substeps a time step.
     """
 
-    def __init__(self, lane: Lane, rule: Rule, numbers: ContactNumbers, substeps: int):
+    def __init__(self, lane: Lane, rule: IntegrationRule, numbers: ContactNumbers, substeps: int):
         self.lane = lane
         self._numbers, self._substeps = numbers, substeps
         chain, h = lane.chain, lane.time_step / substeps

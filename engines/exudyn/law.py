@@ -6,7 +6,7 @@ import numpy as np
 
 from engines.exudyn.bristle_model import BristleModelLane
 from engines.exudyn.friction_models import BRISTLE, DISC, ZONE, ContactNumbers
-from engines.exudyn.generalised_alpha import GeneralisedAlphaLane, Rule
+from engines.exudyn.generalised_alpha import GeneralisedAlphaLane, IntegrationRule
 from engines.interface.law import Constant, Law, NotModelled
 from engines.interface.presets import Preset
 from engines.shared.units import Units
@@ -79,7 +79,9 @@ def bristle(preset: Preset) -> Law | NotModelled:
         )
 
     def model(lane: Lane, constants: Mapping[str, float]) -> BristleModelLane:
-        return BristleModelLane(lane, Rule.trapezoidal(), _bristle_numbers(lane, constants, preset), preset["substeps"])
+        return BristleModelLane(
+            lane, IntegrationRule.trapezoidal(), _bristle_numbers(lane, constants, preset), preset["substeps"]
+        )
 
     return Law(
         formula=(
@@ -136,8 +138,8 @@ def _constants(preset: Preset) -> dict[str, Constant]:
     return constants
 
 
-def _rule(constants: Mapping[str, float]) -> Rule:
-    return Rule.of_radius(constants["ρ"]) if "ρ" in constants else Rule.trapezoidal()
+def _rule(constants: Mapping[str, float]) -> IntegrationRule:
+    return IntegrationRule.of_radius(constants["ρ"]) if "ρ" in constants else IntegrationRule.trapezoidal()
 
 
 def _width(lane: Lane, constants: Mapping[str, float], preset: Preset) -> FloatArray:

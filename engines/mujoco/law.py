@@ -10,7 +10,7 @@ from engines.mujoco.model import DEPTH, LEAST_COEFFICIENT
 from engines.shared.units import power_of_two
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.stepping.linear_implicit import FrictionLaw, LinearImplicitLane, LinearStep
+from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 from reference_lcp.validation import FloatArray
 
 LEAST_IMPEDANCE, LARGEST_IMPEDANCE, WIDTH = 0.9, 0.95, 0.001
@@ -69,7 +69,7 @@ def _joint_friction(lane: Lane, constants: Mapping[str, float]) -> LinearImplici
     rate = 2 / (constants["d_max"] * max(constants["τ"], 2 * lane.time_step))
     step = _step(lane, rate)
     softness = (1 - constants["d_0"]) / constants["d_0"]
-    return LinearImplicitLane(lane, step, FrictionLaw.coulomb(lane.chain.cells, softness * step.coupling.diagonal()))
+    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells, softness * step.coupling.diagonal()))
 
 
 class _PyramidalContactLane(LinearImplicitLane):
@@ -83,7 +83,7 @@ class _PyramidalContactLane(LinearImplicitLane):
         # MuJoCo takes the inverse mass of a body as a mean over three axes: an outer mass slides along one of them.
         inverse_mass = (1 / chain.outer_mass + 2 / chain.inner_mass) / 3
         compliance = (1 + self._coefficient**2) * (1 - impedance) / impedance * inverse_mass
-        friction = FrictionLaw.coulomb(chain.cells, compliance, 1 / (2 * compliance), bound_share=0.5)
+        friction = ScalarFriction.coulomb(chain.cells, compliance, 1 / (2 * compliance), bound_share=0.5)
         super().__init__(lane, step, friction)
 
     def normal_force(self, friction: FloatArray, preload: FloatArray) -> FloatArray:

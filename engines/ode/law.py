@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from engines.interface.law import Constant, Law, NotModelled
 from engines.interface.presets import Preset
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.stepping.linear_implicit import FrictionLaw, LinearImplicitLane, LinearStep
+from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 
 
 def soft_motors(preset: Preset) -> Law:
@@ -50,4 +50,4 @@ def _soft_stops(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLan
 
 def _softened(lane: Lane, step: LinearStep, constants: Mapping[str, float]) -> LinearImplicitLane:
     compliance = constants["cfm"] / lane.time_step
-    return LinearImplicitLane(lane, step, FrictionLaw.coulomb(lane.chain.cells, compliance))
+    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells, compliance))

@@ -8,7 +8,7 @@ import numpy as np
 from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.stepping.linear_implicit import FrictionLaw, LinearImplicitLane, LinearStep
+from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 
 
 def damped_joints(preset: Preset) -> Law:
@@ -41,11 +41,11 @@ def _damped_joints(lane: Lane, constants: Mapping[str, float]) -> LinearImplicit
     velocity = (1 - h * constants["k"]) * mass - h * chain.damping_matrix
     drag = np.full(2 * chain.cells, constants["k_2"])
     step = replace(LinearStep.of(chain, h, mass, velocity, (1.0, 0.0)), quadratic_drag=drag)
-    return LinearImplicitLane(lane, step, FrictionLaw.coulomb(chain.cells))
+    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(chain.cells))
 
 
 def _damped_bodies(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
     chain, h = lane.chain, lane.time_step
     mass = chain.mass_matrix
     step = LinearStep.of(chain, h, mass, (1 - constants["k"]) ** h * mass - h * chain.damping_matrix, (1.0, 0.0))
-    return LinearImplicitLane(lane, step, FrictionLaw.coulomb(chain.cells))
+    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(chain.cells))

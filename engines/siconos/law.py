@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from engines.interface.law import Constant, Law, NotModelled
 from engines.interface.presets import Preset
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.stepping.linear_implicit import FrictionLaw, LinearImplicitLane, LinearStep
+from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 
 
 def moreau_jean(preset: Preset) -> Law:
@@ -27,4 +27,4 @@ def opening_contacts(_: Preset) -> NotModelled:
 
 def _moreau_jean(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
     step = LinearStep.theta(lane.chain, lane.time_step, constants["θ"])
-    return LinearImplicitLane(lane, step, FrictionLaw.coulomb(lane.chain.cells))
+    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells))

@@ -30,7 +30,7 @@ SWEPT = 1e-15
 
 
 @dataclass(frozen=True, kw_only=True)
-class FrictionLaw:
+class ScalarFriction:
     """Impulse of friction of a contact against its slip velocity w, per cell.
 
     With b the bound of the impulse: −p = w / ε up to b, and b + κ (|w| − ε b) beyond, along the slip. Coulomb's law has
@@ -60,7 +60,7 @@ class FrictionLaw:
         compliance: FloatArray | float = 0.0,
         slope: FloatArray | float = 0.0,
         bound_share: float = 1.0,
-    ) -> "FrictionLaw":
+    ) -> "ScalarFriction":
         """Give Coulomb's law, softened if `compliance` is not zero."""
         return cls(
             compliance=np.broadcast_to(compliance, (cells,)).astype(float),
@@ -70,7 +70,7 @@ class FrictionLaw:
         )
 
     @classmethod
-    def smooth(cls, cells: int, smoothing: FloatArray | float) -> "FrictionLaw":
+    def smooth(cls, cells: int, smoothing: FloatArray | float) -> "ScalarFriction":
         """Give the law w / √(w² + z²)."""
         none = np.zeros(cells)
         return cls(compliance=none, slope=none, smoothing=np.broadcast_to(smoothing, (cells,)).astype(float))
@@ -190,7 +190,7 @@ class LinearStep:
 
 
 class LinearImplicitLane(LaneModel):
-    """One chain under one drive, advanced by a `LinearStep` with a `FrictionLaw`.
+    """One chain under one drive, advanced by a `LinearStep` with a `ScalarFriction`.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ class LinearImplicitLane(LaneModel):
         Of one time step.
     """
 
-    def __init__(self, lane: Lane, step: LinearStep, friction: FrictionLaw):
+    def __init__(self, lane: Lane, step: LinearStep, friction: ScalarFriction):
         self.lane = lane
         self._step, self._friction = step, friction
 
@@ -246,7 +246,7 @@ class LinearImplicitLane(LaneModel):
 
 @numba.njit(inline="always", error_model="numpy")
 def _impulse(slip: Any, coupling: Any, bound: Any, compliance: Any, slope: Any, smoothing: Any) -> Any:
-    """Solve w = slip + coupling p, p = h φ(w), for p; see `FrictionLaw`."""
+    """Solve w = slip + coupling p, p = h φ(w), for p; see `ScalarFriction`."""
     if smoothing > 0:
         return smooth_impulse(slip, coupling, bound, smoothing)
     impulse = -slip / (coupling + compliance)

@@ -8,14 +8,14 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
-from reference_lcp.stepping.linear_implicit import FrictionLaw, LinearImplicitLane, LinearStep
+from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 
 STEPS = 400
 
 
 def test_explicit_step_with_coulomb_friction_is_equation_5() -> None:
     lane, state = _lane(), _state()
-    model = LinearImplicitLane(lane, LinearStep.explicit(lane.chain, lane.time_step), FrictionLaw.coulomb(7))
+    model = LinearImplicitLane(lane, LinearStep.explicit(lane.chain, lane.time_step), ScalarFriction.coulomb(7))
     expected = CompiledSimulation([lane]).run(state, 0, STEPS)[0]
     np.testing.assert_allclose(
         model.run(state, 0, STEPS).positions, expected.positions, rtol=0, atol=1e-12 * BASE_AMPLITUDE
@@ -24,7 +24,7 @@ def test_explicit_step_with_coulomb_friction_is_equation_5() -> None:
 
 def test_smooth_friction_is_that_of_the_slip_at_the_end_of_the_step() -> None:
     lane, speed = _lane(), 0.05
-    run = _run(lane, FrictionLaw.smooth(7, speed))
+    run = _run(lane, ScalarFriction.smooth(7, speed))
     slip = run.relative_velocity
     expected = -lane.chain.friction_bound * slip / np.sqrt(slip**2 + speed**2)
     np.testing.assert_allclose(run.friction, expected, rtol=0, atol=1e-11 * np.max(lane.chain.friction_bound))
@@ -33,7 +33,7 @@ def test_smooth_friction_is_that_of_the_slip_at_the_end_of_the_step() -> None:
 def test_friction_grows_on_beyond_a_bound_with_a_slope() -> None:
     """Half of the bound is reached with the compliance, and what is beyond it with the slope."""
     lane, compliance, slope = _lane(), np.full(7, 50.0), np.full(7, 2e-3)
-    run = _run(lane, FrictionLaw.coulomb(7, compliance, slope, bound_share=0.5))
+    run = _run(lane, ScalarFriction.coulomb(7, compliance, slope, bound_share=0.5))
     speed, impulse = np.abs(run.relative_velocity), np.abs(run.friction) * lane.time_step
     knee = 0.5 * lane.time_step * lane.chain.friction_bound
     expected = np.where(speed < compliance * knee, speed / compliance, knee + slope * (speed - compliance * knee))
@@ -41,7 +41,7 @@ def test_friction_grows_on_beyond_a_bound_with_a_slope() -> None:
     assert 0.1 < np.mean(speed < compliance * knee) < 0.9, "both parts of the law are tried"
 
 
-def _run(lane: Lane, law: FrictionLaw) -> Trajectory:
+def _run(lane: Lane, law: ScalarFriction) -> Trajectory:
     """Run an implicit Euler step, in which friction sees the slip velocity that it leads to."""
     return LinearImplicitLane(lane, LinearStep.implicit(lane.chain, lane.time_step), law).run(_state(), 0, STEPS)
 
