@@ -22,11 +22,10 @@ FRICTION_RATIOS, FREQUENCY_RATIOS = (0.1, 0.3, 1.0), (0.5, 0.7, 0.9, 1.1, 1.3, 1
 
 def print_law(variant: Variant) -> None:
     """Print the law of a preset, and what is measured of it here."""
-    preset, console = variant.preset, Console()
-    law = None if preset.law is None else preset.law(preset)
+    law, console = variant.preset.stated_law(), Console()
     if law is None:
         console.print(
-            f"{variant}: the step of the reference, equation (5)" if preset.shares_scheme else f"{variant}: none"
+            f"{variant}: {'the step of the reference, equation (5)' if variant.preset.shares_scheme else 'none'}"
         )
     elif isinstance(law, NotModelled):
         console.print(f"{variant} is not modelled: {visible(law.reason)}", markup=False, soft_wrap=True)

@@ -6,7 +6,6 @@ if __name__ == "__main__":
     heed_interrupts()
 
 # isort: split
-import shlex
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -35,7 +34,8 @@ from scenarios.cli.options import (
     check_out,
     check_retry,
     chosen_variants,
-    store_of_run,
+    command_text,
+    evaluator_of_run,
 )
 from scenarios.cli.run import add_scenarios
 from scenarios.cli.store import store_app
@@ -43,7 +43,6 @@ from scenarios.cli.sweep import evaluate_sweep, print_summary, print_verdicts
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import unavailable_reason
 from scenarios.execution.executor import TIME_LIMIT, Executor
-from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
 from scenarios.execution.store_file import existing_store
 from scenarios.studies.accuracy import Accuracy, accuracies, accuracy_tasks, exact_tasks
@@ -170,7 +169,7 @@ def accuracy(
     rows: list[AccuracyRow] = [(row, step_cost(row.variant) if cost and row.certified else None) for row in measured]
     _print_accuracy(rows)
     if out is not None:
-        command = shlex.join(["python", "-m", "scenarios", "run", "accuracy", *(f"--engine={c}" for c in chosen or [])])
+        command = command_text("accuracy", chosen)
         write_whole(out, accuracy_document(rows, command) if out.suffix == ".md" else csv_table(rows))
 
 
@@ -195,18 +194,12 @@ def laws(
     """
     variants = departing(chosen_variants(chosen))
     check_out(out, (".md", ".csv"), [store])
-    with (
-        store_of_run(store) as stored,
-        ProgressBars(variants) as bars,
-        CountingEvaluator(
-            stored, executor_for(workers, time_limit, scheduler), [], bars, retry_blocked=retry_blocked
-        ) as evaluator,
-    ):
+    executor = executor_for(workers, time_limit, scheduler)
+    with evaluator_of_run(store, executor, variants, retry_blocked=retry_blocked) as evaluator:
         rows = law_agreements(variants, evaluator)
     print_table(text_table(LAW_COLUMNS, rows))
     if out is not None:
-        command = shlex.join(["python", "-m", "scenarios", "run", "laws", *(f"--engine={c}" for c in chosen or [])])
-        write_whole(out, law_document(rows, command) if out.suffix == ".md" else law_csv(rows))
+        write_whole(out, law_document(rows, command_text("laws", chosen)) if out.suffix == ".md" else law_csv(rows))
 
 
 @run.command(name="cost")
@@ -257,11 +250,8 @@ def _print_catalogue() -> None:
 def _accuracies(variants: list[Variant], store: Path | None, executor: Executor, retry_blocked: bool) -> list[Accuracy]:
     """Run everything, with bars on the way."""
     expected = [*exact_tasks().values(), *(task for variant in variants for task in accuracy_tasks(variant))]
-    with (
-        store_of_run(store) as stored,
-        ProgressBars([EXACT, *variants]) as bars,
-        CountingEvaluator(stored, executor, expected, bars, retry_blocked=retry_blocked) as evaluator,
-    ):
+    shown = [EXACT, *variants]
+    with evaluator_of_run(store, executor, shown, expected, retry_blocked=retry_blocked) as evaluator:
         return accuracies(variants, evaluator)
 
 

@@ -52,7 +52,7 @@ class LawEngine(Engine):
 
 def law_of(preset: Preset) -> Law | None:
     """Give the model of a preset; ``None`` where it has none."""
-    law = None if preset.law is None else preset.law(preset)
+    law = preset.stated_law()
     return law if isinstance(law, Law) else None
 
 

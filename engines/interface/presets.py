@@ -116,6 +116,10 @@ class Preset:
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value
 
+    def stated_law(self) -> Law | NotModelled | None:
+        """Give the model of its steps, or the reason why there is none; ``None`` where it states neither."""
+        return None if self.law is None else self.law(self)
+
     def modulated(self) -> "Preset":
         """Give the options, and the residual slip compliance, that hold where the normal force changes in time."""
         options = {**self.options, **self.modulated_options}

@@ -1,6 +1,7 @@
 """What the commands of ``python -m scenarios`` have in common: options, checks, a store for the run."""
 
-from collections.abc import Iterable, Iterator
+import shlex
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
@@ -13,7 +14,10 @@ from reference_lcp.console import checked_output_file
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.interrupt import announce_interrupt
 from reference_lcp.validation import ParameterError
+from scenarios.execution.executor import Executor
+from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore, opened_store
+from scenarios.tasks.task import Task
 
 Chosen = Annotated[
     list[str] | None,
@@ -101,3 +105,36 @@ def store_of_run(store: Path | None) -> Iterator[ResultStore]:
                 where = f"results are kept in {store}; the same command goes on from there"
             announce_interrupt(f"interrupted: {where}")
             raise typer.Exit(ExitCode.INTERRUPTED) from None
+
+
+@contextmanager
+def evaluator_of_run(
+    store: Path | None,
+    executor: Executor,
+    shown: Sequence[Variant],
+    expected: Sequence[Task] = (),
+    *,
+    retry_blocked: bool = False,
+) -> Iterator[CountingEvaluator]:
+    """Evaluate with the store of a run, see `store_of_run`, and bars on the way.
+
+    Parameters
+    ----------
+    store, executor, retry_blocked
+        As for `Evaluator`; a temporary store without one.
+    shown
+        Variants that have a bar from the start.
+    expected
+        Tasks that are known from the start.
+    """
+    with (
+        store_of_run(store) as stored,
+        ProgressBars(shown) as bars,
+        CountingEvaluator(stored, executor, expected, bars, retry_blocked=retry_blocked) as evaluator,
+    ):
+        yield evaluator
+
+
+def command_text(name: str, chosen: Sequence[str] | None, options: Sequence[str] = ()) -> str:
+    """Give the command that made a document: `run` with its name, the chosen engines and other options."""
+    return shlex.join(["python", "-m", "scenarios", "run", name, *(f"--engine={c}" for c in chosen or []), *options])

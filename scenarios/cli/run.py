@@ -1,6 +1,5 @@
 """``python -m scenarios run NAME``: a scenario of the catalogue, or all of them."""
 
-import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,12 +33,13 @@ from scenarios.cli.options import (
     check_out,
     check_retry,
     chosen_variants,
+    command_text,
+    evaluator_of_run,
     store_of_run,
 )
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.executor import TIME_LIMIT, Executor
-from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store_file import existing_store
 from scenarios.tables import plain, printed_table
 from scenarios.verdicts.finding import Finding
@@ -140,8 +140,7 @@ def _chosen_run(
 ) -> _Run:
     """Give what the options choose, before any work."""
     variants = chosen_variants(chosen)
-    words = ["python", "-m", "scenarios", "run", name, *(f"--engine={c}" for c in chosen or []), *options]
-    return _Run(scenarios, variants, shlex.join(words), retry_blocked)
+    return _Run(scenarios, variants, command_text(name, chosen, options), retry_blocked)
 
 
 def _perform(run: _Run, store: Path | None, out: Path | None, executor: Executor | None) -> None:
@@ -156,11 +155,7 @@ def _perform(run: _Run, store: Path | None, out: Path | None, executor: Executor
 
 def _findings(run: _Run, store: Path | None, executor: Executor) -> dict[Scenario, list[Finding]]:
     """Run the scenarios one after the other, with bars on the way."""
-    with (
-        store_of_run(store) as stored,
-        ProgressBars(run.variants) as bars,
-        CountingEvaluator(stored, executor, [], bars, retry_blocked=run.retry_blocked) as evaluator,
-    ):
+    with evaluator_of_run(store, executor, run.variants, retry_blocked=run.retry_blocked) as evaluator:
         return {scenario: run_with_predictions(scenario, run.variants, evaluator) for scenario in run.scenarios}
 
 

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.law import NotModelled
-from engines.interface.law_engine import law_of
+from engines.interface.law import Law, NotModelled
 from engines.interface.variant import Variant
 from engines.law_command import FREQUENCY_RATIOS, FRICTION_RATIOS
 from reference_lcp.validation import FloatArray
@@ -89,15 +88,14 @@ def _periods(variant: Variant) -> list[LawPeriodTask]:
 def _row(variant: Variant, results: Mapping[SteadyStateTask, Result]) -> LawAgreement:
     own, reference = ([results[task] for task in _steady_states(each)] for each in (variant, REFERENCE))
     departure, _, certified = _differences(own, reference)
-    preset, law = variant.preset, variant.law
-    stated = None if preset.law is None else preset.law(preset)
-    if law is None or not (model := law_of(preset)):
+    law, stated = variant.law, variant.preset.stated_law()
+    if law is None or not isinstance(stated, Law):
         reason = stated.reason if isinstance(stated, NotModelled) else ""
         return LawAgreement(variant, reason, departure, np.nan, np.nan, np.empty(0), np.nan, certified)
     error, stuck, both = _differences(own, [results[task] for task in _steady_states(law)])
     ends = [results[task] for task in _periods(variant)]
     distances = [end.series["distance"][0] for end in ends if end.status is ResultStatus.FINISHED]
-    return LawAgreement(variant, "", departure, error, stuck, np.array(distances), model.period_bound, both)
+    return LawAgreement(variant, "", departure, error, stuck, np.array(distances), stated.period_bound, both)
 
 
 def _differences(own: Sequence[Result], others: Sequence[Result]) -> tuple[float, float, int]:

@@ -39,18 +39,23 @@ def with_predictions(
         The law.
     """
     laws = {(finding.case, finding.metric): finding for finding in predicted}
+    distances = {case: _distance(period) for case, period in periods.items()}
+    worst = float(np.max(list(distances.values()), initial=0.0))
     return [
-        replace(finding, prediction=_prediction(finding, laws[finding.case, finding.metric], periods, law))
+        replace(
+            finding,
+            prediction=_prediction(
+                finding, laws[finding.case, finding.metric], distances.get(finding.case, worst), law
+            ),
+        )
         if finding.comparison.verdict is Verdict.DISAGREE and (finding.case, finding.metric) in laws
         else finding
         for finding in findings
     ]
 
 
-def _prediction(finding: Finding, own: Finding, periods: Mapping[str, Result], law: Law) -> Prediction:
-    """Compare a number with that of the law."""
-    distances = {case: _distance(period) for case, period in periods.items()}
-    distance = distances.get(finding.case, float(np.max(list(distances.values()), initial=0.0)))
+def _prediction(finding: Finding, own: Finding, distance: float, law: Law) -> Prediction:
+    """Compare a number with that of the law, from which the engine is so far after a period."""
     return Prediction(
         value=own.value,
         difference=metric_difference(finding.metric, finding.value, own.value),
