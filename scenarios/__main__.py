@@ -25,11 +25,13 @@ from reference_lcp.validation import ParameterError, checked_scalar
 from reference_lcp.visible import visible
 from scenarios.catalogue import CATALOGUE
 from scenarios.cli.options import (
+    TABLE_ENDINGS,
     Chosen,
     Limit,
     Retry,
     Scheduler,
     Store,
+    TableFile,
     Workers,
     check_out,
     check_retry,
@@ -145,9 +147,7 @@ def sweep(
 def accuracy(
     chosen: Chosen = None,
     store: Store = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")
-    ] = None,
+    out: TableFile = None,
     cost: Annotated[
         bool, typer.Option(help="Measure what a step costs, at the end, with nothing else running.")
     ] = True,
@@ -164,7 +164,7 @@ def accuracy(
     Example: python -m scenarios run accuracy --store accuracy.sqlite --out accuracy.md
     """
     variants = chosen_variants(chosen)
-    check_out(out, (".md", ".csv"), [store])
+    check_out(out, TABLE_ENDINGS, [store])
     measured = _accuracies(variants, store, executor_for(workers, time_limit, scheduler), retry_blocked)
     rows: list[AccuracyRow] = [(row, step_cost(row.variant) if cost and row.certified else None) for row in measured]
     _print_accuracy(rows)
@@ -177,9 +177,7 @@ def accuracy(
 def laws(
     chosen: Chosen = None,
     store: Store = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")
-    ] = None,
+    out: TableFile = None,
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
@@ -193,7 +191,7 @@ def laws(
     Example: python -m scenarios run laws --engine mujoco --out laws.md
     """
     variants = departing(chosen_variants(chosen))
-    check_out(out, (".md", ".csv"), [store])
+    check_out(out, TABLE_ENDINGS, [store])
     executor = executor_for(workers, time_limit, scheduler)
     with evaluator_of_run(store, executor, variants, retry_blocked=retry_blocked) as evaluator:
         rows = law_agreements(variants, evaluator)
@@ -205,9 +203,7 @@ def laws(
 @run.command(name="cost")
 def cost_command(
     chosen: Chosen = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")
-    ] = None,
+    out: TableFile = None,
     seconds: Annotated[
         float, typer.Option(help="Length of a measurement of steady states that is aimed at; there are two a row.")
     ] = SECONDS,
@@ -219,7 +215,7 @@ def cost_command(
 
     Example: python -m scenarios run cost --engine mujoco:joint
     """
-    check_out(out, (".md", ".csv"), [])
+    check_out(out, TABLE_ENDINGS, [])
     if checked_scalar("seconds", seconds, "> 0") > TIME_LIMIT:
         raise ParameterError(f"seconds = {seconds:g}; allowed: > 0 and <= {TIME_LIMIT:g}")
     variants = chosen_variants(chosen)

@@ -31,6 +31,7 @@ Chosen = Annotated[
 Store = Annotated[
     Path | None, typer.Option(help="File that keeps every result, so that a stopped run goes on; none without it.")
 ]
+TableFile = Annotated[Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")]
 Workers = Annotated[int | None, typer.Option(help="Worker processes; without it, one a processor.")]
 Limit = Annotated[
     float, typer.Option(help="Seconds that a batch of points may take; an engine that hangs is stopped then.")
@@ -46,6 +47,10 @@ Retry = Annotated[
         "the time limit.",
     ),
 ]
+
+
+TABLE_ENDINGS = (".md", ".csv")
+"""Formats of a `TableFile`."""
 
 
 def chosen_variants(chosen: list[str] | None) -> list[Variant]:

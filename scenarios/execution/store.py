@@ -11,7 +11,7 @@ import sqlite3
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import closing, contextmanager, nullcontext
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any, TypeVar
@@ -265,11 +265,10 @@ def opened_store(file: Path | None) -> Iterator[ResultStore]:
     ParameterError
         If `file` cannot be used.
     """
-    with (
-        nullcontext(file) if file is not None else ScratchFolder() as place,
-        ResultStore(place.path / "results.sqlite" if isinstance(place, ScratchFolder) else place) as store,
-    ):
-        yield store
+    with ExitStack() as opened:
+        if file is None:
+            file = opened.enter_context(ScratchFolder()).path / "results.sqlite"
+        yield opened.enter_context(ResultStore(file))
 
 
 class _Moved(RunError):
