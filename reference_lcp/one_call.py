@@ -1,5 +1,6 @@
 """Steady states of a chain under a periodic drive, and its motion from an initial state, in one call each."""
 
+import cmath
 import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -18,7 +19,7 @@ from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.exact.exact_orbit import ExactPeriod
 from reference_lcp.exact.steady import EXACT_RESIDUAL, exact_orbit
 from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, stuck_fraction, transitions
-from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.observables.transmittance import complex_transmittance, decibel
 from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
 from reference_lcp.stepping.euler_lemke import LemkeSimulation
@@ -47,6 +48,8 @@ class SteadyState:
         One period and its residual.
     transmittance_db
         20 log10 of the last outer mass's fundamental amplitude over the displacement scale.
+    phase
+        By which that fundamental is ahead of the drive's sine [rad], in (−π, π].
     stuck_fraction
         Part of the period that each contact sticks, shape (n,).
     transitions
@@ -61,6 +64,7 @@ class SteadyState:
 
     orbit: PeriodicOrbit
     transmittance_db: float
+    phase: float
     stuck_fraction: FloatArray
     transitions: list[Transition]
     travels: FloatArray | None = None
@@ -71,13 +75,16 @@ class SteadyState:
     def of(cls, orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> "SteadyState":
         """Read the observables of an orbit; for `stick_margin` see `contact_modes`."""
         stuck, changes = stuck_fraction(orbit, stick_margin), transitions(orbit, stick_margin)
-        return cls(orbit, decibel(transmittance(orbit)), stuck, changes)
+        ratio = complex_transmittance(orbit)
+        return cls(orbit, decibel(abs(ratio)), cmath.phase(ratio), stuck, changes)
 
     @classmethod
     def of_exact(cls, orbit: PeriodicOrbit, period: ExactPeriod) -> "SteadyState":
         """Read the observables of an orbit from its segments, free of sampling error."""
         travels = np.array(period.travels)
-        return cls(orbit, decibel(period.transmittance), period.stuck_fraction, period.transitions, travels)
+        ratio = period.complex_transmittance
+        modes = period.stuck_fraction, period.transitions
+        return cls(orbit, decibel(abs(ratio)), cmath.phase(ratio), *modes, travels)
 
     def as_dict(self) -> dict[str, Any]:
         """Give the numbers, ready for JSON; those of the error bar if there is one."""
@@ -85,6 +92,7 @@ class SteadyState:
         exact = {} if self.exact_db is None else {"exact_db": self.exact_db}
         return {
             "transmittance_db": self.transmittance_db,
+            "phase_rad": self.phase,
             "residual": self.orbit.residual,
             "status": str(self.orbit.status),
             "periods": self.orbit.periods,

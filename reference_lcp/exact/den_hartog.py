@@ -9,6 +9,7 @@ x0 = (P0 / k) √(V² − (F/P0)² U²),    tan φ = −(F/P0) U / (x0 k / P0),
 as long as F/P0 is below a limit from which on the mass stops at its turns.
 """
 
+import cmath
 import math
 from dataclasses import dataclass
 from typing import Self
@@ -73,6 +74,11 @@ class SlidingMotion:
         """
         force = complex(math.cos(self.phase), math.sin(self.phase)) - 4j / math.pi * self.force_ratio
         return force / (1 - self.frequency_ratio**2)
+
+    @property
+    def response(self) -> complex:
+        """Complex amplitude of the fundamental over P0 / k under the force P0 sin ωt; A exp(iφ) is A sin(ωt + φ)."""
+        return 1j * self.fundamental * cmath.exp(-2j * math.pi * self.turn)
 
     @property
     def turn(self) -> float:

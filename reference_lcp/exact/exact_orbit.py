@@ -98,10 +98,15 @@ class ExactPeriod:
         return amplitudes
 
     @property
+    def complex_transmittance(self) -> complex:
+        """Complex amplitude of the fundamental harmonic of the last outer mass over the displacement scale."""
+        chain = self.lane.chain
+        return complex(self.harmonic()[chain.cells - 1] / self.lane.drive.displacement_scale(chain))
+
+    @property
     def transmittance(self) -> float:
         """Amplitude of the fundamental harmonic of the last outer mass over the displacement scale."""
-        chain = self.lane.chain
-        return float(np.abs(self.harmonic()[chain.cells - 1]) / self.lane.drive.displacement_scale(chain))
+        return abs(self.complex_transmittance)
 
     @property
     def friction_heat(self) -> FloatArray:

@@ -18,10 +18,15 @@ def fundamental(signal: FloatArray) -> NDArray[np.complex128]:
     return amplitude
 
 
+def complex_transmittance(orbit: PeriodicOrbit) -> complex:
+    """Complex amplitude of the fundamental harmonic of the last outer mass over the displacement scale."""
+    scale = orbit.lane.drive.displacement_scale(orbit.lane.chain)
+    return complex(fundamental(orbit.trajectory.outer_positions[:, -1]) / scale)
+
+
 def transmittance(orbit: PeriodicOrbit) -> float:
     """Amplitude of the fundamental harmonic of the last outer mass over the displacement scale."""
-    scale = orbit.lane.drive.displacement_scale(orbit.lane.chain)
-    return float(np.abs(fundamental(orbit.trajectory.outer_positions[:, -1])) / scale)
+    return abs(complex_transmittance(orbit))
 
 
 def rms_transmittance(orbit: PeriodicOrbit) -> float:

@@ -81,6 +81,7 @@ def _result(state: SteadyState, stick_margin: float, seconds: float, recorded: b
     return Result(
         status=ResultStatus(orbit.status),
         transmittance_db=state.transmittance_db,
+        phase=state.phase,
         residual=orbit.residual,
         periods=orbit.periods,
         multiple=orbit.multiple,

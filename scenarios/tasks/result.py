@@ -75,6 +75,8 @@ class Result:
         worker that was killed: what is blocked by its engine is not tried again by itself.
     transmittance_db
         20 log10 |U_n| / U0; NaN where there is no number.
+    phase
+        By which the fundamental of the last outer mass is ahead of the drive's sine [rad], in (−π, π]; likewise.
     residual
         Periodicity residual of the orbit; NaN where there is none.
     periods
@@ -114,6 +116,7 @@ class Result:
     reason: str = ""
     by_engine: bool = False
     transmittance_db: _Number = math.nan
+    phase: _Number = math.nan
     residual: _Number = math.nan
     periods: _Count = 0
     multiple: _Count = 1

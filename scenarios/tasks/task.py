@@ -16,7 +16,7 @@ from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, steps
 from reference_lcp.observables.stick_slip import STICK_MARGIN
 from scenarios.tasks.parameters import ChainRatios, Excitation, Modulation, Ratio
 
-RESULT_FORMAT = 3
+RESULT_FORMAT = 4
 """Increased when the meaning of a result changes: results of other formats are not taken from a store."""
 
 

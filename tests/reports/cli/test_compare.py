@@ -19,7 +19,7 @@ from reports.__main__ import app
 from scenarios.execution.store import ResultStore, digest_of
 from scenarios.tasks import task
 from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask, key_of
+from scenarios.tasks.task import RESULT_FORMAT, SteadyStateTask, key_of
 from scenarios.verdicts.regression import StoredResult, Thresholds, change, compare_stores
 
 SOFT, HARD = Option(1, 5, "soft"), Option(100, 5, "hard")
@@ -193,14 +193,15 @@ def test_results_that_are_lost_fail_and_are_named(before: Path, tmp_path: Path, 
 
 def test_formats_that_differ_are_refused_with_both(before: Path, tmp_path: Path, capsys) -> None:
     results = results_of(before)
-    assert all('"format":3' in content for content in results)
+    own, other = f'"format":{RESULT_FORMAT}', f'"format":{RESULT_FORMAT + 1}'
+    assert all(own in content for content in results)
     now = write_results(
         tmp_path / "now.sqlite",
-        {content.replace('"format":3', '"format":4'): text for content, text in results.items()},
+        {content.replace(own, other): text for content, text in results.items()},
     )
     assert compared(before, now) == ExitCode.WRONG_INPUT
     message = capsys.readouterr().err
-    assert f"{before} has results of format 3, {now} of format 4" in message
+    assert f"{before} has results of format {RESULT_FORMAT}, {now} of format {RESULT_FORMAT + 1}" in message
 
 
 def test_blocked_now_fails_with_its_reason_blocked_before_does_not(before: Path, tmp_path: Path, capsys) -> None:

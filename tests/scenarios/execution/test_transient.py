@@ -27,7 +27,7 @@ from scenarios.execution.store import ResultStore
 from scenarios.execution.transient import run_transients
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
+from scenarios.tasks.task import RESULT_FORMAT, SteadyStateTask
 from scenarios.tasks.transient import SHAPES, TransientTask, initial_positions
 
 SMALL = ChainRatios(cells=2)
@@ -91,7 +91,7 @@ def test_content_of_a_question_for_a_steady_state_is_what_stores_have() -> None:
     for name in ("outer_mass_ratio", "chain_stiffness_ratio", "friction_profile"):
         del plain["ratios"][name]
     assert content["task"] == plain, "what older answers did not know is left out where it is usual"
-    assert content["format"] == 3
+    assert content["format"] == RESULT_FORMAT
 
 
 def test_motions_and_steady_states_are_answered_side_by_side_and_kept(tmp_path) -> None:
