@@ -7,15 +7,14 @@ from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
 from scenarios.verdicts.finding import Finding
-from scenarios.verdicts.prediction import with_predictions
-from scenarios.verdicts.verdict import Verdict
+from scenarios.verdicts.prediction import needs_prediction, with_predictions
 
 
 def run_with_predictions(scenario: Scenario, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
-    """Run a scenario, and the laws of variants that disagree somewhere; gives the variants' findings, in order."""
+    """Run a scenario, and the laws of variants that depart or say nothing somewhere; gives the findings in order."""
     findings = scenario.run(variants, evaluator)
-    wrong = dict.fromkeys(f.variant for f in findings if f.comparison.verdict is Verdict.DISAGREE)
-    laws = {variant: variant.law for variant in wrong if variant.law is not None}
+    open_ones = dict.fromkeys(finding.variant for finding in findings if needs_prediction(finding))
+    laws = {variant: variant.law for variant in open_ones if variant.law is not None}
     predicted = scenario.run(list(laws.values()), evaluator) if laws else []
     judged: list[Finding] = []
     for variant in dict.fromkeys(finding.variant for finding in findings):

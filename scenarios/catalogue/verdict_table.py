@@ -11,6 +11,7 @@ from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario
 from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records, text_table
 from scenarios.tasks.versions import versions_of
+from scenarios.verdicts.failure import failures, silent, unexplained
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.verdict import Verdict
 
@@ -22,17 +23,13 @@ A number *agrees* if it is within what is allowed of what is expected: the error
 error of the engine's own time step, estimated from two step sizes (and taken to be no less than the reference's at the
 same step), plus what neither can resolve. A disagreement is *as its law predicts* where the law of the preset, a model
 with constants from the preset's options, gives the same number within what both leave open, and a period of engine and
-law from the same state ends within the bound of the law; it is *unexplained* otherwise. *Inconclusive*: there is no
-certified steady state, nothing to compare, or no result so far (skipped as too slow, or left out by --no-ask).
-*Blocked*: the engine is not installed, or has failed. *Worst*: the largest difference over what is allowed for it.
+law from the same state ends within the bound of the law; it is *unexplained* otherwise. *Own step too coarse*: the
+number is within what is allowed, but the errors of steps in that are more than a tenth of what friction changes at all.
+*Inconclusive*: there is no certified steady state, nothing to compare, or no result so far (skipped as too slow, or
+left out by --no-ask). *Says nothing*: no certified steady state, or too coarse a step, where the law of the preset does
+not say the same. *Blocked*: the engine is not installed, or has failed. *Worst*: the largest difference over what is
+allowed for it.
 """
-
-
-def unexplained(findings: Sequence[Finding]) -> list[Finding]:
-    """Give the disagreements that no law predicts."""
-    return [
-        finding for finding in findings if finding.comparison.verdict is Verdict.DISAGREE and not finding.as_predicted
-    ]
 
 
 @dataclass(frozen=True)
@@ -66,9 +63,11 @@ class VariantRow:
         disagree = self.count(Verdict.DISAGREE)
         if unexplained(self.findings):
             return f"DISAGREES {disagree}/{total}"
+        if failures(self.findings):
+            return f"SAYS NOTHING {len(silent(self.findings))}/{total}"
         if disagree:
             return f"as predicted {disagree}/{total}"
-        for verdict in (Verdict.BLOCKED, Verdict.INCONCLUSIVE):
+        for verdict in (Verdict.BLOCKED, Verdict.INCONCLUSIVE, Verdict.TOO_COARSE):
             if self.count(verdict):
                 return f"{verdict} {self.count(verdict)}/{total}"
         return f"agrees {total}"

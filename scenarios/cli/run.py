@@ -19,7 +19,6 @@ from scenarios.catalogue.verdict_table import (
     Results,
     details,
     matrix,
-    unexplained,
     verdict_table,
     verdicts_text,
 )
@@ -42,6 +41,7 @@ from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.store_file import existing_store
 from scenarios.tables import plain, printed_table
+from scenarios.verdicts.failure import failures
 from scenarios.verdicts.finding import Finding
 
 LEAST_WIDTH = 200
@@ -79,8 +79,9 @@ def add_scenarios(run: typer.Typer) -> None:
 def _help(name: str, summary: str, options: str = "") -> str:
     """Give the help of a command: the physical question, the exit codes, an example."""
     return (
-        f"{summary}\n\nExit code 0: every disagreement, if there is any, is as its law predicts; 1: not so; "
-        "2: wrong input; 3: results or --out could not be kept; 130: interrupted.\n\n"
+        f"{summary}\n\nExit code 0: every disagreement, if there is any, is as its law predicts, and three in four "
+        "numbers of a preset are certified; 1: not so; 2: wrong input; 3: results or --out could not be kept; "
+        "130: interrupted.\n\n"
         f"Example: python -m scenarios run {name}{options} --engine mujoco --out verdicts.md"
     )
 
@@ -149,7 +150,7 @@ def _perform(run: _Run, store: Path | None, out: Path | None, executor: Executor
     print_results(results)
     if out is not None:
         write_whole(out, verdicts_text(results, run.command, out.suffix))
-    if any(unexplained(findings) for findings in results.values()):
+    if any(failures(findings) for findings in results.values()):
         raise typer.Exit(ExitCode.FAILED)
 
 
@@ -176,14 +177,14 @@ def print_results(results: Results) -> None:
             console.print(plain(f"{variant}:", *(f"  {remark}" for remark in remarks)), soft_wrap=True)
     if len(results) > 1:
         console.print(printed_table(matrix(results)))
-    _print_explanations(console, [finding for findings in results.values() for finding in findings])
+    _print_explanations(console, results)
 
 
-def _print_explanations(console: Console, findings: Sequence[Finding]) -> None:
-    """Print the laws that predict disagreements, and how many disagreements none predicts."""
+def _print_explanations(console: Console, results: Results) -> None:
+    """Print the laws that predict disagreements, and what fails."""
+    findings = [finding for own in results.values() for finding in own]
     for variant in dict.fromkeys(finding.variant for finding in findings if finding.as_predicted):
         console.print(plain(f"as its law predicts, {variant}: {variant.preset.known_deviation}"), soft_wrap=True)
-    left = unexplained(findings)
-    if left:
-        names = ", ".join(dict.fromkeys(str(finding.variant) for finding in left))
-        console.print(plain(f"unexplained: {len(left)} disagreements, of {names}"), soft_wrap=True)
+    for scenario, own in results.items():
+        for line in failures(own):
+            console.print(plain(f"{scenario.name}: {line}"), soft_wrap=True)

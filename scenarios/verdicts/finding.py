@@ -1,11 +1,12 @@
 """Metrics, and findings: one number of one variant with its verdict."""
 
+import dataclasses
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 from engines.interface.variant import Variant
-from scenarios.verdicts.verdict import Comparison
+from scenarios.verdicts.verdict import BY_FAR, Comparison
 
 FLOOR_DB = -60.0
 """Below this transmittance differences are those of amplitudes, as large in dB as they are at the floor.
@@ -68,6 +69,8 @@ class Prediction:
         Largest difference of positions over a period from the same state, over the displacement scale.
     period_bound
         Largest one that the law allows.
+    certified
+        Whether the steady state of the law is certified.
     """
 
     value: float
@@ -75,12 +78,19 @@ class Prediction:
     allowed: float
     distance: float
     period_bound: float
+    certified: bool = True
 
     def __str__(self) -> str:
+        if not self.certified:
+            return f"its law has no certified steady state either; after a period {self._period}"
         return (
             f"its law gives {self.value:.4g}, {self.difference:+.2g} left, allowed {self.allowed:.2g}; after a period "
-            f"{self.distance:.2g} U0 from its law, allowed {self.period_bound:.2g}"
+            f"{self._period}"
         )
+
+    @property
+    def _period(self) -> str:
+        return f"{self.distance:.2g} U0 from its law, allowed {self.period_bound:.2g}"
 
     @property
     def holds(self) -> bool:
@@ -120,6 +130,15 @@ class Finding:
     def as_predicted(self) -> bool:
         """Whether the law of the variant predicts a disagreement."""
         return self.prediction is not None and self.prediction.holds
+
+    def uncertified(self) -> "Finding":
+        """Give the same of a steady state that is not certified."""
+        return dataclasses.replace(self, comparison=dataclasses.replace(self.comparison, certified=False))
+
+    @property
+    def by_far(self) -> bool:
+        """Whether the difference is so large that no better estimate of the error of steps would mend it."""
+        return self.comparison.excess > BY_FAR
 
     @classmethod
     def without_numbers(

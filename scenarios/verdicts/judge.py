@@ -17,6 +17,13 @@ from scenarios.tasks.result import Result, ResultStatus, repetition
 from scenarios.verdicts.finding import Metric
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
+COARSE_SHARE = 0.1
+"""Part of what friction changes at all that the step of a variant may leave open.
+
+With a tenth, friction that is missing altogether, or never lets go, is ten times what is allowed; curves at ten levels
+of friction are told apart.
+"""
+
 Number = float | FloatArray
 """What is judged: a number, or an array whose largest difference counts."""
 
@@ -59,6 +66,7 @@ def judge(
     scheme: Steps | None = None,
     resolution: float = 0.0,
     own: float = 0.0,
+    effect: float = math.inf,
 ) -> Comparison:
     """Compare what a variant gives with what is expected.
 
@@ -78,6 +86,8 @@ def judge(
         What neither can resolve, >= 0.
     own
         Least error that the variant's own value has, where it is known from something else than its steps.
+    effect
+        How much friction changes the number at all, see `decide`.
     """
     if isinstance(values, Comparison):
         return values
@@ -87,17 +97,25 @@ def judge(
         scheme=0.0 if scheme is None else scheme.error(metric),
         resolution=resolution,
     )
-    return decide(metric, values.judged, expected, tolerance)
+    return decide(metric, values.judged, expected, tolerance, effect)
 
 
-def decide(metric: Metric, value: Number, expected: Number, tolerance: Tolerance) -> Comparison:
-    """Compare a value with its expected value and a tolerance; NaN on either side is inconclusive."""
+def decide(
+    metric: Metric, value: Number, expected: Number, tolerance: Tolerance, effect: float = math.inf
+) -> Comparison:
+    """Compare a value with its expected value and a tolerance; NaN on either side is inconclusive.
+
+    Nothing is shown by a value that agrees while its step leaves open more than `COARSE_SHARE` of the `effect`: of how
+    much friction changes the number at all, on the scale of the metric.
+    """
     difference = metric_difference(metric, value, expected)
     if math.isnan(difference) or math.isnan(tolerance.allowed):
         return Comparison(Verdict.INCONCLUSIVE, "there is no number to compare", difference)
     verdict = Verdict.AGREE if abs(difference) <= tolerance.allowed else Verdict.DISAGREE
     space = f" {metric.unit}" if metric.unit else ""
     reason = f"difference {difference:+.2g}{space}, allowed {tolerance}"
+    if verdict is Verdict.AGREE and tolerance.step > COARSE_SHARE * effect:
+        verdict, reason = Verdict.TOO_COARSE, f"{reason}, of {effect:.2g}{space} that friction changes at all"
     return Comparison(verdict, reason, difference, tolerance.allowed, tolerance.resolution)
 
 
@@ -105,6 +123,11 @@ def metric_difference(metric: Metric, value: Number, expected: Number) -> float:
     """Difference on the scale of the metric; of arrays, the largest in size."""
     difference = np.subtract(_scaled(metric, value), _scaled(metric, expected))
     return float(difference) if difference.ndim == 0 else float(np.max(np.abs(difference)))
+
+
+def certified(results: Iterable[Result]) -> bool:
+    """Whether every search for a steady state ended with a certified one; also where none was made."""
+    return not any(result.status in (ResultStatus.PERIOD_LIMIT, ResultStatus.DIVERGED) for result in results)
 
 
 def missing(source: str, results: Iterable[Result]) -> Comparison | None:
@@ -127,7 +150,8 @@ def missing(source: str, results: Iterable[Result]) -> Comparison | None:
         else:
             reason = f"{result.status} after {result.periods} periods, residual {result.residual:.1e}"
             reason += repetition(result.multiple)
-        return Comparison(Verdict.INCONCLUSIVE, f"{source}: {reason}" if source else reason)
+        text = f"{source}: {reason}" if source else reason
+        return Comparison(Verdict.INCONCLUSIVE, text, certified=certified([result]))
     return None
 
 

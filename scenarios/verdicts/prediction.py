@@ -1,7 +1,8 @@
 """Disagreements that the engine's law predicts: number by number, and step by step over a period.
 
 A disagreement is *as its law predicts* where (a) a period of the engine equals the law's from the same state within the
-bound that the law states, and (b) the number equals that of the law's own motion within what both leave open.
+bound that the law states, and (b) the number equals that of the law's own motion within what both leave open. A steady
+state that is not certified is as its law predicts where the law has none either.
 """
 
 import math
@@ -48,27 +49,38 @@ def with_predictions(
                 finding, laws[finding.case, finding.metric], distances.get(finding.case, worst), law
             ),
         )
-        if finding.comparison.verdict is Verdict.DISAGREE and (finding.case, finding.metric) in laws
+        if needs_prediction(finding) and (finding.case, finding.metric) in laws
         else finding
         for finding in findings
     ]
 
 
+def needs_prediction(finding: Finding) -> bool:
+    """Whether a finding says that an engine departs, or nothing: then its law is asked."""
+    return finding.comparison.verdict in (Verdict.DISAGREE, Verdict.TOO_COARSE) or not finding.comparison.certified
+
+
 def _prediction(finding: Finding, own: Finding, distance: float, law: Law) -> Prediction:
     """Compare a number with that of the law, from which the engine is so far after a period."""
+    certified = own.comparison.certified
+    nothing = not (certified or finding.comparison.certified) and math.isnan(finding.value)
+    left_open = finding.comparison.resolution + own.comparison.resolution + _added_up(distance, finding)
     return Prediction(
         value=own.value,
-        difference=metric_difference(finding.metric, finding.value, own.value),
-        allowed=finding.comparison.resolution + own.comparison.resolution + _added_up(distance, finding),
+        difference=0.0 if nothing else metric_difference(finding.metric, finding.value, own.value),
+        allowed=0.0 if nothing else left_open,
         distance=distance,
         period_bound=law.period_bound,
+        certified=certified,
     )
 
 
 def _added_up(distance: float, finding: Finding) -> float:
     """Give what distances of a period make of a number while they add up; no less than round-off makes."""
     error = PERIODS_OF_ERROR * float(np.maximum(distance, ROUND_OFF_PERIOD))
-    return amplitude_in_db(error, finding.value) if finding.metric.unit == "dB" else error
+    if finding.metric.unit == "dB":
+        return amplitude_in_db(error, finding.value)
+    return error * finding.comparison.per_amplitude
 
 
 def _distance(period: Result) -> float:

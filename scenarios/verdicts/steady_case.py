@@ -13,9 +13,10 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import steps_per_period_for
 from reference_lcp.observables.transition_matching import TimedTransition
 from scenarios.tasks.parameters import ChainRatios, Ratio
-from scenarios.tasks.result import Result
+from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.judge import Number, Steps, missing
+from scenarios.verdicts.friction_effect import FrictionEffect, friction_effect
+from scenarios.verdicts.judge import Number, Steps, certified, missing
 from scenarios.verdicts.verdict import Comparison, Verdict
 
 REFERENCE = Variant("reference")
@@ -27,7 +28,14 @@ COARSE, FINE, FINEST = 1, 2, 4
 """Steps a period over the fewest that the case allows.
 
 Engines run with the first two, and the second is judged: the fewest are as few as the suite compares at, so that half
-of them would say little of the error. The reference runs with the third too, which costs it next to nothing.
+of them would say little of the error. The reference runs with the third too, which costs it next to nothing, and so
+does an engine that disagrees, but not by far: three steps show its error better than two.
+"""
+
+RESOLVED_DB = 1e-3
+"""What a motion that is not certified may leave open of its transmittance to be compared all the same [dB].
+
+That is a hundredth of a percent of the amplitude, and less than the step of any scheme here.
 """
 
 
@@ -76,8 +84,12 @@ class Expected:
     ----------
     transmittance_db
         20 log10 |U_n| / U0.
+    phase
+        Of the last outer mass's fundamental [rad]; NaN where it is not compared.
     bar_db
-        Its error bar [dB]; zero where it is exact.
+        Error bar of the transmittance [dB]; zero where it is exact.
+    phase_bar
+        Error bar of the phase [°]; likewise.
     transitions
         Changes between stick and slip over a period; empty where they are not compared.
     stuck_fraction
@@ -89,7 +101,9 @@ class Expected:
     """
 
     transmittance_db: float
+    phase: float = math.nan
     bar_db: float = 0.0
+    phase_bar: float = 0.0
     transitions: tuple[TimedTransition, ...] = ()
     stuck_fraction: tuple[float, ...] = ()
     travels: tuple[float, ...] = ()
@@ -103,6 +117,7 @@ def exact_expected(result: Result) -> Expected:
         return Expected(transmittance_db=math.nan, missing=gap)
     return Expected(
         transmittance_db=result.transmittance_db,
+        phase=result.phase,
         transitions=result.transitions,
         stuck_fraction=result.stuck_fraction,
         travels=result.series["travels"],
@@ -123,6 +138,8 @@ class Evidence:
         The reference's results with once, twice and four times the fewest steps.
     expected
         What the result should be.
+    finest
+        Its result with four times the fewest steps; ``None`` where two show its error.
     skip_reason
         Why the variant was not simulated; ``None`` if it was.
     """
@@ -133,31 +150,54 @@ class Evidence:
     fine: Result
     scheme: tuple[Result, Result, Result]
     expected: Expected
+    finest: Result | None = None
     skip_reason: Comparison | None = None
 
     @property
+    def certified(self) -> bool:
+        """Whether the variant's steady states are certified; also where it was not simulated."""
+        return certified([self.coarse, self.fine])
+
+    @property
     def missing(self) -> Comparison | None:
-        """Give the reason why nothing can be compared; ``None`` where every steady state is certified."""
+        """Give the reason why nothing can be compared; ``None`` where every steady state is known."""
         if self.skip_reason is not None:
             return self.skip_reason
         for source, results in (("engine", (self.fine, self.coarse)), ("reference", self.scheme)):
             for result in results:
                 gap = missing(f"{source} at {result.steps_per_period} steps a period", [result])
-                if gap is not None:
+                if gap is not None and not self._is_resolved(result):
                     return gap
         if self.coarse.steps_per_period >= self.fine.steps_per_period:
             taken = f"{self.coarse.steps_per_period} and {self.fine.steps_per_period}"
             return Comparison(Verdict.INCONCLUSIVE, f"the engine took {taken} steps a period, not more the second time")
         return self.expected.missing
 
+    @property
+    def _amplified(self) -> float:
+        return amplification(self.case.ratios, self.case.frequency_ratio)
+
+    def _is_resolved(self, result: Result) -> bool:
+        """Whether a motion that is not certified repeats well enough for its transmittance."""
+        return is_resolved(result, self._amplified)
+
+    @property
+    def effect(self) -> FrictionEffect:
+        """How much friction changes the case at all."""
+        return friction_effect(*self.case.setting(), self.expected.transmittance_db, self.expected.phase)
+
+    def resolution(self, transmittance_db: float) -> float:
+        """What the judged result leaves open of an amplitude near this transmittance [dB], over U0."""
+        return resolution(self.variant, self.fine, transmittance_db, self._amplified)
+
     def resolution_db(self, transmittance_db: float) -> float:
         """What the judged result leaves open of a transmittance near this one [dB]."""
-        amplified = amplification(self.case.ratios, self.case.frequency_ratio)
-        return resolution_db(self.variant, self.fine, transmittance_db, amplified)
+        return amplitude_in_db(self.resolution(transmittance_db), transmittance_db)
 
     def steps(self, read: Callable[[Result], Number]) -> Steps:
-        """Read a number of both results; the fine one's is judged."""
-        return Steps({result.steps_per_period: read(result) for result in (self.coarse, self.fine)})
+        """Read a number of all results; the fine one's is judged."""
+        results = [self.coarse, self.fine, *([] if self.finest is None else [self.finest])]
+        return Steps({result.steps_per_period: read(result) for result in results}, self.fine.steps_per_period)
 
     def scheme_steps(self, read: Callable[[Result], Number]) -> Steps:
         """Read a number of the reference's results; its error with the steps of the judged one counts."""
@@ -165,11 +205,32 @@ class Evidence:
         return Steps(values, self.scheme[1].steps_per_period)
 
 
-def resolution_db(variant: Variant, result: Result, transmittance_db: float, amplified: float) -> float:
-    """What a result leaves open of a transmittance near this one [dB].
+def is_resolved(result: Result, amplified: float) -> bool:
+    """Whether a motion that is not certified repeats well enough for its transmittance: to `RESOLVED_DB`.
 
-    It is certified to repeat within the engine's residual, and is `amplified` times that from its steady state. A
-    contact that the engine cannot make harder gives way by up to `CREEP` times its residual slip compliance. Round-off
+    Parameters
+    ----------
+    result
+        Of a search for a steady state.
+    amplified
+        How many times farther from its steady state the motion may be than its residual, see `amplification`.
+    """
+    if result.status is not ResultStatus.PERIOD_LIMIT:
+        return False
+    return amplitude_in_db(result.residual * amplified, result.transmittance_db) <= RESOLVED_DB
+
+
+def resolution_db(variant: Variant, result: Result, transmittance_db: float, amplified: float) -> float:
+    """What a result leaves open of a transmittance near this one [dB]; see `resolution`."""
+    return amplitude_in_db(resolution(variant, result, transmittance_db, amplified), transmittance_db)
+
+
+def resolution(variant: Variant, result: Result, transmittance_db: float, amplified: float) -> float:
+    """What a result leaves open of an amplitude near this transmittance [dB], over U0.
+
+    It repeats within the engine's residual, or its own where the motion is not certified, and is `amplified` times that
+    from its steady state. A contact that the engine cannot make harder gives way by up to `CREEP` times its residual
+    slip compliance. Round-off
     adds up as the contract derives it for forty periods of `STEPS` steps of a motion as large as the base's: in
     proportion to the motion, and to the root of the number of steps, of all the periods that were simulated.
     """
@@ -177,9 +238,8 @@ def resolution_db(variant: Variant, result: Result, transmittance_db: float, amp
     motion = max(1.0, 10 ** (transmittance_db / 20))
     steps = max(result.periods, 1) * result.steps_per_period
     round_off = TRAJECTORY_TOLERANCE[capabilities.precision] * math.sqrt(steps / (40 * STEPS)) * motion
-    return amplitude_in_db(
-        capabilities.residual * amplified + CREEP * residual_slip_compliance + round_off, transmittance_db
-    )
+    residual = capabilities.residual if result.converged else max(capabilities.residual, result.residual)
+    return residual * amplified + CREEP * residual_slip_compliance + round_off
 
 
 @cache
@@ -200,6 +260,11 @@ def case_tasks(variant: Variant, case: SteadyCase) -> list[SteadyStateTask]:
     return [case.task(variant, refinement) for refinement in refinements]
 
 
+def third_task(variant: Variant, case: SteadyCase) -> SteadyStateTask:
+    """Give the task of a variant whose error two steps do not show well enough."""
+    return case.task(variant, FINEST)
+
+
 def collect_evidence(
     variant: Variant,
     case: SteadyCase,
@@ -212,6 +277,7 @@ def collect_evidence(
     Tasks that were skipped are `missing`.
     """
     own = [results.get(task, Result.missing()) for task in case_tasks(variant, case)]
+    third = results.get(third_task(variant, case))
     coarse, middle, finest = (results[task] for task in case_tasks(REFERENCE, case))
     return Evidence(
         variant=variant,
@@ -220,5 +286,6 @@ def collect_evidence(
         fine=own[1],
         scheme=(coarse, middle, finest),
         expected=expected,
+        finest=third if third is not None and third.converged else None,
         skip_reason=skip_reason,
     )

@@ -53,6 +53,9 @@ LARGEST_TIME = Metric("largest time error", "% T", "of the transition that is wo
 STUCK_FRACTION = Metric("stuck fraction", "", "part of the period that the worst contact sticks")
 CREEP_VELOCITY = Metric("creep", "ω U0", "largest relative velocity of a contact within a stick")
 
+WHOLE_PERIOD = 1.0
+"""What friction changes of a stuck fraction at all: from nothing to the whole period."""
+
 STICK_SLIP_METRICS = (MISSED, SPURIOUS, MEDIAN_TIME, LARGEST_TIME, STUCK_FRACTION, CREEP_VELOCITY)
 
 
@@ -206,7 +209,12 @@ def _stuck(evidence: Evidence) -> Finding:
         read = partial(_stuck_fraction, cell)
         resolution = max(sticks, 1) / evidence.fine.steps_per_period
         comparison = judge(
-            STUCK_FRACTION, evidence.steps(read), expected, scheme=evidence.scheme_steps(read), resolution=resolution
+            STUCK_FRACTION,
+            evidence.steps(read),
+            expected,
+            scheme=evidence.scheme_steps(read),
+            resolution=resolution,
+            effect=WHOLE_PERIOD,
         )
         judged.append((evidence.fine.stuck_fraction[cell], expected, comparison))
     fine, expected, comparison = max(judged, key=lambda contact: contact[2].excess)

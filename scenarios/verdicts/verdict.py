@@ -5,12 +5,17 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
+BY_FAR = 2.0
+"""A difference of more than so many times what is allowed is not mended by a better estimate of what is allowed."""
+
 
 class Verdict(StrEnum):
     """The outcome of a comparison."""
 
     AGREE = "agree"
     DISAGREE = "disagree"
+    TOO_COARSE = "own step too coarse"
+    """The number is within what is allowed, but its own step leaves open a large part of what friction changes."""
     INCONCLUSIVE = "inconclusive"
     BLOCKED = "blocked"
 
@@ -45,7 +50,12 @@ class Tolerance:
     @property
     def allowed(self) -> float:
         """Largest difference that counts as agreement."""
-        return self.reference + max(self.engine, self.scheme) + self.resolution + self.given
+        return self.reference + self.step + self.resolution + self.given
+
+    @property
+    def step(self) -> float:
+        """Part of it that is an error of the time step."""
+        return max(self.engine, self.scheme)
 
     def over(self, slope: float) -> "Tolerance":
         """Give the same of a place on a curve of this slope, every part over its size."""
@@ -79,6 +89,11 @@ class Comparison:
         Largest difference allowed.
     resolution
         Part of it that is not an error of the time step.
+    per_amplitude
+        What a change of amplitudes makes of the number, per displacement scale; not of numbers in dB, whose changes
+        are not in proportion.
+    certified
+        Whether every steady state behind it is certified; true where none was searched for.
     """
 
     verdict: Verdict
@@ -86,6 +101,8 @@ class Comparison:
     difference: float = math.nan
     tolerance: float = math.nan
     resolution: float = 0.0
+    per_amplitude: float = 1.0
+    certified: bool = True
 
     @property
     def excess(self) -> float:

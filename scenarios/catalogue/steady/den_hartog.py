@@ -1,5 +1,6 @@
 """The driven friction oscillator, against the closed form of Den Hartog."""
 
+import cmath
 import math
 from collections.abc import Mapping
 
@@ -57,15 +58,17 @@ class DenHartog(ClosedForm):
 def expected_motion(frequency_ratio: float, force_ratio: float) -> Expected:
     """Give transmittance and turns of the sliding motion."""
     motion = SlidingMotion.of(frequency_ratio, force_ratio)
-    transmittance = abs(motion.fundamental) / (1 + STIFFNESS_RATIO)
+    response = motion.response / (1 + STIFFNESS_RATIO)
     # k_i x0 and the friction, with the fundamental 4F/π, accelerate the standing mass m_i; over x0 that is
     spring = STIFFNESS_RATIO / (1 + STIFFNESS_RATIO)
     standing = (spring + 4 / math.pi * force_ratio / motion.amplitude) / (STANDING_RATIO * frequency_ratio**2)
     chain, drive = _case(frequency_ratio, force_ratio).setting()
     turns = ((motion.turn, Mode.FORWARD), ((motion.turn + 0.5) % 1.0, Mode.BACKWARD))
     return Expected(
-        transmittance_db=20 * math.log10(transmittance),
+        transmittance_db=20 * math.log10(abs(response)),
+        phase=cmath.phase(response),
         bar_db=20 * math.log10(1 + standing),
+        phase_bar=math.degrees(standing),
         transitions=tuple(sorted((1, time * drive.period, str(kind)) for time, kind in turns)),
         stuck_fraction=(0.0,) * chain.cells,
     )

@@ -9,6 +9,7 @@ from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.judge import Steps
+from scenarios.verdicts.phase import PHASE, phase_reader
 from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import COARSE, FINE, FINEST, Expected, SteadyCase
 
@@ -60,6 +61,15 @@ class LongChain(SteadyScenario):
 
 def expected_of(refined: Sequence[Result]) -> Expected:
     """Give the converged reference's transmittance and its error bar, from three step sizes."""
-    values = {result.steps_per_period: result.transmittance_db if result.converged else math.nan for result in refined}
-    steps = Steps(values)
-    return Expected(transmittance_db=refined[-1].transmittance_db, bar_db=steps.error(TRANSMITTANCE))
+    finest = refined[-1]
+    if not all(result.converged for result in refined):
+        return Expected(transmittance_db=finest.transmittance_db, bar_db=math.nan)
+    steps = [result.steps_per_period for result in refined]
+    levels = [result.transmittance_db for result in refined]
+    phases = map(phase_reader(finest.phase, finest.transmittance_db), refined)
+    return Expected(
+        transmittance_db=finest.transmittance_db,
+        phase=finest.phase,
+        bar_db=Steps(dict(zip(steps, levels, strict=True))).error(TRANSMITTANCE),
+        phase_bar=Steps(dict(zip(steps, phases, strict=True))).error(PHASE),
+    )

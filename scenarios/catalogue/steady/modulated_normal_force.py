@@ -7,7 +7,7 @@ For a > 1 they open: the inner mass flies, lands without rebound, and its impact
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import ClassVar
 
@@ -17,12 +17,13 @@ from reference_lcp.observables.transition_matching import TimedTransition, match
 from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.law_period import LawPeriodTask
-from scenarios.tasks.parameters import Modulation
+from scenarios.tasks.parameters import ChainRatios, Modulation
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Metric
 from scenarios.verdicts.judge import Steps, decide, judge, missing
-from scenarios.verdicts.steady_case import amplitude_in_db
+from scenarios.verdicts.phase import PHASE, amplitude_in_degrees, phase_reader
+from scenarios.verdicts.steady_case import amplification, amplitude_in_db
 from scenarios.verdicts.stick_slip_comparison import matched_errors
 from scenarios.verdicts.verdict import Comparison, Tolerance
 
@@ -108,7 +109,7 @@ class ModulatedNormalForce(Scenario):
     question: ClassVar[str] = "Does friction follow a normal force that changes in time, until contacts open and land?"
     source: ClassVar[str] = "equation (7) with a given preload, Sethi, Banerjee and Manna; the flight in closed form"
     expects: ClassVar[str] = "the reference at the same step with its error bar; of flights the closed form"
-    metrics: ClassVar[tuple[Metric, ...]] = (TRANSMITTANCE, STUCK, UNMATCHED, TIMES, OPEN_FRACTION, LARGEST_GAP)
+    metrics: ClassVar[tuple[Metric, ...]] = (TRANSMITTANCE, PHASE, STUCK, UNMATCHED, TIMES, OPEN_FRACTION, LARGEST_GAP)
 
     def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
         """Compare a period in every case, with the steps that are judged."""
@@ -132,12 +133,16 @@ class ModulatedNormalForce(Scenario):
 
 def _findings(variant: Variant, case: ModulatedCase, own: list[Result], expected: list[Result]) -> list[Finding]:
     """Compare the results of one variant in one case with the reference's."""
-    metrics = [TRANSMITTANCE, STUCK, UNMATCHED, TIMES, *([] if case.modulation <= 1 else [OPEN_FRACTION, LARGEST_GAP])]
+    flights = [] if case.modulation <= 1 else [OPEN_FRACTION, LARGEST_GAP]
+    metrics = [TRANSMITTANCE, PHASE, STUCK, UNMATCHED, TIMES, *flights]
     gap = _missing("engine", own) or _missing("reference", expected)
     if gap is not None:
         return Finding.without_numbers(variant, str(case), metrics, gap)
-    judged = [_transmittance(own, expected), _stuck_fraction(own, expected), _unmatched(own, expected),
-                _transition_times(own, expected), *_flights(case.flight(variant), case.multiple, own)]  # fmt: skip
+    amplified = amplification(ChainRatios(), case.frequency_ratio)
+    judged = [
+        *_response(own, expected, amplified), _stuck_fraction(own, expected), _unmatched(own, expected),
+        _transition_times(own, expected), *_flights(case.flight(variant), case.multiple, own),
+    ]  # fmt: skip
     return [
         Finding(variant, str(case), metric, value, right, comparison)
         for metric, (value, right, comparison) in zip(metrics, judged, strict=True)
@@ -169,11 +174,16 @@ def _judged_beside(metric: Metric, own: Iterable[float], expected: Iterable[floa
     return value, wanted, judge(metric, steps, wanted, bar=right.error(metric), resolution=resolution)
 
 
-def _transmittance(own: list[Result], expected: list[Result]) -> Judged:
-    # Either amplitude is known to the residual of its steady state.
-    resolution = amplitude_in_db(own[1].residual + expected[1].residual, expected[1].transmittance_db)
+def _response(own: list[Result], expected: list[Result], amplified: float) -> tuple[Judged, Judged]:
+    """Judge transmittance and phase; either amplitude is known to the residual of its steady state, amplified."""
+    resolution, level = amplified * (own[1].residual + expected[1].residual), expected[1].transmittance_db
     values, wanted = ([result.transmittance_db for result in results] for results in (own, expected))
-    return _judged_beside(TRANSMITTANCE, values, wanted, resolution)
+    size = _judged_beside(TRANSMITTANCE, values, wanted, amplitude_in_db(resolution, level))
+    read = phase_reader(expected[1].phase, level)
+    value, right, comparison = _judged_beside(
+        PHASE, map(read, own), map(read, expected), amplitude_in_degrees(resolution, level)
+    )
+    return size, (value, right, replace(comparison, per_amplitude=amplitude_in_degrees(1.0, level)))
 
 
 def _stuck_fraction(own: list[Result], expected: list[Result]) -> Judged:

@@ -59,9 +59,6 @@ is. Finer ones then show a smaller error; an engine that is wrong is as wrong wi
 HARMONIC_FREQUENCY = 0.6
 """η_r of the period in which engine and law are compared: in the pass band, where contacts stick and slip."""
 
-BY_FAR = 2.0
-"""A difference of more than so many times what is allowed is no chance."""
-
 BANDS = {
     "0.3–0.6": (0.3, 0.6),
     "0.65–0.82": (0.65, 0.82),
@@ -271,7 +268,7 @@ def _annotated(finding: Finding) -> Finding:
 def needs_step_refinement(findings: Sequence[Finding]) -> bool:
     """Whether there is a disagreement that may be chance: without a law that predicts it, or not by far."""
     wrong = [finding for finding in findings if finding.comparison.verdict is Verdict.DISAGREE]
-    return any(law_of(finding.variant.preset) is None or finding.comparison.excess <= BY_FAR for finding in wrong)
+    return any(law_of(finding.variant.preset) is None or not finding.by_far for finding in wrong)
 
 
 def with_refined_steps(coarsest: TransientTask) -> list[TransientTask]:

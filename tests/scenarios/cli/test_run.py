@@ -142,7 +142,7 @@ def test_wrong_input_is_refused_before_any_work(capsys, monkeypatch, arguments, 
 def test_rows_count_verdicts_and_name_the_worst() -> None:
     right, lawful, _ = rows_of(*RESULTS.values())
     ends = verdict_table(*RESULTS.values())[["worst", "what"]].to_numpy().tolist()
-    assert [right.count(verdict) for verdict in Verdict] == [1, 0, 1, 0]
+    assert [right.count(verdict) for verdict in Verdict] == [1, 0, 0, 1, 0]
     assert right.outcome == "inconclusive 1/2"
     assert ends[0] == ["0.5", "pitch, soft: agree | by hand"]
     assert lawful.outcome == "as predicted 2/2"
@@ -194,7 +194,7 @@ def test_mujoco_agrees_in_the_limits_and_writes_its_verdicts(tmp_path: Path, cap
     assert run_command(app, ["run", "locked-limit", *options]) == 0
     rows = list(csv.DictReader(out.read_text().splitlines()))
     assert {(row["engine"], row["verdict"]) for row in rows} == {("mujoco", "agree")}
-    assert [row["metric"] for row in rows] == ["transmittance", "same step"] * 2
+    assert [row["metric"] for row in rows] == ["transmittance", "phase", "same step"] * 2
     assert "locked-limit" in capsys.readouterr().out
     options = ["--engine", "mujoco", "--no-ask", "--store", str(store), "--out", str(out)]
     assert run_command(app, ["run", "locked-limit", *options]) == 0
