@@ -110,3 +110,22 @@ def test_verdict_names_the_largest_part_of_what_is_allowed() -> None:
 def test_nothing_to_compare_is_inconclusive() -> None:
     assert decide(NUMBER, math.nan, 1.0, Tolerance(reference=0.1, engine=0.1)).verdict is Verdict.INCONCLUSIVE
     assert decide(NUMBER, 1.0, 1.0, Tolerance(reference=math.nan, engine=0.1)).verdict is Verdict.INCONCLUSIVE
+
+
+@pytest.mark.parametrize(
+    ("error", "difference", "verdict"),
+    [
+        (0.9, 0.5, Verdict.AGREE),
+        (1.1, 0.5, Verdict.TOO_COARSE),
+        (1.1, 0.0, Verdict.TOO_COARSE),
+        (1.1, 1.2, Verdict.DISAGREE),
+    ],
+)
+def test_a_step_that_leaves_open_a_tenth_of_what_friction_changes_shows_nothing(error, difference, verdict) -> None:
+    comparison = decide(NUMBER, -20.0 + difference, -20.0, Tolerance(engine=error), effect=10.0)
+    assert comparison.verdict is verdict
+    assert ("of 10 dB that friction changes at all" in comparison.reason) is (verdict is Verdict.TOO_COARSE)
+
+
+def test_an_error_bar_or_a_residual_is_no_step() -> None:
+    assert decide(NUMBER, 0.0, 0.0, Tolerance(reference=5.0, resolution=5.0), effect=1.0).verdict is Verdict.AGREE
