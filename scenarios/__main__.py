@@ -50,7 +50,7 @@ from scenarios.execution.store_file import existing_store
 from scenarios.studies.accuracy import Accuracy, accuracies, accuracy_tasks, exact_tasks
 from scenarios.studies.accuracy_table import ACCURACY_COLUMNS, AccuracyRow, accuracy_document, csv_table, remark
 from scenarios.studies.cost import COST_COLUMNS, SECONDS, cost
-from scenarios.studies.law_agreement import LAW_COLUMNS, departing, law_agreements, law_csv, law_document
+from scenarios.studies.law_agreement import LAW_COLUMNS, beside_the_reference, law_agreements, law_csv, law_document
 from scenarios.sweeps.dataset import sweep_dataset, write_dataset
 from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.run import stored_table
@@ -190,7 +190,7 @@ def laws(
 
     Example: python -m scenarios run laws --engine mujoco --out laws.md
     """
-    variants = departing(chosen_variants(chosen))
+    variants = beside_the_reference(chosen_variants(chosen))
     check_out(out, TABLE_ENDINGS, [store])
     executor = executor_for(workers, time_limit, scheduler)
     with evaluator_of_run(store, executor, variants, retry_blocked=retry_blocked) as evaluator:

@@ -10,9 +10,9 @@ from engines.contract.lanes import modulated_lane, random_lanes, scaled_state
 from engines.interface.engine import Engine
 from engines.interface.law import Law
 from engines.interface.law_engine import law_of
-from engines.interface.registry import engine
-from engines.interface.tolerances import CREEP, STEPS, TRAJECTORY_TOLERANCE
+from engines.interface.tolerances import STEPS
 from engines.interface.variant import Variant
+from engines.shared.law_distance import allowed_distance, stepped_by
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import Trajectory
 from reference_lcp.validation import FloatArray
@@ -29,10 +29,11 @@ def test_preset_says_by_which_law_it_steps(tested: Variant) -> None:
 
 def test_random_chain_moves_by_the_stated_law(tested: Variant) -> None:
     """One period from a random state: unequal cells, other units, μ a cell, inner dashpots, base and force."""
-    if not tested.preset.shares_scheme and law_of(tested.preset) is None:
+    stated = stepped_by(tested)
+    if stated is None:
         pytest.skip("its steps are not modelled")
-    distances = _distances(tested, _stated(tested))
-    assert np.max(distances) <= _allowed(tested), f"off by {distances} displacement scales"
+    distances = _distances(tested, stated)
+    assert np.max(distances) <= allowed_distance(tested), f"off by {distances} displacement scales"
 
 
 def test_stated_law_holds_under_a_modulated_normal_force(following: Variant) -> None:
@@ -55,18 +56,6 @@ def test_law_with_a_constant_off_by_a_hundredth_is_found_out(tested: Variant) ->
         distance = np.max(_distances(tested, wrong))
         moved = distance > law.period_bound
         assert moved != constant.too_small_to_see, f"{symbol} × {factor:g} makes {distance:.1g}"
-
-
-def _stated(tested: Variant) -> Engine | Law:
-    return engine("reference") if tested.preset.shares_scheme else law_of(tested.preset) or engine("reference")
-
-
-def _allowed(tested: Variant) -> float:
-    """Largest distance, over the displacement scale."""
-    law = law_of(tested.preset)
-    if law is not None:
-        return law.period_bound
-    return TRAJECTORY_TOLERANCE[tested.capabilities.precision] + CREEP * tested.preset.residual_slip_compliance
 
 
 def _distances(tested: Variant, expected: Engine | Law, given: Sequence[Lane] = ()) -> FloatArray:

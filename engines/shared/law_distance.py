@@ -1,11 +1,15 @@
-"""How far an engine is from its law after one period from the same state."""
+"""How far an engine is from what it states, its law or the reference's step, after one period from the same state."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from engines.interface.engine import Engine
 from engines.interface.law import Law
+from engines.interface.law_engine import law_of
 from engines.interface.registry import engine
+from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
+from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 
@@ -20,7 +24,7 @@ class LawDistance:
     Parameters
     ----------
     law
-        Of the engine from its law.
+        Of the engine from its law, or from the reference's step where it takes that.
     reference
         Of the engine from the reference.
     """
@@ -29,7 +33,20 @@ class LawDistance:
     reference: float
 
 
-def distance_from_law(simulation: Simulation, law: Law, lane: Lane, steps: int) -> LawDistance:
+def stepped_by(variant: Variant) -> Engine | Law | None:
+    """Give what a variant states that it steps by: the reference, or its law; ``None`` where that is not modelled."""
+    return engine("reference") if variant.preset.shares_scheme else law_of(variant.preset)
+
+
+def allowed_distance(variant: Variant) -> float:
+    """Largest distance of a variant from what it steps by, after a period, over the displacement scale."""
+    law = law_of(variant.preset)
+    if law is not None:
+        return law.period_bound
+    return TRAJECTORY_TOLERANCE[variant.capabilities.precision] + CREEP * variant.preset.residual_slip_compliance
+
+
+def distance_from_law(simulation: Simulation, law: Engine | Law, lane: Lane, steps: int) -> LawDistance:
     """Compare a period of an engine with its law's, from the same state.
 
     Parameters
@@ -37,7 +54,7 @@ def distance_from_law(simulation: Simulation, law: Law, lane: Lane, steps: int) 
     simulation
         The engine with this lane alone.
     law, lane, steps
-        Its law, the lane, and the number of steps of a period.
+        What it steps by, see `stepped_by`; the lane; the number of steps of a period.
     """
     model = law.build([lane])
     state = model.advance(State.at_rest(1, lane.chain.cells), 0, APPROACH_PERIODS * steps)

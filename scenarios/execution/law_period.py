@@ -3,8 +3,8 @@
 import time
 from collections.abc import Sequence
 
-from engines.interface.law_engine import law_of
-from engines.shared.law_distance import distance_from_law
+from engines.interface.law import Law
+from engines.shared.law_distance import distance_from_law, stepped_by
 from scenarios.execution.checked_simulation import CheckedSimulation
 from scenarios.execution.failures import results_together
 from scenarios.tasks.law_period import LawPeriodTask
@@ -18,11 +18,11 @@ def run_law_periods(tasks: Sequence[LawPeriodTask]) -> list[Result]:
 
 def _result(task: LawPeriodTask) -> Result:
     begin = time.perf_counter()
-    law = law_of(task.variant.preset)
+    law = stepped_by(task.variant)
     if law is None:
         return Result.blocked(f"{task.variant} has no law that is a model")
     lane, steps = task.lane()
-    reason = law.unmodelled_reason(lane)
+    reason = law.unmodelled_reason(lane) if isinstance(law, Law) else None
     if reason is not None:
         return Result.blocked(f"{task.variant}: {reason}")
     distance = distance_from_law(CheckedSimulation(task.variant.build([lane])), law, lane, steps)

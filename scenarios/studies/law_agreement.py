@@ -1,4 +1,4 @@
-"""How well the laws of the presets predict their engines: a row of numbers for every variant that departs."""
+"""How well presets step as they state, by a law of their own or by the reference's scheme: a row of numbers each."""
 
 import platform
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.law import Law, NotModelled
+from engines.interface.law import NotModelled
 from engines.interface.variant import Variant
 from engines.law_command import FREQUENCY_RATIOS, FRICTION_RATIOS
+from engines.shared.law_distance import allowed_distance, stepped_by
 from reference_lcp.validation import FloatArray
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tables import Column, csv_text, full_table, markdown_lines, text_table
@@ -26,6 +27,8 @@ POINTS = tuple((friction, frequency) for friction in FRICTION_RATIOS for frequen
 @dataclass(frozen=True)
 class LawAgreement:
     """What a variant departs by from the reference at equal step, and what its law leaves of it.
+
+    The law of a variant that takes the reference's own step is that step: nothing is left to predict of a departure.
 
     Parameters
     ----------
@@ -61,17 +64,17 @@ def law_tasks(variant: Variant) -> Iterator[SteadyStateTask]:
     for simulated in (variant, REFERENCE, variant.law):
         if simulated is not None:
             yield from _steady_states(simulated)
-    if variant.law is not None:
+    if stepped_by(variant) is not None:
         yield from _periods(variant)
 
 
-def departing(variants: Iterable[Variant]) -> list[Variant]:
-    """Give the variants that state a law, or why they have none."""
-    return [variant for variant in variants if variant.preset.law is not None and variant.engine != REFERENCE.engine]
+def beside_the_reference(variants: Iterable[Variant]) -> list[Variant]:
+    """Give the variants of other engines than the reference."""
+    return [variant for variant in variants if variant.engine != REFERENCE.engine]
 
 
 def law_agreements(variants: Sequence[Variant], evaluator: Evaluator) -> list[LawAgreement]:
-    """Give the row of each of `departing`."""
+    """Give the row of each of `beside_the_reference`."""
     tasks = list(dict.fromkeys(task for variant in variants for task in law_tasks(variant)))
     results = dict(zip(tasks, evaluator.evaluate(tasks), strict=True))
     return [_row(variant, results) for variant in variants]
@@ -88,14 +91,13 @@ def _periods(variant: Variant) -> list[LawPeriodTask]:
 def _row(variant: Variant, results: Mapping[SteadyStateTask, Result]) -> LawAgreement:
     own, reference = ([results[task] for task in _steady_states(each)] for each in (variant, REFERENCE))
     departure, _, certified = _differences(own, reference)
-    law, stated = variant.law, variant.preset.stated_law()
-    if law is None or not isinstance(stated, Law):
-        reason = stated.reason if isinstance(stated, NotModelled) else ""
-        return LawAgreement(variant, reason, departure, np.nan, np.nan, np.empty(0), np.nan, certified)
-    error, stuck, both = _differences(own, [results[task] for task in _steady_states(law)])
+    stated = variant.preset.stated_law()
+    if isinstance(stated, NotModelled):
+        return LawAgreement(variant, stated.reason, departure, np.nan, np.nan, np.empty(0), np.nan, certified)
+    error, stuck, both = _differences(own, [results[task] for task in _steady_states(variant.law or REFERENCE)])
     ends = [results[task] for task in _periods(variant)]
     distances = [end.series["distance"][0] for end in ends if end.status is ResultStatus.FINISHED]
-    return LawAgreement(variant, "", departure, error, stuck, np.array(distances), stated.period_bound, both)
+    return LawAgreement(variant, "", departure, error, stuck, np.array(distances), allowed_distance(variant), both)
 
 
 def _differences(own: Sequence[Result], others: Sequence[Result]) -> tuple[float, float, int]:
@@ -110,6 +112,7 @@ def _differences(own: Sequence[Result], others: Sequence[Result]) -> tuple[float
 
 LAW_COLUMNS: tuple[Column[LawAgreement], ...] = (
     Column("variant", lambda row: str(row.variant), "engine:formulation:preset"),
+    Column("steps_by", lambda row: _stated(row.variant), "steps by"),
     Column("departure_db", lambda row: row.departure, "departure [dB]", "{:.3g}"),
     Column("prediction_error_db", lambda row: row.error, "prediction error [dB]", "{:.1e}"),
     Column("stuck_fraction_error", lambda row: row.stuck_fraction, "of stuck fraction", "{:.2g}"),
@@ -125,9 +128,16 @@ LAW_LEGEND = f"""\
 The chain of figure 3 at {len(POINTS)} points (friction {", ".join(map(str, FRICTION_RATIOS))} × η_r
 {", ".join(map(str, FREQUENCY_RATIOS))}), 400 steps a period. *Departure*: largest difference of the transmittance
 from the reference's at equal step. *Prediction error*: what is left of it against the steady state of the law, over
-points that are certified in both (*certified*). *Period*: distance of engine and law after a period from the same
-state, at the *points* where the law claims to hold.
+points that are certified in both (*certified*); of presets that take the reference's own step, that is the departure.
+*Period*: distance of engine and law after a period from the same state, at the *points* where the law claims to hold.
 """
+
+
+def _stated(variant: Variant) -> str:
+    """Name what a variant says that it steps by."""
+    if variant.preset.shares_scheme:
+        return "the reference's scheme"
+    return "a law" if variant.law is not None else "neither"
 
 
 def _of(reduce: Callable[[FloatArray], Any], values: FloatArray) -> float:

@@ -6,7 +6,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.execution.store import opened_store
-from scenarios.studies.law_agreement import LawAgreement, departing, law_agreements, law_csv, law_document
+from scenarios.studies.law_agreement import LawAgreement, beside_the_reference, law_agreements, law_csv, law_document
 from scenarios.tasks.result import Result
 from tests.scenarios.in_process import evaluator
 
@@ -46,13 +46,21 @@ def test_row_has_departure_what_the_law_leaves_and_the_distance_of_a_period() ->
     assert "round-off decides" in unmodelled.reason
 
 
-def test_presets_that_take_the_step_of_the_reference_are_left_out() -> None:
-    assert departing([Variant("reference"), Variant("mujoco"), SOFT]) == [SOFT]
+def test_every_preset_but_those_of_the_reference_has_a_row() -> None:
+    assert beside_the_reference([Variant("reference"), Variant("mujoco"), SOFT]) == [Variant("mujoco"), SOFT]
+
+
+def test_preset_that_takes_the_step_of_the_reference_is_beside_it_what_others_are_beside_their_law() -> None:
+    with opened_store(None) as store, evaluator(store) as running:
+        (shares,) = law_agreements([Variant("pymunk")], running)
+    assert shares.departure == shares.error < 1e-6
+    assert len(shares.period) == shares.certified == 18
+    assert max(shares.period) <= shares.bound
 
 
 def test_document_and_csv_hold_every_row() -> None:
     text = law_document(rows(), "python -m scenarios run laws")
-    assert "| mujoco:joint:default | 3 | 2.5e-01 | 0.25 | 1.5e+00 |" in text
+    assert "| mujoco:joint:default | a law | 3 | 2.5e-01 | 0.25 | 1.5e+00 |" in text
     assert "round-off decides" in text
     assert len(law_csv(rows()).splitlines()) == 3
 
