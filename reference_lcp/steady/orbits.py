@@ -92,7 +92,8 @@ def periodic_orbits(
     steps_per_period
         Number of steps that make one period.
     start
-        State from which the search starts; that of `harmonic_balance_start` without it.
+        State that may be in the steady state: lanes whose first period from it repeats are done with it, and the
+        search of the others goes on from its end. Without it, the search starts from `harmonic_balance_start`.
     tolerance
         Residual to reach, see `PeriodicOrbit.residual`.
     max_periods
@@ -117,12 +118,44 @@ def periodic_orbits(
     checked_count("longest_multiple", longest_multiple)
     for lane in simulation.lanes:
         _check_period(lane, steps_per_period)
-    scales = StateScales(simulation.lanes, steps_per_period)
-    search = FixedPointSearch(simulation, scales, steps_per_period, tolerance)
-    search.run(start or harmonic_balance_start(simulation.lanes, steps_per_period), max_periods)
-    orbits = _certified(simulation, search, steps_per_period, tolerance)
+    if start is None:
+        balanced = harmonic_balance_start(simulation.lanes, steps_per_period)
+        return _searched(simulation, balanced, steps_per_period, tolerance, max_periods, longest_multiple)
+    orbits = _first_periods(simulation, start, steps_per_period, tolerance)
+    late = [lane for lane, orbit in enumerate(orbits) if not orbit.converged]
+    if late and max_periods > 1:
+        ends = State.stack([orbits[lane].trajectory.end for lane in late])
+        part = simulation if len(late) == len(orbits) else simulation.subset(late)
+        found = _searched(part, ends, steps_per_period, tolerance, max_periods - 1, longest_multiple)
+        for number, orbit in zip(late, found, strict=True):
+            orbits[number] = dataclasses.replace(orbit, periods=orbit.periods + 1)
+    return orbits
+
+
+def _searched(
+    simulation: Simulation, start: State, steps: int, tolerance: float, max_periods: int, longest_multiple: int
+) -> list[PeriodicOrbit]:
+    """Search every lane from a start."""
+    search = FixedPointSearch(simulation, StateScales(simulation.lanes, steps), steps, tolerance)
+    search.run(start, max_periods)
+    orbits = _certified(simulation, search, steps, tolerance)
     if longest_multiple > 1:
-        _search_repetitions(orbits, simulation, search, steps_per_period, tolerance, longest_multiple)
+        _search_repetitions(orbits, simulation, search, steps, tolerance, longest_multiple)
+    return orbits
+
+
+def _first_periods(simulation: Simulation, start: State, steps: int, tolerance: float) -> list[PeriodicOrbit]:
+    """Record one period from a start that may be in the steady state, and take its residual."""
+    scales = StateScales(simulation.lanes, steps)
+    orbits = []
+    for number, trajectory in enumerate(simulation.run(start, 0, steps)):
+        own, lane = start.subset([number]), [number]
+        scales.learn(None, own, lane)
+        scales.learn(own, trajectory.end, lane)
+        x = scales.vectors(own, lane)
+        change = scales.vectors(trajectory.end, lane) - x
+        residual = float(scales.residuals(x, change)[0])
+        orbits.append(PeriodicOrbit(simulation.lanes[number], trajectory, residual, 1, _status(residual, tolerance)))
     return orbits
 
 

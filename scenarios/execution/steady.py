@@ -10,44 +10,48 @@ from typing import Any
 from engines.interface.engine import SteadyStateSolver
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
 from reference_lcp.one_call import SteadyState
-from reference_lcp.steady.orbits import OrbitStatus, periodic_orbits
+from reference_lcp.steady.orbits import OrbitStatus, PeriodicOrbit, periodic_orbits
 from reference_lcp.validation import ParameterError
 from scenarios.execution.checked_simulation import CheckedSimulation, check_trajectory
 from scenarios.execution.failures import results_together
+from scenarios.execution.law_start import law_starts
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
-from scenarios.tasks.task import SteadyStateTask
+from scenarios.tasks.task import Start, SteadyStateTask
 
 
 def run_steady_states(tasks: Sequence[SteadyStateTask]) -> list[Result]:
     """Find the steady states of tasks of one kind, for one variant, on chains of one length, in order."""
-    by_steps: dict[int, list[int]] = defaultdict(list)
+    by_steps: dict[tuple[int, Start], list[int]] = defaultdict(list)
     lanes: dict[int, Lane] = {}
     results: dict[int, Result] = {}
     for index, task in enumerate(tasks):
         try:
             lanes[index], steps = task.lane()
-            by_steps[steps].append(index)
+            by_steps[steps, task.start].append(index)
         except ParameterError as problem:
             results[index] = Result.blocked(f"cannot be represented: {problem}")
-    for steps, indices in by_steps.items():
+    for (steps, start), indices in by_steps.items():
         recorded = isinstance(tasks[0], RecordedPeriodTask)
-        attempt = partial(_results_of_lanes, tasks[0].variant, steps=steps, recorded=recorded)
+        attempt = partial(_results_of_lanes, tasks[0].variant, steps=steps, start=start, recorded=recorded)
         results.update(zip(indices, results_together([lanes[index] for index in indices], attempt), strict=True))
     return [results[index] for index in range(len(tasks))]
 
 
-def _results_of_lanes(variant: Variant, lanes: Sequence[Lane], steps: int, recorded: bool) -> list[Result]:
+def _results_of_lanes(
+    variant: Variant, lanes: Sequence[Lane], steps: int, start: Start, recorded: bool
+) -> list[Result]:
     """Find the steady states of lanes that share their number of steps a period, at once."""
     begin = time.perf_counter()
-    states = _steady_states(variant, lanes, steps)
+    states = _steady_states(variant, lanes, steps, start)
     seconds = (time.perf_counter() - begin) / len(lanes)
     return [_result(state, variant.preset.stick_margin, seconds, recorded) for state in states]
 
 
-def _steady_states(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[SteadyState]:
+def _steady_states(variant: Variant, lanes: Sequence[Lane], steps: int, start: Start) -> list[SteadyState]:
     """Find the steady states of lanes, by the simulation itself where it can."""
     simulation = variant.build(lanes)
     try:
@@ -56,11 +60,27 @@ def _steady_states(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[
             for lane, state in zip(lanes, states, strict=True):
                 check_trajectory(state.orbit.trajectory, lane, 0, steps)
             return states
-        checked = CheckedSimulation(simulation)
-        orbits = periodic_orbits(checked, steps, tolerance=variant.capabilities.residual)
+        starts = law_starts(variant, lanes, steps) if start is Start.LAW else [None] * len(lanes)
+        orbits = _orbits(CheckedSimulation(simulation), starts, steps, variant.capabilities.residual)
     finally:
         simulation.close()
     return [SteadyState.of(orbit, variant.preset.stick_margin) for orbit in orbits]
+
+
+def _orbits(
+    simulation: CheckedSimulation, starts: Sequence[State | None], steps: int, tolerance: float
+) -> list[PeriodicOrbit]:
+    """Search every lane, from its start where there is one."""
+    orbits: dict[int, PeriodicOrbit] = {}
+    for known in (True, False):
+        lanes = [lane for lane, start in enumerate(starts) if (start is not None) is known]
+        if not lanes:
+            continue
+        start = State.stack([state for state in starts if state is not None]) if known else None
+        part = simulation if len(lanes) == len(starts) else simulation.subset(lanes)
+        found = periodic_orbits(part, steps, start=start, tolerance=tolerance)
+        orbits.update(zip(lanes, found, strict=True))
+    return [orbits[lane] for lane in range(len(starts))]
 
 
 def _result(state: SteadyState, stick_margin: float, seconds: float, recorded: bool) -> Result:

@@ -2,6 +2,7 @@
 
 import hashlib
 from dataclasses import dataclass, field
+from enum import StrEnum
 from functools import cache
 from typing import Annotated, Any
 
@@ -75,6 +76,15 @@ class Task:
         return to_json(self.content()).decode()
 
 
+class Start(StrEnum):
+    """Where the search for a steady state begins."""
+
+    LAW = "law"
+    """In the steady state of the law by which the variant says that it steps; where there is none, as the other."""
+    HARMONIC_BALANCE = "harmonic balance"
+    """In what harmonic balance gives, which knows no engine."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class SteadyStateTask(Task):
     """The steady state of one chain under one harmonic excitation, by one variant.
@@ -91,6 +101,8 @@ class SteadyStateTask(Task):
         What drives the chain; a moving base unless something else is given.
     modulation
         How the normal force changes over the period; ``None`` where it is constant.
+    start
+        Where the search begins.
     """
 
     frequency_ratio: float
@@ -99,6 +111,7 @@ class SteadyStateTask(Task):
         default_factory=Excitation
     )
     modulation: Annotated[Modulation | None, Field(exclude_if=lambda value: value is None)] = None
+    start: Annotated[Start, Field(exclude_if=lambda value: value == Start.LAW)] = Start.LAW
 
     @property
     def chain(self) -> Chain:

@@ -1,0 +1,49 @@
+"""Where the search for an engine's steady state begins: in that of the law by which the engine says that it steps.
+
+The law's orbit is found in milliseconds. An engine that obeys its law repeats it in its first period, whose residual
+certifies it as that of any other start would; one that does not goes on from there.
+"""
+
+from collections.abc import Sequence
+
+from engines.interface.law import Law
+from engines.interface.law_engine import LAW_SUFFIX
+from engines.interface.variant import Variant
+from engines.shared.law_distance import stepped_by
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.steady.orbits import periodic_orbits
+
+LAW_RESIDUAL = 0.1
+"""Residual of the law's orbit over the one that certifies the engine's: what is left of it is the engine's own."""
+
+
+def law_starts(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[State | None]:
+    """Give the state from which each lane's search begins; ``None`` where no law says.
+
+    Those are variants of the reference and of laws themselves, presets whose steps are not modelled, lanes that a law
+    does not claim, and lanes in which the law has no steady state.
+    """
+    own = variant.engine == "reference" or variant.engine.endswith(LAW_SUFFIX)
+    law = None if own else stepped_by(variant)
+    starts: list[State | None] = [None] * len(lanes)
+    claimed = [number for number, lane in enumerate(lanes) if law is not None and _claims(law, lane)]
+    if law is None or not claimed:
+        return starts
+    orbits = periodic_orbits(
+        law.build([lanes[number] for number in claimed]),
+        steps,
+        tolerance=LAW_RESIDUAL * variant.capabilities.residual,
+        longest_multiple=1,
+    )
+    for number, orbit in zip(claimed, orbits, strict=True):
+        if orbit.converged:
+            starts[number] = orbit.trajectory.end
+    return starts
+
+
+def _claims(law: object, lane: Lane) -> bool:
+    """Whether a law says how an engine steps this lane; the reference's scheme does for every lane."""
+    if not isinstance(law, Law):
+        return True
+    return law.unmodelled_reason(lane) is None and (lane.preload is None or law.modulated)

@@ -1,0 +1,111 @@
+"""Where the search for a steady state begins, and that it does not decide where the search ends."""
+
+import dataclasses
+
+import pytest
+
+from engines.box2d import Box2D
+from engines.exudyn import ExudynBristle
+from engines.interface.law_engine import law_of
+from engines.interface.variant import Variant
+from engines.mujoco import MuJoCo
+from engines.pymunk import Pymunk
+from reference_lcp.steady.orbits import periodic_orbits
+from scenarios.execution.batch import run_batch
+from scenarios.execution.law_start import law_starts
+from scenarios.tasks.parameters import ChainRatios, Modulation
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import Start, SteadyStateTask
+
+POINTS = ((0.1, 0.5), (0.3, 0.9), (1.0, 1.3))
+
+
+def tasks_of(variant: Variant, start: Start = Start.LAW, **more) -> list[SteadyStateTask]:
+    return [
+        SteadyStateTask(variant=variant, friction_ratio=friction, frequency_ratio=eta, start=start, **more)
+        for friction, eta in POINTS
+    ]
+
+
+def installed(engine) -> pytest.MarkDecorator:
+    return pytest.mark.skipif(engine().unavailable_reason() is not None, reason="not installed")
+
+
+@pytest.mark.parametrize(
+    ("name", "allowed_db"),
+    [
+        pytest.param("pymunk", 1e-5, marks=installed(Pymunk), id="the reference's scheme"),
+        pytest.param("mujoco:joint:default", 1e-5, marks=installed(MuJoCo), id="soft friction"),
+        pytest.param("exudyn-bristle", 1e-5, marks=installed(ExudynBristle), id="bristles, internal state"),
+        pytest.param("box2d", 1e-2, marks=installed(Box2D), id="single precision"),
+    ],
+)
+def test_an_engine_that_obeys_its_law_is_certified_by_its_first_period(name, allowed_db) -> None:
+    variant = Variant.parse(name)
+    starts = (Start.LAW, Start.HARMONIC_BALANCE)
+    from_law, balanced = (run_batch(tasks_of(variant, start)) for start in starts)
+    assert {result.status for result in (*from_law, *balanced)} == {"converged"}
+    assert [result.periods for result in from_law] == [1] * len(POINTS)
+    assert min(result.periods for result in balanced) > 5
+    for one, other in zip(from_law, balanced, strict=True):
+        assert one.transmittance_db == pytest.approx(other.transmittance_db, abs=allowed_db)
+        assert one.residual <= variant.capabilities.residual
+
+
+@installed(Pymunk)
+def test_an_engine_that_does_not_obey_its_law_ends_where_it_would_have(monkeypatch) -> None:
+    """A tenth more friction than it is given: the first period does not repeat, and the search goes on."""
+    build = Variant.build
+
+    def spoilt(self, lanes):
+        if self.engine == "reference":
+            return build(self, lanes)
+        chains = [dataclasses.replace(lane.chain, normal_force=1.1 * lane.chain.normal_force) for lane in lanes]
+        return build(self, [dataclasses.replace(lane, chain=chain) for lane, chain in zip(lanes, chains, strict=True)])
+
+    monkeypatch.setattr(Variant, "build", spoilt)
+    variant = Variant("pymunk")
+    from_law, balanced = (run_batch(tasks_of(variant, start)) for start in (Start.LAW, Start.HARMONIC_BALANCE))
+    for one, other in zip(from_law, balanced, strict=True):
+        assert one.periods > 1
+        assert one.transmittance_db == pytest.approx(other.transmittance_db, abs=1e-5)
+
+
+def starts_of(name: str, **more) -> list[bool]:
+    variant = Variant.parse(name)
+    lanes = [task.lane()[0] for task in tasks_of(variant, **more)]
+    return [state is not None for state in law_starts(variant, lanes, 400)]
+
+
+@pytest.mark.parametrize("name", ["reference", "reference:joint:converged", "pymunk@law:joint:default"])
+def test_the_reference_and_the_laws_begin_at_harmonic_balance(name) -> None:
+    assert starts_of(name) == [False] * len(POINTS)
+
+
+def test_presets_that_are_not_modelled_and_lanes_that_no_law_claims_begin_at_harmonic_balance() -> None:
+    assert starts_of("exudyn-bristle:joint:default") == [False] * len(POINTS)
+    swinging = Modulation(modulation=0.5)
+    assert starts_of("mujoco:contact", modulation=swinging) == [True] * len(POINTS)
+    law = law_of(Variant("drake", "contact").preset)
+    assert law is not None
+    assert starts_of("drake:contact", modulation=swinging) == [law.modulated] * len(POINTS)
+
+
+def test_a_start_is_part_of_a_question_unless_it_is_the_usual_one() -> None:
+    usual, balanced = tasks_of(Variant("pymunk"))[0], tasks_of(Variant("pymunk"), Start.HARMONIC_BALANCE)[0]
+    assert "start" not in usual.content()["task"]
+    assert usual.key() != balanced.key()
+
+
+def test_a_first_period_that_repeats_is_the_last() -> None:
+    task = SteadyStateTask(
+        variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9, ratios=ChainRatios(cells=2)
+    )
+    lane, steps = task.lane()
+    simulation = task.variant.build([lane])
+    (orbit,) = periodic_orbits(simulation, steps, tolerance=1e-10)
+    (again,) = periodic_orbits(simulation, steps, start=orbit.trajectory.end, max_periods=1)
+    assert again.periods == 1
+    assert again.converged
+    assert again.residual <= 1e-9
+    assert Result(status=str(again.status)).converged
