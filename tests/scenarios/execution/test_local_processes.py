@@ -11,9 +11,16 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.execution.local_worker import START_SECONDS
+from engines.interface.variant import Variant
+from scenarios.execution import local_processes
+from scenarios.execution.evaluator import Evaluator
+from scenarios.execution.local_processes import LocalExecutor
+from scenarios.execution.local_worker import START_SECONDS, LocalWorker
+from scenarios.execution.store import opened_store
 from scenarios.execution.supervisor import PRINTED_BYTES
+from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import LONGEST_REASON
+from scenarios.tasks.task import SteadyStateTask
 
 LIMIT = 8.0
 """Seconds that a batch may take: importing an engine and its compiled code takes some on a machine that is busy."""
@@ -209,3 +216,25 @@ def test_workers_end_with_their_client(install, tmp_path, signalled) -> None:
     while any(map(running, workers)) and time.monotonic() < give_up:
         time.sleep(0.1)
     assert not [one for one in workers if running(one)]
+
+
+def test_models_of_laws_share_the_process_of_the_reference(monkeypatch) -> None:
+    """They are the suite's own code: starting a process each would take longer than their work."""
+    started = []
+
+    class Counted(LocalWorker):
+        def __init__(self, engine, *more):
+            started.append(engine)
+            super().__init__(engine, *more)
+
+    monkeypatch.setattr(local_processes, "LocalWorker", Counted)
+    names = ("pymunk@law:joint:default", "reference", "siconos@law")
+    tasks = [
+        SteadyStateTask(
+            variant=Variant.parse(name), friction_ratio=0.3, frequency_ratio=0.9, ratios=ChainRatios(cells=1)
+        )
+        for name in names
+    ]
+    with opened_store(None) as store, Evaluator(store, LocalExecutor(1)) as evaluator:
+        assert {result.status for result in evaluator.evaluate(tasks)} == {"converged"}
+    assert started == ["reference"]
