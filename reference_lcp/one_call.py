@@ -2,6 +2,7 @@
 
 import cmath
 import dataclasses
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -57,7 +58,7 @@ class SteadyState:
     travels
         Distance [m] that a contact slips in the phase that each transition begins; ``None`` unless by the exact solver.
     error_bar
-        Discretisation error of the scheme; ``None`` if it was not requested, or there is none.
+        Error of the step, of the residual and of round-off; ``None`` if it was not requested, or there is none.
     exact_db
         Transmittance by the event-driven solver [dB]; ``None`` if it was not requested.
     """
@@ -98,12 +99,17 @@ class SteadyState:
             "periods": self.orbit.periods,
             "steps_per_period": self.orbit.trajectory.steps,
             "stuck_fraction": self.stuck_fraction.tolist(),
-            "transitions": [
-                {"cell": change.cell, "time_s": change.time, "kind": str(change.kind)} for change in self.transitions
-            ],
+            "transitions": self._transition_dicts(),
             **bar,
             **exact,
         }
+
+    def _transition_dicts(self) -> list[dict[str, Any]]:
+        """Give the transitions, ready for JSON; with the error bars of their times if there are any."""
+        if self.error_bar is None:
+            return [change.as_dict() for change in self.transitions]
+        bars = zip(self.transitions, self.error_bar.transition_time.tolist(), strict=True)
+        return [change.as_dict() | {"error_bar_s": None if math.isnan(bar) else bar} for change, bar in bars]
 
 
 def steady_state(
@@ -133,8 +139,7 @@ def steady_state(
     max_periods
         Periods after which the search gives up.
     with_error_bar
-        Measure the discretisation error too, by two finer steps (six times the work); the exact solver
-        has none.
+        Measure the error too, by two finer steps (six times the work); the exact solver has none.
     with_exact_value
         Find the exact transmittance too.
 
@@ -153,7 +158,7 @@ def steady_state(
     simulation = build([Lane.periodic(chain, drive, steps)])
     state = SteadyState.of(periodic_orbits(simulation, steps, tolerance=residual, max_periods=max_periods)[0])
     if with_error_bar:
-        bar = measured_error_bar(chain, drive, steps, tolerance=residual, max_periods=max_periods)
+        bar = measured_error_bar(state.orbit, tolerance=residual, max_periods=max_periods)
         state = dataclasses.replace(state, error_bar=bar)
     return dataclasses.replace(state, exact_db=exact().transmittance_db) if with_exact_value else state
 

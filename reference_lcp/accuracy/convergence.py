@@ -1,6 +1,5 @@
 """How the Euler scheme converges to the exact motion when the time step is halved again and again."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,8 @@ from reference_lcp.chain.harmonic import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import steps_per_period_for
 from reference_lcp.exact.steady import exact_orbit
-from reference_lcp.observables.stick_slip import Transition, transitions
-from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
+from reference_lcp.observables.stick_slip import transitions
+from reference_lcp.observables.transition_matching import match_transitions
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.output import replacing
 from reference_lcp.validation import FloatArray, checked_count
@@ -93,8 +92,10 @@ def convergence(chain: Chain, drive: PeriodicDrive, *, coarsest: int = 400, halv
     )
     exact = exact_orbit(chain, drive)[1]
     orbits = [euler_orbit(chain, drive, steps_per_period_for(chain, drive, count)) for count in steps]
-    exact_transitions = _timed(exact.transitions)
-    matches = [match_transitions(_timed(transitions(orbit)), exact_transitions, drive.period) for orbit in orbits]
+    expected = [change.timed for change in exact.transitions]
+    matches = [
+        match_transitions([change.timed for change in transitions(orbit)], expected, drive.period) for orbit in orbits
+    ]
     errors_db = [decibel(transmittance(orbit)) - decibel(exact.transmittance) for orbit in orbits]
     return Convergence(
         steps,
@@ -134,7 +135,3 @@ def plot_convergence(studies: dict[str, Convergence], file: Path) -> None:
         axis.legend(fontsize=8, title="(friction ratio, η_r)", title_fontsize=8)
     with replacing(file) as part:
         figure.savefig(part, dpi=150)
-
-
-def _timed(changes: Sequence[Transition]) -> list[TimedTransition]:
-    return [(change.cell, change.time, str(change.kind)) for change in changes]

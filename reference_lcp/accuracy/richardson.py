@@ -24,10 +24,11 @@ from reference_lcp.validation import FloatArray, ParameterError
 SAFETY = 1.25
 """Factor on the error that the differences of steps show.
 
-Of 140 random chains (cells 1…10, ratios over a decade each) with three step sizes, the error without it covers the true
-one of the coarsest, the middle and the finest step in 96, 94 and 94 %, with it in 99, 97 and 98 %; in the median it is
-1.5, 1.7 and 2.9 times the true error. Two step sizes alone cover that of the finer one in 84 % only: hence the part of
-the reference's scheme, from three, in every verdict.
+Of 500 random chains (cells 1…10, ratios over a decade each) with three step sizes, bars 1.25 times smaller cover the
+true error of the transmittance of the coarsest, the middle and the finest step in 99, 97 and 97 %, these in 99.6, 98.7
+and 98.7 %; in the median they are 1.5, 1.8 and 3.1 times the true error. Two step sizes alone cover that of the finer
+one in 82 and 87 %: hence the part of the reference's scheme, from three, in every verdict. What is left are contacts
+that turn round between the steps, where c depends on where. ``python -m reference_lcp coverage`` measures it again.
 """
 
 
@@ -118,5 +119,5 @@ def _order(counts: FloatArray, values: FloatArray) -> float:
     """Order that the last three values show."""
     if counts.size < 3 or not math.isclose(counts[-2] ** 2, counts[-1] * counts[-3]):
         return math.nan
-    coarse, fine = (float(np.max(np.abs(part))) for part in np.diff(values[-3:], axis=0))
+    coarse, fine = (float(np.max(np.abs(part), initial=0.0)) for part in np.diff(values[-3:], axis=0))
     return math.log(coarse / fine) / math.log(counts[-1] / counts[-2]) if coarse > 0 and fine > 0 else math.nan

@@ -52,7 +52,7 @@ def residual_amplification(chain: Chain, period: float) -> float:
     """
     bases = (np.eye(2 * chain.cells), stuck_basis(chain))
     nearest = min(float(np.min(np.abs(1 - np.exp(_eigenvalues(chain, basis) * period)))) for basis in bases)
-    return max(1.0, 1 / nearest)
+    return max(1.0, 1 / nearest) if nearest > 0 else np.inf
 
 
 def _eigenvalues(chain: Chain, basis: NDArray[np.float64]) -> NDArray[np.complex128]:

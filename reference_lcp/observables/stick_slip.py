@@ -74,6 +74,15 @@ class Transition:
     time: float
     kind: Mode
 
+    @property
+    def timed(self) -> tuple[int, float, str]:
+        """Cell, time [s] and new mode, as they are matched and stored."""
+        return self.cell, self.time, str(self.kind)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Give the numbers, ready for JSON."""
+        return {"cell": self.cell, "time_s": self.time, "kind": str(self.kind)}
+
 
 def contact_modes(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> NDArray[np.int8]:
     """Mode of every contact in every step: −1 backward slip, 0 stick, +1 forward slip; shape (steps, n).
