@@ -92,6 +92,7 @@ LINES = (
     "reference_lcp --plot period.png --solver exact --cells 2",
     "reference_lcp bench --cells --json",
     "reference_lcp convergence --plot orders.png --json",
+    "reference_lcp coverage --chains 40 --seed 3 --json",
     "engines --json",
     "scenarios",
     "scenarios example",
@@ -140,7 +141,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(WorkerExecutor, "run", planned)
     for name in ("periodic_orbits", "exact_orbit", "measured_error_bar"):
         monkeypatch.setattr(reference_lcp.one_call, name, planned)
-    for name in ("bench", "bench_cells", "convergence"):
+    for name in ("bench", "bench_cells", "convergence", "coverage"):
         monkeypatch.setattr(reference_lcp.__main__, name, planned)
     for name in ("cost", "step_cost"):
         monkeypatch.setattr(scenarios.__main__, name, planned)

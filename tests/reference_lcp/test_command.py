@@ -172,6 +172,28 @@ def test_error_bar_and_exact_value_are_printed(capsys) -> None:
     assert re.search(r"exact\s+-9\.5612 dB", text)
 
 
+def test_what_cannot_be_resolved_is_said_to_be(capsys) -> None:
+    deep = ["--cells", "10", "--mass-ratio", "3", "--stiffness-ratio", "3", "--frequency-ratio", "2.5", "--error-bar"]
+    _, out, _ = run(capsys, *deep, "--exact-value", "--json")
+    answer = json.loads(out)
+    assert answer["error_bar_db"] is None
+    assert answer["exact_db"] < answer["floor_db"] < -140
+    _, text, _ = run(capsys, *deep)
+    assert re.search(rf"error bar\s+below what can be resolved: at most {answer['floor_db']:.1f} dB", text)
+    assert "±" in text
+
+
+def test_coverage_of_error_bars_is_printed(capsys) -> None:
+    code, out, _ = run(capsys, "coverage", "--chains", "2", "--json")
+    study = json.loads(out)
+    assert (code, study["chains"], study["uncertified"]) == (0, 2, 0)
+    assert [row["refinement"] for row in study["rows"] if row["quantity"] == "transmittance"] == [1, 2, 4]
+    code, out, _ = run(capsys, "coverage", "--chains", "2")
+    assert code == 0
+    assert re.search(r"transition\s.* 100\.0 ", out)
+    assert "2 chains, 0 of them" in out
+
+
 @pytest.mark.parametrize("place", EXACT_DB)
 def test_exact_solver_prints_the_same_keys(capsys, place) -> None:
     arguments = ("--friction-ratio", str(place[0]), "--frequency-ratio", str(place[1]), "--json")
