@@ -16,10 +16,12 @@ be found with certainty.
 import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
+from scipy.sparse import csr_array
 
 from reference_lcp.chain.harmonic import Drive, HarmonicBase, HarmonicForce, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
@@ -37,6 +39,42 @@ class _Matrices:
 
     scaled_rates: FloatArray
     friction: FloatArray
+
+    @cached_property
+    def sparse_rates(self) -> csr_array:
+        """A row of A has a few entries, of the mass and its neighbours, however long the chain is."""
+        return csr_array(self.scaled_rates)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _series(entries: Any, columns: Any, starts: Any, z: Any) -> Any:
+    """Coefficients of exp(A s) z in powers of s, A in compressed rows; as `PiecewiseLinearChain.series`.
+
+    Written out, here and below: BLAS uses several threads for products as small as those of a chain of thirty cells,
+    and on a busy machine takes ten times as long for them.
+    """
+    coefficients = np.empty((SERIES_ORDER + 1, z.size))
+    coefficients[0] = z
+    for k in range(1, SERIES_ORDER + 1):
+        for row in range(z.size):
+            total = 0.0
+            for entry in range(starts[row], starts[row + 1]):
+                total += entries[entry] * coefficients[k - 1, columns[entry]]
+            coefficients[k, row] = total / k
+    return coefficients
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _exponential(entries: Any, columns: Any, starts: Any, size: int) -> Any:
+    """exp(A) of a square matrix in compressed rows, as 1 + A (1 + A/2 (1 + A/3 …))."""
+    matrix = np.eye(size)
+    for k in range(SERIES_ORDER, 0, -1):
+        following = np.eye(size)
+        for row in range(size):
+            for entry in range(starts[row], starts[row + 1]):
+                following[row] += entries[entry] / k * matrix[columns[entry]]
+        matrix = following
+    return matrix
 
 
 class PiecewiseLinearChain:
@@ -88,11 +126,8 @@ class PiecewiseLinearChain:
 
     def series(self, z: FloatArray, stuck: BoolArray) -> FloatArray:
         """Coefficients of z(τ) in powers of s = τ / span, shape (SERIES_ORDER + 1, d)."""
-        matrix = self._matrices(stuck).scaled_rates
-        coefficients = np.empty((SERIES_ORDER + 1, z.size))
-        coefficients[0] = z
-        for k in range(1, SERIES_ORDER + 1):
-            coefficients[k] = matrix @ coefficients[k - 1] / k
+        rates = self._matrices(stuck).sparse_rates
+        coefficients: FloatArray = _series(rates.data, rates.indices, rates.indptr, z)
         return coefficients
 
     def friction(self, vectors: FloatArray, stuck: BoolArray) -> FloatArray:
@@ -115,9 +150,13 @@ class PiecewiseLinearChain:
         return rates
 
     def propagator(self, stuck: BoolArray, duration: float) -> FloatArray:
-        """Jacobian of the state after `duration` [s] of one pattern to the state before, shape (4n, 4n)."""
+        """Jacobian of the state after `duration` [s] of one pattern to the state before, shape (4n, 4n).
+
+        The series of the motion itself, for a duration of at most one span.
+        """
         motion = 4 * self.chain.cells
-        matrix: FloatArray = expm(self._matrices(stuck).scaled_rates[:motion, :motion] * (duration * self.rate))
+        rates = self._matrices(stuck).sparse_rates[:motion, :motion] * (duration * self.rate)
+        matrix: FloatArray = _exponential(rates.data, rates.indices, rates.indptr, motion)
         return matrix
 
     def _matrices(self, stuck: BoolArray) -> _Matrices:
