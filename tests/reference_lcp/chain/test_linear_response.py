@@ -98,3 +98,8 @@ def test_residual_of_a_resonant_cell_is_amplified_as_its_slower_mode_tells() -> 
 def test_residual_of_a_well_damped_chain_is_hardly_amplified() -> None:
     chain = Chain.from_ratios(damping_ratio=0.5, inner_damping_ratio=0.5)
     assert residual_amplification(chain, HarmonicBase.from_ratio(chain, 0.1).period) == pytest.approx(1.0, abs=0.1)
+
+
+def test_residual_of_a_motion_that_never_changes_says_nothing() -> None:
+    """Over no time at all every motion comes back to where it was."""
+    assert np.isinf(residual_amplification(Chain.from_ratios(), 0.0))
