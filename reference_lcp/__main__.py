@@ -184,7 +184,7 @@ def print_coverage(
 def _print_coverage(study: CoverageStudy) -> None:
     """Print a line for each quantity, with the numbers of the three steps, the coarsest first, in every column."""
     name = Column("quantity", min_width=len("transmittance"))
-    table = Table(name, "compared", "covered (%)", f"by bar / {SAFETY:g}", "median bar / error", "undecided")
+    table = Table(name, "compared", "covered\n(%)", f"by bar\n/ {SAFETY:g} (%)", "bar / error", "undecided")
     for quantity in QUANTITIES:
         rows = [row for row in study.rows if row.quantity == quantity]
         columns = (
@@ -197,7 +197,7 @@ def _print_coverage(study: CoverageStudy) -> None:
         table.add_row(quantity, *("\n".join(column) for column in columns))
     Console().print(table)
     print(f"{study.chains} chains, {study.uncertified} of them without a certified steady state; for each quantity the")
-    print("fewest steps, twice and four times as many; two steps alone have an error bar of the finer one only")
+    print("fewest steps, twice and four times as many (by two steps: the last two); bar / error is the median")
 
 
 def _study(friction_ratio: float, frequency_ratio: float) -> Convergence:
