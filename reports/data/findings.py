@@ -40,7 +40,7 @@ class VariantFindings:
         Of transmittance [dB] where the baseline is above `FLOOR_DB`, from what the variant is
         compared with.
     worst_edge
-        Of the band edges, from the converged reference.
+        Of the band edges, likewise.
     worst_residual
         Largest periodicity residual of the points that converged.
     median_periods

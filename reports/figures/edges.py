@@ -1,4 +1,4 @@
-"""Band edges as a forest: differences of all variants from the converged reference, with the reference's error bar."""
+"""Band edges as a forest: differences of all variants from what each is compared with, with the reference's error bar."""
 
 import math
 from dataclasses import replace
@@ -9,13 +9,13 @@ from engines.interface.variant import Variant
 from reports.data.findings import blocked_reason
 from reports.figures.figure import Axis, Figure, Mark, Panel, Rule, Series, difference_axis
 from reports.figures.style import RULE, Style, compared_variants, style_of
-from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
+from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import REFERENCE
 
-LINEAR = EDGE_RESOLUTION
+LINEAR = 1e-4
 """Differences of η_r below are drawn to scale, larger ones by their logarithm."""
 
 TICKS = (0.001, 0.01, 0.1)
@@ -30,7 +30,7 @@ EdgeRow = tuple[Case, Edge]
 
 
 def edge_forest(result: ComparedSweep) -> Figure:
-    """Draw the differences of all band edges from the converged reference's, with what is allowed of each."""
+    """Draw the differences of all band edges from those they are compared with, with what is allowed of each."""
     rows = _rows(result)
     count, height = len(compared_variants(result.sweep)), max(len(rows), 1)
     names = {float(k): _label(row) for k, row in enumerate(rows)}
@@ -41,8 +41,8 @@ def edge_forest(result: ComparedSweep) -> Figure:
     )
     return Figure(
         "band-edges",
-        "Differences of the band edges from the converged reference's; bars: what is allowed of each, "
-        "black around zero: of the reference",
+        "Differences of the band edges from those of what each variant is compared with; bars: what is allowed of "
+        "each, black around zero: of the reference",
         [panel],
         height=1.2 + 0.13 * math.ceil(count / 2) + max(0.28, 0.035 * count) * height,
         pixels=90 + max(44, 7 * count) * height,

@@ -14,11 +14,11 @@ from reference_lcp.validation import FloatArray
 from scenarios.sweeps.attenuation_band import Edge, edge_brackets, refined_crossings
 from scenarios.sweeps.refinement import EDGE_RESIDUAL, CurveKey, curves_of, decided_db
 from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.sweeps.table import GivesResults, GridPoint, results_at
+from scenarios.sweeps.table import GivesResults, GridPoint, results_at, table_of, with_results
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.verdicts.band_edge import Crossing, compare_edge
-from scenarios.verdicts.pointwise import CONVERGED, PointResults
-from scenarios.verdicts.steady_case import amplification, amplitude_in_db
+from scenarios.verdicts.pointwise import CONVERGED, PointResults, baseline, refinements
+from scenarios.verdicts.steady_case import REFERENCE, amplification, amplitude_in_db
 from scenarios.verdicts.verdict import Comparison, Verdict
 
 
@@ -53,15 +53,42 @@ class _Refined:
 
 
 def band_edges(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> tuple[BandEdge, ...]:
-    """Refine all edges of all curves together, and compare them with the converged reference's."""
+    """Refine all edges of all curves together, and compare them with those of what each variant is compared with."""
     results: dict[CurveKey, list[Result]] = {}
     for variant, case, result in zip(table["variant"], table["case"], table["result"], strict=True):
         results.setdefault((variant, case), []).append(result)
     refined = _refined(sweep, table, evaluator)
     lacking = {key for key, own in results.items() if any(result.status is ResultStatus.MISSING for result in own)}
     refined.incomplete.update(lacking)
-    known = results_at(sweep, table)
-    return tuple(_judged(key, edge, results[key], refined, known) for key in results for edge in Edge)
+    known = results_at(sweep, table) | _results_at_edges(sweep, list(results), refined, evaluator)
+    return tuple(
+        _judged(key, edge, own, refined, known, baseline(key[0], sweep.tolerance))
+        for key, own in results.items()
+        for edge in Edge
+    )
+
+
+def _results_at_edges(
+    sweep: Sweep, curves: Sequence[CurveKey], refined: _Refined, evaluator: GivesResults
+) -> dict[GridPoint, PointResults]:
+    """Evaluate every curve whose own error counts at the converged edges, where that error is what moves its edge."""
+    points = {
+        (owner, case, expected.frequency_ratio)
+        for variant, case in curves
+        if refinements(variant, sweep.tolerance)
+        for edge in Edge
+        if (expected := refined.crossings.get(((CONVERGED, case), edge))) is not None
+        and not math.isnan(expected.frequency_ratio)
+        for owner in (variant, REFERENCE, CONVERGED)
+    }
+    order = {variant: number for number, variant in enumerate(sweep.variants)}
+    table = table_of(sorted(points, key=lambda point: (order[point[0]], point[1].values, point[2])))
+    if table.empty:
+        return {}
+    evaluated = with_results(sweep, table, evaluator)
+    missing = evaluated[[result.status is ResultStatus.MISSING for result in evaluated["result"]]]
+    refined.incomplete.update(zip(missing["variant"], missing["case"], strict=True))
+    return results_at(sweep, evaluated)
 
 
 def _refined(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> _Refined:
@@ -100,18 +127,25 @@ def _left_open_db(sweep: Sweep, point: GridPoint, result: Result) -> float:
 
 
 def _judged(
-    key: CurveKey, edge: Edge, results: Sequence[Result], refined: _Refined, known: Mapping[GridPoint, PointResults]
+    key: CurveKey,
+    edge: Edge,
+    results: Sequence[Result],
+    refined: _Refined,
+    known: Mapping[GridPoint, PointResults],
+    against: Variant,
 ) -> BandEdge:
+    """Compare an edge with that of the baseline."""
     variant, case = key
-    baseline = (CONVERGED, case), edge
-    crossing, expected = refined.crossings.get((key, edge)), refined.crossings.get(baseline)
+    expected_edge = (against, case), edge
+    crossing, expected = refined.crossings.get((key, edge)), refined.crossings.get(expected_edge)
     eta = None if crossing is None else crossing.frequency_ratio
-    lacking = [owner for owner in dict.fromkeys((variant, CONVERGED)) if (owner, case) in refined.incomplete]
+    lacking = [owner for owner in dict.fromkeys((variant, against)) if (owner, case) in refined.incomplete]
     if all(result.status is ResultStatus.BLOCKED for result in results):
         return BandEdge(variant, case, edge, eta, Comparison(Verdict.BLOCKED, results[0].reason))
     if lacking:
         curves = " and ".join(f"{owner.title}'s curve" for owner in lacking)
         comparison = Comparison(Verdict.INCONCLUSIVE, f"{curves}: points are not evaluated so far")
         return BandEdge(variant, case, edge, math.nan if variant in lacking else eta, comparison)
-    around = [known[variant, case, end] for end in refined.brackets.get(baseline, ())]
-    return BandEdge(variant, case, edge, eta, compare_edge(crossing, expected, around))
+    places = () if expected is None else (*refined.brackets[expected_edge], expected.frequency_ratio)
+    around = [known[variant, case, place] for place in places if (variant, case, place) in known]
+    return BandEdge(variant, case, edge, eta, compare_edge(crossing, expected, around, against))

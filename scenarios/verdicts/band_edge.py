@@ -1,8 +1,9 @@
-"""Edges of the attenuation band, beside those of the converged reference.
+"""Edges of the attenuation band, beside those of what a variant is compared with.
 
 An edge is where a curve crosses a threshold: a change δ of the transmittance [dB] moves it by δ / slope. What is
-allowed at the two points of the grid around the edge, over the slope of the converged curve there, is therefore what
-is allowed of the edge, and the widths to which both edges are bracketed besides.
+allowed at the edge itself and at the two points of the grid around it, over the slope of the baseline's curve there, is
+therefore what is allowed of the edge, and the widths to which both edges are bracketed besides. The baseline is that of
+the points: presets that share the Euler scheme are compared at equal step, where nothing but resolution is allowed.
 """
 
 import dataclasses
@@ -10,6 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from engines.interface.variant import Variant
 from scenarios.verdicts.finding import Metric
 from scenarios.verdicts.judge import decide
 from scenarios.verdicts.pointwise import CONVERGED, PointResults, point_tolerance, unless_own_error_is_unknown
@@ -40,26 +42,33 @@ class Crossing:
     residual_db: float = 0.0
 
 
-def compare_edge(edge: Crossing | None, converged: Crossing | None, around: Sequence[PointResults] = ()) -> Comparison:
-    """Compare a band edge with the converged reference's.
+def compare_edge(
+    edge: Crossing | None,
+    expected: Crossing | None,
+    around: Sequence[PointResults] = (),
+    against: Variant = CONVERGED,
+) -> Comparison:
+    """Compare a band edge with that of the baseline.
 
     Parameters
     ----------
-    edge, converged
-        Of the variant and of the converged reference; ``None`` is an edge outside the grid.
+    edge, expected
+        Of the variant and of its baseline; ``None`` is an edge outside the grid.
     around
-        Results at the points of the grid on either side of the converged edge.
+        Results at the expected edge, and at the points of the grid on either side of it.
+    against
+        The baseline, see `scenarios.verdicts.pointwise.baseline`.
     """
-    if edge is None and converged is None:
+    if edge is None and expected is None:
         return Comparison(Verdict.AGREE, "no such edge on the grid, for the reference neither")
-    if edge is None or converged is None:
+    if edge is None or expected is None:
         which = "reference" if edge is None else "engine"
         return Comparison(Verdict.DISAGREE, f"only the {which} has this edge on the grid")
-    if math.isnan(edge.frequency_ratio) or math.isnan(converged.frequency_ratio):
+    if math.isnan(edge.frequency_ratio) or math.isnan(expected.frequency_ratio):
         return Comparison(Verdict.INCONCLUSIVE, "the refinement met a point without a steady state")
-    known = [point for point in around if point.result.converged and point.converged.converged]
-    tolerance = _edge_tolerance(edge, converged, known)
-    comparison = decide(BAND_EDGE, edge.frequency_ratio, converged.frequency_ratio, tolerance)
+    known = [point for point in around if point.result.converged and point.expected(against).converged]
+    tolerance = _edge_tolerance(edge, expected, known, against)
+    comparison = decide(BAND_EDGE, edge.frequency_ratio, expected.frequency_ratio, tolerance)
     if comparison.verdict is Verdict.DISAGREE and not known:
         reason = f"{comparison.reason}; no steady state beside it gives its own error"
         return dataclasses.replace(comparison, verdict=Verdict.INCONCLUSIVE, reason=reason)
@@ -68,10 +77,12 @@ def compare_edge(edge: Crossing | None, converged: Crossing | None, around: Sequ
     return comparison
 
 
-def _edge_tolerance(edge: Crossing, converged: Crossing, known: Sequence[PointResults]) -> Tolerance:
-    """Derive how far an edge may be from the converged one in η_r: of every part, the larger of both sides counts."""
-    sides = [dataclasses.asdict(point_tolerance(point, CONVERGED)) for point in known]
+def _edge_tolerance(
+    edge: Crossing, expected: Crossing, known: Sequence[PointResults], against: Variant
+) -> Tolerance:
+    """Derive how far an edge may be from the expected one in η_r: of every part, the largest around it counts."""
+    sides = [dataclasses.asdict(point_tolerance(point, against)) for point in known]
     largest = {part: max((side[part] for side in sides), default=0.0) for part in dataclasses.asdict(Tolerance())}
-    largest["resolution"] += edge.residual_db + converged.residual_db
-    tolerance = Tolerance(**largest).over(converged.slope)
-    return dataclasses.replace(tolerance, resolution=tolerance.resolution + edge.width + converged.width)
+    largest["resolution"] += edge.residual_db + expected.residual_db
+    tolerance = Tolerance(**largest).over(expected.slope)
+    return dataclasses.replace(tolerance, resolution=tolerance.resolution + edge.width + expected.width)

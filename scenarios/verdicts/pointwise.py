@@ -90,11 +90,15 @@ class PointResults:
     refined: tuple[Result, ...] = ()
     given: GivenTolerance | None = None
 
+    def expected(self, against: Variant) -> Result:
+        """Give the result of the baseline."""
+        return self.reference if against == REFERENCE else self.converged
+
 
 def compare_point(known: PointResults) -> Comparison:
     """Compare a point with its baseline."""
     against = baseline(known.variant, known.given)
-    expected = known.reference if against == REFERENCE else known.converged
+    expected = known.expected(against)
     gap = missing("engine", [known.result]) or missing("reference", [expected])
     if gap is not None:
         return gap
@@ -115,8 +119,7 @@ def point_tolerance(known: PointResults, against: Variant) -> Tolerance:
     """Derive how far the transmittance of a point may be from that of the reference or of its converged preset [dB]."""
     if known.given is not None and known.given.judges(known.variant):
         return Tolerance(given=known.given.transmittance_db)
-    expected = known.reference if against == REFERENCE else known.converged
-    level = max(expected.transmittance_db, FLOOR_DB)
+    level = max(known.expected(against).transmittance_db, FLOOR_DB)
     resolution = resolution_db(known.variant, known.result, level, known.amplified)
     if against == REFERENCE:
         return Tolerance(resolution=resolution)

@@ -1,9 +1,10 @@
 """Evaluators that compute in this process, and engines that are wrong."""
 
 import dataclasses
+from collections.abc import Mapping
 
 from engines.interface.variant import Variant
-from reference_lcp import CompiledSimulation
+from reference_lcp import Chain, CompiledSimulation
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
 
@@ -14,14 +15,20 @@ def evaluator(store) -> Evaluator:
 
 def rub_harder(monkeypatch, factor: float) -> None:
     """Make the variant ``mujoco`` the reference with a friction bound that is too large by this factor."""
+    misread_the_chain(monkeypatch, normal_force=factor)
+
+
+def misread_the_chain(monkeypatch, **factors: float) -> None:
+    """Make the variant ``mujoco`` the reference, but for parameters of the chain that are wrong by these factors."""
     build = Variant.build
 
     def wrong(self, lanes):
         if self.engine != "mujoco":
             return build(self, lanes)
-        chains = [dataclasses.replace(lane.chain, normal_force=factor * lane.chain.normal_force) for lane in lanes]
-        return CompiledSimulation(
-            [dataclasses.replace(lane, chain=chain) for lane, chain in zip(lanes, chains, strict=True)]
-        )
+        return CompiledSimulation([dataclasses.replace(lane, chain=_scaled(lane.chain, factors)) for lane in lanes])
 
     monkeypatch.setattr(Variant, "build", wrong)
+
+
+def _scaled(chain: Chain, factors: Mapping[str, float]) -> Chain:
+    return dataclasses.replace(chain, **{name: factor * getattr(chain, name) for name, factor in factors.items()})

@@ -1,4 +1,4 @@
-"""Band edges: every variant's edges and their differences from the converged reference's."""
+"""Band edges: every variant's edges and their differences from those of what it is compared with."""
 
 from typing import Any
 
