@@ -32,4 +32,4 @@ def report(data: "xr.Dataset | str | Path", folder: str | Path) -> Path:
     """
     from reports.write import write_report  # drawing libraries are imported when something is drawn
 
-    return write_report(data, folder)
+    return write_report(data, folder).page

@@ -20,10 +20,11 @@ from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.interrupt import announce_interrupt
 from reference_lcp.validation import ParameterError
+from reference_lcp.visible import visible
 from reports.cli.animate import animate
 from reports.cli.compare import compare
 from reports.data.collect import QUICK, Scope
-from reports.write import STORE, check_folder, write_dataset_report, write_sweep_report
+from reports.write import STORE, Written, check_folder, write_dataset_report, write_sweep_report
 from scenarios.cli.options import Limit, Retry, Scheduler, Workers, check_retry
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.executor import TIME_LIMIT
@@ -90,8 +91,9 @@ def report(
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
     Results are kept: a second run takes seconds, and an interrupted one goes on where it was.
-    Exit code 0: the page is written, whatever the verdicts; 2: wrong input; 3: results or the page could not be kept;
-    130: interrupted.
+    Exit code 0: the page is written, and every disagreement, if there is any, is as its law predicts; 1: it is
+    written, and not so, or too little of a variant is certified; 2: wrong input; 3: results or the page could not be
+    kept; 130: interrupted.
 
     Example: python -m reports --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
     """
@@ -101,7 +103,7 @@ def report(
     if data is not None:
         if sweep is not None or chosen or quick:
             raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
-        print(write_dataset_report(read_dataset(data), out, shlex.join([*PROGRAM, "--data", str(data)]), data))
+        _end(write_dataset_report(read_dataset(data), out, shlex.join([*PROGRAM, "--data", str(data)]), data))
         return
     planned = _figure3(_names(chosen), quick) if sweep is None else _sweep(sweep, chosen, quick)
     executor = executor_for(workers, time_limit, scheduler)
@@ -110,14 +112,23 @@ def report(
         existing_store(store)
     check_folder("--out", out, [store, sweep])
     try:
-        page = write_sweep_report(
+        written = write_sweep_report(
             planned, out, _command(chosen, quick, sweep), store=store, ask=ask, scope=QUICK if quick else Scope(),
             executor=executor, retry_blocked=retry_blocked,
         )  # fmt: skip
     except KeyboardInterrupt:
         announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
         raise typer.Exit(ExitCode.INTERRUPTED) from None
-    print(page)
+    _end(written)
+
+
+def _end(written: Written) -> None:
+    """Print the page and why its comparison fails, which is the exit code then."""
+    print(written.page)
+    for line in written.failures:
+        print(visible(line))
+    if written.failures:
+        raise typer.Exit(ExitCode.FAILED)
 
 
 def _names(chosen: list[str] | None) -> list[str]:

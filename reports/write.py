@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from typing import NamedTuple
 
 import xarray as xr
 
@@ -26,7 +27,14 @@ STORE = "results.sqlite"
 """File of the results in the folder of a report, where no other is named."""
 
 
-def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Path:
+class Written(NamedTuple):
+    """The page of a report, and why its comparison fails, a line each."""
+
+    page: Path
+    failures: list[str]
+
+
+def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Written:
     """Write the report of a dataset, of the file of a sweep, or of a store; see `reports.report`."""
     folder = checked_path("folder", folder)
     if isinstance(data, xr.Dataset):
@@ -41,7 +49,7 @@ def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Path:
     return write_dataset_report(read_dataset(file), folder, command, file)
 
 
-def write_dataset_report(data: xr.Dataset, folder: Path, command: str, file: Path | None = None) -> Path:
+def write_dataset_report(data: xr.Dataset, folder: Path, command: str, file: Path | None = None) -> Written:
     """Write the report of what a dataset, read from `file` if it was, holds; nothing is computed."""
     check_folder("folder", folder, [file])
     try:
@@ -61,7 +69,7 @@ def write_sweep_report(
     scope: Scope | None = None,
     executor: Executor | None = None,
     retry_blocked: bool = False,
-) -> Path:
+) -> Written:
     """Write the report of a sweep, in which the reference takes part.
 
     Parameters
@@ -115,6 +123,6 @@ def check_folder(name: str, folder: Path, inputs: Sequence[Path | None]) -> None
     checked_output_folder("figures", folder / FIGURES)
 
 
-def _written(report: Report, folder: Path) -> Path:
+def _written(report: Report, folder: Path) -> Written:
     write_all(folder, files_of(report))
-    return folder / PAGE
+    return Written(folder / PAGE, report.failures)

@@ -20,14 +20,14 @@ from reference_lcp.validation import FloatArray, ParameterError, checked_choice,
 from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.catalogue.verdict_table import finding_table
-from scenarios.cli.sweep import evaluate_sweep
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore, opened_store
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.noted import note_sweep
-from scenarios.sweeps.run import run_sweep, stored_table
+from scenarios.sweeps.predictions import predicted
+from scenarios.sweeps.run import refined_tasks, run_sweep, stored_table
 from scenarios.sweeps.size import check_size
 from scenarios.sweeps.spec_file import SweepFile
 from scenarios.sweeps.sweep import Sweep
@@ -185,17 +185,17 @@ def _validated(content: Mapping[str, Any]) -> Sweep:
 
 
 def _evaluate(planned: Sweep, store: ResultStore, executor: Executor, retry_blocked: bool) -> None:
-    """Evaluate the points, and with other numbers of steps too where verdicts need the errors of steps."""
+    """Evaluate the points; where they are judged, with other numbers of steps too, and laws where they depart."""
     judged = CONVERGED in planned.variants
-    if planned.frequencies is None or not judged:
-        evaluate_sweep(planned, store, executor, judged=judged, retry_blocked=retry_blocked)
-        return
+    start = [] if planned.frequencies is not None else [*planned.tasks(), *(refined_tasks(planned) if judged else [])]
     with (
         ProgressBars(planned.variants) as bars,
-        CountingEvaluator(store, executor, [], bars, retry_blocked=retry_blocked) as evaluator,
+        CountingEvaluator(store, executor, start, bars, retry_blocked=retry_blocked) as evaluator,
     ):
         run_sweep(planned, evaluator)
-        evaluator.evaluate(tasks_of(*stored_table(planned, store)))
+        if judged:
+            evaluator.evaluate(tasks_of(*stored_table(planned, store)))
+        predicted(*stored_table(planned, store), evaluator)
 
 
 def _names(engines: str | Sequence[str]) -> list[str]:

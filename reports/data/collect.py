@@ -111,7 +111,7 @@ def collect_dataset(data: xr.Dataset, command: str) -> Report:
     results = DatasetResults(data)
     recorded = recorded_variants(data)
     points = sorted(results.points, key=lambda point: point[2])
-    result = judged_points(results.sweep.ascending(), points, results)
+    result = judged_points(results.sweep.ascending(), points, results, results.predictions)
     return Report(result, command, steps=None, recorded=recorded)
 
 

@@ -9,11 +9,10 @@ from statistics import median
 from engines.interface.variant import Variant
 from reports.data.curves import baseline_curve
 from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.sweep import Case
 from scenarios.sweeps.table import Point
 from scenarios.tasks.result import ResultStatus
-from scenarios.verdicts.finding import FLOOR_DB
+from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE
 from scenarios.verdicts.verdict import Verdict
 
 
@@ -72,7 +71,7 @@ def findings(result: ComparedSweep, variant: Variant) -> VariantFindings:
         variant=variant,
         verdicts={str(verdict): counted[str(verdict)] for verdict in Verdict},
         worst_difference=_worst(_above_floor(result, points)),
-        worst_edge=_worst(edge for edge in result.edges if edge.variant == variant),
+        worst_edge=_worst(_of_edges(result, variant)),
         worst_residual=max((result.residual for result in converged), default=math.nan),
         median_periods=float(median([result.periods for result in converged])) if converged else math.nan,
         seconds=sum(seconds) if seconds else math.nan,
@@ -88,16 +87,24 @@ def blocked_reason(result: ComparedSweep, variant: Variant) -> str | None:
     return results[0].reason
 
 
-def _above_floor(result: ComparedSweep, points: Iterable[Point]) -> list[Point]:
+def _above_floor(result: ComparedSweep, points: Iterable[Point]) -> list[Extreme]:
     levels = {case: baseline_curve(result, case) for case in result.cases}
-    return [point for point in points if levels[point.case].get(point.frequency_ratio, -math.inf) > FLOOR_DB]
-
-
-def _worst(judged: Iterable[Point | BandEdge]) -> Extreme:
-    """Give the largest difference of what has one."""
-    compared = [
-        Extreme(own.comparison.difference, own.case, own.frequency_ratio)
-        for own in judged
-        if own.frequency_ratio is not None and not math.isnan(own.comparison.difference)
+    return [
+        Extreme(point.difference(TRANSMITTANCE), point.case, point.frequency_ratio)
+        for point in points
+        if levels[point.case].get(point.frequency_ratio, -math.inf) > FLOOR_DB
     ]
-    return max(compared, key=lambda extreme: abs(extreme.difference), default=Extreme())
+
+
+def _of_edges(result: ComparedSweep, variant: Variant) -> list[Extreme]:
+    return [
+        Extreme(edge.comparison.difference, edge.case, edge.frequency_ratio)
+        for edge in result.edges
+        if edge.variant == variant and edge.frequency_ratio is not None
+    ]
+
+
+def _worst(extremes: Iterable[Extreme]) -> Extreme:
+    """Give the largest of those that are known."""
+    known = [extreme for extreme in extremes if not math.isnan(extreme.difference)]
+    return max(known, key=lambda extreme: abs(extreme.difference), default=Extreme())

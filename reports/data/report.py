@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from engines.interface.variant import Variant
+from reports.data.departures import Departures, departures
 from reports.data.findings import VariantFindings, findings
 from reports.data.provenance import provenance
 from reports.data.stick_slip import CasePoint, stick_slip_rows
@@ -15,6 +16,7 @@ from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.tasks.recorded import RecordedPeriod
 from scenarios.tasks.result import ResultStatus
+from scenarios.verdicts.failure import failures
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,17 @@ class Report:
     def findings(self) -> Mapping[Variant, VariantFindings]:
         """What each variant comes to."""
         return {variant: findings(self.result, variant) for variant in self.result.sweep.variants}
+
+    @cached_property
+    def departures(self) -> list[Departures]:
+        """What departs of each variant, and what its law leaves of it."""
+        own = (departures(self.result, variant) for variant in self.result.sweep.variants)
+        return [one for one in own if one is not None]
+
+    @cached_property
+    def failures(self) -> list[str]:
+        """Why the comparison fails, a line each: unexplained disagreements, variants with too little certified."""
+        return failures(self.result.findings)
 
     @cached_property
     def stick_slip(self) -> list[dict[str, Any]]:

@@ -6,23 +6,52 @@ from typing import Any
 
 import pandas as pd
 
+from reports.data.departures import outcome
 from reports.data.findings import Extreme, VariantFindings
 from reports.data.report import Report
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.table import Point
 from scenarios.tables import Column, csv_text, full_table, json_text, records
+from scenarios.verdicts.finding import TRANSMITTANCE, Metric
+from scenarios.verdicts.phase import PHASE
 
 NAME_COLUMNS: tuple[Column[BandEdge | Point], ...] = (
     Column("engine", lambda row: row.variant.engine),
     Column("formulation", lambda row: row.variant.formulation),
     Column("preset", lambda row: row.variant.preset_name),
 )
+LAW_NUMBERS = {
+    "value": "value",
+    "left": "difference",
+    "allowed": "allowed",
+    "distance": "distance",
+    "period_bound": "period_bound",
+}
+"""What tables have of a prediction, by name: the law's number, the variant's less it, what both leave open of that, and
+the distance of both after a period with its bound."""
+
+
+def _predicted(metric: Metric | None, key: str, unit: str = "") -> Column[Point]:
+    """Give the column of a number of the prediction of a metric, or of any; NaN where there is none."""
+
+    def value(point: Point) -> float:
+        predictions = (own.prediction for own in point.findings if metric in (None, own.metric))
+        return next((getattr(one, LAW_NUMBERS[key]) for one in predictions if one is not None), math.nan)
+
+    return Column(f"law_{key}{unit}", value)
+
+
 BAND_EDGE_COLUMNS: tuple[Column[BandEdge], ...] = (
     Column("edge", lambda edge: str(edge.edge)),
     Column("frequency_ratio", lambda edge: math.nan if edge.frequency_ratio is None else edge.frequency_ratio),
     Column("difference", lambda edge: edge.comparison.difference),
     Column("verdict", lambda edge: str(edge.comparison.verdict)),
+    Column("outcome", lambda edge: outcome((edge.finding,))),
+    *(
+        Column(f"law_{key}", lambda edge, name=name: getattr(edge.prediction, name, math.nan))  # type: ignore[misc]
+        for key, name in LAW_NUMBERS.items()
+    ),
     Column("reason", lambda edge: edge.comparison.reason),
 )
 POINT_COLUMNS: tuple[Column[Point], ...] = (Column("frequency_ratio", lambda point: point.frequency_ratio),)
@@ -31,8 +60,14 @@ TRANSMITTANCE_COLUMNS: tuple[Column[Point], ...] = (
     Column("status", lambda point: str(point.result.status)),
     Column("transmittance_db", lambda point: point.result.transmittance_db),
     Column("residual", lambda point: point.result.residual),
-    Column("difference_db", lambda point: point.comparison.difference),
+    Column("difference_db", lambda point: point.difference(TRANSMITTANCE)),
+    Column("phase_rad", lambda point: point.result.phase),
+    Column("difference_phase_deg", lambda point: point.difference(PHASE)),
     Column("verdict", lambda point: str(point.comparison.verdict)),
+    Column("outcome", lambda point: outcome(point.findings)),
+    *(_predicted(TRANSMITTANCE, key, "_db") for key in ("value", "left", "allowed")),
+    *(_predicted(PHASE, key, "_phase_deg") for key in ("value", "left", "allowed")),
+    *(_predicted(None, key) for key in ("distance", "period_bound")),
     Column("reason", lambda point: point.comparison.reason),
 )
 
@@ -76,6 +111,7 @@ def table_files(report: Report) -> dict[str, str]:
     content = {
         "provenance": report.provenance,
         "summary": [_summary(own) for own in report.findings.values()],
+        "failures": report.failures,
         "band_edges": records(edges),
         "stick_slip": report.stick_slip,
         "transmittance": records(points),

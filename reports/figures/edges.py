@@ -1,4 +1,4 @@
-"""Band edges as a forest: differences of all variants from what each is compared with, with the reference's error bar."""
+"""Band edges as a forest: differences of all variants from their baselines, with the reference's error bar."""
 
 import math
 from dataclasses import replace

@@ -19,6 +19,7 @@ from reports.formatting import fixed, per_cell, ratio, scientific, signed, span,
 from reports.page.section import SUITE_TEMPLATES, Section, registered_sections
 from reports.page.sections import (
     BandEdges,
+    DeparturesSection,
     FrictionMapSection,
     OpenPoints,
     Provenance,
@@ -31,7 +32,9 @@ from reports.page.sections import (
 LARGEST_PAGE = 5 * 2**20
 """Bytes that a page takes at most, so that it can be sent by mail and opens at once."""
 
-DEFAULT_SECTIONS = (Summary, BandEdges, Transmittance, FrictionMapSection, StickSlip, WorkPrecision, OpenPoints)
+DEFAULT_SECTIONS = (
+    Summary, DeparturesSection, BandEdges, Transmittance, FrictionMapSection, StickSlip, WorkPrecision, OpenPoints,
+)  # fmt: skip
 """Sections of every report, in order; those of other packages follow, and how the numbers were made comes last."""
 
 

@@ -17,6 +17,7 @@ from scenarios.sweeps.summary import SweepSummary, VerdictSummary, verdict_summa
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import Point
 from scenarios.tables import print_table
+from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.pointwise import refinements
 from scenarios.verdicts.verdict import Verdict
 
@@ -82,7 +83,7 @@ def _worst(summary: VerdictSummary) -> list[str]:
     if summary.largest is None:
         return ["–", "–"]
     point = summary.largest
-    return [f"{abs(point.comparison.difference):.3g}", f"{point.case.numbers}, {point.frequency_ratio:.4g}"]
+    return [f"{abs(point.difference(TRANSMITTANCE)):.3g}", f"{point.case.numbers}, {point.frequency_ratio:.4g}"]
 
 
 def _by_variant(item: tuple[tuple[Variant, str], int]) -> tuple[Variant, int]:

@@ -163,7 +163,9 @@ def refined_crossings(
         slope = (f_right - f_left) / (right - left)
     # a simulation that meets the threshold exactly ends the search, however wide the bracket is
     width = np.where((f_left == 0) | (f_right == 0), 0.0, np.abs(right - left))
-    return [Crossing(*map(float, numbers)) for numbers in zip(eta, slope, width, strict=True)]
+    level = definition.threshold_db
+    crossings = zip(eta.tolist(), slope.tolist(), width.tolist(), strict=True)
+    return [Crossing(ratio, steepness, wide, level_db=level) for ratio, steepness, wide in crossings]
 
 
 def interpolated_crossing(left: FloatArray, right: FloatArray, f_left: FloatArray, f_right: FloatArray) -> FloatArray:

@@ -1,7 +1,7 @@
-"""A sweep whose variants are compared with the reference: grid → results → refined edges → verdicts."""
+"""A sweep whose variants are compared with the reference: grid → results → refined edges → verdicts → predictions."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,8 @@ from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.edges import BandEdge, band_edges
+from scenarios.sweeps.predictions import predicted, predicted_edges
+from scenarios.sweeps.refined_edges import refined_edges
 from scenarios.sweeps.refinement import chosen_frequencies, decided_db, for_the_band, frequencies_of, refined
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.sweeps.table import (
@@ -21,9 +23,12 @@ from scenarios.sweeps.table import (
     judged,
     points_of,
     table_of,
+    with_columns,
     with_results,
 )
+from scenarios.verdicts.finding import Finding, Metric, Prediction
 from scenarios.verdicts.pointwise import CONVERGED
+from scenarios.verdicts.prediction import needs_prediction
 from scenarios.verdicts.steady_case import REFERENCE
 
 DENSE_FREQUENCY_RATIOS = tuple(float(eta) for eta in np.round(np.arange(0.1, 3.005, 0.01), 2))
@@ -73,6 +78,11 @@ class ComparedSweep:
         """Points of one variant, by case and frequency."""
         return [point for case in self.cases for point in self.curve(variant, case)]
 
+    @property
+    def findings(self) -> list[Finding]:
+        """Every comparison of every point and edge."""
+        return [finding for point in self.points for finding in point.findings] + [edge.finding for edge in self.edges]
+
     def edge(self, variant: Variant, case: Case, edge: Edge) -> BandEdge:
         """One edge."""
         return self._edges[variant, case, edge]
@@ -90,7 +100,7 @@ class ComparedSweep:
 
 
 def compare_sweep(sweep: Sweep, evaluator: GivesResults) -> ComparedSweep:
-    """Evaluate the grid, resolve it, judge every point, and refine the edges of every curve.
+    """Evaluate the grid, resolve it, judge every point, refine the edges of every curve, and ask the laws of variants.
 
     Parameters
     ----------
@@ -100,12 +110,36 @@ def compare_sweep(sweep: Sweep, evaluator: GivesResults) -> ComparedSweep:
         Gives the results.
     """
     table = judged(sweep, with_results(sweep, resolved_grid(sweep, evaluator), evaluator))
-    return ComparedSweep(sweep, table, band_edges(sweep, table, evaluator), _dense_reference(sweep, evaluator))
+    refined = refined_edges(sweep, table, evaluator)
+    edges = band_edges(sweep, table, refined, evaluator)
+    return ComparedSweep(
+        sweep,
+        predicted(sweep, table, evaluator),
+        predicted_edges(sweep, table, edges, refined, evaluator),
+        _dense_reference(sweep, evaluator),
+    )
 
 
-def judged_points(sweep: Sweep, points: Iterable[GridPoint], evaluator: GivesResults) -> ComparedSweep:
-    """Evaluate and judge points as they are: nothing is added, and no edge is refined."""
-    return ComparedSweep(sweep, judged(sweep, with_results(sweep, table_of(points), evaluator)))
+def judged_points(
+    sweep: Sweep,
+    points: Iterable[GridPoint],
+    evaluator: GivesResults,
+    predictions: Mapping[GridPoint, Mapping[Metric, Prediction]],
+) -> ComparedSweep:
+    """Evaluate and judge points as they are: nothing is added, no edge is refined, and no law is run.
+
+    `predictions` are what is known of laws.
+    """
+    table = judged(sweep, with_results(sweep, table_of(points), evaluator))
+    findings = [
+        tuple(_recalled(own, predictions.get(point[:3], {})) for own in point.findings) for point in points_of(table)
+    ]
+    return ComparedSweep(sweep, with_columns(table, findings=findings))
+
+
+def _recalled(finding: Finding, predictions: Mapping[Metric, Prediction]) -> Finding:
+    """Give a finding with what is known of the law of its variant."""
+    return replace(finding, prediction=predictions.get(finding.metric)) if needs_prediction(finding) else finding
 
 
 def resolved_grid(sweep: Sweep, evaluator: GivesResults) -> pd.DataFrame:

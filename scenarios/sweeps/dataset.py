@@ -22,6 +22,8 @@ from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import Point, points_of, results_at
 from scenarios.tables import csv_text
 from scenarios.tasks.result import ResultStatus
+from scenarios.verdicts.finding import TRANSMITTANCE, Metric
+from scenarios.verdicts.phase import PHASE
 from scenarios.verdicts.pointwise import own_error_db, refinements
 from scenarios.verdicts.verdict import Verdict
 
@@ -35,6 +37,9 @@ STATUSES = (
 
 VERDICTS = tuple(Verdict)
 MODES = tuple(Mode)
+
+PREDICTED = ((TRANSMITTANCE, "db", "dB"), (PHASE, "phase", "degree"))
+"""Metrics that laws predict, with the end of the names of their variables, and their unit there."""
 
 SWEEP = TypeAdapter(Sweep)
 """Reads and writes a sweep as JSON."""
@@ -55,9 +60,23 @@ def _mean(values: Sequence[float]) -> float:
     return float(np.mean(values)) if values else math.nan
 
 
+def _of_law(metric: Metric | None, name: str) -> Callable[[Point], float]:
+    """Give what reads a number of the prediction of a metric, or of any; NaN where the law was not asked."""
+
+    def read(point: Point) -> float:
+        predictions = [own.prediction for own in point.findings if metric in (None, own.metric)]
+        return next((float(getattr(one, name)) for one in predictions if one is not None), math.nan)
+
+    return read
+
+
 _NUMBERS: dict[str, tuple[Callable[[Point], float], str, str]] = {
     "transmittance_db": (lambda point: point.result.transmittance_db, "dB", "20 log10 |U_n| / U0"),
-    "difference_db": (lambda point: point.comparison.difference, "dB", "transmittance less that of the baseline"),
+    "phase": (lambda point: point.result.phase, "rad", "by which the last outer mass is ahead of the drive's sine"),
+    "difference_db": (
+        lambda point: point.difference(TRANSMITTANCE), "dB", "transmittance less that of the baseline",
+    ),
+    "difference_phase": (lambda point: point.difference(PHASE), "degree", "phase less that of the baseline"),
     "residual": (lambda point: point.result.residual, "1", "periodicity residual"),
     "periods": (lambda point: point.result.periods, "1", "periods simulated"),
     "multiple": (lambda point: point.result.multiple, "1", "periods of the drive after which the motion repeats"),
@@ -70,6 +89,18 @@ _NUMBERS: dict[str, tuple[Callable[[Point], float], str, str]] = {
         lambda point: max(point.result.creep, default=math.nan), "1", "largest slip velocity within a stick over ω U0",
     ),
     "seconds": (lambda point: point.result.seconds, "s", "wall-clock time of a point"),
+    **{
+        f"law_{name}_{ending}": (_of_law(metric, field), units, text)
+        for metric, ending, units in PREDICTED
+        for name, field, text in (
+            ("value", "value", "of the law of the variant, where this departs"),
+            ("left", "difference", "variant less its law"),
+            ("allowed", "allowed", "largest difference from its law that both leave open"),
+        )
+    },
+    "law_distance": (_of_law(None, "distance"), "1", "positions of variant and law after a period, over U0"),
+    "law_period_bound": (_of_law(None, "period_bound"), "1", "largest such distance that the law allows"),
+    "law_certified": (_of_law(None, "certified"), "1", "1 where the steady state of the law is certified"),
 }  # fmt: skip
 
 
@@ -89,10 +120,13 @@ def sweep_dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) 
     -------
     xarray.Dataset
         Dimensions ``variant`` and the axes of the sweep. ``transmittance_db`` [dB] and its estimated error where other
-        numbers of steps give it, ``difference_db`` from the baseline, ``status`` and ``verdict`` (numbers, see their
-        attributes; a verdict of −1 where the sweep has no point), ``reason``, ``residual``, ``periods``, ``multiple``,
-        ``steps_per_period``, ``period`` [s], ``stuck_fraction`` of each contact along ``cell`` and its mean, ``creep``,
-        ``seconds``; changes of mode along ``transition``, results with other numbers of steps along ``refinement``. NaN
+        numbers of steps give it, ``phase`` [rad], ``difference_db`` and ``difference_phase`` from the baseline; where
+        a variant with a law departs, what the law says: ``law_value_db``, ``law_left_db`` (variant less law) and
+        ``law_allowed_db``, the same of the phase, and ``law_distance`` after a period; ``status`` and ``verdict``
+        (numbers, see their attributes; a verdict of −1 where the sweep has no point), ``reason``, ``residual``,
+        ``periods``, ``multiple``, ``steps_per_period``, ``period`` [s], ``stuck_fraction`` of each contact along
+        ``cell`` and its mean, ``creep``, ``seconds``; changes of mode along ``transition``, results with other numbers
+        of steps along ``refinement``. NaN
         where there is no number; points that are not evaluated have the status ``missing``. Attributes: the fixed
         ratios, the drive, versions and options of every variant, and the sweep as JSON.
     """
@@ -165,16 +199,18 @@ def _of_steps(sweep: Sweep, points: Sequence[Point]) -> Arrays:
     factors = factors_of(sweep)
     if not factors:
         return {}
-    level, steps = (np.full((len(points), len(factors)), math.nan) for _ in range(2))
+    level, phase, steps = (np.full((len(points), len(factors)), math.nan) for _ in range(3))
     for number, point in enumerate(points):
         for factor, other in zip(refinements(point.variant, sweep.tolerance), point.others, strict=True):
             if other.converged:
                 level[number, factors.index(factor)] = other.transmittance_db
+                phase[number, factors.index(factor)] = other.phase
                 steps[number, factors.index(factor)] = other.steps_per_period
     return {
         "refined_transmittance_db": (
             ("refinement",), level, {"units": "dB", "long_name": "transmittance with other numbers of steps"},
         ),
+        "refined_phase": (("refinement",), phase, {"units": "rad", "long_name": "phase with other numbers of steps"}),
         "refined_steps_per_period": (
             ("refinement",), steps, {"units": "1", "long_name": "steps a period that were taken"},
         ),

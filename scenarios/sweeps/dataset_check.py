@@ -9,7 +9,7 @@ import xarray as xr
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 from reference_lcp.validation import ParameterError
-from scenarios.sweeps.dataset import MODES, STATUSES, VERDICTS
+from scenarios.sweeps.dataset import MODES, PREDICTED, STATUSES, VERDICTS
 from scenarios.tasks.validation_message import first_error
 
 LARGEST_COUNT = 2.0**53
@@ -18,10 +18,14 @@ LARGEST_COUNT = 2.0**53
 ROUND_OFF = 1e-9
 """Of fractions that are sums of durations."""
 
-NUMBERS = ("transmittance_db", "residual", "period", "creep", "seconds")
+NUMBERS = ("transmittance_db", "phase", "residual", "period", "creep", "seconds")
+LAW_NUMBERS = (
+    *(f"law_{name}_{ending}" for _, ending, _ in PREDICTED for name in ("value", "left", "allowed")),
+    "law_distance", "law_period_bound", "law_certified",
+)  # fmt: skip
 COUNTS = ("periods", "multiple", "steps_per_period")
 TRANSITION = ("transition_cell", "transition_time", "transition_mode")
-REFINED = ("refined_transmittance_db", "refined_steps_per_period")
+REFINED = ("refined_transmittance_db", "refined_phase", "refined_steps_per_period")
 
 
 class _Option(BaseModel):
@@ -64,7 +68,7 @@ def check_dataset(data: xr.Dataset, grid: Sequence[str]) -> None:
     """
     _check(data, "status", grid, (), (0, len(STATUSES) - 1))
     _check(data, "verdict", grid, (), (-1, len(VERDICTS) - 1))
-    for name in NUMBERS:
+    for name in (*NUMBERS, *LAW_NUMBERS):
         _check(data, name, grid, ())
     for name in COUNTS:
         _check(data, name, grid, (), (0, LARGEST_COUNT), missing=True)
@@ -75,7 +79,7 @@ def check_dataset(data: xr.Dataset, grid: Sequence[str]) -> None:
         _check(data, "refinement", (), ("refinement",), (0, np.inf))
         for name in REFINED:
             _check(data, name, grid, ("refinement",))
-        _check(data, REFINED[1], grid, ("refinement",), (0, LARGEST_COUNT), missing=True)
+        _check(data, REFINED[-1], grid, ("refinement",), (0, LARGEST_COUNT), missing=True)
     if set(_array(data, "reason").dims) != set(grid):
         raise ParameterError(f"reason has the dimensions {data['reason'].dims}; allowed: {', '.join(grid)}")
     _check_ends(data)

@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,12 +11,14 @@ from pydantic import ValidationError
 
 from engines.interface.variant import Variant
 from reference_lcp.validation import ParameterError
-from scenarios.sweeps.dataset import MODES, STATUSES, SWEEP
+from scenarios.sweeps.dataset import MODES, PREDICTED, STATUSES, SWEEP
 from scenarios.sweeps.dataset_check import check_dataset
 from scenarios.sweeps.sweep import Sweep
+from scenarios.sweeps.table import GridPoint
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.tasks.validation_message import first_error
+from scenarios.verdicts.finding import Metric, Prediction
 
 
 def sweep_of(data: xr.Dataset) -> Sweep:
@@ -57,6 +59,8 @@ class DatasetResults:
         The sweep.
     points
         Points of the sweep for which the dataset has a result or a status.
+    predictions
+        What the laws of variants say, by point and metric, where they were asked.
 
     Raises
     ------
@@ -68,7 +72,9 @@ class DatasetResults:
         self.sweep = sweep_of(data)
         whole = data.expand_dims([name for name in ("variant", *self.sweep.axes) if name not in data.dims])
         check_dataset(whole, ("variant", *self.sweep.axes))
-        self._results = _results(self.sweep, whole)
+        rows = _rows_by_point(self.sweep, whole)
+        self._results = _results(self.sweep, whole, rows)
+        self.predictions = {point: own for point, row in rows.items() if (own := _predictions(row))}
         judged = _rows(whole["verdict"], ("variant", *self.sweep.axes)) >= 0
         self.points = [point for point, known in zip(self.sweep.grid_points(), judged, strict=True) if known]
 
@@ -77,21 +83,46 @@ class DatasetResults:
         return [self._results.get(task) or Result.missing() for task in tasks]
 
 
-def _results(sweep: Sweep, whole: xr.Dataset) -> dict[SteadyStateTask, Result]:
-    """Give every result of a dataset by its task."""
+def _rows_by_point(sweep: Sweep, whole: xr.Dataset) -> dict[GridPoint, dict[str, Any]]:
+    """Give all values of every point by name."""
     grid = ("variant", *sweep.axes)
     columns = {
         str(name): _rows(values, grid) for name, values in whole.data_vars.items() if set(grid) <= set(values.dims)
     }
+    return {
+        point: {name: values[number] for name, values in columns.items()}
+        for number, point in enumerate(sweep.grid_points())
+    }
+
+
+def _results(
+    sweep: Sweep, whole: xr.Dataset, rows: Mapping[GridPoint, dict[str, Any]]
+) -> dict[SteadyStateTask, Result]:
+    """Give every result of a dataset by its task."""
     factors = [float(factor) for factor in whole["refinement"].values] if "refinement" in whole.dims else []
     results = {}
-    for number, point in enumerate(sweep.grid_points()):
-        row = {name: values[number] for name, values in columns.items()}
+    for point, row in rows.items():
         results[sweep.task(*point)] = _result(row)
         for k, factor in enumerate(factors):
             if not math.isnan(row["refined_transmittance_db"][k]):
                 results[sweep.task(*point, factor)] = _refined(row, k)
     return results
+
+
+def _predictions(row: Mapping[str, Any]) -> dict[Metric, Prediction]:
+    """Rebuild what the law of a variant says of a point; nothing where it was not asked."""
+    return {
+        metric: Prediction(
+            value=float(row[f"law_value_{ending}"]),
+            difference=float(row[f"law_left_{ending}"]),
+            allowed=float(row[f"law_allowed_{ending}"]),
+            distance=float(row["law_distance"]),
+            period_bound=float(row["law_period_bound"]),
+            certified=bool(row["law_certified"]),
+        )
+        for metric, ending, _ in PREDICTED
+        if not (math.isnan(row["law_period_bound"]) or math.isnan(row[f"law_allowed_{ending}"]))
+    }
 
 
 def _rows(values: xr.DataArray, grid: Sequence[str]) -> Any:
@@ -108,6 +139,7 @@ def _result(row: dict[str, Any]) -> Result:
         status=STATUSES[int(row["status"])],
         reason=str(row["reason"]),
         transmittance_db=float(row["transmittance_db"]),
+        phase=float(row["phase"]),
         residual=float(row["residual"]),
         periods=_whole(row["periods"]),
         multiple=_whole(row["multiple"]),
@@ -125,6 +157,7 @@ def _refined(row: dict[str, Any], index: int) -> Result:
     return Result(
         status=ResultStatus.CONVERGED,
         transmittance_db=float(row["refined_transmittance_db"][index]),
+        phase=float(row["refined_phase"][index]),
         steps_per_period=_whole(row["refined_steps_per_period"][index]),
     )
 

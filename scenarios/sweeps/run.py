@@ -7,6 +7,7 @@ import pandas as pd
 
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.store import ResultStore
+from scenarios.sweeps.predictions import predicted
 from scenarios.sweeps.refinement import ForTheAccuracy, refined
 from scenarios.sweeps.summary import SweepSummary
 from scenarios.sweeps.sweep import Sweep
@@ -54,4 +55,4 @@ def stored_table(sweep: Sweep, store: ResultStore) -> tuple[Sweep, pd.DataFrame]
         table = refined(sweep, accuracy.due(), accuracy, evaluator)
         etas = tuple(sorted(set(table["frequency_ratio"])))
         whole = replace(sweep, axes={**sweep.axes, "frequency_ratio": etas})
-    return whole, judged(whole, with_results(whole, table, evaluator))
+    return whole, predicted(whole, judged(whole, with_results(whole, table, evaluator)), evaluator)

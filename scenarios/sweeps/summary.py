@@ -11,6 +11,7 @@ from engines.interface.variant import Variant
 from scenarios.sweeps.sweep import Sweep, baseline_of
 from scenarios.sweeps.table import Point
 from scenarios.tasks.result import ResultStatus, ResultSummary, repetition
+from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.verdict import Verdict
 
 
@@ -77,8 +78,8 @@ class VerdictSummary:
     def add(self, point: Point) -> None:
         """Count a point."""
         self.counts[point.comparison.verdict] += 1
-        size = abs(point.comparison.difference)
-        if not math.isnan(size) and (self.largest is None or size > abs(self.largest.comparison.difference)):
+        size = abs(point.difference(TRANSMITTANCE))
+        if not math.isnan(size) and (self.largest is None or size > abs(self.largest.difference(TRANSMITTANCE))):
             self.largest = point
 
 

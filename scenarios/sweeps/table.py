@@ -1,10 +1,12 @@
 """The labelled table of a sweep, one row a point, and its stages: grid, results, verdicts.
 
 Its columns are ``variant``, ``case``, the axes, ``result``, ``others`` (results with other numbers of steps, by
-`refinements`) and ``comparison``; each stage takes a table and gives one with more rows or columns.
+`refinements`) and ``findings`` (of level and phase); each stage takes a table and gives one with more rows or columns.
 """
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import NamedTuple, Protocol
 
 import pandas as pd
@@ -13,7 +15,9 @@ from engines.interface.variant import Variant
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.pointwise import CONVERGED, PointResults, compare_point, refinements
+from scenarios.verdicts.finding import Finding, Metric
+from scenarios.verdicts.friction_effect import FrictionEffect, friction_effect
+from scenarios.verdicts.pointwise import CONVERGED, UNBOUNDED, PointResults, decisive, point_findings, refinements
 from scenarios.verdicts.steady_case import REFERENCE, amplification
 from scenarios.verdicts.verdict import Comparison
 
@@ -39,8 +43,8 @@ class Point(NamedTuple):
         Its result.
     others
         Results with other numbers of steps; empty where there are none.
-    comparison
-        The comparison with its baseline.
+    findings
+        The comparisons of its transmittance and of its phase with those of its baseline.
     """
 
     variant: Variant
@@ -48,7 +52,21 @@ class Point(NamedTuple):
     frequency_ratio: float
     result: Result
     others: tuple[Result, ...]
-    comparison: Comparison
+    findings: tuple[Finding, ...]
+
+    @property
+    def finding(self) -> Finding:
+        """The worse of both, which decides."""
+        return decisive(self.findings)
+
+    @property
+    def comparison(self) -> Comparison:
+        """The comparison that decides."""
+        return self.finding.comparison
+
+    def difference(self, metric: Metric) -> float:
+        """Give the difference from the baseline in the unit of a metric; NaN where it was not compared."""
+        return next((own.comparison.difference for own in self.findings if own.metric == metric), math.nan)
 
 
 def table_of(points: Iterable[GridPoint]) -> pd.DataFrame:
@@ -69,14 +87,14 @@ def points_of(table: pd.DataFrame) -> list[Point]:
     return [
         Point(*point, *columns)
         for point, columns in zip(
-            grid_points_of(table), zip(table["result"], table["others"], table["comparison"], strict=True), strict=True
+            grid_points_of(table), zip(table["result"], table["others"], table["findings"], strict=True), strict=True
         )
     ]
 
 
 def judged_table(points: Sequence[Point]) -> pd.DataFrame:
     """Give a judged table of points; the reverse of `points_of`."""
-    columns = {name: [getattr(point, name) for point in points] for name in ("result", "others", "comparison")}
+    columns = {name: [getattr(point, name) for point in points] for name in ("result", "others", "findings")}
     return with_columns(table_of(point[:3] for point in points), **columns)
 
 
@@ -117,19 +135,36 @@ def results_at(sweep: Sweep, table: pd.DataFrame) -> dict[GridPoint, PointResult
     at_points = {}
     for (variant, case, eta), (result, others) in known.items():
         reference, refined = known.get((REFERENCE, case, eta), missing)
+        converged, _ = known.get((CONVERGED, case, eta), missing)
         at_points[variant, case, eta] = PointResults(
             variant=variant,
             result=result,
             others=others,
             reference=reference,
-            converged=known.get((CONVERGED, case, eta), missing)[0],
+            converged=converged,
             amplified=amplification(sweep.ratios_of(case), eta),
             refined=refined,
             given=sweep.tolerance,
+            effect=_effect(sweep.task(REFERENCE, case, eta), converged.transmittance_db, converged.phase),
         )
     return at_points
 
 
+@lru_cache(maxsize=10_000)
+def _effect(task: SteadyStateTask, transmittance_db: float, phase: float) -> FrictionEffect:
+    """Give how much friction changes a point at all; without limit where its steady state is not known."""
+    if math.isnan(transmittance_db) or math.isnan(phase):
+        return UNBOUNDED
+    return friction_effect(*task.setting(), transmittance_db, phase)
+
+
+def label_of(point: GridPoint) -> str:
+    """Give a point of a curve as tables print it."""
+    _, case, eta = point
+    return f"{case}, η_r = {eta:.6g}"
+
+
 def judged(sweep: Sweep, table: pd.DataFrame) -> pd.DataFrame:
-    """Compare every row with its baseline at the same point, and add the column ``comparison``."""
-    return with_columns(table, comparison=[compare_point(known) for known in results_at(sweep, table).values()])
+    """Compare every row with its baseline at the same point, and add the column ``findings``."""
+    findings = [point_findings(known, label_of(point)) for point, known in results_at(sweep, table).items()]
+    return with_columns(table, findings=findings)

@@ -34,12 +34,15 @@ class Crossing:
         Of the bracket in η_r.
     residual_db
         What motions that decided a side without being certified leave open of their transmittance [dB].
+    level_db
+        The threshold [dB].
     """
 
     frequency_ratio: float
     slope: float = math.nan
     width: float = 0.0
     residual_db: float = 0.0
+    level_db: float = 0.0
 
 
 def compare_edge(
@@ -66,9 +69,10 @@ def compare_edge(
         return Comparison(Verdict.DISAGREE, f"only the {which} has this edge on the grid")
     if math.isnan(edge.frequency_ratio) or math.isnan(expected.frequency_ratio):
         return Comparison(Verdict.INCONCLUSIVE, "the refinement met a point without a steady state")
-    known = [point for point in around if point.result.converged and point.expected(against).converged]
+    known = [point for point in around if point.is_known and point.expected(against).converged]
     tolerance = _edge_tolerance(edge, expected, known, against)
     comparison = decide(BAND_EDGE, edge.frequency_ratio, expected.frequency_ratio, tolerance)
+    comparison = dataclasses.replace(comparison, per_amplitude=_per_amplitude(expected))
     if comparison.verdict is Verdict.DISAGREE and not known:
         reason = f"{comparison.reason}; no steady state beside it gives its own error"
         return dataclasses.replace(comparison, verdict=Verdict.INCONCLUSIVE, reason=reason)
@@ -77,12 +81,15 @@ def compare_edge(
     return comparison
 
 
-def _edge_tolerance(
-    edge: Crossing, expected: Crossing, known: Sequence[PointResults], against: Variant
-) -> Tolerance:
+def _edge_tolerance(edge: Crossing, expected: Crossing, known: Sequence[PointResults], against: Variant) -> Tolerance:
     """Derive how far an edge may be from the expected one in η_r: of every part, the largest around it counts."""
     sides = [dataclasses.asdict(point_tolerance(point, against)) for point in known]
     largest = {part: max((side[part] for side in sides), default=0.0) for part in dataclasses.asdict(Tolerance())}
     largest["resolution"] += edge.residual_db + expected.residual_db
     tolerance = Tolerance(**largest).over(expected.slope)
     return dataclasses.replace(tolerance, resolution=tolerance.resolution + edge.width + expected.width)
+
+
+def _per_amplitude(expected: Crossing) -> float:
+    """By how much a small change of the amplitude moves the edge in η_r, per displacement scale."""
+    return 20 / math.log(10) * 10 ** (-expected.level_db / 20) / abs(expected.slope)

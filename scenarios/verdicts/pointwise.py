@@ -4,20 +4,31 @@ Presets that share the Euler scheme solve the reference's own equations: they ar
 step, and nothing is allowed but what neither can resolve. All others, the reference itself among them, are compared
 with the converged reference. They are simulated with half as many steps too, so that their own error is known; the
 reference is simulated with twice and four times as many, and is judged by them itself.
+
+The transmittance is a complex number: its level and its phase are judged alike, and the worse of both decides.
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 from engines.interface.variant import Variant
 from engines.reference import CONVERGED_SUBSTEPS
 from scenarios.tasks.result import Result
-from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE
-from scenarios.verdicts.judge import Steps, decide, missing
-from scenarios.verdicts.steady_case import REFERENCE, resolution_db
+from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE, Finding, Metric
+from scenarios.verdicts.friction_effect import FrictionEffect
+from scenarios.verdicts.judge import Number, Steps, certified, decide, missing
+from scenarios.verdicts.phase import PHASE, amplitude_in_degrees, phase_reader
+from scenarios.verdicts.steady_case import REFERENCE, amplitude_in_db, is_resolved, resolution
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
 CONVERGED = Variant("reference", preset_name="converged")
+
+POINT_METRICS = (TRANSMITTANCE, PHASE)
+"""What is judged at a point."""
+
+UNBOUNDED = FrictionEffect(math.inf, math.inf)
+"""No step is too coarse for it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +90,8 @@ class PointResults:
         The reference's results at the same point with other numbers of steps.
     given
         The tolerance, where it is given; without it, it is derived.
+    effect
+        How much friction changes the point at all.
     """
 
     variant: Variant
@@ -89,22 +102,81 @@ class PointResults:
     amplified: float
     refined: tuple[Result, ...] = ()
     given: GivenTolerance | None = None
+    effect: FrictionEffect = UNBOUNDED
+
+    @property
+    def against(self) -> Variant:
+        """The baseline of the variant."""
+        return baseline(self.variant, self.given)
 
     def expected(self, against: Variant) -> Result:
         """Give the result of the baseline."""
         return self.reference if against == REFERENCE else self.converged
 
+    @property
+    def is_known(self) -> bool:
+        """Whether the result is certified, or repeats well enough to be compared all the same."""
+        return self.result.converged or is_resolved(self.result, self.amplified)
 
-def compare_point(known: PointResults) -> Comparison:
-    """Compare a point with its baseline."""
-    against = baseline(known.variant, known.given)
-    expected = known.expected(against)
-    gap = missing("engine", [known.result]) or missing("reference", [expected])
+
+def point_findings(known: PointResults, label: str = "") -> tuple[Finding, ...]:
+    """Compare a point with its baseline: a finding for each of `POINT_METRICS`; no phase where none is expected.
+
+    Parameters
+    ----------
+    known
+        The results.
+    label
+        The point, as tables print it.
+    """
+    expected = known.expected(known.against)
+    readers = _readers(expected)
+    gap = (None if known.is_known else missing("engine", [known.result])) or missing("reference", [expected])
     if gap is not None:
-        return gap
-    tolerance = point_tolerance(known, against)
-    comparison = decide(TRANSMITTANCE, known.result.transmittance_db, expected.transmittance_db, tolerance)
-    return unless_own_error_is_unknown(known, comparison)
+        return tuple(Finding.without_numbers(known.variant, label, readers, gap))
+    findings = (
+        Finding(known.variant, label, metric, read(known.result), read(expected), _compared(known, metric, read))
+        for metric, read in readers.items()
+    )
+    certain = certified([known.result])
+    return tuple(finding if certain else finding.uncertified() for finding in findings)
+
+
+Read = Callable[[Result], float]
+"""Gives a number of a result."""
+
+
+def _readers(expected: Result) -> dict[Metric, Read]:
+    """Give what is read of results, by metric."""
+    readers: dict[Metric, Read] = {TRANSMITTANCE: lambda result: result.transmittance_db}
+    if not math.isnan(expected.phase):
+        readers[PHASE] = phase_reader(expected.phase, expected.transmittance_db)
+    return readers
+
+
+def _compared(known: PointResults, metric: Metric, read: Read) -> Comparison:
+    """Compare one number of a point."""
+    expected = known.expected(known.against)
+    tolerance = _tolerance(known, known.against, metric, read)
+    effect = known.effect.transmittance_db if metric == TRANSMITTANCE else known.effect.phase
+    comparison = decide(metric, read(known.result), read(expected), tolerance, effect)
+    comparison = unless_own_error_is_unknown(known, comparison)
+    if metric == TRANSMITTANCE:
+        return comparison
+    per_amplitude = amplitude_in_degrees(1.0, expected.transmittance_db)
+    return replace(comparison, per_amplitude=per_amplitude, reason=f"{metric.name}: {comparison.reason}")
+
+
+_SEVERITY = (Verdict.AGREE, Verdict.INCONCLUSIVE, Verdict.TOO_COARSE, Verdict.DISAGREE, Verdict.BLOCKED)
+
+
+def decisive(findings: Sequence[Finding]) -> Finding:
+    """Give the worst finding of a point: by its verdict, then by its difference over what is allowed."""
+    return max(findings, key=lambda own: (_SEVERITY.index(own.comparison.verdict), _excess(own.comparison)))
+
+
+def _excess(comparison: Comparison) -> float:
+    return -1.0 if math.isnan(comparison.excess) else comparison.excess
 
 
 def unless_own_error_is_unknown(known: PointResults, comparison: Comparison) -> Comparison:
@@ -112,39 +184,52 @@ def unless_own_error_is_unknown(known: PointResults, comparison: Comparison) -> 
     if comparison.verdict is not Verdict.DISAGREE or all(other.converged for other in known.others):
         return comparison
     reason = f"{comparison.reason}; no steady state with other steps gives its own error"
-    return Comparison(Verdict.INCONCLUSIVE, reason, comparison.difference, comparison.tolerance)
+    return replace(comparison, verdict=Verdict.INCONCLUSIVE, reason=reason)
 
 
 def point_tolerance(known: PointResults, against: Variant) -> Tolerance:
     """Derive how far the transmittance of a point may be from that of the reference or of its converged preset [dB]."""
-    if known.given is not None and known.given.judges(known.variant):
-        return Tolerance(given=known.given.transmittance_db)
+    return _tolerance(known, against, TRANSMITTANCE, _readers(known.expected(against))[TRANSMITTANCE])
+
+
+def _tolerance(known: PointResults, against: Variant, metric: Metric, read: Read) -> Tolerance:
+    """Derive how far a number of a point may be from that of the baseline."""
     level = max(known.expected(against).transmittance_db, FLOOR_DB)
-    resolution = resolution_db(known.variant, known.result, level, known.amplified)
+    if known.given is not None and known.given.judges(known.variant):
+        return Tolerance(given=_given(known.given.transmittance_db, metric))
+    amplitude = resolution(known.variant, known.result, level, known.amplified)
+    of_metric = amplitude_in_db if metric == TRANSMITTANCE else amplitude_in_degrees
     if against == REFERENCE:
-        return Tolerance(resolution=resolution)
-    scheme = _by_steps(known.reference, *known.refined)
+        return Tolerance(resolution=of_metric(amplitude, level))
+    scheme = _by_steps(read, known.reference, *known.refined)
     finest = known.converged.steps_per_period * CONVERGED_SUBSTEPS
-    scheme[finest] = known.converged.transmittance_db
-    own = _by_steps(known.result, *known.others)
+    scheme[finest] = read(known.converged)
+    own = {known.result.steps_per_period: read(known.result)} | _by_steps(read, *known.others)
     at = known.reference.steps_per_period if known.reference.converged else finest
     return Tolerance(
-        reference=Steps(scheme, finest).error(TRANSMITTANCE),
-        engine=Steps(own, known.result.steps_per_period).error(TRANSMITTANCE),
-        resolution=resolution,
+        reference=Steps(scheme, finest).error(metric),
+        engine=Steps(own, known.result.steps_per_period).error(metric),
+        resolution=of_metric(amplitude, level),
         # the reference itself is judged by its own steps alone: its error cannot excuse itself
-        scheme=0.0 if known.variant == REFERENCE else Steps(scheme, at).error(TRANSMITTANCE),
+        scheme=0.0 if known.variant == REFERENCE else Steps(scheme, at).error(metric),
     )
+
+
+def _given(transmittance_db: float, metric: Metric) -> float:
+    """Give a tolerance of the transmittance for a metric: a change of amplitude of that size, in any direction."""
+    if metric == TRANSMITTANCE:
+        return transmittance_db
+    return min(180.0, math.degrees(10 ** (transmittance_db / 20) - 1))
 
 
 def own_error_db(known: PointResults) -> float:
     """Estimate the error of a point from its own steps [dB]; NaN where it is known with one number of steps only."""
-    own = _by_steps(known.result, *known.others)
+    own = _by_steps(lambda result: result.transmittance_db, known.result, *known.others)
     if not known.result.converged or len(own) < 2:
         return math.nan
     return Steps(own, known.result.steps_per_period).error(TRANSMITTANCE)
 
 
-def _by_steps(*results: Result) -> dict[int, float]:
-    """Transmittance [dB] of those that have a steady state, by steps a period."""
-    return {result.steps_per_period: result.transmittance_db for result in results if result.converged}
+def _by_steps(read: Read, *results: Result) -> dict[int, Number]:
+    """Read a number of those that have a steady state, by steps a period."""
+    return {result.steps_per_period: read(result) for result in results if result.converged}

@@ -20,9 +20,9 @@ from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.recorded import RecordedPeriod
 from scenarios.tasks.result import Result
 from scenarios.verdicts.band_edge import Crossing, compare_edge
-from scenarios.verdicts.pointwise import CONVERGED, PointResults, compare_point, refinements
+from scenarios.verdicts.finding import Finding
+from scenarios.verdicts.pointwise import CONVERGED, PointResults, point_findings, refinements
 from scenarios.verdicts.steady_case import REFERENCE, amplification
-from scenarios.verdicts.verdict import Comparison
 
 RUNS = Variant("mujoco")
 MISSING = Variant("pybullet")
@@ -73,9 +73,9 @@ def edge_of(variant: Variant, friction_ratio: float, edge: Edge) -> BandEdge:
     return BandEdge(variant, case, edge, place + shift, compare_edge(*crossings, around))
 
 
-def compared(variant: Variant, friction_ratio: float, frequency_ratio: float) -> Comparison:
+def compared(variant: Variant, friction_ratio: float, frequency_ratio: float) -> tuple[Finding, ...]:
     """Judge as Figure 3 does."""
-    return compare_point(known(variant, friction_ratio, frequency_ratio))
+    return point_findings(known(variant, friction_ratio, frequency_ratio))
 
 
 def known(variant: Variant, friction_ratio: float, frequency_ratio: float) -> PointResults:

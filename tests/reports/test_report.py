@@ -141,7 +141,7 @@ def test_report_of_a_sweep_over_more_than_friction_names_its_cases(data: xr.Data
 
 def test_dataset_of_a_report_can_be_reported(result: ComparedSweep) -> None:
     again = collect_dataset(report_dataset(result), "").result
-    assert sorted(map(repr, again.table["comparison"])) == sorted(map(repr, result.table["comparison"]))
+    assert sorted(map(repr, again.table["findings"])) == sorted(map(repr, result.table["findings"]))
 
 
 def test_store_knows_its_sweep(sweep: Sweep, store: Path, tmp_path: Path) -> None:

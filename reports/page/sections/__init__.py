@@ -1,6 +1,7 @@
 """Sections of reports: one module, one class and one template each."""
 
 from reports.page.sections.band_edges import BandEdges
+from reports.page.sections.departures import DeparturesSection
 from reports.page.sections.friction_map import FrictionMapSection
 from reports.page.sections.open_points import OpenPoints
 from reports.page.sections.provenance import Provenance
@@ -11,6 +12,7 @@ from reports.page.sections.work_precision import WorkPrecision
 
 __all__ = [
     "BandEdges",
+    "DeparturesSection",
     "FrictionMapSection",
     "OpenPoints",
     "Provenance",

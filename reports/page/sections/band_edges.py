@@ -1,8 +1,10 @@
 """Band edges: every variant's edges and their differences from those of what it is compared with."""
 
+import math
 from typing import Any
 
 from engines.interface.variant import Variant
+from reports.data.departures import outcome
 from reports.data.descriptions import axis_name, band_definition
 from reports.figures.edges import edge_forest, reference_error
 from reports.figures.figure import Figure
@@ -59,6 +61,8 @@ class BandEdges(Section):
             "difference": comparison.difference,
             "allowed": comparison.tolerance,
             "verdict": str(comparison.verdict),
+            "outcome": outcome((band_edge.finding,)),
+            "left": math.nan if band_edge.prediction is None else band_edge.prediction.difference,
             "is_baseline": variant == CONVERGED,
         }
 

@@ -2,14 +2,16 @@
 
 import math
 from collections import defaultdict
+from collections.abc import Sequence
 from typing import Any
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
+from reports.data.departures import outcome
 from reports.page.section import Section
-from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.sweep import Case
 from scenarios.sweeps.table import Point
+from scenarios.verdicts.finding import Finding, Prediction
 from scenarios.verdicts.verdict import Verdict
 
 LONGEST = 30
@@ -40,7 +42,8 @@ class OpenPoints(Section):
         reason = self.report.findings[variant].blocked
         if reason is not None:
             everywhere = "every point and every edge"
-            return [{"places": everywhere, "verdict": str(Verdict.BLOCKED), "size": math.nan, "reason": reason}]
+            blocked = {"verdict": str(Verdict.BLOCKED), "outcome": "", "law": "", "size": math.nan, "reason": reason}
+            return [{"places": everywhere} | blocked]
         rows = [*self._edges(variant), *self._points(variant)]
         return sorted(rows, key=lambda row: 0.0 if math.isnan(row["size"]) else -row["size"])
 
@@ -53,25 +56,40 @@ class OpenPoints(Section):
         return [
             {
                 "places": f"{case}, η_r = {', '.join(f'{point.frequency_ratio:g}' for point in points)}",
-                "verdict": str(verdict),
-                "size": self._times_allowed(points[0]),
-                "reason": reason,
+                **_judged(points[0].finding, points[0].findings),
             }
-            for (case, verdict, reason), points in groups.items()
+            for (case, _, _), points in groups.items()
         ]
 
     def _edges(self, variant: Variant) -> list[dict[str, Any]]:
         return [
             {
                 "places": f"{edge.case}, {edge.edge} edge",
-                "verdict": str(edge.comparison.verdict),
-                "size": self._times_allowed(edge),
-                "reason": edge.comparison.reason,
+                **_judged(edge.finding, (edge.finding,)),
             }
             for edge in self.result.edges
             if edge.variant == variant and edge.comparison.verdict is not Verdict.AGREE
         ]
 
-    @staticmethod
-    def _times_allowed(judged: Point | BandEdge) -> float:
-        return abs(judged.comparison.difference) / judged.comparison.tolerance
+
+def _judged(finding: Finding, findings: Sequence[Finding]) -> dict[str, Any]:
+    """Give the verdict, what the law says of it, and the reason; `findings` are all of the point."""
+    comparison, prediction = finding.comparison, finding.prediction
+    return {
+        "verdict": str(comparison.verdict),
+        "outcome": outcome(findings),
+        "law": "" if prediction is None else _law(finding, prediction),
+        "size": comparison.excess,
+        "reason": comparison.reason,
+    }
+
+
+def _law(finding: Finding, prediction: Prediction) -> str:
+    """Give departure, prediction and what is left; of a law without a steady state, that."""
+    if not prediction.certified:
+        return str(prediction)
+    departure, left, unit = finding.comparison.difference, prediction.difference, finding.metric.unit
+    return (
+        f"departure {departure:+.4g}, prediction {departure - left:+.4g}, left {left:+.2g} {unit}, "
+        f"allowed {prediction.allowed:.2g}; period {prediction.distance:.2g} U0, allowed {prediction.period_bound:.2g}"
+    )

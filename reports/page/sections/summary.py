@@ -27,6 +27,7 @@ class Summary(Section):
         return {
             "rows": rows,
             "headline": {verdict: sum(row["findings"].verdicts[verdict] for row in compared) for verdict in verdicts},
+            "failures": self.report.failures,
             "missing": sum(row["missing"] for row in rows),
             "sentences": self._sentences(compared),
             "band": band_definition(self.result.sweep),

@@ -190,6 +190,12 @@ def test_stick_slip_rows_compare_transitions_with_the_reference_at_equal_step(re
     assert rows["reference", "tuned", 0.6]["largest_time_error"] == 0.0
 
 
+def not_compared(variant: Variant, result: Result) -> tuple[Finding, ...]:
+    gap = missing("engine", [result])
+    assert gap is not None
+    return tuple(Finding.without_numbers(variant, "", [TRANSMITTANCE], gap))
+
+
 def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
     place = (0.3, 0.6)
     ratios = ChainRatios(cells=2, mass_ratio=(1.0, 0.5), outer_mass_ratio=(1.0, 2.0))
@@ -201,7 +207,7 @@ def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
         asked,
         judged_table(
             [
-                Point(v, case, 0.6, found, (found,) * len(refinements(v)), missing("engine", [found]))
+                Point(v, case, 0.6, found, (found,) * len(refinements(v)), not_compared(v, found))
                 for v, found in answers.items()
             ]
         ),

@@ -11,7 +11,8 @@ from scenarios.verdicts.pointwise import (
     GivenTolerance,
     PointResults,
     baseline,
-    compare_point,
+    decisive,
+    point_findings,
     refinements,
 )
 from scenarios.verdicts.verdict import Verdict
@@ -33,7 +34,7 @@ def judged(variant, db, *others, reference=-10.02, converged=-10.0, amplified=1.
         amplified=amplified,
         given=given,
     )
-    return compare_point(known)
+    return decisive(point_findings(known)).comparison
 
 
 def test_who_shares_the_scheme_equals_the_reference_at_equal_step_or_does_not_share_it() -> None:

@@ -1,0 +1,155 @@
+"""What the laws of variants say of the points and edges at which these disagree: departure, prediction, what is left.
+
+The rule is that of `scenarios.verdicts.prediction`: at a point that disagrees, the law's own steady state and a period
+of engine and law from the same state; of an edge that disagrees, the edge of the law's own curve.
+"""
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+import pandas as pd
+
+from engines.interface.law_engine import law_of
+from engines.interface.variant import Variant
+from scenarios.sweeps.edges import BandEdge
+from scenarios.sweeps.refined_edges import RefinedEdges, refined_edges
+from scenarios.sweeps.sweep import Sweep
+from scenarios.sweeps.table import (
+    GivesResults,
+    GridPoint,
+    Point,
+    grid_points_of,
+    points_of,
+    results_at,
+    table_of,
+    with_columns,
+)
+from scenarios.tasks.law_period import LawPeriodTask
+from scenarios.tasks.result import Result, ResultStatus
+from scenarios.verdicts.finding import Finding
+from scenarios.verdicts.pointwise import PointResults, baseline, point_findings
+from scenarios.verdicts.prediction import needs_prediction, with_predictions
+from scenarios.verdicts.verdict import Comparison, Verdict
+
+
+def predicted(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> pd.DataFrame:
+    """Give a judged table, the findings of points that depart or say nothing with what the law of the variant says."""
+    rows = points_of(table)
+    known = results_at(sweep, table)
+    open_points = {
+        number: law
+        for number, row in enumerate(rows)
+        if any(needs_prediction(finding) for finding in row.findings) and (law := row.variant.law) is not None
+    }
+    results = _law_results(sweep, [(rows[number][:3], law) for number, law in open_points.items()], evaluator)
+    findings = [row.findings for row in rows]
+    for (number, law), (own, period) in zip(open_points.items(), results, strict=True):
+        if own.status is not ResultStatus.MISSING:
+            findings[number] = _predicted_point(rows[number], known[rows[number][:3]], law, own, period)
+    return with_columns(table, findings=findings)
+
+
+def _law_results(
+    sweep: Sweep, points: Sequence[tuple[GridPoint, Variant]], evaluator: GivesResults
+) -> list[tuple[Result, Result]]:
+    """Give the steady state of the law at each point, and the period of engine and law."""
+    steady = evaluator.evaluate([sweep.task(law, case, eta) for (_, case, eta), law in points])
+    periods = evaluator.evaluate([LawPeriodTask.of(sweep.task(*point)) for point, _ in points])
+    return list(zip(steady, periods, strict=True))
+
+
+def _predicted_point(
+    point: Point, known: PointResults, law: Variant, own: Result, period: Result
+) -> tuple[Finding, ...]:
+    """Give the findings of a point with what its law says."""
+    derived = replace(known, given=None)
+    resolutions = {finding.metric: finding.comparison.resolution for finding in point_findings(derived)}
+    findings = [
+        replace(finding, comparison=replace(finding.comparison, resolution=resolutions[finding.metric]))
+        for finding in point.findings
+    ]
+    label = findings[0].case
+    of_law = point_findings(replace(derived, variant=law, result=own, others=()), label)
+    return _with_law(point.variant, findings, of_law, {label: period})
+
+
+def _with_law(
+    variant: Variant, findings: Iterable[Finding], of_law: Sequence[Finding], periods: Mapping[str, Result]
+) -> tuple[Finding, ...]:
+    law = law_of(variant.preset)
+    assert law is not None, "only variants with a law are predicted"
+    return tuple(with_predictions(findings, of_law, periods, law))
+
+
+def predicted_edges(
+    sweep: Sweep, table: pd.DataFrame, edges: Sequence[BandEdge], refined: RefinedEdges, evaluator: GivesResults
+) -> tuple[BandEdge, ...]:
+    """Give judged edges, those that disagree with what the law of the variant says.
+
+    Parameters
+    ----------
+    sweep, table
+        The sweep and its points.
+    edges
+        The edges of the variants, as `scenarios.sweeps.edges.band_edges` judges them.
+    refined
+        Where edges are, without those of laws.
+    evaluator
+        Runs the laws' curves.
+    """
+    open_edges = [edge for edge in edges if edge.comparison.verdict is Verdict.DISAGREE and edge.variant.law]
+    if not open_edges:
+        return tuple(edges)
+    of_laws = refined_edges(sweep, _curves_of_laws(sweep, table, open_edges, evaluator), evaluator)
+    places = [_place(sweep, edge, refined) for edge in open_edges]
+    tasks = [
+        LawPeriodTask.of(sweep.task(edge.variant, edge.case, eta)) for edge, eta in zip(open_edges, places, strict=True)
+    ]
+    periods = dict(zip(open_edges, evaluator.evaluate(tasks), strict=True))
+    return tuple(_predicted_edge(edge, of_laws, periods[edge]) if edge in periods else edge for edge in edges)
+
+
+def _curves_of_laws(
+    sweep: Sweep, table: pd.DataFrame, edges: Iterable[BandEdge], evaluator: GivesResults
+) -> pd.DataFrame:
+    """Evaluate the curve of the law on the whole grid of every case in which an edge is to be predicted."""
+    etas = defaultdict(list)
+    for variant, case, eta in grid_points_of(table):
+        etas[variant, case].append(eta)
+    points = [
+        (law, case, eta)
+        for (variant, law, case) in dict.fromkeys((edge.variant, edge.variant.law, edge.case) for edge in edges)
+        for eta in etas[variant, case]
+        if law is not None
+    ]
+    return with_columns(table_of(points), result=evaluator.evaluate([sweep.task(*point) for point in points]))
+
+
+def _place(sweep: Sweep, edge: BandEdge, refined: RefinedEdges) -> float:
+    """Give the frequency ratio of an edge that disagrees; where the variant has none, that of its baseline."""
+    if edge.frequency_ratio is not None:
+        return edge.frequency_ratio
+    against = baseline(edge.variant, sweep.tolerance)
+    return refined.crossings[(against, edge.case), edge.edge].frequency_ratio
+
+
+def _predicted_edge(edge: BandEdge, of_laws: RefinedEdges, period: Result) -> BandEdge:
+    """Give an edge with what its law says; as it is where the law's curve is not evaluated so far."""
+    law = edge.variant.law
+    assert law is not None, "only variants with a law are predicted"
+    if (law, edge.case) in of_laws.incomplete or period.status is ResultStatus.MISSING:
+        return edge
+    crossing = of_laws.crossings.get(((law, edge.case), edge.edge))
+    own = edge.finding
+    value = math.nan if crossing is None else crossing.frequency_ratio
+    per_db = own.comparison.per_amplitude / (20 / math.log(10))
+    width = 0.0 if crossing is None else crossing.width + crossing.residual_db * per_db
+    comparison = Comparison(Verdict.AGREE, "of the law", resolution=width)
+    of_law = replace(own, variant=law, value=value, comparison=comparison)
+    [finding] = _with_law(edge.variant, [own], [of_law], {own.case: period})
+    prediction = finding.prediction
+    if prediction is not None and crossing is None and edge.frequency_ratio is None:
+        prediction = replace(prediction, difference=0.0)  # neither has it on the grid
+    return replace(edge, prediction=prediction)

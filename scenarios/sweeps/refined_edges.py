@@ -1,0 +1,72 @@
+"""Where the edges of the attenuation band of curves are, by simulations of each curve's own variant."""
+
+from collections import defaultdict
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from reference_lcp.validation import FloatArray
+from scenarios.sweeps.attenuation_band import Edge, edge_brackets, refined_crossings
+from scenarios.sweeps.refinement import EDGE_RESIDUAL, CurveKey, curves_of, decided_db
+from scenarios.sweeps.sweep import Sweep
+from scenarios.sweeps.table import GivesResults, GridPoint
+from scenarios.tasks.result import Result, ResultStatus
+from scenarios.verdicts.band_edge import Crossing
+from scenarios.verdicts.steady_case import amplification, amplitude_in_db
+
+
+@dataclass(frozen=True)
+class RefinedEdges:
+    """The refined edges of all curves.
+
+    Parameters
+    ----------
+    brackets
+        Neighbouring frequency ratios of the grid between which each edge lies.
+    crossings
+        Where each edge is.
+    incomplete
+        Curves that lack a result, on the grid or on the way.
+    """
+
+    brackets: dict[tuple[CurveKey, Edge], tuple[float, float]]
+    crossings: dict[tuple[CurveKey, Edge], Crossing]
+    incomplete: set[CurveKey]
+
+
+def refined_edges(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> RefinedEdges:
+    """Refine all edges of all curves of a table together, by simulations of their own variants."""
+    brackets = {
+        (key, edge): bracket
+        for key, curve in curves_of(table).items()
+        for edge, bracket in edge_brackets(*curve, sweep.band).items()
+    }
+    owners = [key for key, _ in brackets]
+    incomplete: set[CurveKey] = set()
+    open_db: dict[int, float] = defaultdict(float)
+
+    def transmittance_db(index: NDArray[np.intp], eta: FloatArray) -> FloatArray:
+        points = [(*owners[k], ratio) for k, ratio in zip(index, eta.tolist(), strict=True)]
+        results = evaluator.evaluate([sweep.task(*point) for point in points])
+        for k, point, result in zip(index, points, results, strict=True):
+            if result.status is ResultStatus.MISSING:
+                incomplete.add(point[:2])
+            open_db[k] = max(open_db[k], _left_open_db(sweep, point, result))
+        return np.array([decided_db(result) for result in results])
+
+    narrowed = refined_crossings(list(brackets.values()), transmittance_db, sweep.band)
+    crossings = {
+        edge: replace(crossing, residual_db=open_db[k])
+        for k, (edge, crossing) in enumerate(zip(brackets, narrowed, strict=True))
+    }
+    return RefinedEdges(brackets, crossings, incomplete)
+
+
+def _left_open_db(sweep: Sweep, point: GridPoint, result: Result) -> float:
+    """What a motion that decides a side without being certified leaves open of its transmittance [dB]."""
+    if result.converged or not result.residual <= EDGE_RESIDUAL:
+        return 0.0
+    _, case, eta = point
+    return amplitude_in_db(result.residual * amplification(sweep.ratios_of(case), eta), sweep.band.threshold_db)
