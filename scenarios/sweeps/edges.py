@@ -59,8 +59,6 @@ def band_edges(
     results: dict[CurveKey, list[Result]] = {}
     for variant, case, result in zip(table["variant"], table["case"], table["result"], strict=True):
         results.setdefault((variant, case), []).append(result)
-    lacking = {key for key, own in results.items() if any(result.status is ResultStatus.MISSING for result in own)}
-    refined.incomplete.update(lacking)
     known = results_at(sweep, table) | _results_at_edges(sweep, list(results), refined, evaluator)
     return tuple(_judged(key, edge, own, refined, known, sweep) for key, own in results.items() for edge in Edge)
 

@@ -30,7 +30,7 @@ from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.verdicts.finding import Finding
 from scenarios.verdicts.pointwise import PointResults, baseline, point_findings
-from scenarios.verdicts.prediction import needs_prediction, with_predictions
+from scenarios.verdicts.prediction import PERIODS_OF_ERROR, needs_prediction, with_predictions
 from scenarios.verdicts.verdict import Comparison, Verdict
 
 
@@ -63,8 +63,12 @@ def _law_results(
 def _predicted_point(
     point: Point, known: PointResults, law: Variant, own: Result, period: Result
 ) -> tuple[Finding, ...]:
-    """Give the findings of a point with what its law says."""
-    derived = replace(known, given=None)
+    """Give the findings of a point with what its law says.
+
+    Both are motions of one map that need not have repeated: a residual may add up over `PERIODS_OF_ERROR`, because
+    stick and slip move resonances, and the linear estimate of `amplification` may miss the one that is met.
+    """
+    derived = replace(known, given=None, amplified=max(known.amplified, PERIODS_OF_ERROR))
     resolutions = {finding.metric: finding.comparison.resolution for finding in point_findings(derived)}
     findings = [
         replace(finding, comparison=replace(finding.comparison, resolution=resolutions[finding.metric]))
@@ -72,7 +76,10 @@ def _predicted_point(
     ]
     label = findings[0].case
     of_law = point_findings(replace(derived, variant=law, result=own, others=()), label)
-    return _with_law(point.variant, findings, of_law, {label: period})
+    judged = _with_law(point.variant, findings, of_law, {label: period})
+    return tuple(
+        replace(finding, prediction=own.prediction) for finding, own in zip(point.findings, judged, strict=True)
+    )
 
 
 def _with_law(

@@ -44,7 +44,8 @@ def refined_edges(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) ->
         for edge, bracket in edge_brackets(*curve, sweep.band).items()
     }
     owners = [key for key, _ in brackets]
-    incomplete: set[CurveKey] = set()
+    missing = table[[result.status is ResultStatus.MISSING for result in table["result"]]]
+    incomplete: set[CurveKey] = set(zip(missing["variant"], missing["case"], strict=True))
     open_db: dict[int, float] = defaultdict(float)
 
     def transmittance_db(index: NDArray[np.intp], eta: FloatArray) -> FloatArray:

@@ -30,5 +30,30 @@ def misread_the_chain(monkeypatch, **factors: float) -> None:
     monkeypatch.setattr(Variant, "build", wrong)
 
 
+class Late(CompiledSimulation):
+    """The reference, with a drive that is a step late."""
+
+    def run(self, state, start, steps):
+        late = super().run(state, start - 1, steps)
+        return [
+            dataclasses.replace(trajectory, time=lane.times(start, steps))
+            for trajectory, lane in zip(late, self.lanes, strict=True)
+        ]
+
+    def advance(self, state, start, steps):
+        return super().advance(state, start - 1, steps)
+
+    def subset(self, lanes):
+        return Late([self.lanes[lane] for lane in lanes])
+
+
+def be_late(monkeypatch) -> None:
+    """Make the variant ``mujoco`` the reference with a drive that is a step late."""
+    build = Variant.build
+    monkeypatch.setattr(
+        Variant, "build", lambda self, lanes: Late(lanes) if self.engine == "mujoco" else build(self, lanes)
+    )
+
+
 def _scaled(chain: Chain, factors: Mapping[str, float]) -> Chain:
     return dataclasses.replace(chain, **{name: factor * getattr(chain, name) for name, factor in factors.items()})

@@ -26,6 +26,7 @@ from scenarios.sweeps.table import Point, judged_table
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
 from scenarios.verdicts.band_edge import compare_edge
+from scenarios.verdicts.finding import TRANSMITTANCE, Finding
 from scenarios.verdicts.judge import missing
 from scenarios.verdicts.pointwise import CONVERGED, refinements
 from scenarios.verdicts.steady_case import REFERENCE

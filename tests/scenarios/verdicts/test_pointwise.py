@@ -1,13 +1,18 @@
 """Points of figure 3: what is allowed of those that share the scheme, and of those that do not."""
 
+import dataclasses
+import math
+
 import pytest
 
 from engines.interface.variant import Variant
 from scenarios.tasks.result import Result
 from scenarios.verdicts.finding import FLOOR_DB
+from scenarios.verdicts.friction_effect import FrictionEffect
 from scenarios.verdicts.pointwise import (
     CONVERGED,
     REFERENCE,
+    UNBOUNDED,
     GivenTolerance,
     PointResults,
     baseline,
@@ -20,19 +25,36 @@ from scenarios.verdicts.verdict import Verdict
 SHARES, OWN = Variant("mujoco"), Variant("exudyn-regularised")
 
 
-def answer(db, steps=400, status="converged") -> Result:
-    return Result(status=status, transmittance_db=db, residual=1e-9, periods=30, steps_per_period=steps)
+PHASE_LAG = -2.0
+"""Of the reference [rad]."""
 
 
-def judged(variant, db, *others, reference=-10.02, converged=-10.0, amplified=1.0, given=None):
+def answer(db, steps=400, status="converged", late=0.0) -> Result:
+    """Give a result that is late by `late` [rad]; without a steady state, it is far from repeating."""
+    residual = 1e-9 if status == "converged" else 1e-3
+    return Result(
+        status=status,
+        transmittance_db=db,
+        phase=PHASE_LAG - late,
+        residual=residual,
+        periods=30,
+        steps_per_period=steps,
+    )
+
+
+def judged(
+    variant, db, *others, reference=-10.02, converged=-10.0, amplified=1.0, given=None, late=0.0, effect=UNBOUNDED,
+    status="converged",
+):  # fmt: skip
     known = PointResults(
         variant=variant,
-        result=answer(db),
+        result=answer(db, late=late, status=status),
         others=others,
         reference=answer(reference),
         converged=answer(converged),
         amplified=amplified,
         given=given,
+        effect=effect,
     )
     return decisive(point_findings(known)).comparison
 
@@ -110,3 +132,52 @@ def test_a_given_tolerance_judges_everybody_but_whom_others_are_compared_with(wh
     assert refinements(whom, given) == refinements(whom)
     assert judged(REFERENCE, -10.02, answer(-10.02, 800), given=GivenTolerance(transmittance_db=9, baseline=REFERENCE)
                   ).verdict is Verdict.DISAGREE  # fmt: skip
+
+
+def test_a_motion_of_the_right_size_that_is_late_by_a_step_disagrees_at_equal_step() -> None:
+    comparison = judged(SHARES, -10.02, late=2 * math.pi / 400)
+    assert comparison.verdict is Verdict.DISAGREE
+    assert comparison.reason.startswith("phase: difference -0.9 °, allowed")
+    assert judged(SHARES, -10.02).verdict is Verdict.AGREE
+
+
+def test_the_worse_of_level_and_phase_decides() -> None:
+    slightly_late = 1e-5
+    assert judged(SHARES, -10.02 + 1.0, late=slightly_late).reason.startswith("difference +1 dB")
+    assert judged(SHARES, -10.02 + 1e-8, late=slightly_late).reason.startswith("phase: ")
+
+
+def test_a_scheme_of_its_own_may_be_late_by_what_its_steps_show() -> None:
+    late = 2 * math.pi / 400
+    assert judged(OWN, -10.0, answer(-10.0, 200, late=2 * late), late=late).verdict is Verdict.AGREE
+    assert judged(OWN, -10.0, answer(-10.0, 200, late=late), late=late).verdict is Verdict.DISAGREE
+
+
+def test_a_given_tolerance_is_one_of_the_phase_too() -> None:
+    given = GivenTolerance(transmittance_db=0.1, baseline=REFERENCE)
+    largest = 10 ** (0.1 / 20) - 1
+    assert judged(OWN, -10.02, given=given, late=0.99 * largest).verdict is Verdict.AGREE
+    assert judged(OWN, -10.02, given=given, late=1.01 * largest).verdict is Verdict.DISAGREE
+
+
+def test_a_step_that_leaves_open_what_friction_changes_shows_nothing() -> None:
+    coarse = answer(-9.0, 200)
+    small, large = (FrictionEffect(effect, math.inf) for effect in (1.0, 20.0))
+    assert judged(OWN, -9.5, coarse, effect=small).verdict is Verdict.TOO_COARSE
+    assert judged(OWN, -9.5, coarse, effect=large).verdict is Verdict.AGREE
+
+
+def test_a_motion_that_is_not_certified_but_repeats_well_enough_is_compared_and_said_to_be_uncertified() -> None:
+    known = PointResults(
+        variant=OWN,
+        result=dataclasses.replace(answer(-10.0, status="period limit"), residual=2e-8),
+        others=(answer(-10.0, 200),),
+        reference=answer(-10.02),
+        converged=answer(-10.0),
+        amplified=1.0,
+    )
+    assert {(own.comparison.verdict, own.comparison.certified) for own in point_findings(known)} == {
+        (Verdict.AGREE, False)
+    }
+    far = dataclasses.replace(known, result=answer(-10.0, status="period limit"))
+    assert decisive(point_findings(far)).comparison.verdict is Verdict.INCONCLUSIVE

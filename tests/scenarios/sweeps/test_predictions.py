@@ -1,0 +1,149 @@
+"""What departs of a sweep: as the law of the variant predicts, or unexplained, whatever a text says."""
+
+import dataclasses
+
+import pytest
+
+from engines.interface.variant import Variant
+from engines.mujoco import MuJoCo
+from scenarios.execution.evaluator import StoredResults
+from scenarios.execution.store import ResultStore, opened_store
+from scenarios.studies.figure3 import figure3
+from scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
+from scenarios.sweeps.dataset import sweep_dataset
+from scenarios.sweeps.dataset_results import DatasetResults
+from scenarios.sweeps.sweep import Sweep
+from scenarios.tasks.result import Result
+from scenarios.verdicts.failure import failures, unexplained
+from scenarios.verdicts.finding import Finding
+from scenarios.verdicts.pointwise import GivenTolerance
+from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.verdict import Verdict
+from tests.scenarios.in_process import be_late, evaluator
+
+LAWFUL = Variant("mujoco", "joint", "default")
+"""It departs from Coulomb's law, and its law predicts how."""
+
+GRID = (0.55, 0.62, 0.66, 0.9, 1.1)
+"""With the lower edge of the band at friction ratio 0.3."""
+
+needs_mujoco = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
+
+
+def planned(variant: Variant = LAWFUL) -> Sweep:
+    return figure3((variant,), (0.3,), GRID)
+
+
+def compared(sweep: Sweep, store: ResultStore | None = None) -> ComparedSweep:
+    if store is not None:
+        return compare_sweep(sweep, evaluator(store))
+    with opened_store(None) as own:
+        return compare_sweep(sweep, evaluator(own))
+
+
+def departing(result: ComparedSweep, variant: Variant = LAWFUL) -> list[Finding]:
+    own = [finding for finding in result.findings if finding.variant == variant]
+    return [finding for finding in own if finding.comparison.verdict is Verdict.DISAGREE]
+
+
+def spoil(monkeypatch, factor: float) -> None:
+    """Let the engine press harder by a factor; its law does not."""
+    build = Variant.build
+
+    def spoilt(self, lanes):
+        if self != LAWFUL:
+            return build(self, lanes)
+        chains = [dataclasses.replace(lane.chain, normal_force=factor * lane.chain.normal_force) for lane in lanes]
+        return build(self, [dataclasses.replace(lane, chain=chain) for lane, chain in zip(lanes, chains, strict=True)])
+
+    monkeypatch.setattr(Variant, "build", spoilt)
+
+
+@needs_mujoco
+def test_points_and_edges_that_depart_are_as_the_law_predicts() -> None:
+    result = compared(planned())
+    wrong = departing(result)
+    assert {finding.metric.name for finding in wrong} == {"transmittance", "phase", "band edge"}
+    for finding in wrong:
+        assert finding.as_predicted, finding
+        assert finding.prediction is not None
+        assert abs(finding.prediction.difference) < 1e-3 * abs(finding.comparison.difference)
+    assert failures(result.findings) == []
+
+
+@needs_mujoco
+@pytest.mark.parametrize("factor", [0.99, 1.01])
+def test_an_engine_that_does_not_obey_its_law_is_unexplained_at_points_and_edges(monkeypatch, factor) -> None:
+    spoil(monkeypatch, factor)
+    result = compared(planned())
+    wrong = departing(result)
+    assert {finding.metric.name for finding in wrong} >= {"transmittance", "band edge"}
+    assert unexplained(wrong) == wrong
+    assert failures(result.findings) == [f"unexplained: {len(wrong)} disagreements, of {LAWFUL}"]
+
+
+@needs_mujoco
+def test_a_tolerance_that_is_given_leaves_the_law_what_both_leave_open() -> None:
+    given = GivenTolerance(transmittance_db=1e-3, baseline=REFERENCE)
+    result = compared(dataclasses.replace(planned(), tolerance=given))
+    wrong = departing(result)
+    assert wrong
+    assert unexplained(wrong) == []
+
+
+@needs_mujoco
+def test_predictions_are_in_the_dataset_and_come_back_out_of_it() -> None:
+    result = compared(planned())
+    etas = tuple(sorted({point.frequency_ratio for point in result.points}))
+    whole = dataclasses.replace(result.sweep, axes={**result.sweep.axes, "frequency_ratio": etas})
+    data = sweep_dataset(whole, result.table)
+    assert bool((abs(data.law_left_db) <= data.law_allowed_db).sel(variant=str(LAWFUL)).any())
+    assert bool(data.law_left_db.sel(variant="reference").isnull().all())
+    again = DatasetResults(data)
+    recalled = judged_points(again.sweep, again.points, again, again.predictions)
+    for variant in result.sweep.variants:
+        ours, theirs = ([repr(point.findings) for point in each.points_of(variant)] for each in (recalled, result))
+        assert ours == theirs
+
+
+@needs_mujoco
+def test_laws_that_have_not_been_run_explain_nothing(tmp_path) -> None:
+    sweep = planned()
+    with ResultStore(tmp_path / "all.sqlite") as store, ResultStore(tmp_path / "without.sqlite") as without:
+        running = evaluator(store)
+        compare_sweep(sweep, running)
+        kept = {task: result for task, result in running._results.items() if "@law" not in task.variant.engine}
+        without.keep(list(kept.items()))
+        result = compare_sweep(sweep, StoredResults(without))
+    wrong = departing(result)
+    assert wrong
+    assert {finding.prediction for finding in wrong} == {None}
+    assert unexplained(wrong) == wrong
+
+
+def test_a_drive_that_is_a_step_late_disagrees_at_every_point_though_no_level_does(monkeypatch) -> None:
+    late = Variant("mujoco")
+    be_late(monkeypatch)
+    result = compared(planned(late))
+    wrong = departing(result, late)
+    assert {finding.metric.name for finding in wrong} == {"phase"}
+    assert len(wrong) == len(result.points_of(late))
+    assert failures(result.findings) == [f"unexplained: {len(wrong)} disagreements, of {late}"]
+
+
+def test_a_variant_without_a_certified_steady_state_fails() -> None:
+    variant = Variant("mujoco")
+    with opened_store(None) as store:
+        running = evaluator(store)
+        whole = running.evaluate
+
+        def never(tasks):
+            lost = Result(status="period limit", residual=1e-3, periods=400, steps_per_period=400, period=1.0)
+            others = iter(whole([task for task in tasks if task.variant != variant]))
+            return [lost if task.variant == variant else next(others) for task in tasks]
+
+        running.evaluate = never
+        result = compare_sweep(planned(variant), running)
+    lines = [line for line in failures(result.findings) if line.startswith(f"{variant}: ")]
+    assert len(lines) == 1
+    assert "without a certified steady state" in lines[0]
