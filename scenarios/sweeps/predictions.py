@@ -29,7 +29,7 @@ from scenarios.sweeps.table import (
 from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.verdicts.finding import Finding
-from scenarios.verdicts.pointwise import PointResults, baseline, point_findings
+from scenarios.verdicts.pointwise import PointResults, baseline, point_findings, point_resolution
 from scenarios.verdicts.prediction import PERIODS_OF_ERROR, needs_prediction, with_predictions
 from scenarios.verdicts.verdict import Comparison, Verdict
 
@@ -68,18 +68,29 @@ def _predicted_point(
     Both are motions of one map that need not have repeated: a residual may add up over `PERIODS_OF_ERROR`, because
     stick and slip move resonances, and the linear estimate of `amplification` may miss the one that is met.
     """
-    derived = replace(known, given=None, amplified=max(known.amplified, PERIODS_OF_ERROR))
-    resolutions = {finding.metric: finding.comparison.resolution for finding in point_findings(derived)}
-    findings = [
-        replace(finding, comparison=replace(finding.comparison, resolution=resolutions[finding.metric]))
-        for finding in point.findings
-    ]
-    label = findings[0].case
-    of_law = point_findings(replace(derived, variant=law, result=own, others=()), label)
-    judged = _with_law(point.variant, findings, of_law, {label: period})
+    amplified = replace(known, amplified=max(known.amplified, PERIODS_OF_ERROR))
+    of_law = replace(amplified, variant=law, result=own, others=())
+    label = point.findings[0].case
+    judged = _with_law(
+        point.variant,
+        _with_resolution(point.findings, amplified),
+        _with_resolution(point_findings(of_law, label), of_law),
+        {label: period},
+    )
     return tuple(
         replace(finding, prediction=own.prediction) for finding, own in zip(point.findings, judged, strict=True)
     )
+
+
+def _with_resolution(findings: Iterable[Finding], known: PointResults) -> list[Finding]:
+    """Give findings with what the result leaves open, also where a tolerance is given."""
+    return [
+        replace(
+            finding,
+            comparison=replace(finding.comparison, resolution=point_resolution(known, known.against, finding.metric)),
+        )
+        for finding in findings
+    ]
 
 
 def _with_law(

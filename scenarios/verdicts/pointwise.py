@@ -194,13 +194,11 @@ def point_tolerance(known: PointResults, against: Variant) -> Tolerance:
 
 def _tolerance(known: PointResults, against: Variant, metric: Metric, read: Read) -> Tolerance:
     """Derive how far a number of a point may be from that of the baseline."""
-    level = max(known.expected(against).transmittance_db, FLOOR_DB)
     if known.given is not None and known.given.judges(known.variant):
         return Tolerance(given=_given(known.given.transmittance_db, metric))
-    amplitude = resolution(known.variant, known.result, level, known.amplified)
-    of_metric = amplitude_in_db if metric == TRANSMITTANCE else amplitude_in_degrees
+    left_open = point_resolution(known, against, metric)
     if against == REFERENCE:
-        return Tolerance(resolution=of_metric(amplitude, level))
+        return Tolerance(resolution=left_open)
     scheme = _by_steps(read, known.reference, *known.refined)
     finest = known.converged.steps_per_period * CONVERGED_SUBSTEPS
     scheme[finest] = read(known.converged)
@@ -209,10 +207,17 @@ def _tolerance(known: PointResults, against: Variant, metric: Metric, read: Read
     return Tolerance(
         reference=Steps(scheme, finest).error(metric),
         engine=Steps(own, known.result.steps_per_period).error(metric),
-        resolution=of_metric(amplitude, level),
+        resolution=left_open,
         # the reference itself is judged by its own steps alone: its error cannot excuse itself
         scheme=0.0 if known.variant == REFERENCE else Steps(scheme, at).error(metric),
     )
+
+
+def point_resolution(known: PointResults, against: Variant, metric: Metric) -> float:
+    """Give what a result leaves open of a number, in the unit of the metric."""
+    level = max(known.expected(against).transmittance_db, FLOOR_DB)
+    amplitude = resolution(known.variant, known.result, level, known.amplified)
+    return (amplitude_in_db if metric == TRANSMITTANCE else amplitude_in_degrees)(amplitude, level)
 
 
 def _given(transmittance_db: float, metric: Metric) -> float:

@@ -89,7 +89,8 @@ def _law(finding: Finding, prediction: Prediction) -> str:
     if not prediction.certified:
         return str(prediction)
     departure, left, unit = finding.comparison.difference, prediction.difference, finding.metric.unit
-    return (
+    text = (
         f"departure {departure:+.4g}, prediction {departure - left:+.4g}, left {left:+.2g} {unit}, "
         f"allowed {prediction.allowed:.2g}; period {prediction.distance:.2g} U0, allowed {prediction.period_bound:.2g}"
     )
+    return text.replace("-", "−")

@@ -13,12 +13,14 @@ import pytest
 import reports.__main__ as command
 from engines.interface.variant import Variant
 from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from reports.data.collect import Scope, expected_tasks
-from reports.export.files import FILES
+from reports.export.files import FILES, report_dataset
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import LocalWorker
-from scenarios.execution.store import ResultStore
+from scenarios.execution.store import ResultStore, opened_store
 from scenarios.studies.figure3 import figure3
+from scenarios.sweeps.compared import compare_sweep
 from scenarios.sweeps.run import stored_table
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.summary import verdict_summaries
@@ -26,6 +28,7 @@ from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.sweeps.table import points_of
 from scenarios.tasks.parameters import Excitation
 from scenarios.tasks.result import Result
+from tests.scenarios.in_process import evaluator, rub_harder
 
 SMALL = {"friction_ratios": (0.3,), "frequency_ratios": (0.3, 0.6, 0.63, 0.65, 0.7, 0.8, 0.9, 1.1)}
 
@@ -225,7 +228,7 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
     connection.close()
     # everything that was asked, map and lines of the reference among it, is about the force
     assert all(one["excitation"] == {"kind": "force", "amplitude": 10.0} for one in contents)
-    recorded = [one for one in contents if "recorded" in one]
+    recorded = [one for one in contents if one.get("recorded") not in (None, "law")]
     assert len(recorded) == len(read.variants)
     written = json.loads((tmp_path / "out" / "report.json").read_text())
     names = ("engine", "formulation", "preset")
@@ -272,3 +275,23 @@ def test_wrong_ways_to_say_what_is_shown_are_refused(
     asked = [argument.format(**files) for argument in arguments]
     assert run_command(command.app, [*asked, "--out", str(tmp_path / "out")]) == 2
     assert named in one_line(capsys)
+
+
+def test_an_unexplained_disagreement_is_code_1_after_the_page_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rub_harder(monkeypatch, 1.1)
+    planned = figure3((Variant("mujoco"),), (0.3,), (0.6, 0.9))
+    with opened_store(None) as kept:
+        data = report_dataset(compare_sweep(planned, evaluator(kept)))
+    for name, part, code in (
+        ("wrong", data, ExitCode.FAILED),
+        ("right", data.sel(variant=["reference:joint:converged", "reference"]), ExitCode.DONE),
+    ):
+        file, out = tmp_path / f"{name}.nc", tmp_path / name
+        part.to_netcdf(file, engine="h5netcdf")
+        assert run_command(command.app, ["--data", str(file), "--out", str(out)]) == code
+        page, *lines = capsys.readouterr().out.splitlines()
+        assert Path(page) == out / "index.html"
+        assert Path(page).is_file()
+        assert [line.partition(":")[0] for line in lines] == (["unexplained"] if code else [])

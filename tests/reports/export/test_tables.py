@@ -16,9 +16,14 @@ from reports.export.files import report_dataset, write_all
 from scenarios.sweeps.compared import ComparedSweep
 
 COLUMNS = {
-    "band_edges.csv": "engine,formulation,preset,friction_ratio,edge,frequency_ratio,difference,verdict,reason",
+    "band_edges.csv": (
+        "engine,formulation,preset,friction_ratio,edge,frequency_ratio,difference,verdict,outcome,"
+        "law_value,law_left,law_allowed,law_distance,law_period_bound,reason"
+    ),
     "transmittance.csv": (
-        "engine,formulation,preset,friction_ratio,frequency_ratio,status,transmittance_db,residual,difference_db,verdict,reason"
+        "engine,formulation,preset,friction_ratio,frequency_ratio,status,transmittance_db,residual,difference_db,"
+        "phase_rad,difference_phase_deg,verdict,outcome,law_value_db,law_left_db,law_allowed_db,law_value_phase_deg,"
+        "law_left_phase_deg,law_allowed_phase_deg,law_distance,law_period_bound,reason"
     ),
     "transitions.csv": "engine,formulation,preset,friction_ratio,frequency_ratio,cell,time_s,kind",
 }

@@ -83,6 +83,7 @@ class Elements(HTMLParser):
 def test_page_has_every_section_in_order(page: str) -> None:
     assert Elements(page).headings == [
         "Summary",
+        "Departures and laws",
         "Band edges",
         "Transmittance",
         "Friction and frequency",
@@ -157,9 +158,22 @@ def test_every_axis_and_every_table_of_edges_names_the_definition_of_the_band(pa
     assert page.count(definition) == 5
 
 
+def test_departures_stand_beside_what_laws_leave_of_them_and_fail_the_comparison(report: Report, page: str) -> None:
+    own = next(row for row in report.departures if row.variant == RUNS)
+    assert (own.variant, own.points, own.edges, own.unexplained) == (RUNS, 1, 3, 4)
+    assert own.worst.departure == pytest.approx(0.03, abs=1e-12)
+    assert math.isnan(own.worst.left)
+    assert own.note == "claims the reference's step"
+    assert report.failures[0].startswith("unexplained: ")
+    assert "The comparison fails:" in page
+    assert report.failures[0] in page
+
+
 def test_findings_count_verdicts_and_name_the_worst_place(result: ComparedSweep) -> None:
     found = findings(result, RUNS)
-    assert found.verdicts == {"agree": 6, "disagree": 1, "inconclusive": 1, "blocked": 0}
+    assert found.verdicts == {
+        "agree": 6, "disagree": 1, "own step too coarse": 0, "inconclusive": 1, "blocked": 0,
+    }  # fmt: skip
     assert found.worst_difference.difference == pytest.approx(0.03, abs=1e-12)
     assert (found.worst_difference.case.friction_ratio, found.worst_difference.frequency_ratio) == (0.0, 0.9)
     assert found.worst_edge.difference == pytest.approx(0.01)
