@@ -25,7 +25,7 @@ LAWFUL = Variant("mujoco", "joint", "default")
 """It departs from Coulomb's law, and its law predicts how."""
 
 GRID = (0.55, 0.62, 0.67, 0.9, 1.1)
-"""With the lower edge of the band at friction ratio 0.3, and 0.67, where a residual grows by more than in linear limits."""
+"""With the lower edge of the band at friction ratio 0.3; at 0.67 a residual grows by more than in the linear limits."""
 
 needs_mujoco = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
 
