@@ -18,9 +18,8 @@ from reference_lcp.validation import FloatArray, ParameterError, checked_scalar
 from scenarios.verdicts.band_edge import Crossing
 
 EDGE_RESOLUTION = 1e-6
-"""Width in η_r to which an edge is bracketed: at equal step little more than it is allowed of an edge. It is a
-hundredth of what a step of 400 a period moves the edges of figure 3 by, and takes one steady state an edge more than
-1e-4 does."""
+"""Width in η_r to which an edge is bracketed; at equal step little more is allowed of it. A step of 400 a period moves
+the edges of figure 3 by some fifty times as much, and a width of 1e-4 would save one steady state an edge."""
 
 RESOLVED_SPACING = 0.0125
 """Spacing of the grid in η_r to which a curve is resolved where it runs close below the threshold."""
