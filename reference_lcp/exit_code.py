@@ -9,7 +9,8 @@ class ExitCode(IntEnum):
     DONE = 0
     """It did what was asked for."""
     FAILED = 1
-    """A comparison failed: an unexplained disagreement, a regression, or no steady state."""
+    """A comparison failed: an unexplained disagreement, a preset with too little that is certified, a regression, or no
+    steady state."""
     WRONG_INPUT = 2
     """The input is refused: a value, a damaged store, an output that cannot be written, an engine that is missing."""
     RUN_FAILED = 3

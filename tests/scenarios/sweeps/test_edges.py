@@ -43,7 +43,7 @@ def test_an_engine_that_is_the_reference_has_its_edges_to_what_neither_resolves(
     result = compared()
     for own, reference in zip(edges_of(result), edges_of(result, REFERENCE), strict=True):
         assert own.comparison.verdict is Verdict.AGREE
-        assert own.frequency_ratio == reference.frequency_ratio
+        assert own.frequency_ratio == pytest.approx(reference.frequency_ratio, abs=EDGE_RESOLUTION / 100)
         assert own.comparison.tolerance <= 2.1 * EDGE_RESOLUTION
 
 
@@ -67,7 +67,7 @@ def test_a_small_error_of_a_parameter_moves_edges_beyond_what_is_allowed(monkeyp
 def test_a_baseline_that_is_given_is_that_of_edges_too(monkeypatch) -> None:
     misread_the_chain(monkeypatch)
     result = compared(GivenTolerance(transmittance_db=0.001, baseline=REFERENCE))
-    assert {edge.comparison.difference for edge in edges_of(result)} == {0.0}
+    assert max(abs(edge.comparison.difference) for edge in edges_of(result)) < EDGE_RESOLUTION / 100
 
 
 def test_the_reference_itself_is_compared_with_the_converged_one_by_its_own_steps(monkeypatch) -> None:
