@@ -82,7 +82,7 @@ class Contract:
             names = [option for variant in variants for option in ("--engine", variant.engine)]
             options = ["-q", "-p", "no:cacheprovider", "--override-ini=addopts=", "--tb=no", f"--junitxml={file}"]
             command = [sys.executable, "-m", "pytest", "--pyargs", "engines.contract", *options, *names]
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
             if done.returncode not in PYTEST_FINISHED:
                 raise RuntimeError(f"pytest ended with {done.returncode}: {done.stdout[-1000:]}{done.stderr[-1000:]}")
             cases = ElementTree.parse(file).getroot().iter("testcase")
