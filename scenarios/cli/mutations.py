@@ -15,18 +15,14 @@ from reference_lcp.output import write_whole
 from reference_lcp.validation import checked_choice
 from scenarios.cli.options import (
     TABLE_ENDINGS,
-    Limit,
-    Scheduler,
     Store,
     TableFile,
-    Workers,
     check_out,
     command_text,
     store_of_run,
 )
-from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.executor import TIME_LIMIT, Executor
+from scenarios.execution.executor import InProcessExecutor
 from scenarios.mutations.gates import Contract, Gate, Report, Scenarios
 from scenarios.mutations.mutation_table import MUTATION_COLUMNS, MutationRow, mutation_csv, mutation_document
 from scenarios.mutations.search import detections, rounds
@@ -45,9 +41,6 @@ def add_mutations(run: typer.Typer) -> None:
         chosen: ChosenMutants = None,
         store: Store = None,
         out: TableFile = None,
-        workers: Workers = None,
-        time_limit: Limit = TIME_LIMIT,
-        scheduler: Scheduler = None,
     ) -> None:
         """Hold engines with one error each to contract, scenarios and report: the smallest error that each detects.
 
@@ -59,18 +52,18 @@ def add_mutations(run: typer.Typer) -> None:
         names = chosen or list(MUTANTS)
         mutants = [MUTANTS[checked_choice("mutant", name, list(MUTANTS))] for name in dict.fromkeys(names)]
         check_out(out, TABLE_ENDINGS, [store])
-        rows = mutation_rows(mutants, store, executor_for(workers, time_limit, scheduler))
+        rows = mutation_rows(mutants, store)
         print_table(text_table(MUTATION_COLUMNS, rows))
         if out is not None:
             command = command_text("mutations", None, [f"--mutant={name}" for name in chosen or []])
             write_whole(out, mutation_document(rows, command) if out.suffix == ".md" else mutation_csv(rows))
 
 
-def mutation_rows(mutants: Sequence[Mutant], store: Path | None, executor: Executor) -> list[MutationRow]:
-    """Hold mutants to every gate, with a bar on the way."""
+def mutation_rows(mutants: Sequence[Mutant], store: Path | None) -> list[MutationRow]:
+    """Hold mutants to every gate, with a bar on the way; they run in this process, since none of them can crash it."""
     with (
         store_of_run(store) as stored,
-        Evaluator(stored, executor) as evaluator,
+        Evaluator(stored, InProcessExecutor()) as evaluator,
         Progress(console=Console(stderr=True), transient=True) as progress,
     ):
         gates: list[Gate] = [Contract(), Scenarios(evaluator), Report(evaluator)]
