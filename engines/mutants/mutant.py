@@ -87,6 +87,11 @@ class MutantEngine(Engine):
         """Version of the suite."""
         return engine("reference").version()
 
+    @property
+    def states_laws_of(self) -> str:
+        """Name of the original."""
+        return self._mutant.of.engine
+
     def unavailable_reason(self) -> str | None:
         """``None``: mutants need nothing but the suite."""
         return None
