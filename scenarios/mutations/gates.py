@@ -24,15 +24,13 @@ from scenarios.verdicts.verdict import Verdict
 SCENARIO_NAMES = (
     "unit-cell",
     "den-hartog",
-    "frictionless-limit",
     "locked-limit",
-    "ricker-pulse",
     "disordered-chain",
     "modulated-normal-force",
 )
-"""Scenarios of the second gate: one of every kind, those that are soon done; points of figure 3 are in the third."""
+"""Scenarios of the second gate: steady states that are soon done; points of figure 3 are in the third."""
 
-FRICTION_RATIOS, FREQUENCY_RATIOS = (0.1, 0.3, 1.0), (0.5, 0.62, 0.7, 0.8, 0.9, 1.0, 1.1, 1.3, 1.5)
+FRICTION_RATIOS, FREQUENCY_RATIOS = (0.1, 0.3), (0.5, 0.62, 0.7, 0.8, 0.9, 1.0, 1.1, 1.3, 1.5)
 """The sweep of the third gate: a part of figure 3 that holds both edges of every curve."""
 
 PYTEST_FINISHED = (0, 1)

@@ -54,7 +54,8 @@ table has the smallest size, of those from the *largest* to the *smallest*, a de
 dash where even the largest passes. That a larger error is caught wherever a smaller one is, is taken for granted.
 
 - *contract*: `pytest --pyargs engines.contract --engine NAME` is red.
-- *scenarios*: a disagreement that no law predicts, as for the exit code, in {", ".join(SCENARIO_NAMES)}.
+- *scenarios*: one of {", ".join(SCENARIO_NAMES)} fails, as for its exit code: a
+  disagreement that no law predicts, or too little that is certified.
 - *report*: a point or a band edge that disagrees, friction {", ".join(map(str, FRICTION_RATIOS))} × η_r
   {", ".join(map(str, FREQUENCY_RATIOS))}.
 
