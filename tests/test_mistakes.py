@@ -46,6 +46,7 @@ COMMAND_LINES = [
     ("reference_lcp convergence --plot missing/orders.png", r"the folder missing does not exist"),
     ("scenarios run laws --out laws.txt", r"allowed: \.md or \.csv"),
     ("scenarios run mutations --mutant bond", r"mutant = 'bond' is unknown; allowed: .*bound"),
+    ("scenarios run mutations --gate garden", r"gate = 'garden' is unknown; allowed: contract, scenarios, report"),
     ("scenarios run mutations --out mutations.txt", r"allowed: \.md or \.csv"),
     ("scenarios run unit-cell --engine mutant@bound", r"'mutant@bound'; allowed: mutant@NAME@SIZE"),
     ("engines law mujocko", r"engine = 'mujocko' is unknown"),

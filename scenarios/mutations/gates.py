@@ -40,11 +40,6 @@ PYTEST_FINISHED = (0, 1)
 class Gate(Protocol):
     """What says which variants are wrong."""
 
-    @property
-    def name(self) -> str:
-        """As the table names it."""
-        ...
-
     def caught(self, variants: Sequence[Variant]) -> set[Variant]:
         """Give those of the variants that do not pass."""
         ...
@@ -58,8 +53,6 @@ class Contract:
     ParameterError
         If pytest is not installed.
     """
-
-    name = "contract"
 
     def __init__(self) -> None:
         if find_spec("pytest") is None:
@@ -100,7 +93,6 @@ class Scenarios:
 
     evaluator: Evaluator
     names: Sequence[str] = SCENARIO_NAMES
-    name: str = "scenarios"
 
     def caught(self, variants: Sequence[Variant]) -> set[Variant]:
         """Give the variants of which a scenario fails."""
@@ -120,7 +112,6 @@ class Report:
     evaluator: Evaluator
     friction_ratios: Sequence[float] = FRICTION_RATIOS
     frequency_ratios: Sequence[float] = FREQUENCY_RATIOS
-    name: str = "report"
 
     def caught(self, variants: Sequence[Variant]) -> set[Variant]:
         """Give the variants with a point or an edge that disagrees."""

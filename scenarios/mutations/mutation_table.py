@@ -1,7 +1,7 @@
 """Mutants × gates: the smallest error that each gate detects, as a table and a document."""
 
 import platform
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from engines.mutants.mutant import Mutant
@@ -10,42 +10,41 @@ from scenarios.mutations.search import Detection
 from scenarios.tables import Column, csv_text, full_table, markdown_lines, text_table
 from scenarios.tasks.versions import versions_of
 
-GATE_NAMES = ("contract", "scenarios", "report")
-"""Gates in the order of the columns."""
-
 
 @dataclass(frozen=True)
 class MutationRow:
-    """A mutant, and what each gate detects of it, in the order of `GATE_NAMES`."""
+    """A mutant, and what each gate detects of it, by the gate's name."""
 
     mutant: Mutant
-    detections: Sequence[Detection]
+    detections: Mapping[str, Detection]
 
     @property
     def silent(self) -> str:
         """The gates that stop it without its error too, and so say nothing of it."""
-        pairs = zip(GATE_NAMES, self.detections, strict=True)
-        return ", ".join(name for name, detection in pairs if detection.twin_caught)
+        return ", ".join(name for name, detection in self.detections.items() if detection.twin_caught)
 
     @property
     def passes(self) -> bool:
         """Whether it passes all gates with its largest error."""
-        return all(detection.smallest is None for detection in self.detections)
+        return all(detection.smallest is None for detection in self.detections.values())
 
 
-def _detected(index: int) -> Column[MutationRow]:
-    return Column(GATE_NAMES[index], lambda row: row.detections[index].smallest, pattern="{:g}")
+def mutation_columns(gates: Sequence[str]) -> list[Column[MutationRow]]:
+    """Give the columns of a table with these gates."""
+    return [
+        Column("mutant", lambda row: row.mutant.name),
+        Column("error", lambda row: row.mutant.error),
+        Column("claims", lambda row: row.mutant.excuse or str(row.mutant.of), "claims to be"),
+        Column("largest", lambda row: row.mutant.sizes[0], "largest s", "{:g}"),
+        Column("smallest", lambda row: row.mutant.sizes[-1], "smallest s", "{:g}"),
+        *(_detected(gate) for gate in gates),
+        Column("silent", lambda row: row.silent, "stopped without the error, too"),
+    ]
 
 
-MUTATION_COLUMNS: tuple[Column[MutationRow], ...] = (
-    Column("mutant", lambda row: row.mutant.name),
-    Column("error", lambda row: row.mutant.error),
-    Column("claims", lambda row: row.mutant.excuse or str(row.mutant.of), "claims to be"),
-    Column("largest", lambda row: row.mutant.sizes[0], "largest s", "{:g}"),
-    Column("smallest", lambda row: row.mutant.sizes[-1], "smallest s", "{:g}"),
-    *(_detected(index) for index in range(len(GATE_NAMES))),
-    Column("silent", lambda row: row.silent, "stopped without the error, too"),
-)
+def _detected(gate: str) -> Column[MutationRow]:
+    return Column(gate, lambda row: row.detections[gate].smallest, pattern="{:g}")
+
 
 MUTATION_LEGEND = f"""\
 What would the suite find out? Every *mutant* is a copy of an engine's own steps, of the reference's scheme or of the
@@ -66,16 +65,21 @@ mutant@bound@0.01` judges a single one.
 """
 
 
+def gates_of(rows: Sequence[MutationRow]) -> list[str]:
+    """Give the gates that rows are of."""
+    return list(rows[0].detections)
+
+
 def mutation_document(rows: Sequence[MutationRow], command: str) -> str:
     """Give the table as a document, with how it was made."""
     passing = [row.mutant.name for row in rows if row.passes]
     lines = ["# Mutants and gates", "", MUTATION_LEGEND, f"Made by `{command}`.", ""]
-    lines += markdown_lines(text_table(MUTATION_COLUMNS, rows))
-    lines += ["", f"Passing all gates with the largest error: {', '.join(passing) or 'none'}."]
+    lines += markdown_lines(text_table(mutation_columns(gates_of(rows)), rows))
+    lines += ["", f"Passing these gates with the largest error: {', '.join(passing) or 'none'}."]
     versions = versions_of(["reference"])
     return "\n".join([*lines, "", f"Versions: {versions}; Python {platform.python_version()}.", ""])
 
 
 def mutation_csv(rows: Sequence[MutationRow]) -> str:
     """Give the table as CSV, with full precision."""
-    return csv_text(full_table(MUTATION_COLUMNS, rows), missing="")
+    return csv_text(full_table(mutation_columns(gates_of(rows)), rows), missing="")
