@@ -24,6 +24,7 @@ from reference_lcp.output import write_whole
 from reference_lcp.validation import ParameterError, checked_scalar
 from reference_lcp.visible import visible
 from scenarios.catalogue import CATALOGUE
+from scenarios.cli.mutations import add_mutations
 from scenarios.cli.options import (
     TABLE_ENDINGS,
     Chosen,
@@ -63,6 +64,7 @@ from scenarios.verdicts.steady_case import EXACT, REFERENCE
 EXPERIMENTS = {
     "accuracy": "How wrong is the friction of each engine, formulation and preset? Against the exact motion.",
     "laws": "How well does the law of each preset predict its engine? Number by number, and over a period.",
+    "mutations": "What would be found out? Engines with one error each, and the smallest one that each gate detects.",
     "cost": "What do a step and a steady state cost in each engine, and what is gained by two workers?",
 }
 
@@ -71,6 +73,7 @@ run = typer.Typer(help="Run a scenario of the catalogue, all of them, or a measu
 app.add_typer(run, name="run")
 app.add_typer(store_app, name="store")
 add_scenarios(run)
+add_mutations(run)
 
 
 @app.callback(invoke_without_command=True)

@@ -43,6 +43,7 @@ ONTO_WHAT_IS_USED = [
     "scenarios run record --engine reference --record record.csv --out record.csv",
     "scenarios run accuracy --engine reference --store kept.csv --out kept.csv",
     "scenarios run cost --engine reference --out kept.csv",
+    "scenarios run mutations --mutant bound --store kept.csv --out kept.csv",
     "reports compare kept.csv hard.csv --out kept.csv",
     "reports compare kept.csv hard.csv --out link.csv",
     "reports --quick --store rep/transmittance.csv --out rep",

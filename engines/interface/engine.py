@@ -46,6 +46,11 @@ class Engine(ABC):
         """Version of the Python that the engine runs in; adapters override it where that is not this one."""
         return platform.python_version()
 
+    @property
+    def states_laws_of(self) -> str:
+        """Name of the engine whose laws its presets state: its own, but for copies of another engine."""
+        return self.name
+
     @abstractmethod
     def unavailable_reason(self) -> str | None:
         """Reason in a sentence why the engine cannot be used here; ``None`` if it can."""

@@ -13,10 +13,19 @@ from reference_lcp.validation import ParameterError, checked_choice
 ENTRY_POINT_GROUP = "multibody_xval.engines"
 """Group under which a distribution registers its engines; nothing in the suite is edited for a new one."""
 
+FAMILY_GROUP = "multibody_xval.engine_families"
+"""Group under which a distribution registers families of engines: functions that give the engine ``FAMILY@MEMBER``, of
+``MEMBER``. Engines of families take part where they are named, and are not listed."""
+
 
 @cache
 def _entry_points() -> dict[str, EntryPoint]:
     return {entry.name: entry for entry in entry_points(group=ENTRY_POINT_GROUP)}
+
+
+@cache
+def _families() -> dict[str, EntryPoint]:
+    return {entry.name: entry for entry in entry_points(group=FAMILY_GROUP)}
 
 
 @cache
@@ -77,7 +86,7 @@ def _check_versions(registered: Engine) -> None:
 def engine(name: str) -> Engine:
     """Give the engine of this name; its own package is imported when it builds something.
 
-    ``NAME@law`` is the model of that engine's laws, which needs no package.
+    ``NAME@law`` is the model of that engine's laws, which needs no package; ``FAMILY@MEMBER`` is one of a family.
 
     Raises
     ------
@@ -86,6 +95,9 @@ def engine(name: str) -> Engine:
     """
     if name.endswith(LAW_SUFFIX):
         return _law_engine(name.removesuffix(LAW_SUFFIX))
+    family, _, member = name.partition("@")
+    if member and family in _families():
+        return _member(family, member)
     if name not in _entry_points():
         checked_choice("engine", name, registered_names())
     reason = broken_reason(name)
@@ -98,6 +110,12 @@ def engine(name: str) -> Engine:
 @cache
 def _law_engine(name: str) -> Engine:
     return LawEngine(engine(name), engine("reference").version())
+
+
+@cache
+def _member(family: str, member: str) -> Engine:
+    built: Engine = _families()[family].load()(member)
+    return built
 
 
 def default_engine_names() -> list[str]:

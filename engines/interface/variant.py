@@ -65,7 +65,7 @@ class Variant:
         """Give the variant that is the model of this one's law; ``None`` where it has no model."""
         if law_of(self.preset) is None or self.engine.endswith(LAW_SUFFIX):
             return None
-        return replace(self, engine=f"{self.engine}{LAW_SUFFIX}")
+        return replace(self, engine=f"{engine(self.engine).states_laws_of}{LAW_SUFFIX}")
 
     @property
     def title(self) -> str:
