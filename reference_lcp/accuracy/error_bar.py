@@ -15,12 +15,12 @@ import numpy as np
 from reference_lcp.accuracy.resolution import amplitude_in_db, unresolved_amplitude
 from reference_lcp.accuracy.richardson import richardson
 from reference_lcp.chain.harmonic import PeriodicDrive
-from reference_lcp.chain.linear_response import residual_amplification
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.observables.stick_slip import Mode, Transition, stuck_fraction, transitions
 from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
 from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.steady.amplification import residual_amplification
 from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
 from reference_lcp.validation import FloatArray
@@ -159,9 +159,8 @@ def _transmittance_bar(orbits: Sequence[PeriodicOrbit], place: int) -> dict[str,
 
 def _unresolved_amplitude(orbit: PeriodicOrbit) -> float:
     """What residual and round-off leave open of the amplitude of an orbit, over the displacement scale."""
-    amplification = residual_amplification(orbit.lane.chain, orbit.lane.time_step * orbit.trajectory.steps)
     steps = orbit.periods * orbit.trajectory.steps
-    return unresolved_amplitude(orbit.residual, amplification, steps, decibel(transmittance(orbit)))
+    return unresolved_amplitude(orbit.residual, residual_amplification(orbit), steps, decibel(transmittance(orbit)))
 
 
 def _sticks(orbit: PeriodicOrbit) -> FloatArray:

@@ -44,4 +44,4 @@ def amplitude_in_db(amplitude: float, transmittance_db: float) -> float:
     A negative change that leaves nothing of the amplitude gives −inf.
     """
     change = amplitude * 10 ** (-transmittance_db / 20)
-    return 20 * math.log10(1 + change) if change > -1 else -math.inf
+    return -math.inf if change <= -1 else 20 * math.log10(1 + change)

@@ -35,36 +35,6 @@ def stuck_transmittance(chain: Chain, drive: PeriodicDrive) -> float:
     return _transmittance(stuck_response(chain, drive), chain, drive)
 
 
-def residual_amplification(chain: Chain, period: float) -> float:
-    """How many times farther from its steady state a motion may be than one period shows; >= 1.
-
-    A motion that comes back after a period T by r beside where it was is (I − J)⁻¹ r from the steady state, J being the
-    Jacobian of the period map. While no contact changes between stick and slip it is exp(A T), and the factor
-    1 / |1 − exp(λ T)|, λ being the eigenvalue of A for which it is largest: of a lightly damped mode of which nearly
-    a whole number of cycles fits into the period.
-
-    Parameters
-    ----------
-    chain
-        Taken with all contacts free and with all contacts stuck; the larger factor counts.
-    period
-        T [s].
-    """
-    bases = (np.eye(2 * chain.cells), stuck_basis(chain))
-    nearest = min(float(np.min(np.abs(1 - np.exp(_eigenvalues(chain, basis) * period)))) for basis in bases)
-    return max(1.0, 1 / nearest) if nearest > 0 else np.inf
-
-
-def _eigenvalues(chain: Chain, basis: NDArray[np.float64]) -> NDArray[np.complex128]:
-    """Eigenvalues λ [1/s] of the free motion in the subspace of `basis`, shape (2k,)."""
-    mass, damping, stiffness = (
-        basis.T @ matrix @ basis for matrix in (chain.mass_matrix, chain.damping_matrix, chain.stiffness_matrix)
-    )
-    size = basis.shape[1]
-    rates = -np.linalg.solve(mass, np.hstack([stiffness, damping]))
-    return np.linalg.eigvals(np.vstack([np.eye(size, 2 * size, size), rates])).astype(np.complex128)
-
-
 def _transmittance(response: NDArray[np.complex128], chain: Chain, drive: PeriodicDrive) -> float:
     return float(np.abs(response[chain.cells - 1]) / drive.displacement_scale(chain))
 

@@ -13,6 +13,7 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
 from reference_lcp.one_call import SteadyState
+from reference_lcp.steady.amplification import residual_amplification
 from reference_lcp.steady.orbits import OrbitStatus, PeriodicOrbit, periodic_orbits
 from reference_lcp.validation import ParameterError
 from scenarios.execution.checked_simulation import CheckedSimulation, check_trajectory
@@ -21,6 +22,9 @@ from scenarios.execution.law_start import law_starts
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import Start, SteadyStateTask
+
+EULER = Variant("reference")
+"""Whose steady states tell by how much a residual is amplified; engines at the same point have nearly the same."""
 
 
 def run_steady_states(tasks: Sequence[SteadyStateTask]) -> list[Result]:
@@ -48,7 +52,7 @@ def _results_of_lanes(
     begin = time.perf_counter()
     states = _steady_states(variant, lanes, steps, start)
     seconds = (time.perf_counter() - begin) / len(lanes)
-    return [_result(state, variant.preset.stick_margin, seconds, recorded) for state in states]
+    return [_result(variant, state, seconds, recorded) for state in states]
 
 
 def _steady_states(variant: Variant, lanes: Sequence[Lane], steps: int, start: Start) -> list[SteadyState]:
@@ -83,9 +87,9 @@ def _orbits(
     return [orbits[lane] for lane in range(len(starts))]
 
 
-def _result(state: SteadyState, stick_margin: float, seconds: float, recorded: bool) -> Result:
+def _result(variant: Variant, state: SteadyState, seconds: float, recorded: bool) -> Result:
     """Give the numbers of a steady state; one whose search has diverged has none."""
-    orbit = state.orbit
+    orbit, stick_margin = state.orbit, variant.preset.stick_margin
     if not math.isfinite(orbit.residual):
         reason = f"the engine's numbers are not finite, in period {orbit.periods} of the search"
         return Result.blocked(reason, by_engine=True)
@@ -103,6 +107,7 @@ def _result(state: SteadyState, stick_margin: float, seconds: float, recorded: b
         transmittance_db=state.transmittance_db,
         phase=state.phase,
         residual=orbit.residual,
+        amplification=residual_amplification(orbit) if variant == EULER else math.nan,
         periods=orbit.periods,
         multiple=orbit.multiple,
         steps_per_period=orbit.trajectory.steps,

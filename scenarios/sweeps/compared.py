@@ -12,7 +12,7 @@ from reference_lcp.validation import FloatArray
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.edges import BandEdge, band_edges
 from scenarios.sweeps.predictions import predicted, predicted_edges
-from scenarios.sweeps.refined_edges import refined_edges
+from scenarios.sweeps.refined_edges import largest_amplification, refined_edges
 from scenarios.sweeps.refinement import chosen_frequencies, decided_db, for_the_band, frequencies_of, refined
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.sweeps.table import (
@@ -110,7 +110,7 @@ def compare_sweep(sweep: Sweep, evaluator: GivesResults) -> ComparedSweep:
         Gives the results.
     """
     table = judged(sweep, with_results(sweep, resolved_grid(sweep, evaluator), evaluator))
-    refined = refined_edges(sweep, table, evaluator)
+    refined = refined_edges(sweep, table, evaluator, largest_amplification(table))
     edges = band_edges(sweep, table, refined, evaluator)
     return ComparedSweep(
         sweep,

@@ -78,6 +78,9 @@ _NUMBERS: dict[str, tuple[Callable[[Point], float], str, str]] = {
     ),
     "difference_phase": (lambda point: point.difference(PHASE), "degree", "phase less that of the baseline"),
     "residual": (lambda point: point.result.residual, "1", "periodicity residual"),
+    "amplification": (
+        lambda point: point.result.amplification, "1", "how many residuals the reference may be from its steady state"
+    ),
     "periods": (lambda point: point.result.periods, "1", "periods simulated"),
     "multiple": (lambda point: point.result.multiple, "1", "periods of the drive after which the motion repeats"),
     "steps_per_period": (lambda point: point.result.steps_per_period, "1", "steps a period that were taken"),

@@ -18,7 +18,7 @@ LARGEST_COUNT = 2.0**53
 ROUND_OFF = 1e-9
 """Of fractions that are sums of durations."""
 
-NUMBERS = ("transmittance_db", "phase", "residual", "period", "creep", "seconds")
+NUMBERS = ("transmittance_db", "phase", "residual", "amplification", "period", "creep", "seconds")
 LAW_NUMBERS = (
     *(f"law_{name}_{ending}" for _, ending, _ in PREDICTED for name in ("value", "left", "allowed")),
     "law_distance", "law_period_bound", "law_certified",

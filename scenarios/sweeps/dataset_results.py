@@ -141,6 +141,7 @@ def _result(row: dict[str, Any]) -> Result:
         transmittance_db=float(row["transmittance_db"]),
         phase=float(row["phase"]),
         residual=float(row["residual"]),
+        amplification=float(row["amplification"]),
         periods=_whole(row["periods"]),
         multiple=_whole(row["multiple"]),
         steps_per_period=_whole(row["steps_per_period"]),

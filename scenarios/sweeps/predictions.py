@@ -14,7 +14,7 @@ import pandas as pd
 from engines.interface.law_engine import law_of
 from engines.interface.variant import Variant
 from scenarios.sweeps.edges import BandEdge
-from scenarios.sweeps.refined_edges import RefinedEdges, refined_edges
+from scenarios.sweeps.refined_edges import RefinedEdges, largest_amplification, refined_edges
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import (
     GivesResults,
@@ -30,7 +30,7 @@ from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.verdicts.finding import Finding
 from scenarios.verdicts.pointwise import PointResults, baseline, point_findings, point_resolution
-from scenarios.verdicts.prediction import PERIODS_OF_ERROR, needs_prediction, with_predictions
+from scenarios.verdicts.prediction import needs_prediction, with_predictions
 from scenarios.verdicts.verdict import Comparison, Verdict
 
 
@@ -63,17 +63,12 @@ def _law_results(
 def _predicted_point(
     point: Point, known: PointResults, law: Variant, own: Result, period: Result
 ) -> tuple[Finding, ...]:
-    """Give the findings of a point with what its law says.
-
-    Both are motions of one map that need not have repeated: a residual may add up over `PERIODS_OF_ERROR`, because
-    stick and slip move resonances, and the linear estimate of `amplification` may miss the one that is met.
-    """
-    amplified = replace(known, amplified=max(known.amplified, PERIODS_OF_ERROR))
-    of_law = replace(amplified, variant=law, result=own, others=())
+    """Give the findings of a point with what its law says."""
+    of_law = replace(known, variant=law, result=own, others=())
     label = point.findings[0].case
     judged = _with_law(
         point.variant,
-        _with_resolution(point.findings, amplified),
+        _with_resolution(point.findings, known),
         _with_resolution(point_findings(of_law, label), of_law),
         {label: period},
     )
@@ -120,7 +115,8 @@ def predicted_edges(
     open_edges = [edge for edge in edges if edge.comparison.verdict is Verdict.DISAGREE and edge.variant.law]
     if not open_edges:
         return tuple(edges)
-    of_laws = refined_edges(sweep, _curves_of_laws(sweep, table, open_edges, evaluator), evaluator)
+    curves = _curves_of_laws(sweep, table, open_edges, evaluator)
+    of_laws = refined_edges(sweep, curves, evaluator, largest_amplification(table))
     places = [_place(sweep, edge, refined) for edge in open_edges]
     tasks = [
         LawPeriodTask.of(sweep.task(edge.variant, edge.case, eta)) for edge, eta in zip(open_edges, places, strict=True)

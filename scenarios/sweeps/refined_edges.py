@@ -1,20 +1,23 @@
 """Where the edges of the attenuation band of curves are, by simulations of each curve's own variant."""
 
+import math
 from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from reference_lcp.accuracy.resolution import amplitude_in_db
 from reference_lcp.validation import FloatArray
 from scenarios.sweeps.attenuation_band import Edge, edge_brackets, refined_crossings
 from scenarios.sweeps.refinement import EDGE_RESIDUAL, CurveKey, curves_of, decided_db
-from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.table import GivesResults, GridPoint
+from scenarios.sweeps.sweep import Case, Sweep
+from scenarios.sweeps.table import GivesResults
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.verdicts.band_edge import Crossing
-from scenarios.verdicts.steady_case import amplification, amplitude_in_db
+from scenarios.verdicts.steady_case import REFERENCE, amplification
 
 
 @dataclass(frozen=True)
@@ -36,8 +39,20 @@ class RefinedEdges:
     incomplete: set[CurveKey]
 
 
-def refined_edges(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> RefinedEdges:
-    """Refine all edges of all curves of a table together, by simulations of their own variants."""
+def refined_edges(
+    sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults, amplified: Mapping[Case, float]
+) -> RefinedEdges:
+    """Refine all edges of all curves of a table together, by simulations of their own variants.
+
+    Parameters
+    ----------
+    sweep, table
+        The sweep, and the results on its grid.
+    evaluator
+        Runs the simulations.
+    amplified
+        See `largest_amplification`.
+    """
     brackets = {
         (key, edge): bracket
         for key, curve in curves_of(table).items()
@@ -54,7 +69,7 @@ def refined_edges(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) ->
         for k, point, result in zip(index, points, results, strict=True):
             if result.status is ResultStatus.MISSING:
                 incomplete.add(point[:2])
-            open_db[k] = max(open_db[k], _left_open_db(sweep, point, result))
+            open_db[k] = max(open_db[k], _left_open_db(sweep, amplified.get(point[1], math.nan), result))
         return np.array([decided_db(result) for result in results])
 
     narrowed = refined_crossings(list(brackets.values()), transmittance_db, sweep.band)
@@ -65,9 +80,17 @@ def refined_edges(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) ->
     return RefinedEdges(brackets, crossings, incomplete)
 
 
-def _left_open_db(sweep: Sweep, point: GridPoint, result: Result) -> float:
+def largest_amplification(table: pd.DataFrame) -> dict[Case, float]:
+    """Give by how much residuals are amplified in each case, at the point of the reference where that is most."""
+    own = table[table["variant"] == REFERENCE]
+    largest: dict[Case, float] = {}
+    for case, result in zip(own["case"], own["result"], strict=True):
+        largest[case] = max(largest.get(case, 0.0), amplification(result))
+    return largest
+
+
+def _left_open_db(sweep: Sweep, amplified: float, result: Result) -> float:
     """What a motion that decides a side without being certified leaves open of its transmittance [dB]."""
     if result.converged or not result.residual <= EDGE_RESIDUAL:
         return 0.0
-    _, case, eta = point
-    return amplitude_in_db(result.residual * amplification(sweep.ratios_of(case), eta), sweep.band.threshold_db)
+    return amplitude_in_db(result.residual * amplified, sweep.band.threshold_db)

@@ -18,7 +18,7 @@ from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.friction_effect import FrictionEffect, friction_effect
 from scenarios.verdicts.pointwise import CONVERGED, UNBOUNDED, PointResults, decisive, point_findings, refinements
-from scenarios.verdicts.steady_case import REFERENCE, amplification
+from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Comparison
 
 GridPoint = tuple[Variant, Case, float]
@@ -142,7 +142,6 @@ def results_at(sweep: Sweep, table: pd.DataFrame) -> dict[GridPoint, PointResult
             others=others,
             reference=reference,
             converged=converged,
-            amplified=amplification(sweep.ratios_of(case), eta),
             refined=refined,
             given=sweep.tolerance,
             effect=_effect(sweep.task(REFERENCE, case, eta), converged.transmittance_db, converged.phase),

@@ -79,6 +79,9 @@ class Result:
         By which the fundamental of the last outer mass is ahead of the drive's sine [rad], in (−π, π]; likewise.
     residual
         Periodicity residual of the orbit; NaN where there is none.
+    amplification
+        How many times farther from the steady state than its residual the motion may be, where the reference's scheme
+        gives it; NaN elsewhere.
     periods
         Periods simulated.
     multiple
@@ -118,6 +121,7 @@ class Result:
     transmittance_db: _Number = math.nan
     phase: _Number = math.nan
     residual: _Number = math.nan
+    amplification: _Number = math.nan
     periods: _Count = 0
     multiple: _Count = 1
     steps_per_period: _Count = 0

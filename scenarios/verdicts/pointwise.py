@@ -14,12 +14,13 @@ from dataclasses import dataclass, replace
 
 from engines.interface.variant import Variant
 from engines.reference import CONVERGED_SUBSTEPS
+from reference_lcp.accuracy.resolution import amplitude_in_db
 from scenarios.tasks.result import Result
 from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE, Finding, Metric
 from scenarios.verdicts.friction_effect import FrictionEffect
 from scenarios.verdicts.judge import Number, Steps, certified, decide, missing
 from scenarios.verdicts.phase import PHASE, amplitude_in_degrees, phase_reader
-from scenarios.verdicts.steady_case import REFERENCE, amplitude_in_db, is_resolved, resolution
+from scenarios.verdicts.steady_case import REFERENCE, amplification, is_resolved, resolution
 from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
 CONVERGED = Variant("reference", preset_name="converged")
@@ -84,8 +85,6 @@ class PointResults:
         Its results with other numbers of steps, see `refinements`.
     reference, converged
         The reference's results at the same point, at equal step and converged.
-    amplified
-        How many times farther from its steady state the result may be than its residual, see `amplification`.
     refined
         The reference's results at the same point with other numbers of steps.
     given
@@ -99,7 +98,6 @@ class PointResults:
     others: tuple[Result, ...]
     reference: Result
     converged: Result
-    amplified: float
     refined: tuple[Result, ...] = ()
     given: GivenTolerance | None = None
     effect: FrictionEffect = UNBOUNDED
@@ -116,7 +114,7 @@ class PointResults:
     @property
     def is_known(self) -> bool:
         """Whether the result is certified, or repeats well enough to be compared all the same."""
-        return self.result.converged or is_resolved(self.result, self.amplified)
+        return self.result.converged or is_resolved(self.result, amplification(self.reference))
 
 
 def point_findings(known: PointResults, label: str = "") -> tuple[Finding, ...]:
@@ -216,7 +214,7 @@ def _tolerance(known: PointResults, against: Variant, metric: Metric, read: Read
 def point_resolution(known: PointResults, against: Variant, metric: Metric) -> float:
     """Give what a result leaves open of a number, in the unit of the metric."""
     level = max(known.expected(against).transmittance_db, FLOOR_DB)
-    amplitude = resolution(known.variant, known.result, level, known.amplified)
+    amplitude = resolution(known.variant, known.result, level, amplification(known.reference))
     return (amplitude_in_db if metric == TRANSMITTANCE else amplitude_in_degrees)(amplitude, level)
 
 

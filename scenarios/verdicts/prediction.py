@@ -12,10 +12,10 @@ from dataclasses import replace
 import numpy as np
 
 from engines.interface.law import ROUND_OFF_PERIOD, Law
+from reference_lcp.accuracy.resolution import amplitude_in_db
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.verdicts.finding import Finding, Prediction
 from scenarios.verdicts.judge import metric_difference
-from scenarios.verdicts.steady_case import amplitude_in_db
 from scenarios.verdicts.verdict import Verdict
 
 PERIODS_OF_ERROR = 400

@@ -3,12 +3,11 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache
 
-from engines.interface.tolerances import CREEP, STEPS, TRAJECTORY_TOLERANCE
+from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
 from engines.interface.variant import Variant
+from reference_lcp.accuracy.resolution import amplitude_in_db, unresolved_amplitude
 from reference_lcp.chain.harmonic import PeriodicDrive
-from reference_lcp.chain.linear_response import residual_amplification
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import steps_per_period_for
 from reference_lcp.observables.transition_matching import TimedTransition
@@ -31,6 +30,9 @@ Engines run with the first two, and the second is judged: the fewest are as few 
 of them would say little of the error. The reference runs with the third too, which costs it next to nothing, and so
 does an engine that disagrees, but not by far: three steps show its error better than two.
 """
+
+AMPLIFICATION_MARGIN = 2.0
+"""On the amplification of the reference: an engine's contacts may stick for another part of the period."""
 
 RESOLVED_DB = 1e-3
 """What a motion that is not certified may leave open of its transmittance to be compared all the same [dB].
@@ -175,7 +177,7 @@ class Evidence:
 
     @property
     def _amplified(self) -> float:
-        return amplification(self.case.ratios, self.case.frequency_ratio)
+        return amplification(self.scheme[1])
 
     def _is_resolved(self, result: Result) -> bool:
         """Whether a motion that is not certified repeats well enough for its transmittance."""
@@ -234,24 +236,23 @@ def resolution(variant: Variant, result: Result, transmittance_db: float, amplif
     adds up as the contract derives it for forty periods of `STEPS` steps of a motion as large as the base's: in
     proportion to the motion, and to the root of the number of steps, of all the periods that were simulated.
     """
-    capabilities, residual_slip_compliance = variant.capabilities, variant.preset.residual_slip_compliance
-    motion = max(1.0, 10 ** (transmittance_db / 20))
-    steps = max(result.periods, 1) * result.steps_per_period
-    round_off = TRAJECTORY_TOLERANCE[capabilities.precision] * math.sqrt(steps / (40 * STEPS)) * motion
-    residual = capabilities.residual if result.converged else max(capabilities.residual, result.residual)
-    return residual * amplified + CREEP * residual_slip_compliance + round_off
+    capabilities = variant.capabilities
+    repeats = unresolved_amplitude(
+        capabilities.residual if result.converged else max(capabilities.residual, result.residual),
+        amplified,
+        max(result.periods, 1) * result.steps_per_period,
+        transmittance_db,
+        TRAJECTORY_TOLERANCE[capabilities.precision],
+    )
+    return repeats + CREEP * variant.preset.residual_slip_compliance
 
 
-@cache
-def amplification(ratios: ChainRatios, frequency_ratio: float) -> float:
-    """Give `residual_amplification` of a chain under a drive of this frequency."""
-    chain = ratios.chain(0.0)
-    return residual_amplification(chain, 2 * math.pi / (frequency_ratio * chain.resonator_frequency))
+def amplification(reference: Result) -> float:
+    """How many times farther from its steady state than its residual a motion may be, by the reference's at the point.
 
-
-def amplitude_in_db(amplitude: float, transmittance_db: float) -> float:
-    """What a change of the amplitude, over U0, makes of a transmittance [dB]."""
-    return 20 * math.log10(1 + amplitude * 10 ** (-transmittance_db / 20))
+    `AMPLIFICATION_MARGIN` times that of the reference, since the engine's scheme is another one.
+    """
+    return AMPLIFICATION_MARGIN * reference.amplification
 
 
 def case_tasks(variant: Variant, case: SteadyCase) -> list[SteadyStateTask]:

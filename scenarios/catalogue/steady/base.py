@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import ClassVar
 
 from engines.interface.variant import Variant
+from reference_lcp.accuracy.resolution import amplitude_in_db
 from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.law_period import LawPeriodTask
@@ -22,7 +23,6 @@ from scenarios.verdicts.steady_case import (
     Evidence,
     Expected,
     SteadyCase,
-    amplitude_in_db,
     case_tasks,
     collect_evidence,
     exact_expected,

@@ -12,18 +12,19 @@ from itertools import pairwise
 from typing import ClassVar
 
 from engines.interface.variant import Variant
+from reference_lcp.accuracy.resolution import amplitude_in_db
 from reference_lcp.chain.preload import Flight
 from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
 from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.law_period import LawPeriodTask
-from scenarios.tasks.parameters import ChainRatios, Modulation
+from scenarios.tasks.parameters import Modulation
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Metric
 from scenarios.verdicts.judge import Steps, decide, judge, missing
 from scenarios.verdicts.phase import PHASE, amplitude_in_degrees, phase_reader
-from scenarios.verdicts.steady_case import amplification, amplitude_in_db
+from scenarios.verdicts.steady_case import amplification
 from scenarios.verdicts.stick_slip_comparison import matched_errors
 from scenarios.verdicts.verdict import Comparison, Tolerance
 
@@ -138,7 +139,7 @@ def _findings(variant: Variant, case: ModulatedCase, own: list[Result], expected
     gap = _missing("engine", own) or _missing("reference", expected)
     if gap is not None:
         return Finding.without_numbers(variant, str(case), metrics, gap)
-    amplified = amplification(ChainRatios(), case.frequency_ratio)
+    amplified = amplification(expected[1])
     judged = [
         *_response(own, expected, amplified), _stuck_fraction(own, expected), _unmatched(own, expected),
         _transition_times(own, expected), *_flights(case.flight(variant), case.multiple, own),

@@ -6,12 +6,7 @@ from scipy.optimize import brentq
 
 from reference_lcp import Chain, HarmonicBase, HarmonicForce, frictionless_transmittance
 from reference_lcp import stuck_transmittance as stuck
-from reference_lcp.chain.linear_response import frictionless_response, residual_amplification
-from reference_lcp.chain.simulation import Lane
-from reference_lcp.chain.trajectory import State
-from reference_lcp.steady.orbits import periodic_orbits
-from reference_lcp.steady.state_scales import StateScales
-from reference_lcp.stepping.euler_compiled import CompiledSimulation
+from reference_lcp.chain.linear_response import frictionless_response
 
 UNDAMPED = {"damping_ratio": 0.0}
 
@@ -75,31 +70,3 @@ def test_force_drive_of_a_single_cell_has_the_response_of_two_masses() -> None:
     outer = 2.0 / (k_c + k_i - m_o * omega**2 - k_i * inner)
     response = frictionless_response(chain, HarmonicForce(2.0, omega))
     assert response == pytest.approx([outer, outer * inner])
-
-
-def test_residual_of_a_resonant_cell_is_amplified_as_its_slower_mode_tells() -> None:
-    """What is left after 100 plain periods is one mode, at whose frequency the base moves: 1 / |1 − exp(λT)|."""
-    chain = Chain.from_ratios(cells=1)
-    drive = HarmonicBase.from_ratio(chain, (np.sqrt(5) - 1) / 2)
-    lane = Lane.periodic(chain, drive, 1600)
-    simulation, scales = CompiledSimulation([lane]), StateScales([lane], 1600)
-    (orbit,) = periodic_orbits(simulation, 1600, tolerance=1e-12)
-    state = State.at_rest(1, 1)
-    for _ in range(100):
-        before, state = state, simulation.advance(state, 0, 1600)
-    last, earlier, steady = (scales.vectors(one, [0]) for one in (state, before, orbit.trajectory.end))
-    residual, distance = np.linalg.norm(last - earlier), np.linalg.norm(earlier - steady)
-    assert residual > 1e-7, "round-off is all that is left"
-    factor = residual_amplification(chain, drive.period)
-    assert factor > 20
-    assert distance / residual == pytest.approx(factor, rel=0.02)
-
-
-def test_residual_of_a_well_damped_chain_is_hardly_amplified() -> None:
-    chain = Chain.from_ratios(damping_ratio=0.5, inner_damping_ratio=0.5)
-    assert residual_amplification(chain, HarmonicBase.from_ratio(chain, 0.1).period) == pytest.approx(1.0, abs=0.1)
-
-
-def test_residual_of_a_motion_that_never_changes_says_nothing() -> None:
-    """Over no time at all every motion comes back to where it was."""
-    assert np.isinf(residual_amplification(Chain.from_ratios(), 0.0))

@@ -37,9 +37,10 @@ def store(tmp_path):
 
 
 FULL = Result(
-    status="finished", reason="told", by_engine=True, transmittance_db=-3.25, phase=0.75, residual=1e-9, periods=33,
-    multiple=2, steps_per_period=400, period=0.25, stuck_fraction=(0.5, 1.0), transitions=((1, 0.25, "stick"),),
-    creep=(1e-6, 2e-6), open_fraction=(0.125, 0.0), largest_gap=(0.75, 0.0), seconds=0.5, series={"outer": (0.0, 1.5)},
+    status="finished", reason="told", by_engine=True, transmittance_db=-3.25, phase=0.75, residual=1e-9,
+    amplification=4.5, periods=33, multiple=2, steps_per_period=400, period=0.25, stuck_fraction=(0.5, 1.0),
+    transitions=((1, 0.25, "stick"),), creep=(1e-6, 2e-6), open_fraction=(0.125, 0.0), largest_gap=(0.75, 0.0),
+    seconds=0.5, series={"outer": (0.0, 1.5)},
 )  # fmt: skip
 """Every field has another value than it has unless it is given: what is lost on the way is noticed."""
 

@@ -18,7 +18,9 @@ TRUE = Crossing(PLACE, SLOPE, WIDTH)
 
 def result(db, steps, status="converged") -> Result:
     residual = 1e-9 if status == "converged" else 1e-3
-    return Result(status=status, transmittance_db=db, residual=residual, periods=30, steps_per_period=steps)
+    return Result(
+        status=status, transmittance_db=db, residual=residual, periods=30, steps_per_period=steps, amplification=0.5
+    )
 
 
 def point(level, own, **changes) -> PointResults:
@@ -29,7 +31,6 @@ def point(level, own, **changes) -> PointResults:
         others=(result(level + 2 * own, 200),),
         reference=result(level + 0.01, 400),
         converged=result(level + 0.01 / 32, 400),
-        amplified=1.0,
         refined=(result(level + 0.005, 800), result(level + 0.0025, 1600)),
     )
     return dataclasses.replace(known, **changes)
