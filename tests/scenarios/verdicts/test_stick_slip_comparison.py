@@ -30,7 +30,8 @@ STEP = 1 / 800
 
 def answer(transitions, steps, stuck=0.4, creep=0.0) -> Result:
     return Result(
-        status="converged", transmittance_db=-3.0, residual=1e-9, periods=30, steps_per_period=steps, period=1.0, amplification=1.0,
+        status="converged", transmittance_db=-3.0, residual=1e-9, amplification=1.0, periods=30,
+        steps_per_period=steps, period=1.0,
         stuck_fraction=(stuck,), transitions=tuple(transitions), creep=(creep,),
     )  # fmt: skip
 
