@@ -51,6 +51,11 @@ class Engine(ABC):
         """Name of the engine whose laws its presets state: its own, but for copies of another engine."""
         return self.name
 
+    @property
+    def host(self) -> str:
+        """Name of the engine in whose worker processes it runs: its own, but for models of the suite itself."""
+        return self.name
+
     @abstractmethod
     def unavailable_reason(self) -> str | None:
         """Reason in a sentence why the engine cannot be used here; ``None`` if it can."""

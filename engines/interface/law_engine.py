@@ -40,6 +40,11 @@ class LawEngine(Engine):
         """Version of the suite."""
         return self._version
 
+    @property
+    def host(self) -> str:
+        """The reference, which is the suite's own code as well."""
+        return "reference"
+
     def unavailable_reason(self) -> str | None:
         """``None``: models need nothing but the suite."""
         return None

@@ -88,6 +88,11 @@ class MutantEngine(Engine):
         return engine("reference").version()
 
     @property
+    def host(self) -> str:
+        """The reference, which is the suite's own code as well."""
+        return SCHEME.engine
+
+    @property
     def states_laws_of(self) -> str:
         """Name of the original."""
         return self._mutant.of.engine

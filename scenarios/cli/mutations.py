@@ -15,14 +15,17 @@ from reference_lcp.output import write_whole
 from reference_lcp.validation import checked_choice
 from scenarios.cli.options import (
     TABLE_ENDINGS,
+    Limit,
     Store,
     TableFile,
+    Workers,
     check_out,
     command_text,
     store_of_run,
 )
+from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.executor import InProcessExecutor
+from scenarios.execution.executor import TIME_LIMIT, Executor
 from scenarios.mutations.gates import Contract, Gate, Report, Scenarios
 from scenarios.mutations.mutation_table import MutationRow, gates_of, mutation_columns, mutation_csv, mutation_document
 from scenarios.mutations.search import detections, rounds
@@ -51,6 +54,8 @@ def add_mutations(run: typer.Typer) -> None:
         gate: ChosenGates = None,
         store: Store = None,
         out: TableFile = None,
+        workers: Workers = None,
+        time_limit: Limit = TIME_LIMIT,
     ) -> None:
         """Hold engines with one error each to contract, scenarios and report: the smallest error that each detects.
 
@@ -62,7 +67,9 @@ def add_mutations(run: typer.Typer) -> None:
         names = [checked_choice("mutant", name, list(MUTANTS)) for name in chosen or MUTANTS]
         gates = [checked_choice("gate", name, GATES) for name in gate or GATES]
         check_out(out, TABLE_ENDINGS, [store])
-        rows = mutation_rows([MUTANTS[name] for name in dict.fromkeys(names)], list(dict.fromkeys(gates)), store)
+        executor = executor_for(workers, time_limit, None)
+        mutants = [MUTANTS[name] for name in dict.fromkeys(names)]
+        rows = mutation_rows(mutants, list(dict.fromkeys(gates)), store, executor)
         print_table(text_table(mutation_columns(gates_of(rows)), rows))
         if out is not None:
             options = [f"--mutant={name}" for name in chosen or []] + [f"--gate={name}" for name in gate or []]
@@ -70,14 +77,13 @@ def add_mutations(run: typer.Typer) -> None:
             write_whole(out, mutation_document(rows, command) if out.suffix == ".md" else mutation_csv(rows))
 
 
-def mutation_rows(mutants: Sequence[Mutant], names: Sequence[str], store: Path | None) -> list[MutationRow]:
-    """Hold mutants to the gates of these names, with a bar on the way.
-
-    They run in this process: none of them can crash it.
-    """
+def mutation_rows(
+    mutants: Sequence[Mutant], names: Sequence[str], store: Path | None, executor: Executor
+) -> list[MutationRow]:
+    """Hold mutants to the gates of these names, with a bar on the way."""
     with (
         store_of_run(store) as stored,
-        Evaluator(stored, InProcessExecutor()) as evaluator,
+        Evaluator(stored, executor) as evaluator,
         Progress(console=Console(stderr=True), transient=True) as progress,
     ):
         gates = [_gate(name, evaluator) for name in names]

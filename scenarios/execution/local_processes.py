@@ -6,8 +6,7 @@ from collections.abc import Collection
 from contextlib import suppress
 from queue import Empty, SimpleQueue
 
-from engines.interface.law_engine import LAW_SUFFIX
-from engines.reference import Reference
+from engines.interface import registry
 from scenarios.execution.batch import Batch
 from scenarios.execution.executor import TIME_LIMIT, WorkerDied, WorkerExecutor
 from scenarios.execution.identity import identity_of
@@ -92,7 +91,7 @@ class LocalExecutor(WorkerExecutor[LocalWorker]):
 
     def _worker_for(self, engine: str) -> LocalWorker:
         """Give an idle process for this engine, the one used last; a new one if there is none."""
-        engine = _process_of(engine)
+        engine = registry.engine(engine).host
         for worker in [worker for worker in self._workers if not (worker.busy or worker.alive())]:
             self._end(worker)
         idle = [worker for worker in self._workers if not worker.busy]
@@ -112,8 +111,3 @@ class LocalExecutor(WorkerExecutor[LocalWorker]):
     def _end(self, worker: LocalWorker) -> None:
         self._workers.remove(worker)
         worker.end()
-
-
-def _process_of(engine: str) -> str:
-    """Name the engine whose processes run one: models of laws are the suite's own code, as the reference is."""
-    return Reference.name if engine.endswith(LAW_SUFFIX) else engine

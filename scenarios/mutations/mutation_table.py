@@ -55,13 +55,12 @@ dash where even the largest passes. That a larger error is caught wherever a sma
 - *contract*: `pytest --pyargs engines.contract --engine NAME` is red.
 - *scenarios*: one of {", ".join(SCENARIO_NAMES)} fails, as for its exit code: a
   disagreement that no law predicts, or too little that is certified.
-- *report*: a point or a band edge that disagrees, friction {", ".join(map(str, FRICTION_RATIOS))} × η_r
-  {", ".join(map(str, FREQUENCY_RATIOS))}.
+- *report*: its exit code is 1: a point or a band edge disagrees, and not as a law predicts, or too little is certified,
+  friction {", ".join(map(str, FRICTION_RATIOS))} × η_r {", ".join(map(str, FREQUENCY_RATIOS))}.
 
-Every mutant is run without its error, too, through the same code. A gate that stops it then (a report compares with
-Coulomb's friction, and a preset of another law disagrees as its law says) cannot speak of its error, and is named in
-the last column. Errors whose only size is 1 are there or not. `python -m scenarios run unit-cell --engine
-mutant@bound@0.01` judges a single one.
+Every mutant is run without its error, too, through the same code. A gate that stops it then cannot speak of its error,
+and is named in the last column. Errors whose only size is 1 are there or not. `python -m scenarios run unit-cell
+--engine mutant@bound@0.01` judges a single one.
 """
 
 

@@ -58,7 +58,16 @@ SCENARIOS: list[Error] = [
 ]
 """What a single scenario has to stop."""
 
-REPORT: list[Error] = [("bound", 0.1), ("chain-damping", 0.1), ("outer-mass", 0.005), ("kinetic", 0.05)]
+REPORT: list[Error] = [
+    ("bound", 0.1),
+    ("chain-damping", 0.1),
+    ("outer-mass", 0.005),
+    ("kinetic", 0.05),
+    ("base-late", 1.0),
+    ("mujoco-bound", 0.1),
+    ("pybullet-damping", 9.0),
+    ("siconos-bound", 0.01),
+]
 """What a small report has to stop."""
 
 
