@@ -23,6 +23,7 @@ from scenarios.studies.work_precision import StepPoint, exact_step_tasks, step_s
 from scenarios.sweeps.compared import compare_sweep, judged_points
 from scenarios.sweeps.dataset_check import recorded_variants
 from scenarios.sweeps.dataset_results import DatasetResults
+from scenarios.sweeps.start_check import LEAST_POINTS, check_starts
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import grid, tasks_of
 from scenarios.tasks.parameters import ChainRatios, OperatingPoint
@@ -50,15 +51,19 @@ class Scope:
         Grid of the friction map.
     step_study
         Whether every variant is simulated at several step sizes; if not, what the store holds of it is shown.
+    starts
+        Fewest points of each variant whose steady state is searched from harmonic balance too.
     """
 
     recorded_points: tuple[OperatingPoint, ...] = RECORDED_POINTS
     map_friction_ratios: tuple[float, ...] = MAP_FRICTION_RATIOS
     map_frequency_ratios: tuple[float, ...] = MAP_FREQUENCY_RATIOS
     step_study: bool = True
+    starts: int = LEAST_POINTS
 
 
-QUICK = Scope(RECORDED_POINTS[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, step_study=False)
+QUICK = Scope(RECORDED_POINTS[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, step_study=False, starts=2)
+"""Two points a variant are searched both ways: a preview."""
 
 
 def collect(
@@ -85,7 +90,7 @@ def collect(
         What the report has beside the grid; everything without it.
     """
     scope = scope or Scope()
-    result = compare_sweep(sweep, evaluator)
+    result, starts = check_starts(compare_sweep(sweep, evaluator), evaluator, scope.starts)
     mapped = _map(sweep, scope)
     tasks = _recorded_tasks(sweep, scope.recorded_points)
     periods: dict[CasePoint, dict[Variant, RecordedPeriod]] = {}
@@ -97,6 +102,7 @@ def collect(
         periods,
         steps=_step_study(sweep, evaluator if scope.step_study else StoredResults(store)),
         friction_map=None if mapped is None else friction_map(mapped, evaluator),
+        starts=starts,
     )
 
 

@@ -1,7 +1,7 @@
 """Where the numbers of a report come from: versions, options, steps, tolerances, grid."""
 
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import Any
@@ -15,6 +15,7 @@ from reports.data.findings import VariantFindings
 from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.dataset import description_of
+from scenarios.sweeps.start_check import StartCheck
 from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.finding import FLOOR_DB
 
@@ -27,6 +28,7 @@ def provenance(
     command: str,
     findings: Mapping[Variant, VariantFindings],
     recorded: Mapping[str, Mapping[str, Any]],
+    starts: Sequence[StartCheck] = (),
 ) -> dict[str, Any]:
     """Give all that a reader needs to reproduce the numbers, as plain data.
 
@@ -40,6 +42,8 @@ def provenance(
         Of every variant of the sweep.
     recorded
         Versions and options that were noted with the results, by the name of a variant; else this machine's are given.
+    starts
+        Of which points steady states were searched from elsewhere too, by variant.
     """
     sweep = result.sweep
     return {
@@ -67,6 +71,15 @@ def provenance(
             f"dt = period / steps per period, with at least {sweep.fewest_steps} steps and as many as "
             f"dt ω_max ≤ {LARGEST_PHASE_STEP:g} needs, ω_max being the highest natural frequency of the linear chain"
         ),
+        "starts": [
+            {
+                "variant": str(check.variant),
+                "title": check.variant.title,
+                "searched_both_ways": check.searched,
+                "elsewhere": check.elsewhere,
+            }
+            for check in starts
+        ],
         "tolerances": {
             "residual": DEFAULT_RESIDUAL,
             "floor_db": FLOOR_DB,

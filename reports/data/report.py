@@ -14,6 +14,7 @@ from reports.data.stick_slip import CasePoint, stick_slip_rows
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.start_check import StartCheck
 from scenarios.tasks.recorded import RecordedPeriod
 from scenarios.tasks.result import ResultStatus
 from scenarios.verdicts.failure import failures
@@ -35,6 +36,8 @@ class Report:
         Error and cost at several step sizes; ``None`` if they are no part of the report.
     friction_map
         Transmittance over friction and frequency; ``None`` if it is no part of the report.
+    starts
+        Of which points steady states were searched from elsewhere too, by variant.
     recorded
         Package, version, description and options by the name of a variant, where they were noted with the results.
     """
@@ -44,6 +47,7 @@ class Report:
     periods: Mapping[CasePoint, Mapping[Variant, RecordedPeriod]] = field(default_factory=dict)
     steps: tuple[StepPoint, ...] | None = ()
     friction_map: FrictionMap | None = None
+    starts: tuple[StartCheck, ...] = ()
     recorded: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
@@ -75,4 +79,4 @@ class Report:
     @cached_property
     def provenance(self) -> dict[str, Any]:
         """Everything that a reader needs to reproduce the numbers, as plain data."""
-        return provenance(self.result, self.command, self.findings, self.recorded)
+        return provenance(self.result, self.command, self.findings, self.recorded, self.starts)

@@ -18,14 +18,19 @@ LAW_RESIDUAL = 0.1
 """Residual of the law's orbit over the one that certifies the engine's: what is left of it is the engine's own."""
 
 
+def begins_at_law(variant: Variant) -> bool:
+    """Whether searches of a variant begin at a law, in lanes that it claims: not those of the suite's own models."""
+    own = variant.engine == "reference" or variant.engine.endswith(LAW_SUFFIX)
+    return not own and stepped_by(variant) is not None
+
+
 def law_starts(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[State | None]:
     """Give the state from which each lane's search begins; ``None`` where no law says.
 
     Those are variants of the reference and of laws themselves, presets whose steps are not modelled, lanes that a law
     does not claim, and lanes in which the law has no steady state.
     """
-    own = variant.engine == "reference" or variant.engine.endswith(LAW_SUFFIX)
-    law = None if own else stepped_by(variant)
+    law = stepped_by(variant) if begins_at_law(variant) else None
     starts: list[State | None] = [None] * len(lanes)
     claimed = [number for number, lane in enumerate(lanes) if law is not None and _claims(law, lane)]
     if law is None or not claimed:

@@ -214,8 +214,12 @@ def _tolerance(known: PointResults, against: Variant, metric: Metric, read: Read
 def point_resolution(known: PointResults, against: Variant, metric: Metric) -> float:
     """Give what a result leaves open of a number, in the unit of the metric."""
     level = max(known.expected(against).transmittance_db, FLOOR_DB)
-    amplitude = resolution(known.variant, known.result, level, amplification(known.reference))
-    return (amplitude_in_db if metric == TRANSMITTANCE else amplitude_in_degrees)(amplitude, level)
+    return (amplitude_in_db if metric == TRANSMITTANCE else amplitude_in_degrees)(amplitude_left_open(known), level)
+
+
+def amplitude_left_open(known: PointResults) -> float:
+    """Give what a result leaves open of its amplitude, over the displacement scale."""
+    return resolution(known.variant, known.result, known.result.transmittance_db, amplification(known.reference))
 
 
 def _given(transmittance_db: float, metric: Metric) -> float:

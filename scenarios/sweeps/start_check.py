@@ -1,0 +1,129 @@
+"""Whether steady states depend on where their search began: a sample of points, searched from harmonic balance too.
+
+The search for an engine's steady state begins at that of its law, see `scenarios.execution.law_start`. Friction under a
+given normal force has one steady state; an engine whose step is not monotone may have several, and the search would
+find the one that the law predicts. A sample of every variant is therefore searched from harmonic balance as well. Where
+one point of it ends elsewhere, all points of the variant are searched both ways, and those that differ are undecided.
+"""
+
+import cmath
+import math
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from engines.interface.variant import Variant
+from scenarios.execution.law_start import begins_at_law
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.table import GivesResults, Point, results_at, with_columns
+from scenarios.tasks.result import Result, ResultStatus
+from scenarios.tasks.task import Start
+from scenarios.verdicts.finding import Finding
+from scenarios.verdicts.pointwise import PointResults, amplitude_left_open
+from scenarios.verdicts.verdict import Comparison, Verdict
+
+SHARE = 0.05
+"""Part of a variant's points that are searched both ways."""
+
+LEAST_POINTS = 20
+"""Fewest of them: a second steady state at one point in ten is missed by 20 points once in eight reports."""
+
+
+@dataclass(frozen=True)
+class StartCheck:
+    """What became of the points of one variant that were searched from harmonic balance too.
+
+    Parameters
+    ----------
+    variant
+        The variant.
+    searched
+        Points that were searched both ways, and whose both searches ended in a steady state.
+    elsewhere
+        Points of them whose steady states differ.
+    """
+
+    variant: Variant
+    searched: int
+    elsewhere: int
+
+
+def check_starts(
+    result: ComparedSweep, evaluator: GivesResults, least: int = LEAST_POINTS
+) -> tuple[ComparedSweep, tuple[StartCheck, ...]]:
+    """Search a sample of every variant from harmonic balance too.
+
+    Parameters
+    ----------
+    result
+        The sweep, whose searches began at laws.
+    evaluator
+        Runs the searches.
+    least
+        Fewest points of a variant, >= 1; all where it has no more.
+
+    Returns
+    -------
+    ComparedSweep
+        The same, with points that have two steady states undecided.
+    tuple of StartCheck
+        One a variant whose searches begin at a law.
+    """
+    samples = {variant: _sample(result, variant, least) for variant in result.sweep.variants if begins_at_law(variant)}
+    differing = _differing(result, [row for sample in samples.values() for row in sample], evaluator)
+    doubtful = {result.points[row].variant for row, apart in differing.items() if apart}
+    rest = [row for row, point in enumerate(result.points) if point.variant in doubtful and row not in differing]
+    differing |= _differing(result, rest, evaluator)
+    checks = defaultdict(list)
+    for row, apart in differing.items():
+        if apart is not None:
+            checks[result.points[row].variant].append(bool(apart))
+    return _undecided(result, differing), tuple(
+        StartCheck(variant, len(checks[variant]), sum(checks[variant])) for variant in samples
+    )
+
+
+def _sample(result: ComparedSweep, variant: Variant, least: int) -> list[int]:
+    """Choose rows of a variant that have a steady state, by the hashes of their tasks: at random, and always alike."""
+    rows = [row for row, point in enumerate(result.points) if point.variant == variant and point.result.converged]
+    count = max(least, math.ceil(SHARE * len(rows)))
+    return sorted(rows, key=lambda row: result.sweep.task(*result.points[row][:3]).key())[:count]
+
+
+def _differing(result: ComparedSweep, rows: Sequence[int], evaluator: GivesResults) -> dict[int, str | None]:
+    """Say of rows how the steady state from harmonic balance differs; empty where not, ``None`` where there is none."""
+    points = [result.points[row] for row in rows]
+    tasks = [replace(result.sweep.task(*point[:3]), start=Start.HARMONIC_BALANCE) for point in points]
+    known = results_at(result.sweep, result.table) if rows else {}
+    return {
+        row: _difference(known[point[:3]], balanced)
+        for row, point, balanced in zip(rows, points, evaluator.evaluate(tasks), strict=True)
+    }
+
+
+def _difference(known: PointResults, balanced: Result) -> str | None:
+    """Compare two certified motions of one engine: both may be off by what they leave open."""
+    if balanced.status is not ResultStatus.CONVERGED or not known.result.converged:
+        return None
+    apart = abs(_complex(known.result) - _complex(balanced))
+    if apart <= amplitude_left_open(known) + amplitude_left_open(replace(known, result=balanced)):
+        return ""
+    return f"another steady state, of {balanced.transmittance_db:.4g} dB, from harmonic balance"
+
+
+def _complex(result: Result) -> complex:
+    return cmath.rect(10 ** (result.transmittance_db / 20), result.phase)
+
+
+def _undecided(result: ComparedSweep, differing: dict[int, str | None]) -> ComparedSweep:
+    """Give points that have two steady states no verdict."""
+    findings = [
+        _without_verdict(point, reason) if (reason := differing.get(row)) else point.findings
+        for row, point in enumerate(result.points)
+    ]
+    return replace(result, table=with_columns(result.table, findings=findings))
+
+
+def _without_verdict(point: Point, reason: str) -> tuple[Finding, ...]:
+    comparison = Comparison(Verdict.INCONCLUSIVE, reason, certified=False)
+    return tuple(replace(finding, comparison=comparison, prediction=None) for finding in point.findings)

@@ -1,0 +1,78 @@
+"""Steady states that depend on where their search began are found by a sample, and left undecided."""
+
+import dataclasses
+import math
+
+import pytest
+
+from engines.interface.variant import Variant
+from engines.pymunk import Pymunk
+from scenarios.execution.store import opened_store
+from scenarios.studies.figure3 import figure3
+from scenarios.sweeps.compared import ComparedSweep, compare_sweep
+from scenarios.sweeps.start_check import StartCheck, check_starts
+from scenarios.tasks.task import Start
+from scenarios.verdicts.verdict import Verdict
+from tests.scenarios.in_process import evaluator
+
+pytestmark = pytest.mark.skipif(Pymunk().unavailable_reason() is not None, reason="not installed")
+
+SHARES = Variant("pymunk")
+SWEEP = figure3((SHARES,), (0.3,), (0.5, 0.62, 0.9, 1.1))
+
+
+class Bistable:
+    """Runs tasks; from harmonic balance a variant ends a dB lower at one frequency, or nowhere."""
+
+    def __init__(self, running, eta: float, status: str = "converged"):
+        self.running, self.eta, self.status = running, eta, status
+        self.balanced: list[float] = []
+
+    def evaluate(self, tasks):
+        return [self._seen(*pair) for pair in zip(tasks, self.running.evaluate(tasks), strict=True)]
+
+    def _seen(self, task, result):
+        if task.start is Start.LAW:
+            return result
+        self.balanced.append(task.frequency_ratio)
+        if task.frequency_ratio != self.eta:
+            return result
+        return dataclasses.replace(result, status=self.status, transmittance_db=result.transmittance_db - 1)
+
+
+def checked(eta: float, least: int, status: str = "converged") -> tuple[ComparedSweep, StartCheck, list[float]]:
+    with opened_store(None) as store, evaluator(store) as running:
+        bistable = Bistable(running, eta, status)
+        result, (check,) = check_starts(compare_sweep(SWEEP, running), bistable, least)
+    return result, check, bistable.balanced
+
+
+def verdicts(result: ComparedSweep) -> dict[float, Verdict]:
+    return {point.frequency_ratio: point.comparison.verdict for point in result.points_of(SHARES)}
+
+
+def test_one_steady_state_is_found_from_wherever_the_search_begins() -> None:
+    result, check, balanced = checked(math.nan, 2)
+    assert check == StartCheck(SHARES, 2, 0)
+    assert len(balanced) == 2
+    assert set(verdicts(result).values()) == {Verdict.AGREE}
+
+
+def test_a_second_steady_state_has_all_points_searched_both_ways_and_its_own_undecided() -> None:
+    first = checked(math.nan, 1)[2][0]
+    result, check, balanced = checked(first, 1)
+    assert sorted(balanced) == sorted(verdicts(result)), "the grid as it was resolved"
+    assert (check.searched, check.elsewhere) == (len(balanced), 1)
+    own = verdicts(result)
+    assert own.pop(first) is Verdict.INCONCLUSIVE
+    assert set(own.values()) == {Verdict.AGREE}
+    (point,) = [point for point in result.points_of(SHARES) if point.frequency_ratio == first]
+    assert "another steady state, of" in point.comparison.reason
+
+
+def test_a_search_that_fails_from_elsewhere_says_nothing() -> None:
+    first = checked(math.nan, 1)[2][0]
+    result, check, balanced = checked(first, 1, "period limit")
+    assert len(balanced) == 1
+    assert check == StartCheck(SHARES, 0, 0)
+    assert set(verdicts(result).values()) == {Verdict.AGREE}
