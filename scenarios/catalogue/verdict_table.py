@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from engines.interface.law_engine import law_of
 from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario
 from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records, text_table
@@ -137,13 +138,19 @@ def _detail(group: Sequence[Finding]) -> str:
     return f"{worst.comparison.verdict}, {worst.metric.name}, {worst.case}: {worst.comparison.reason}{law}{more}"
 
 
+def law_in_words(variant: Variant) -> str:
+    """Say how a variant departs, in words where there are some, else by the formula of its law."""
+    law = law_of(variant.preset)
+    return variant.preset.known_deviation or ("" if law is None else law.formula)
+
+
 def verdict_document(results: Results, command: str) -> str:
     """Give everything as a document, with how it was made."""
     lines = ["# Verdicts", "", VERDICT_LEGEND, f"Made by `{command}`.", ""]
     lines += [*markdown_lines(matrix(results)), "", "## What the laws of the presets are", ""]
     findings = [finding for own in results.values() for finding in own]
     lines += [
-        f"- {variant}: {variant.preset.known_deviation}"
+        f"- {variant}: {law_in_words(variant)}"
         for variant in dict.fromkeys(finding.variant for finding in findings if finding.as_predicted)
     ]
     for scenario, own in results.items():
@@ -213,7 +220,5 @@ def _content(results: Results, command: str) -> dict[str, object]:
             for scenario in results
         ],
         "findings": records(finding_table(results)),
-        "known_deviations": {
-            str(finding.variant): finding.variant.preset.known_deviation for finding in findings if finding.as_predicted
-        },
+        "laws": {str(finding.variant): law_in_words(finding.variant) for finding in findings if finding.as_predicted},
     }  # fmt: skip

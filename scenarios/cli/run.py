@@ -18,6 +18,7 @@ from scenarios.catalogue.transient.record import Record
 from scenarios.catalogue.verdict_table import (
     Results,
     details,
+    law_in_words,
     matrix,
     verdict_table,
     verdicts_text,
@@ -184,7 +185,7 @@ def _print_explanations(console: Console, results: Results) -> None:
     """Print the laws that predict disagreements, and what fails."""
     findings = [finding for own in results.values() for finding in own]
     for variant in dict.fromkeys(finding.variant for finding in findings if finding.as_predicted):
-        console.print(plain(f"as its law predicts, {variant}: {variant.preset.known_deviation}"), soft_wrap=True)
+        console.print(plain(f"as its law predicts, {variant}: {law_in_words(variant)}"), soft_wrap=True)
     for scenario, own in results.items():
         for line in failures(own):
             console.print(plain(f"{scenario.name}: {line}"), soft_wrap=True)
