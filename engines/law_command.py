@@ -13,7 +13,8 @@ from engines.shared.law_distance import LawDistance, distance_from_law
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD, Lane
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.visible import visible
 
 FRICTION_RATIOS, FREQUENCY_RATIOS = (0.1, 0.3, 1.0), (0.5, 0.7, 0.9, 1.1, 1.3, 1.5)

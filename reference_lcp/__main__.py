@@ -27,13 +27,12 @@ from reference_lcp.accuracy.richardson import SAFETY
 from reference_lcp.chain import canonical
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.console import checked_output_file, run_command
-from reference_lcp.exact.steady import EXACT_RESIDUAL
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.observables.stick_slip import Transition
 from reference_lcp.one_call import SOLVERS, SteadyState, steady_state
-from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
+from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL
 
 app = typer.Typer(name="python -m reference_lcp", add_completion=False, pretty_exceptions_enable=False)
 

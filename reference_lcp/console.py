@@ -13,7 +13,7 @@ import typer
 
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.interrupt import announce_interrupt, closing_on_interrupt, end_interrupted, interrupt_pending
-from reference_lcp.validation import SHOWN, ParameterError, RunError, checked_path
+from reference_lcp.refusal import SHOWN, ParameterError, RunError, checked_path
 from reference_lcp.visible import visible
 
 INSTALLED = Path(__file__).resolve().parents[1]

@@ -14,14 +14,16 @@ import numpy as np
 from reference_lcp.accuracy.error_bar import ErrorBar, measured_error_bar
 from reference_lcp.chain.harmonic import Drive, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, Simulation, steps_per_period_for
+from reference_lcp.chain.simulation import Lane, Simulation, steps_per_period_for
+from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.exact.exact_orbit import ExactPeriod
-from reference_lcp.exact.steady import EXACT_RESIDUAL, exact_orbit
+from reference_lcp.exact.steady import exact_orbit
 from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, stuck_fraction, transitions
 from reference_lcp.observables.transmittance import complex_transmittance, decibel
-from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
+from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL
+from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
 from reference_lcp.stepping.euler_lemke import LemkeSimulation
 from reference_lcp.validation import (

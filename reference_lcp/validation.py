@@ -1,22 +1,40 @@
 """Checks of arguments: every message names the parameter, its value and the allowed range."""
 
 import operator
-import os
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reference_lcp.refusal import ParameterError, RunError, checked_choice, checked_path, shortened, shown
+
+__all__ = [
+    "LARGEST_COUNT",
+    "LARGEST_DECIBEL",
+    "LARGEST_NUMBER",
+    "LARGEST_PARAMETER",
+    "LARGEST_UNIT",
+    "LONGEST_TIME_LIMIT",
+    "MOST_CELLS",
+    "MOST_CELL_STEPS",
+    "MOST_STEPS",
+    "MOST_WORKERS",
+    "FloatArray",
+    "ParameterError",
+    "RunError",
+    "check_record_size",
+    "checked_array",
+    "checked_choice",
+    "checked_count",
+    "checked_path",
+    "checked_per_cell",
+    "checked_scalar",
+    "shortened",
+    "shown",
+]
+"""Checks of numbers, which need NumPy, and those of `reference_lcp.refusal`, which do not."""
+
 FloatArray = NDArray[np.float64]
-
-
-class ParameterError(ValueError):
-    """A parameter outside its allowed range; the message is one line."""
-
-
-class RunError(RuntimeError):
-    """A run cannot go on, and what it has computed so far is kept; the message is one line."""
 
 
 LARGEST_NUMBER = 1e100
@@ -49,29 +67,11 @@ LONGEST_TIME_LIMIT = 1e6
 MOST_WORKERS = 1024
 """Most worker processes on a machine; more processors than that are in no machine so far."""
 
-SHOWN = 80
-"""Characters of a value that a message shows."""
-
-
-def shortened(text: str, length: int) -> str:
-    """Give a text, its end left out if it has more than so many characters, and how many."""
-    return text if len(text) <= length else f"{text[:length]}… ({len(text) - length} characters more)"
-
-
 _REQUIREMENTS: dict[str, Callable[[FloatArray], NDArray[np.bool_]]] = {
     "> 0": lambda values: values > 0,
     ">= 0": lambda values: values >= 0,
     "finite": np.isfinite,
 }
-
-
-def shown(value: object) -> str:
-    """Give a value as a message shows it: in one line, and the beginning of a long one."""
-    try:
-        text = repr(value)
-    except ValueError:  # integers of more than 4300 digits have no text
-        return "a number of more than 4300 digits"
-    return text if len(text) <= SHOWN else f"{text[:SHOWN]}… ({len(text)} characters)"
 
 
 def checked_array(
@@ -163,29 +163,3 @@ def check_record_size(cells: int, steps: int) -> None:
     if cells * steps > MOST_CELL_STEPS:
         problem = f"{cells} cells x {steps} steps are {cells * steps:.3g}"
         raise ParameterError(f"{problem}; allowed: cells times steps <= {MOST_CELL_STEPS:g}")
-
-
-def checked_path(name: str, path: str | os.PathLike[str]) -> Path:
-    """Give a path that the system can name, whether or not something is there.
-
-    Raises
-    ------
-    ParameterError
-        If it is no text, contains a NUL, is too long, or its links run in circles.
-    """
-    try:
-        checked = Path(path)
-        checked.lstat()
-    except (FileNotFoundError, NotADirectoryError, PermissionError):
-        return checked
-    except (OSError, ValueError, TypeError) as problem:
-        reason = problem.strerror if isinstance(problem, OSError) else problem
-        raise ParameterError(f"{name} = {shown(str(path))} is no path: {reason}; allowed: a path") from None
-    return checked
-
-
-def checked_choice(name: str, value: str, allowed: Sequence[str]) -> str:
-    """Give `value` if it is one of `allowed`, or raise `ParameterError` with the choices."""
-    if value not in allowed:
-        raise ParameterError(f"{name} = {shown(value)} is unknown; allowed: {', '.join(allowed)}")
-    return value

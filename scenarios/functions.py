@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from engines.interface.registry import default_engine_names
 from engines.interface.variant import Variant
-from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import FloatArray, ParameterError, checked_choice, checked_path, shown
 from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
 from scenarios.catalogue.predicted import run_with_predictions

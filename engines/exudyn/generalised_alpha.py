@@ -11,12 +11,10 @@ with c = (1−α_f)/(1−α_m) and φ = −λ the forces of the connectors. A ru
 """
 
 from dataclasses import astuple, dataclass
-from typing import Any
 
-import numba
 import numpy as np
 
-from engines.exudyn.friction_models import ContactNumbers, force_of, solve_friction
+from engines.exudyn.friction_models import ContactNumbers
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.stepping.sequential import LaneModel
@@ -116,54 +114,12 @@ class GeneralisedAlphaLane(LaneModel):
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
         """Run the kernel; a run begins with new accelerations, as Exudyn's do."""
+        from engines.exudyn.generalised_alpha_kernel import advance  # numba is imported once something moves
+
         lane, (length, parts) = self.lane, self._rule[:2]
         times = length * np.arange(start * parts, (start + steps) * parts + 1, dtype=np.float64)
         loads = lane.drive.load(lane.chain, times)
         motion = np.vstack([state.positions[0], state.velocities[0]])
         contacts = self._contacts_at(state, float(loads[0]))
-        _advance(motion, contacts, loads, self._matrices, self._rule, astuple(self._numbers), record)
+        advance(motion, contacts, loads, self._matrices, self._rule, astuple(self._numbers), record)
         return State(motion[:1], motion[1:], self._internal_state(motion[0], contacts))
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _first_acceleration(motion: Any, contacts: Any, load: Any, matrices: Any, law: Any) -> Any:
-    """Give the accelerations of the first state of a run."""
-    inverse_mass, _, stiffness, damping, _, coupling = matrices
-    q, v, cells = motion[0], motion[1], coupling.shape[0]
-    rest = -(stiffness @ q) - damping @ v
-    rest[0] += load
-    force = force_of(q[cells:] - q[:cells], v[cells:] - v[:cells], contacts, law)
-    rest[:cells] += force
-    rest[cells:] -= force
-    return inverse_mass @ rest
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _advance(motion: Any, contacts: Any, loads: Any, matrices: Any, rule: Any, law: Any, record: Any) -> None:
-    """Advance motion and contacts in place; `record` is (steps, 5n), or has no rows when nothing is kept."""
-    _, inverse, stiffness, damping, response, coupling = matrices
-    h, parts, algorithmic_part, previous_part, current_part, beta, gamma = rule
-    q, v = motion[0], motion[1]
-    cells = coupling.shape[0]
-    place, speed = current_part * h * h * beta, current_part * h * gamma
-    acceleration = _first_acceleration(motion, contacts, loads[0], matrices, law)
-    algorithmic = acceleration.copy()
-    impulses = np.zeros(cells)
-    for index in range(1, loads.size):
-        base = algorithmic_part * algorithmic + previous_part * acceleration
-        q += h * v + h * h * ((0.5 - beta) * algorithmic + beta * base)
-        v += h * ((1 - gamma) * algorithmic + gamma * base)
-        rest = -(stiffness @ q) - damping @ v
-        rest[0] += loads[index]
-        free = inverse @ rest
-        free_place, free_speed = q + place * free, v + speed * free
-        elongation, slip = free_place[cells:] - free_place[:cells], free_speed[cells:] - free_speed[:cells]
-        force = solve_friction(elongation, slip, place * coupling, speed * coupling, contacts, law, impulses)
-        acceleration = free - response @ force
-        q += place * acceleration
-        v += speed * acceleration
-        algorithmic = base + current_part * acceleration
-        if record.shape[0] > 0 and index % parts == 0:
-            row = record[index // parts - 1]
-            row[: 2 * cells], row[2 * cells : 4 * cells] = q, v
-            row[4 * cells :] = -force_of(q[cells:] - q[:cells], v[cells:] - v[:cells], contacts, law)

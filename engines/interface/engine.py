@@ -3,12 +3,14 @@
 import platform
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 from engines.interface.presets import Capabilities, Formulation, Preset
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
-from reference_lcp.one_call import SteadyState
 from reference_lcp.validation import ParameterError, checked_choice
+
+if TYPE_CHECKING:
+    from reference_lcp.one_call import SteadyState
 
 
 @runtime_checkable
@@ -27,7 +29,7 @@ class NativeStepping(Protocol):
 class SteadyStateSolver(Protocol):
     """A simulation that finds its steady states by itself, and reads them better than from rows of its trajectory."""
 
-    def steady_states(self, steps_per_period: int) -> list[SteadyState]:
+    def steady_states(self, steps_per_period: int) -> "list[SteadyState]":
         """Give the steady state of every lane, in order, with a trajectory of so many rows a period."""
         ...
 

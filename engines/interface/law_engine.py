@@ -7,7 +7,7 @@ from engines.interface.engine import Engine
 from engines.interface.law import Law
 from engines.interface.presets import Capabilities, Formulation, NormalForce, Preset
 from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.steady.orbits import DEFAULT_RESIDUAL
+from reference_lcp.steady.limits import DEFAULT_RESIDUAL
 
 LAW_SUFFIX = "@law"
 """What follows the name of an engine to name the model of its laws."""

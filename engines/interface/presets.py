@@ -8,7 +8,7 @@ from typing import Any
 from engines.interface.law import Law, NotModelled
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.observables.stick_slip import STICK_MARGIN
-from reference_lcp.steady.orbits import DEFAULT_RESIDUAL
+from reference_lcp.steady.limits import DEFAULT_RESIDUAL
 
 
 class FrictionLaw(StrEnum):

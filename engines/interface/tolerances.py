@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 
 STEPS = MINIMUM_STEPS_PER_PERIOD
 """Steps a period, the coarsest that the suite compares at."""

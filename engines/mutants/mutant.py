@@ -10,7 +10,7 @@ from engines.interface.presets import Capabilities, Formulation, NormalForce, Pr
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.steady.orbits import DEFAULT_RESIDUAL
+from reference_lcp.steady.limits import DEFAULT_RESIDUAL
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
 
 FAMILY = "mutant"

@@ -8,7 +8,8 @@ import numpy as np
 
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction, solve_contacts
+from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
+from reference_lcp.stepping.linear_implicit_kernel import solve_contacts
 from reference_lcp.validation import FloatArray
 
 NOISE_BITS = 2.0**38

@@ -9,8 +9,8 @@ from engines.interface.engine import NativeStepping
 from engines.interface.variant import Variant
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD as STEPS
 from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD as STEPS
 from reference_lcp.chain.trajectory import State
 from reference_lcp.stepping.sequential import SequentialSimulation
 from reference_lcp.validation import checked_count

@@ -9,7 +9,8 @@ import numpy as np
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.linear_response import frictionless_transmittance
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD, Lane
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.chain.trajectory import State
 from reference_lcp.lcp.lemke import lemke
 from reference_lcp.lcp.time_step import assemble_given_normal_force

@@ -21,7 +21,8 @@ from reference_lcp.observables.stick_slip import Mode, Transition, stuck_fractio
 from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.steady.amplification import residual_amplification
-from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
+from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
+from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
 from reference_lcp.validation import FloatArray
 

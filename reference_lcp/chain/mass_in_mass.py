@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from reference_lcp.chain import canonical
-from reference_lcp.chain.natural_frequency import highest_square
 from reference_lcp.validation import (
     LARGEST_PARAMETER,
     LARGEST_UNIT,
@@ -181,6 +180,8 @@ class Chain:
     @cached_property
     def highest_natural_frequency(self) -> float:
         """Highest natural frequency of the frictionless chain [rad/s]; builds no matrix."""
+        from reference_lcp.chain.natural_frequency import highest_square  # numba is imported on first use
+
         squared = highest_square(self.outer_mass, self.inner_mass, self.chain_stiffness, self.inner_stiffness)
         return math.sqrt(squared)
 

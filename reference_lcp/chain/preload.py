@@ -14,11 +14,9 @@ cycle; it flies, falls back, and lands without rebound.
 
 import math
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Self
 
-import numba
 import numpy as np
-from scipy.optimize import brentq
 
 from reference_lcp.chain.harmonic import PeriodicDrive
 from reference_lcp.validation import FloatArray, ParameterError, checked_scalar
@@ -125,6 +123,8 @@ class Flight:
         def speed(phase: float) -> float:
             return a * (math.cos(phase) - math.cos(start)) - (phase - start)
 
+        from scipy.optimize import brentq  # SciPy is imported once something flies
+
         # It rises while it is pulled, falls after its highest point, and is below ground when a cycle is over.
         pulled_until = 3 * math.pi - start
         top = brentq(speed, pulled_until, start + 2 * math.pi)
@@ -172,27 +172,9 @@ def normal_motion(
     gap, speed
         g_N >= 0 [m] and its rate [m/s] at the start, shape (...).
     """
+    from reference_lcp.chain.preload_kernel import advance_normal  # numba is imported once something moves
+
     steps, shape = normal_load.shape[0], normal_load.shape[1:]
     flat = [np.broadcast_to(part, shape).ravel() for part in (mass, time_step, gap, speed)]
-    rows, gaps, rate = _advance_normal(np.ascontiguousarray(normal_load).reshape(steps, -1), *flat)
+    rows, gaps, rate = advance_normal(np.ascontiguousarray(normal_load).reshape(steps, -1), *flat)
     return NormalMotion(rows.reshape(normal_load.shape), gaps.reshape(normal_load.shape), rate.reshape(shape))
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def _advance_normal(normal_load: Any, mass: Any, time_step: Any, start: Any, rate: Any) -> Any:
-    """Advance contacts, shape (k,), through the rows of `normal_load`; gives forces, gaps and final rates."""
-    force, gaps = np.zeros_like(normal_load), np.zeros_like(normal_load)
-    gap, speed = start.copy(), rate.copy()
-    for step in range(normal_load.shape[0]):
-        for k in range(normal_load.shape[1]):
-            dt, pressing = time_step[k], normal_load[step, k]
-            needed = pressing - mass[k] * (speed[k] + gap[k] / dt) / dt
-            if needed > 0.0:
-                force[step, k] = needed
-                speed[k] = -gap[k] / dt
-                gap[k] = 0.0
-            else:
-                speed[k] -= dt * pressing / mass[k]
-                gap[k] += dt * speed[k]
-            gaps[step, k] = gap[k]
-    return force, gaps, speed

@@ -6,13 +6,15 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from reference_lcp.chain.harmonic import MovingBase
 from reference_lcp.validation import FloatArray, ParameterError, checked_path, checked_scalar
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 FEWEST_SAMPLES = 4
 """What a cubic spline needs."""
@@ -146,7 +148,9 @@ class RecordedBase(MovingBase):
         }
 
     @cached_property
-    def _spline(self) -> CubicSpline:
+    def _spline(self) -> "CubicSpline":
+        from scipy.interpolate import CubicSpline  # SciPy is imported once the base moves
+
         times, displacements = np.array(self.times), np.array(self.displacements)
         return CubicSpline(times - times[0], displacements - displacements[0], bc_type="clamped")
 

@@ -5,14 +5,13 @@ from functools import partial
 
 from reference_lcp.chain.harmonic import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD, Lane
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.exact.exact_orbit import ExactPeriod
 from reference_lcp.exact.monodromy import polished
-from reference_lcp.steady.orbits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, PeriodicOrbit, periodic_orbits
-
-EXACT_RESIDUAL = 1e-11
-"""Periodicity residual of an exact steady state, some hundred times what the event-driven period map can resolve."""
+from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL
+from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
 
 
 def exact_orbit(

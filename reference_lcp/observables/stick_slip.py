@@ -2,14 +2,15 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.steady.orbits import PeriodicOrbit
 from reference_lcp.validation import FloatArray
+
+if TYPE_CHECKING:
+    from reference_lcp.steady.orbits import PeriodicOrbit
 
 STICK_MARGIN = 1e-6
 """A contact sticks while |λ_T| < (1 − STICK_MARGIN) μ λ_N.
@@ -17,13 +18,6 @@ STICK_MARGIN = 1e-6
 Equation (1) has a strict inequality; the margin is far above the round-off with which engines hold
 the force at its bound, and far below any stick that matters. A friction law that only tends to the
 bound, with no velocity at which it is reached, is read with a wider margin.
-"""
-
-SHORTEST_STICK = 2
-"""Steps that a stick lasts at least; one of a single step is a reversal of the slip.
-
-Where the relative velocity changes its sign, the scheme ends the step in between at rest whether or
-not the contact would have stuck: a stick shorter than two steps is not resolved.
 """
 
 UNREPEATED_SLIP = 4
@@ -84,7 +78,7 @@ class Transition:
         return {"cell": self.cell, "time_s": self.time, "kind": str(self.kind)}
 
 
-def contact_modes(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> NDArray[np.int8]:
+def contact_modes(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> NDArray[np.int8]:
     """Mode of every contact in every step: −1 backward slip, 0 stick, +1 forward slip; shape (steps, n).
 
     The force decides (equation 1), so that exact and regularised friction laws are read alike. A
@@ -98,6 +92,8 @@ def contact_modes(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> N
     stick_margin
         Part of the bound that the friction of a stick leaves at least, in (0, 1).
     """
+    from reference_lcp.observables.stick_slip_kernel import resolve  # numba is imported once a motion is read
+
     trajectory = orbit.trajectory
     bound = orbit.lane.chain.friction_coefficient * trajectory.normal_force
     sticks = np.abs(trajectory.friction) < (1 - stick_margin) * bound
@@ -109,11 +105,11 @@ def contact_modes(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> N
     for cell, opened in enumerate(_open(orbit).T):
         if opened.any():
             _pass_impacts(modes[:, cell], opened)
-    _resolve(modes, travel, rubs, shortest)
+    resolve(modes, travel, rubs, shortest)
     return modes
 
 
-def transitions(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> list[Transition]:
+def transitions(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> list[Transition]:
     """Changes of mode over one period, by cell and then by time.
 
     The period is cyclic: a mode that begins with the first step is a transition at time zero if the
@@ -128,23 +124,23 @@ def transitions(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> lis
     ]
 
 
-def stuck_fraction(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> FloatArray:
+def stuck_fraction(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> FloatArray:
     """Part of the period that each contact sticks, shape (n,). Parameters as in `contact_modes`."""
     return np.mean(contact_modes(orbit, stick_margin) == 0, axis=0)
 
 
-def open_fraction(orbit: PeriodicOrbit) -> FloatArray:
+def open_fraction(orbit: "PeriodicOrbit") -> FloatArray:
     """Part of the period that each contact is open, shape (n,); none is where there is nothing to press it."""
     return np.mean(_open(orbit), axis=0)
 
 
-def largest_gap(orbit: PeriodicOrbit) -> FloatArray:
+def largest_gap(orbit: "PeriodicOrbit") -> FloatArray:
     """Largest g_N of each contact over the period [m], shape (n,); zero where contacts cannot open."""
     gap = orbit.trajectory.normal_gap
     return np.zeros(orbit.trajectory.cells) if gap is None else np.max(gap, axis=0)
 
 
-def creep_velocity(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> FloatArray:
+def creep_velocity(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> FloatArray:
     """Largest |ġ_T| of each contact while it sticks [m/s], shape (n,); zero if it never does.
 
     Steps next to a slip are left out: in them even an exact contact still comes to rest. Parameters as in
@@ -155,13 +151,13 @@ def creep_velocity(orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> 
     return np.max(np.abs(orbit.trajectory.relative_velocity), axis=0, where=inside, initial=0.0)
 
 
-def dissipated_energy(orbit: PeriodicOrbit) -> FloatArray:
+def dissipated_energy(orbit: "PeriodicOrbit") -> FloatArray:
     """Energy that each contact turns into heat over one period [J], shape (n,): −Σ λ_T ġ_T Δt."""
     power = orbit.trajectory.friction * orbit.trajectory.relative_velocity
     return -np.sum(power, axis=0) * orbit.lane.time_step
 
 
-def _open(orbit: PeriodicOrbit) -> NDArray[np.bool_]:
+def _open(orbit: "PeriodicOrbit") -> NDArray[np.bool_]:
     """Say in which steps which contacts are open, shape (steps, n)."""
     mean = orbit.lane.chain.normal_force
     return (orbit.trajectory.normal_force <= OPEN * mean) & (mean > 0)
@@ -172,56 +168,3 @@ def _pass_impacts(column: NDArray[np.int8], opened: NDArray[np.bool_]) -> None:
     for landing in np.flatnonzero(~opened & np.roll(opened, 1)):
         impact = np.arange(landing, landing + IMPACT_STEPS) % column.size
         column[impact] = column[(landing + IMPACT_STEPS) % column.size]
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _resolve(modes: Any, travel: Any, rubs: Any, shortest: float) -> None:
-    """Leave out of every column, in place, the sticks and the slips that the step and the residual do not resolve."""
-    for cell in range(modes.shape[1]):
-        column = modes[:, cell].copy()
-        _drop_short_sticks(column)
-        if rubs[cell]:
-            _drop_short_slips(column, travel[:, cell], shortest)
-        modes[:, cell] = column
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _drop_short_sticks(column: Any) -> None:
-    """Turn sticks of fewer than `SHORTEST_STICK` steps into the slip that follows, in place."""
-    before = column.copy()
-    starts = _starts(before)
-    for phase in range(starts.size):
-        first, following = starts[phase], starts[(phase + 1) % starts.size]
-        length = (following - first - 1) % column.size + 1
-        if before[first] == 0 and length < SHORTEST_STICK:
-            for k in range(first, first + length):
-                column[k % column.size] = before[following]
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _drop_short_slips(column: Any, travel: Any, shortest: float) -> None:
-    """Turn slips into stick that travel less than `shortest` [m], in place."""
-    starts = _starts(column)
-    for phase in range(starts.size):
-        first, following = starts[phase], starts[(phase + 1) % starts.size]
-        length = (following - first - 1) % column.size + 1
-        if column[first] == 0:
-            continue
-        way = 0.0
-        for k in range(first, first + length):
-            way += travel[k % column.size]
-        if abs(way) < shortest:
-            for k in range(first, first + length):
-                column[k % column.size] = 0
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _starts(column: Any) -> Any:
-    """First steps of the uninterrupted modes of a cyclic period; none if the mode never changes."""
-    starts = np.empty(column.size, dtype=np.int64)
-    count = 0
-    for k in range(column.size):
-        if column[k] != column[k - 1]:
-            starts[count] = k
-            count += 1
-    return starts[:count]

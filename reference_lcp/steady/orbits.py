@@ -12,19 +12,15 @@ from enum import StrEnum
 
 import numpy as np
 
-from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, Lane, Simulation
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.steady.anderson import LARGEST_RESIDUAL, FixedPointSearch
 from reference_lcp.steady.harmonic_balance import harmonic_balance_start
+from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
 from reference_lcp.steady.state_scales import StateScales
 from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE, repetitions
 from reference_lcp.validation import ParameterError, checked_count, checked_scalar
-
-DEFAULT_RESIDUAL = 1e-8
-"""Periodicity residual at which an orbit counts as found."""
-
-DEFAULT_PERIODS = 400
-"""Periods after which the search gives up."""
 
 
 class OrbitStatus(StrEnum):

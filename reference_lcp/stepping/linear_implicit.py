@@ -11,9 +11,7 @@ contact: G is nearly diagonal, since a contact touches no mass of another cell.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
-import numba
 import numpy as np
 
 from reference_lcp.chain.mass_in_mass import Chain
@@ -21,12 +19,6 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray
-
-MOST_SWEEPS = 200
-"""Gauss–Seidel sweeps at most; five reach round-off where G is nearly diagonal."""
-
-SWEPT = 1e-15
-"""Largest change in a sweep, over the bound, that ends the sweeps."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -229,10 +221,12 @@ class LinearImplicitLane(LaneModel):
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> FloatArray:
         """Run the kernel; gives positions and velocities at the end, shape (2, 2n)."""
+        from reference_lcp.stepping.linear_implicit_kernel import advance  # numba is imported once something moves
+
         lane, step, friction = self.lane, self._step, self._friction
         bounds = friction.bound_share * step.length * lane.chain.friction_coefficient * lane.preloads(start, steps)
         motion = np.vstack([state.positions[0], state.velocities[0]])
-        _advance(
+        advance(
             motion,
             lane.loads(start, steps + 1),
             np.ascontiguousarray(bounds),
@@ -242,90 +236,3 @@ class LinearImplicitLane(LaneModel):
             record,
         )
         return motion
-
-
-@numba.njit(inline="always", error_model="numpy")
-def _impulse(slip: Any, coupling: Any, bound: Any, compliance: Any, slope: Any, smoothing: Any) -> Any:
-    """Solve w = slip + coupling p, p = h φ(w), for p; see `ScalarFriction`."""
-    if smoothing > 0:
-        return smooth_impulse(slip, coupling, bound, smoothing)
-    impulse = -slip / (coupling + compliance)
-    if abs(impulse) > bound:
-        size = (bound + slope * (abs(slip) - compliance * bound)) / (1 + coupling * slope)
-        return -size if slip > 0 else size
-    return impulse
-
-
-@numba.njit(cache=True, error_model="numpy")
-def smooth_impulse(slip: Any, coupling: Any, bound: Any, smoothing: Any) -> Any:
-    """Solve w + coupling · bound w / √(w² + z²) = slip by Newton's method, kept in its bracket by bisection."""
-    speed, most = abs(slip), coupling * bound
-    low, high = 0.0, speed
-    end = speed - most if speed > most else speed * smoothing / (smoothing + most)
-    for _ in range(100):
-        root = np.sqrt(end * end + smoothing * smoothing)
-        excess = end + most * end / root - speed
-        if excess > 0:
-            high = end
-        else:
-            low = end
-        following = end - excess / (1 + most * smoothing * smoothing / root**3)
-        if not low < following < high:
-            following = (low + high) / 2
-        if abs(following - end) <= 1e-16 * speed:
-            break
-        end = following
-    size = bound * end / np.sqrt(end * end + smoothing * smoothing)
-    return -size if slip > 0 else size
-
-
-@numba.njit(cache=True, error_model="numpy")
-def solve_contacts(free: Any, coupling: Any, bound: Any, law: Any, impulses: Any) -> None:
-    """Solve all contacts by Gauss–Seidel sweeps; `impulses` is where they start, and the solution."""
-    compliance, slope, smoothing = law
-    cells = free.size
-    for _ in range(MOST_SWEEPS):
-        change = 0.0
-        for i in range(cells):
-            slip = free[i]
-            for j in range(cells):
-                if j != i:
-                    slip += coupling[i, j] * impulses[j]
-            impulse = 0.0
-            if bound[i] > 0:
-                impulse = _impulse(slip, coupling[i, i], bound[i], compliance[i], slope[i], smoothing[i])
-                change = max(change, abs(impulse - impulses[i]) / bound[i])
-            impulses[i] = impulse
-        if change <= SWEPT:
-            return
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _advance(motion: Any, loads: Any, bounds: Any, matrices: Any, numbers: Any, law: Any, record: Any) -> None:
-    """Advance one lane in place; `record` is (steps, 5n), or has no rows when nothing is kept."""
-    state_matrix, load_matrix, response, coupling, drag = matrices
-    length, weight = numbers
-    cells = coupling.shape[0]
-    count = 2 * cells
-    drags = np.any(drag)
-    impulses, state = np.zeros(cells), np.empty(2 * count)
-    state[:count], state[count:] = motion[1], motion[0]
-    before = np.empty(count)
-    for step in range(bounds.shape[0]):
-        free = state_matrix @ state + load_matrix[:, 0] * loads[step] + load_matrix[:, 1] * loads[step + 1]
-        if drags:
-            for i in range(cells):
-                outer = length * drag[i] * state[i] * abs(state[i])
-                inner = length * drag[cells + i] * state[cells + i] * abs(state[cells + i])
-                free[i] -= outer
-                free[cells + i] -= inner
-                free[count + i] -= inner - outer
-        solve_contacts(free[count:], coupling, bounds[step], law, impulses)
-        before[:] = state[:count]
-        state[:count] = free[:count] + response @ impulses
-        state[count:] += length * (weight * state[:count] + (1 - weight) * before)
-        if record.shape[0] > 0:
-            record[step, :count] = state[count:]
-            record[step, count : 2 * count] = state[:count]
-            record[step, 2 * count :] = impulses / length
-    motion[0], motion[1] = state[count:], state[:count]

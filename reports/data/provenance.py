@@ -8,8 +8,8 @@ from typing import Any
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from reference_lcp.chain.simulation import LARGEST_PHASE_STEP
-from reference_lcp.steady.orbits import DEFAULT_RESIDUAL
+from reference_lcp.chain.step_limits import LARGEST_PHASE_STEP
+from reference_lcp.steady.limits import DEFAULT_RESIDUAL
 from reports.data.descriptions import band_definition, compared_with, drive_description
 from reports.data.findings import VariantFindings
 from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION

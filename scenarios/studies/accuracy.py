@@ -8,7 +8,7 @@ import numpy as np
 
 from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
-from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.observables.transition_matching import match_transitions
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.parameters import Excitation, OperatingPoint

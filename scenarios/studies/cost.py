@@ -9,7 +9,7 @@ import numpy as np
 
 from engines.interface.variant import Variant
 from engines.shared.step_cost import StepCost, step_cost
-from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 from scenarios.execution.batch import Batch
 from scenarios.execution.local_processes import LocalExecutor
 from scenarios.tables import Column

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
 
 from engines.interface.variant import Variant, variants_named, variants_of
-from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import LARGEST_PARAMETER, MOST_STEPS, ParameterError, checked_choice, checked_path
 from scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
 from scenarios.sweeps.sweep import Sweep, baseline_of

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from reference_lcp.chain.simulation import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import (
     LARGEST_PARAMETER,
     MOST_CELLS,

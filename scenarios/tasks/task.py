@@ -13,7 +13,8 @@ from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.chain.harmonic import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD, Lane, steps_per_period_for
+from reference_lcp.chain.simulation import Lane, steps_per_period_for
+from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.observables.stick_slip import STICK_MARGIN
 from scenarios.tasks.parameters import ChainRatios, Excitation, Modulation, Ratio
 

@@ -10,7 +10,8 @@ from pydantic import PlainSerializer, PlainValidator
 from reference_lcp.chain.harmonic import MovingBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.record import RecordedBase
-from reference_lcp.chain.simulation import LARGEST_PHASE_STEP, Lane
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.step_limits import LARGEST_PHASE_STEP
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray, ParameterError, checked_choice, checked_count, checked_scalar
 from scenarios.tasks.task import Task

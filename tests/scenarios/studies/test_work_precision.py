@@ -7,7 +7,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp import exact_steady_state
-from reference_lcp.exact.steady import EXACT_RESIDUAL
+from reference_lcp.steady.limits import EXACT_RESIDUAL
 from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
