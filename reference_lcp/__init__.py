@@ -37,10 +37,10 @@ if TYPE_CHECKING:
     from reference_lcp.one_call import exact_steady_state as exact_steady_state
     from reference_lcp.one_call import simulate as simulate
     from reference_lcp.one_call import steady_state as steady_state
+    from reference_lcp.refusal import ParameterError as ParameterError
     from reference_lcp.steady.orbits import PeriodicOrbit as PeriodicOrbit
     from reference_lcp.steady.orbits import periodic_orbits as periodic_orbits
     from reference_lcp.stepping.euler_compiled import CompiledSimulation as CompiledSimulation
-    from reference_lcp.validation import ParameterError as ParameterError
 
 _NAMES = {
     "chain.harmonic": ["HarmonicBase", "HarmonicForce", "StillBase"],
@@ -59,7 +59,7 @@ _NAMES = {
     "one_call": ["SteadyState", "exact_steady_state", "simulate", "steady_state"],
     "steady.orbits": ["PeriodicOrbit", "periodic_orbits"],
     "stepping.euler_compiled": ["CompiledSimulation"],
-    "validation": ["ParameterError"],
+    "refusal": ["ParameterError"],
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 

@@ -14,7 +14,8 @@ from reports.data.report import Report
 from reports.export.files import FIGURES, FILES, PAGE, files_of, write_all
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import StoredResults
-from scenarios.execution.executor import TIME_LIMIT, Executor
+from scenarios.execution.executor import Executor
+from scenarios.execution.limits import TIME_LIMIT
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.dataset_file import read_dataset

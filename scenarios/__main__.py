@@ -10,20 +10,9 @@ import sys
 from pathlib import Path
 from typing import Annotated
 
-import pandas as pd
 import typer
-from rich.console import Console
-from rich.progress import track
 
-from engines.interface.variant import Variant
-from engines.shared.step_cost import step_cost
 from reference_lcp.console import run_command
-from reference_lcp.exit_code import ExitCode
-from reference_lcp.interrupt import announce_interrupt
-from reference_lcp.output import write_whole
-from reference_lcp.validation import ParameterError, checked_scalar
-from reference_lcp.visible import visible
-from scenarios.catalogue import CATALOGUE
 from scenarios.cli.mutations import add_mutations
 from scenarios.cli.options import (
     TABLE_ENDINGS,
@@ -36,30 +25,13 @@ from scenarios.cli.options import (
     Workers,
     check_out,
     check_retry,
-    chosen_variants,
     command_text,
-    evaluator_of_run,
 )
 from scenarios.cli.run import add_scenarios
 from scenarios.cli.store import store_app
-from scenarios.cli.sweep import evaluate_sweep, print_summary, print_verdicts
-from scenarios.execution.dask_cluster import executor_for
-from scenarios.execution.evaluator import unavailable_reason
-from scenarios.execution.executor import TIME_LIMIT, Executor
-from scenarios.execution.store import ResultStore
-from scenarios.execution.store_file import existing_store
-from scenarios.studies.accuracy import Accuracy, accuracies, accuracy_tasks, exact_tasks
-from scenarios.studies.accuracy_table import ACCURACY_COLUMNS, AccuracyRow, accuracy_document, csv_table, remark
-from scenarios.studies.cost import COST_COLUMNS, SECONDS, cost
-from scenarios.studies.law_agreement import LAW_COLUMNS, beside_the_reference, law_agreements, law_csv, law_document
-from scenarios.sweeps.dataset import sweep_dataset, write_dataset
-from scenarios.sweeps.noted import note_sweep
-from scenarios.sweeps.run import stored_table
-from scenarios.sweeps.size import UNCONFIRMED_POINTS, check_size, size_text
-from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
-from scenarios.sweeps.table import points_of
-from scenarios.tables import csv_text, full_table, markdown_lines, print_table, text_table
-from scenarios.verdicts.steady_case import EXACT, REFERENCE
+from scenarios.execution.limits import TIME_LIMIT
+from scenarios.studies.limits import COST_SECONDS
+from scenarios.sweeps.size import UNCONFIRMED_POINTS
 
 EXPERIMENTS = {
     "accuracy": "How wrong is the friction of each engine, formulation and preset? Against the exact motion.",
@@ -96,6 +68,8 @@ def example() -> None:
 
     Example: python -m scenarios example > sweep.toml
     """
+    from scenarios.sweeps.spec_file import EXAMPLE
+
     print(EXAMPLE, end="")
 
 
@@ -123,27 +97,13 @@ def sweep(
     Example: python -m scenarios sweep sweep.toml --out sweep.nc
     """
     check_retry(ask, retry_blocked)
-    planned = read_sweep(file)
-    whole = out is not None or planned.tolerance is not None  # all results in memory together
-    if ask or whole:
-        check_size(planned, yes=yes and not whole, how="--yes, without --out and [tolerances]")
+    from scenarios.cli.sweep import perform, planned_sweep
+    from scenarios.execution.dask_cluster import executor_for
+
+    planned = planned_sweep(file, ask=ask, yes=yes, out=out)
     check_out(out, (".nc", ".csv"), [store, file])
     executor = executor_for(workers, time_limit, scheduler)
-    with ResultStore(store if ask else existing_store(store)) as stored:
-        if ask:
-            print(size_text(planned), file=sys.stderr)
-            note_sweep(stored, planned)
-            try:
-                print_summary(planned, evaluate_sweep(planned, stored, executor, retry_blocked=retry_blocked))
-            except KeyboardInterrupt:
-                announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
-                raise typer.Exit(ExitCode.INTERRUPTED) from None
-        if not whole:
-            return
-        judged, table = stored_table(planned, stored)
-        print_verdicts(judged, points_of(table))
-        if out is not None:
-            write_dataset(sweep_dataset(judged, table, store), out)
+    perform(planned, store, out, executor if ask else None, retry_blocked=retry_blocked)
 
 
 @run.command()
@@ -166,14 +126,15 @@ def accuracy(
 
     Example: python -m scenarios run accuracy --store accuracy.sqlite --out accuracy.md
     """
+    from scenarios.cli.accuracy import accuracy_rows, write_accuracy
+    from scenarios.cli.evaluation import chosen_variants
+    from scenarios.execution.dask_cluster import executor_for
+
     variants = chosen_variants(chosen)
     check_out(out, TABLE_ENDINGS, [store])
-    measured = _accuracies(variants, store, executor_for(workers, time_limit, scheduler), retry_blocked)
-    rows: list[AccuracyRow] = [(row, step_cost(row.variant) if cost and row.certified else None) for row in measured]
-    _print_accuracy(rows)
-    if out is not None:
-        command = command_text("accuracy", chosen)
-        write_whole(out, accuracy_document(rows, command) if out.suffix == ".md" else csv_table(rows))
+    executor = executor_for(workers, time_limit, scheduler)
+    rows = accuracy_rows(variants, store, executor, cost=cost, retry_blocked=retry_blocked)
+    write_accuracy(rows, out, command_text("accuracy", chosen))
 
 
 @run.command()
@@ -193,14 +154,14 @@ def laws(
 
     Example: python -m scenarios run laws --engine mujoco --out laws.md
     """
-    variants = beside_the_reference(chosen_variants(chosen))
+    from scenarios.cli.evaluation import chosen_variants
+    from scenarios.cli.laws import perform
+    from scenarios.execution.dask_cluster import executor_for
+
+    variants = chosen_variants(chosen)
     check_out(out, TABLE_ENDINGS, [store])
     executor = executor_for(workers, time_limit, scheduler)
-    with evaluator_of_run(store, executor, variants, retry_blocked=retry_blocked) as evaluator:
-        rows = law_agreements(variants, evaluator)
-    print_table(text_table(LAW_COLUMNS, rows))
-    if out is not None:
-        write_whole(out, law_document(rows, command_text("laws", chosen)) if out.suffix == ".md" else law_csv(rows))
+    perform(variants, store, out, executor, command_text("laws", chosen), retry_blocked=retry_blocked)
 
 
 @run.command(name="cost")
@@ -209,7 +170,7 @@ def cost_command(
     out: TableFile = None,
     seconds: Annotated[
         float, typer.Option(help="Length of a measurement of steady states that is aimed at; there are two a row.")
-    ] = SECONDS,
+    ] = COST_SECONDS,
 ) -> None:
     """Time steps and steady states of each variant, with one and with two worker processes, beside the reference.
 
@@ -219,47 +180,24 @@ def cost_command(
     Example: python -m scenarios run cost --engine mujoco:joint
     """
     check_out(out, TABLE_ENDINGS, [])
-    if checked_scalar("seconds", seconds, "> 0") > TIME_LIMIT:
-        raise ParameterError(f"seconds = {seconds:g}; allowed: > 0 and <= {TIME_LIMIT:g}")
-    variants = chosen_variants(chosen)
-    reference = cost(REFERENCE, seconds)
-    costs = []
-    for variant in track(variants, "cost", console=Console(stderr=True), transient=True):
-        missing = unavailable_reason(variant)
-        if missing is not None:
-            print(visible(f"{variant}: {missing}"), file=sys.stderr)
-        else:
-            costs.append(reference if variant == REFERENCE else cost(variant, seconds))
-    rows = [(own, reference) for own in costs]
-    table = text_table(COST_COLUMNS, rows)
-    print_table(table)
-    if out is not None:
-        document = "\n".join([*markdown_lines(table), ""])
-        write_whole(out, document if out.suffix == ".md" else csv_text(full_table(COST_COLUMNS, rows)))
+    from scenarios.cli.cost import checked_seconds, perform
+    from scenarios.cli.evaluation import chosen_variants
+
+    checked_seconds(seconds)
+    perform(chosen_variants(chosen), seconds, out)
 
 
 def _print_catalogue() -> None:
     """Print what there is to run."""
-    scenarios = [(scenario.name, scenario.question, scenario.expects) for scenario in CATALOGUE.values()]
+    import pandas as pd
+
+    from scenarios.catalogue.descriptions import DESCRIPTIONS
+    from scenarios.tables import print_table
+
+    scenarios = [(name, *description) for name, description in DESCRIPTIONS.items()]
     print_table(pd.DataFrame(scenarios, columns=["scenario", "question", "compared with"]))
     print_table(pd.DataFrame(EXPERIMENTS.items(), columns=["measurement", "question"]))
     print("python -m scenarios run NAME runs one, python -m scenarios run all every scenario.")
-
-
-def _accuracies(variants: list[Variant], store: Path | None, executor: Executor, retry_blocked: bool) -> list[Accuracy]:
-    """Run everything, with bars on the way."""
-    expected = [*exact_tasks().values(), *(task for variant in variants for task in accuracy_tasks(variant))]
-    shown = [EXACT, *variants]
-    with evaluator_of_run(store, executor, shown, expected, retry_blocked=retry_blocked) as evaluator:
-        return accuracies(variants, evaluator)
-
-
-def _print_accuracy(rows: list[AccuracyRow]) -> None:
-    """Print the table and what it leaves out."""
-    print_table(text_table(ACCURACY_COLUMNS, rows))
-    for row in rows:
-        if row[0].certified < row[0].points:
-            print(visible(remark(row[0])))
 
 
 if __name__ == "__main__":

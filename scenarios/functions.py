@@ -17,11 +17,13 @@ from engines.interface.registry import default_engine_names
 from engines.interface.variant import Variant
 from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.validation import FloatArray, ParameterError, checked_choice, checked_path, shown
-from scenarios.catalogue import ALL_SCENARIOS, CATALOGUE
+from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.descriptions import ALL_SCENARIOS
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.catalogue.verdict_table import finding_table
 from scenarios.execution.dask_cluster import executor_for
-from scenarios.execution.executor import TIME_LIMIT, Executor
+from scenarios.execution.executor import Executor
+from scenarios.execution.limits import TIME_LIMIT
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore, opened_store
 from scenarios.sweeps.dataset import sweep_dataset

@@ -9,10 +9,13 @@ import typer
 
 import engines.__main__
 import reference_lcp.__main__
+import reference_lcp.cli.studies
 import reference_lcp.one_call
 import reports.__main__
-import reports.cli.animate
+import reports.cli.animation
 import scenarios.__main__
+import scenarios.cli.accuracy
+import scenarios.cli.cost
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
 from scenarios.execution.evaluator import Evaluator
@@ -142,9 +145,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in ("periodic_orbits", "exact_orbit", "measured_error_bar"):
         monkeypatch.setattr(reference_lcp.one_call, name, planned)
     for name in ("bench", "bench_cells", "convergence", "coverage"):
-        monkeypatch.setattr(reference_lcp.__main__, name, planned)
-    for name in ("cost", "step_cost"):
-        monkeypatch.setattr(scenarios.__main__, name, planned)
+        monkeypatch.setattr(reference_lcp.cli.studies, name, planned)
+    monkeypatch.setattr(scenarios.cli.cost, "cost", planned)
+    monkeypatch.setattr(scenarios.cli.accuracy, "step_cost", planned)
     monkeypatch.setattr(Evaluator, "close", lambda _: None)
     return tmp_path
 

@@ -10,6 +10,7 @@ import engines.__main__
 import reference_lcp.__main__
 import reports.__main__
 import scenarios.__main__
+import scenarios.cli.cost
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
 from scenarios.catalogue import CATALOGUE
@@ -198,6 +199,6 @@ def test_sweep_of_ten_million_points_says_its_size_and_asks_for_a_yes(folder, ca
 
 
 def test_misspelt_engine_is_refused_before_the_reference_is_measured(folder, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(scenarios.__main__, "cost", lambda *_: pytest.fail("something was measured"))
+    monkeypatch.setattr(scenarios.cli.cost, "cost", lambda *_: pytest.fail("something was measured"))
     assert run_command(APPS["scenarios"], ["run", "cost", "--engine", "mujocko"]) == ExitCode.WRONG_INPUT
     assert "engine = 'mujocko' is unknown" in capsys.readouterr().err

@@ -1,6 +1,6 @@
 """What the contract allows, and why."""
 
-import numpy as np
+import math
 
 from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 
@@ -23,7 +23,7 @@ and impulse, and of their products."""
 LINEAR_TOLERANCE_DB = 0.1
 """Of the frictionless and stuck limits at 400 steps: the scheme's own first-order error there is below 0.07 dB."""
 
-DISTANCE_GROWTH = 2 * 2 * np.pi * 2.3 / STEPS
+DISTANCE_GROWTH = 2 * 2 * math.pi * 2.3 / STEPS
 """By which a first-order scheme may let the distance of two motions, or the energy of a free one, grow between
 two steps, over the smallest so far: 2 Δt ω_max for η_max = 2.3, where the pass band of the chain ends."""
 
@@ -34,7 +34,7 @@ is within a few thousandths of the integral."""
 SLIDING = 0.1
 """Slower than this, over ω U0, a reversal of the slip may lie within the step."""
 
-TRAJECTORY_TOLERANCE = {"double": 1e-12, "single": 3 * np.sqrt(40 * STEPS) * SINGLE}
+TRAJECTORY_TOLERANCE = {"double": 1e-12, "single": 3 * math.sqrt(40 * STEPS) * SINGLE}
 """Positions of engines that share the scheme over forty periods, over U0: round-off, for motions do not drift apart.
 
 In single precision a step makes some three roundings of a displacement or a velocity of about U0 or U0 ω, each with
@@ -42,7 +42,7 @@ the standard deviation `SINGLE` / √3. Nothing but a damping of a hundredth tak
 all steps add up as the root of their number; three standard deviations are allowed.
 """
 
-FRICTION_TOLERANCE = {"double": 1e-9, "single": TRAJECTORY_TOLERANCE["single"] * 0.81 / 0.3 / 2 * STEPS / (2 * np.pi)}
+FRICTION_TOLERANCE = {"double": 1e-9, "single": TRAJECTORY_TOLERANCE["single"] * 0.81 / 0.3 / 2 * STEPS / (2 * math.pi)}
 """Friction of engines that share the scheme, over its bound F: a difference of velocities over a time step, and so
 less exact than positions. In a step in which a contact comes to rest, an error δ of its relative velocity, over U0 ω,
 is one of δ U0 ω m / (2 dt) = δ (η_r² / 2) (k U0) STEPS / (2π) of the friction, with F = 0.3 k U0 and η_r = 0.9.
@@ -60,7 +60,7 @@ SAME_CHAIN = 0.5
 """Of positions over a period that begins at rest, over U0, at (0.3, 0.9): without any friction they differ from the
 reference's by 0.41, with friction that never slips by 0.46, and with one in between by less."""
 
-PULSE_TOLERANCE = 2 * np.pi / STEPS
+PULSE_TOLERANCE = 2 * math.pi / STEPS
 """Of positions under a pulse of the base, over U0, for an engine with its own scheme: U0 ω_r dt, which the base moves
 in a step. A load that is a step late, or held for one, is within; a load of another course in time is not.
 """
@@ -83,5 +83,5 @@ an engine that is no further off resolves friction as well as the scheme does.
 MEETING_STEPS = 2
 """Steps by which the time in the air may differ from the exact one in a cycle: lift-off and landing are met to one."""
 
-SHORT_FLIGHT = 2 * np.pi / STEPS
+SHORT_FLIGHT = 2 * math.pi / STEPS
 """Of the largest gap over N0 / (m Ω²): Ω Δt, as if lift-off began with the velocity N0 Δt / m of one step."""

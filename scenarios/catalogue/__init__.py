@@ -1,41 +1,20 @@
-"""The catalogue: every scenario by its name."""
+"""The catalogue: every scenario by its name.
 
-from collections.abc import Mapping
-from types import MappingProxyType
+`CATALOGUE` is imported on first use: commands list the scenarios by their `descriptions`.
+"""
 
-from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.steady.den_hartog import DenHartog
-from scenarios.catalogue.steady.figure3 import Figure3Points
-from scenarios.catalogue.steady.linear_limits import FrictionlessLimit, LockedLimit
-from scenarios.catalogue.steady.long_chain import LongChain
-from scenarios.catalogue.steady.modulated_normal_force import ModulatedNormalForce
-from scenarios.catalogue.steady.unequal_cells import DisorderedChain, GradedChain
-from scenarios.catalogue.steady.unit_cell import UnitCell
-from scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
-from scenarios.catalogue.transient.free_decay import FreeDecay
-from scenarios.catalogue.transient.record import Record
-from scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
-from scenarios.catalogue.transient.swept_sine import SweptSineScenario
+from typing import TYPE_CHECKING, Any
 
-SCENARIOS: tuple[Scenario, ...] = (
-    UnitCell(),
-    Figure3Points(),
-    DenHartog(),
-    FrictionlessLimit(),
-    LockedLimit(),
-    FreeDecay(),
-    RickerPulseScenario(),
-    SweptSineScenario(),
-    FilteredNoiseScenario(),
-    Record(),
-    DisorderedChain(),
-    GradedChain(),
-    LongChain(),
-    ModulatedNormalForce(),
-)
+if TYPE_CHECKING:
+    from scenarios.catalogue.registry import CATALOGUE
 
-ALL_SCENARIOS = "all"
-"""Name of all scenarios together."""
+__all__ = ["CATALOGUE"]
 
-CATALOGUE: Mapping[str, Scenario] = MappingProxyType({scenario.name: scenario for scenario in SCENARIOS})
-"""Every scenario by its name, in the order in which they are listed and run."""
+
+def __getattr__(name: str) -> Any:
+    """Import the scenarios on first use."""
+    if name in __all__:
+        from scenarios.catalogue import registry
+
+        return getattr(registry, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -8,7 +8,6 @@ import typer
 from reference_lcp.console import checked_output_file
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.visible import visible
-from scenarios.execution.store_check import check_store, salvage
 
 store_app = typer.Typer(help="Check a store of results, and save what is good in a damaged one.", no_args_is_help=True)
 
@@ -32,6 +31,8 @@ def check(
 
     Example: python -m scenarios store check results.sqlite --salvage good.sqlite
     """
+    from scenarios.execution.store_check import check_store, salvage
+
     if new is not None:
         checked_output_file("--salvage", new, [file])
     found = check_store(file)

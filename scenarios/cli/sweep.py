@@ -1,21 +1,30 @@
 """What the command ``sweep`` does: run what is missing, and print summaries."""
 
+import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 import pandas as pd
+import typer
 
 from engines.interface.variant import Variant
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.interrupt import announce_interrupt
 from reference_lcp.visible import visible
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
-from scenarios.sweeps.dataset import STATUSES
+from scenarios.execution.store_file import existing_store
+from scenarios.sweeps.dataset import STATUSES, sweep_dataset, write_dataset
+from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.refinement import ForTheAccuracy
-from scenarios.sweeps.run import refined_tasks, run_sweep
+from scenarios.sweeps.run import refined_tasks, run_sweep, stored_table
+from scenarios.sweeps.size import check_size, size_text
+from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.summary import SweepSummary, VerdictSummary, verdict_summaries
 from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.table import Point
+from scenarios.sweeps.table import Point, points_of
 from scenarios.tables import print_table
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.pointwise import refinements
@@ -23,6 +32,45 @@ from scenarios.verdicts.verdict import Verdict
 
 PARTS = (0.5, 0.99, 1.0)
 """Parts of the points whose number of periods is printed: median, 99 % and all."""
+
+
+def planned_sweep(file: Path, *, ask: bool, yes: bool, out: Path | None) -> Sweep:
+    """Read a sweep, before any work.
+
+    Raises
+    ------
+    ParameterError
+        If the file is wrong, or the sweep has more points than are run without `yes`, or than fit into memory.
+    """
+    planned = read_sweep(file)
+    whole = _whole(planned, out)
+    if ask or whole:
+        check_size(planned, yes=yes and not whole, how="--yes, without --out and [tolerances]")
+    return planned
+
+
+def perform(planned: Sweep, store: Path, out: Path | None, executor: Executor | None, *, retry_blocked: bool) -> None:
+    """Run what the store lacks, or nothing without an executor; print summaries, and write the results."""
+    with ResultStore(existing_store(store) if executor is None else store) as stored:
+        if executor is not None:
+            print(size_text(planned), file=sys.stderr)
+            note_sweep(stored, planned)
+            try:
+                print_summary(planned, evaluate_sweep(planned, stored, executor, retry_blocked=retry_blocked))
+            except KeyboardInterrupt:
+                announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
+                raise typer.Exit(ExitCode.INTERRUPTED) from None
+        if not _whole(planned, out):
+            return
+        judged, table = stored_table(planned, stored)
+        print_verdicts(judged, points_of(table))
+        if out is not None:
+            write_dataset(sweep_dataset(judged, table, store), out)
+
+
+def _whole(planned: Sweep, out: Path | None) -> bool:
+    """Say whether all results are in memory together."""
+    return out is not None or planned.tolerance is not None
 
 
 def evaluate_sweep(

@@ -9,9 +9,10 @@ from typing import Any
 from reference_lcp.validation import ParameterError, shown
 from scenarios.execution.batch import Batch
 from scenarios.execution.dask_worker import run_on_cluster
-from scenarios.execution.executor import TIME_LIMIT, WorkerDied, WorkerExecutor
+from scenarios.execution.executor import WorkerDied, WorkerExecutor
 from scenarios.execution.failures import ExecutorError, text_of
 from scenarios.execution.identity import identity_of
+from scenarios.execution.limits import TIME_LIMIT
 from scenarios.execution.local_processes import LocalExecutor
 from scenarios.tasks.result import Result
 

@@ -11,9 +11,6 @@ from scenarios.execution.closing import Closing
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import Task
 
-TIME_LIMIT = 300.0
-"""Seconds that a batch of tasks may take: a hundred times what the slowest engine needs for a typical one."""
-
 MOST_FAILURES = 3
 """Points at which an engine may end its process; after as many, its other points are not run any more."""
 

@@ -8,8 +8,9 @@ from queue import Empty, SimpleQueue
 
 from engines.interface import registry
 from scenarios.execution.batch import Batch
-from scenarios.execution.executor import TIME_LIMIT, WorkerDied, WorkerExecutor
+from scenarios.execution.executor import WorkerDied, WorkerExecutor
 from scenarios.execution.identity import identity_of
+from scenarios.execution.limits import TIME_LIMIT
 from scenarios.execution.local_worker import LocalWorker
 from scenarios.execution.scratch import ScratchFolder
 from scenarios.tasks.result import Result

@@ -12,13 +12,11 @@ from engines.shared.step_cost import StepCost, step_cost
 from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 from scenarios.execution.batch import Batch
 from scenarios.execution.local_processes import LocalExecutor
+from scenarios.studies.limits import COST_SECONDS
 from scenarios.tables import Column
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
-
-SECONDS = 2.0
-"""Length of a measurement with one worker that is aimed at unless one is given."""
 
 TYPICAL_PERIODS = 35
 """Periods of a steady state from which the number of points is estimated: the mean over figure 3."""
@@ -65,7 +63,7 @@ class Cost:
         return self.seconds[1] / self.seconds[2]
 
 
-def cost(variant: Variant, seconds: float = SECONDS) -> Cost:
+def cost(variant: Variant, seconds: float = COST_SECONDS) -> Cost:
     """Measure one variant.
 
     Steady states are those of the canonical chain, spread over friction ratios 0.1…1 and frequency ratios

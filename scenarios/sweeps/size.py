@@ -1,7 +1,11 @@
 """How large a sweep is: said before it runs, and asked about above a limit."""
 
-from reference_lcp.validation import ParameterError
-from scenarios.sweeps.sweep import Sweep
+from typing import TYPE_CHECKING
+
+from reference_lcp.refusal import ParameterError
+
+if TYPE_CHECKING:
+    from scenarios.sweeps.sweep import Sweep
 
 UNCONFIRMED_POINTS = 1_000_000
 """Most points of a sweep that runs without a yes: about a quarter of an hour, and 2 GB in its store."""
@@ -10,7 +14,7 @@ FASTEST_SECONDS = 1e-3
 """Time that one point takes one worker at least [s]: the reference, the fastest engine, on the canonical chain."""
 
 
-def check_size(sweep: Sweep, *, yes: bool = False, how: str = "") -> None:
+def check_size(sweep: "Sweep", *, yes: bool = False, how: str = "") -> None:
     """Raise a `ParameterError` if a sweep has more than `UNCONFIRMED_POINTS`, unless somebody has said yes.
 
     Parameters
@@ -27,7 +31,7 @@ def check_size(sweep: Sweep, *, yes: bool = False, how: str = "") -> None:
         raise ParameterError(f"{size_text(sweep)}; allowed: <= {UNCONFIRMED_POINTS:,} points{more}")
 
 
-def size_text(sweep: Sweep) -> str:
+def size_text(sweep: "Sweep") -> str:
     """Say how many points a sweep has, and for how long they keep a worker busy at least."""
     least = "" if sweep.frequencies is None else "at least "
     seconds = sweep.points * FASTEST_SECONDS

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
-from engines.interface.tolerances import SCHEME_TOLERANCE_DB
 from reference_lcp.observables.transition_matching import match_transitions
-from reference_lcp.validation import LARGEST_DECIBEL, FloatArray, ParameterError, checked_scalar
+from reference_lcp.validation import FloatArray, ParameterError
 from scenarios.execution.store import ResultStore
 from scenarios.execution.store_file import existing_store
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.validation_message import first_error
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.judge import metric_difference
+from scenarios.verdicts.thresholds import Thresholds
 
 NUMBERS = ("transmittance_db", "residual", "period", "stuck_fraction", "creep", "open_fraction", "largest_gap")
 """Numbers of a result, one or one a contact, that do not depend on how it was found."""
@@ -39,39 +39,6 @@ class _Content:
 
 
 _CONTENT = TypeAdapter(_Content)
-
-
-@dataclass(frozen=True)
-class Thresholds:
-    """What counts as no change.
-
-    Parameters
-    ----------
-    transmittance_db
-        Largest difference of transmittance [dB] > 0, on the scale of `TRANSMITTANCE`; two engines that solve the same
-        equations differ by less than the default.
-    stuck_fraction
-        Largest difference of a contact's stuck fraction, in (0, 1]; by default two steps of 400.
-    transition
-        Largest difference of the time of a transition, over the period, in (0, 1]; by default two steps of 400.
-
-    Raises
-    ------
-    ParameterError
-        If a threshold is outside its range.
-    """
-
-    transmittance_db: float = SCHEME_TOLERANCE_DB
-    stuck_fraction: float = 0.005
-    transition: float = 0.005
-
-    def __post_init__(self) -> None:
-        level = checked_scalar("threshold of transmittance", self.transmittance_db, "> 0")
-        if level > LARGEST_DECIBEL:
-            raise ParameterError(f"threshold of transmittance = {level:g} dB; allowed: > 0 and <= {LARGEST_DECIBEL:g}")
-        for name in ("stuck_fraction", "transition"):
-            if not 0 < getattr(self, name) <= 1:
-                raise ParameterError(f"threshold of {name} = {getattr(self, name)}; allowed: > 0 and <= 1")
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from reference_lcp.exact.den_hartog import SlidingMotion
 from reference_lcp.observables.stick_slip import Mode
+from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import ClosedForm
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
@@ -44,9 +45,8 @@ class DenHartog(ClosedForm):
     """
 
     name = "den-hartog"
-    question = "How does a mass move that slides under dry friction and a harmonic force, and when does it turn?"
+    question, expects = DESCRIPTIONS[name]
     source = "J. P. Den Hartog, Trans. ASME 53 (1931)"
-    expects = "the closed form; its error bar is the motion of the mass that stands"
     cases = tuple(_case(*point) for point in POINTS)
     with_stick_slip = True
 

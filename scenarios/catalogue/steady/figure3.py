@@ -4,6 +4,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 
+from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import SAME_STEP, SteadyScenario, point_case
 from scenarios.sweeps.attenuation_band import BandDefinition
 from scenarios.tasks.result import Result
@@ -40,9 +41,8 @@ class Figure3Points(SteadyScenario):
     """The canonical chain at points of figure 3."""
 
     name = "figure3"
-    question = "How much of the base's motion reaches the end of seven cells, and where does attenuation begin?"
+    question, expects = DESCRIPTIONS[name]
     source = "Sethi, Banerjee, Manna, figure 3: mass and stiffness ratio 1, ζ = 0.01, seven cells"
-    expects = "the event-driven solver, exact to round-off"
     cases = (*(case for pair in EDGE_CASES.values() for case in pair), point_case(0.6, 0.9), point_case(0.1, 0.6))
     metrics = (TRANSMITTANCE, SAME_STEP, LOWER_EDGE)
 

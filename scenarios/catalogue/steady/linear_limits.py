@@ -10,6 +10,7 @@ from reference_lcp.chain.harmonic import PeriodicDrive
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.observables.transmittance import decibel
+from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import ClosedForm, cases_over
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
@@ -28,9 +29,8 @@ class FrictionlessLimit(ClosedForm):
     """No friction: the resonators move freely."""
 
     name = "frictionless-limit"
-    question = "Is the chain without friction the linear one: masses, springs, dashpots, drive, time step?"
+    question, expects = DESCRIPTIONS[name]
     source = "linear theory: (K + iωC − ω²M) x = f"
-    expects = "closed form"
     cases = cases_over((0.9, 0.5), 0.0, THREE_CELLS)
 
     def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
@@ -42,9 +42,8 @@ class LockedLimit(ClosedForm):
     """So much friction that every cell moves as one mass."""
 
     name = "locked-limit"
-    question = "Does a contact that must not slip hold?"
+    question, expects = DESCRIPTIONS[name]
     source = "linear theory with v = u + const in every cell"
-    expects = "closed form"
     cases = cases_over((1.1, 0.7), LOCKING_FRICTION, THREE_CELLS)
 
     def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 
+from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import SteadyScenario
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
@@ -36,9 +37,8 @@ class LongChain(SteadyScenario):
     """The canonical chain with more and more cells."""
 
     name = "long-chain"
-    question = "How many cells can an engine take, and is it as right with fifty as with seven?"
+    question, expects = DESCRIPTIONS[name]
     source = "the canonical case with more cells, at friction ratio 0.1 and η_r 0.5"
-    expects = "the reference with 32 times the steps, and its error bar"
     cases = tuple(_case(cells) for cells in CHAIN_LENGTHS)
 
     def stages(self) -> list[tuple[SteadyCase, ...]]:

@@ -16,6 +16,7 @@ from reference_lcp.accuracy.resolution import amplitude_in_db
 from reference_lcp.chain.preload import Flight
 from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
 from scenarios.catalogue.base import Scenario
+from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.parameters import Modulation
@@ -106,10 +107,9 @@ At (1.5, 2 ω, 0.9), deep in the stop band, responses cancel to −37 dB, and 80
 class ModulatedNormalForce(Scenario):
     """The canonical chain under a normal force that swings by a half, and by one and a half, of its mean."""
 
-    name: ClassVar[str] = "modulated-normal-force"
-    question: ClassVar[str] = "Does friction follow a normal force that changes in time, until contacts open and land?"
+    name = "modulated-normal-force"
+    question, expects = DESCRIPTIONS[name]
     source: ClassVar[str] = "equation (7) with a given preload, Sethi, Banerjee and Manna; the flight in closed form"
-    expects: ClassVar[str] = "the reference at the same step with its error bar; of flights the closed form"
     metrics: ClassVar[tuple[Metric, ...]] = (TRANSMITTANCE, PHASE, STUCK, UNMATCHED, TIMES, OPEN_FRACTION, LARGEST_GAP)
 
     def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import SteadyScenario, cases_over
 from scenarios.tasks.parameters import ChainRatios, Ratio
 from scenarios.verdicts.steady_case import SteadyCase
@@ -53,7 +54,6 @@ def _numbers(values: np.ndarray, scale: float = 1.0) -> tuple[float, ...]:
 class UnequalCells(SteadyScenario):
     """What the two chains have in common."""
 
-    expects = "the event-driven solver, exact to round-off"
     with_stick_slip = True
     cases: ClassVar[tuple[SteadyCase, ...]] = ()
 
@@ -71,7 +71,7 @@ class DisorderedChain(UnequalCells):
     """Every cell has masses, springs, a dashpot and friction of its own, drawn at random."""
 
     name = "disordered-chain"
-    question = "Does each cell have its own parameters, and its own stick and slip?"
+    question, expects = DESCRIPTIONS[name]
     source = f"ratios drawn from even distributions, seed {DISORDER_SEED}"
     cases = cases_over((0.6, 0.9), *disordered())
 
@@ -80,6 +80,6 @@ class GradedChain(UnequalCells):
     """Resonators tuned lower and lower along the chain (a rainbow trap), with more and more friction."""
 
     name = "graded-chain"
-    question = "Where along a graded chain do the contacts stick?"
+    question, expects = DESCRIPTIONS[name]
     source = "graded resonators (rainbow trapping), linear in the cell's number"
     cases = cases_over((0.6, 0.8), *graded())

@@ -21,6 +21,7 @@ from reference_lcp.observables.transmissibility import Transmissibility, transie
 from reference_lcp.observables.transmittance import decibel
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Scenario
+from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT, TRANSIENT_EXPECTS
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.parameters import ChainRatios
@@ -45,9 +46,6 @@ BROADBAND_STEPS = 50
 
 ROWS_PER_PERIOD = 10
 """Rows kept to a period 2π / ω_r: spectra reach five times ω_r, where the chain lets nothing pass any more."""
-
-REFERENCE_REFINEMENT = 16
-"""The reference takes so many times as many steps as the engines, and has a sixteenth of its error there."""
 
 STEP_REFINEMENT = 2
 """A variant that disagrees, and not by far for a law of its own, is simulated again with so many times as many steps.
@@ -137,11 +135,7 @@ class Broadband(Scenario):
         "Spectra: Bendat and Piersol, Random Data, chapters 6 and 9; chain: figure 3 of Sethi, Banerjee and Manna "
         "with ζ = 0.05, and 0.02 of the resonators."
     )
-    expects = (
-        f"the reference with {REFERENCE_REFINEMENT} times as many steps; allowed: its error from three step sizes, and "
-        "the engine's own from three, or the reference's at the same ones if that is larger; a variant that disagrees, "
-        "and not by far for a law of its own, is simulated again with twice as many steps"
-    )
+    expects = TRANSIENT_EXPECTS
     metrics = (*BAND_METRICS.values(), RMS, PEAK, DIFFERENCE)
     friction_ratios: ClassVar[tuple[float, ...]]
     """Cases; zero is the linear chain."""

@@ -4,6 +4,7 @@ from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.transient import FilteredNoise
 from reference_lcp.observables.transmissibility import Transmissibility, stationary_transmissibility
 from reference_lcp.validation import FloatArray
+from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import PERIOD, RESONATOR_FREQUENCY, ROWS_PER_PERIOD, Broadband, TransientCase
 
 PERIODS = 300
@@ -26,7 +27,7 @@ class FilteredNoiseScenario(Broadband):
     """
 
     name = "filtered-noise"
-    question = "What of noise of the base, flat from 0.2 to 2.4 ω_r, arrives at the end of the chain?"
+    question = DESCRIPTIONS[name].question
     friction_ratios = (0.1, 0.3)
 
     def case(self, friction_ratio: float) -> TransientCase:

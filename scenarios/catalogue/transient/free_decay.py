@@ -13,6 +13,7 @@ from reference_lcp.chain.harmonic import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Scenario
+from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import Readings, harmonic_period, read_refined, with_refined_steps
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.law_period import LawPeriodTask
@@ -120,14 +121,10 @@ class FreeDecay(Scenario):
     """Dry friction stops a motion after a finite time, anywhere within a dead band; dashpots never do."""
 
     name = "free-decay"
-    question = "When, where and with what loss of energy does a chain come to rest that is let go?"
+    question, expects = DESCRIPTIONS[name]
     source = (
         "Free vibration with Coulomb damping, 4 F / k a cycle: J. P. Den Hartog, Mechanical Vibrations; chain: "
         "figure 3 of Sethi, Banerjee and Manna."
-    )
-    expects = (
-        "the event-driven motion, exact to round-off; energy balance and growth: zero; loss a cycle: 4 F / k; allowed: "
-        "the engine's error from three step sizes, or the reference's from the same ones if that is larger"
     )
     metrics = (REST_TIME, OFFSETS, DEAD_BAND, HEAT, LEFT, BALANCE, GROWTH, LOSS)
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.record import RecordedBase
+from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import (
     BANDS,
     BROADBAND_STEPS,
@@ -34,7 +35,7 @@ class Record(Broadband):
     """
 
     name = "record"
-    question = "What of a recorded motion of the base (CSV) arrives at the end of the chain?"
+    question = DESCRIPTIONS[name].question
     friction_ratios = (0.03, 0.3)
 
     def __init__(self, file: Path = FILE):

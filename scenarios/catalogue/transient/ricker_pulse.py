@@ -2,6 +2,7 @@
 
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.transient import QUIET, RickerPulse
+from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import RESONATOR_FREQUENCY, Broadband, TransientCase
 
 
@@ -12,7 +13,7 @@ class RickerPulseScenario(Broadband):
     """
 
     name = "ricker-pulse"
-    question = "What of a Ricker pulse of the base, with its peak at ω_r, arrives at the end of the chain?"
+    question = DESCRIPTIONS[name].question
     friction_ratios = (0.0, 0.03, 0.1)
 
     def case(self, friction_ratio: float) -> TransientCase:

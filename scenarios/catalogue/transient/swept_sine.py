@@ -4,6 +4,7 @@ import math
 
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.transient import SweptSine
+from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import RESONATOR_FREQUENCY, Broadband, TransientCase
 
 SWEEP, REST = 250, 100
@@ -17,7 +18,7 @@ class SweptSineScenario(Broadband):
     """
 
     name = "swept-sine"
-    question = "What of a logarithmic sine sweep of the base, from 0.2 to 2.4 ω_r, arrives at the end of the chain?"
+    question = DESCRIPTIONS[name].question
     friction_ratios = (0.1, 0.3)
 
     def case(self, friction_ratio: float) -> TransientCase:

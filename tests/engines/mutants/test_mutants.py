@@ -12,7 +12,7 @@ from engines.mutants.catalogue import MUTANTS
 from engines.mutants.mutant import Mutant, Original, claimed_preset
 from reference_lcp.chain.trajectory import Trajectory
 from reference_lcp.validation import ParameterError
-from scenarios.cli.options import chosen_variants
+from scenarios.cli.evaluation import chosen_variants
 
 ROUND_OFF = 1e-7
 """Of every number of two periods, over the largest of its kind: the friction of a stick is a difference of velocities

@@ -11,7 +11,7 @@ from engines.interface.variant import Variant
 from reference_lcp.console import run_command
 from reference_lcp.observables.stick_slip import Mode
 from reports.__main__ import app
-from reports.cli import animate as module
+from reports.cli import animation as module
 from reports.figures.animation import ChainDrawing, write_animation
 from reports.figures.stick_slip import MODE_COLOURS
 from scenarios.tasks.parameters import ChainRatios

@@ -14,6 +14,8 @@ import reports.__main__ as command
 from engines.interface.variant import Variant
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
+from reports.cli import report
+from reports.data import collect
 from reports.data.collect import Scope, expected_tasks
 from reports.export.files import FILES, report_dataset
 from scenarios.execution.evaluator import Evaluator
@@ -44,10 +46,10 @@ def no_computation(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def small_grid(monkeypatch: pytest.MonkeyPatch) -> None:
     def asked(names: list[str], quick: bool) -> Sweep:
-        return figure3(tuple(command.Variant(name) for name in names), **SMALL)
+        return figure3(tuple(Variant(name) for name in names), **SMALL)
 
-    monkeypatch.setattr(command, "_figure3", asked)
-    monkeypatch.setattr(command, "Scope", lambda: Scope(((0.3, 0.9),), (0.3,), (0.6, 0.9), step_study=False))
+    monkeypatch.setattr(report, "_figure3", asked)
+    monkeypatch.setattr(collect, "Scope", lambda: Scope(((0.3, 0.9),), (0.3,), (0.6, 0.9), step_study=False))
 
 
 def one_line(capsys: pytest.CaptureFixture[str]) -> str:
@@ -161,9 +163,9 @@ frequency_ratio = [0.6, 0.62, 0.63, 0.64, 0.65, 0.9]
 def stopped(tmp_path: Path) -> list[str]:
     """A sweep that was stopped after two of its six points."""
     (tmp_path / "sweep.toml").write_text(SWEEP)
-    asked = command._sweep(tmp_path / "sweep.toml", None, quick=False)
+    asked = report.planned_sweep(None, tmp_path / "sweep.toml", quick=False)
     with ResultStore(tmp_path / "sweep.sqlite") as store:
-        tasks = [asked.task(command.Variant("mujoco"), Case.of(friction_ratio=0.3), eta) for eta in (0.6, 0.9)]
+        tasks = [asked.task(Variant("mujoco"), Case.of(friction_ratio=0.3), eta) for eta in (0.6, 0.9)]
         store.keep((task, Result(status="converged", transmittance_db=-1.0)) for task in tasks)
     return [
         "--sweep",
@@ -212,7 +214,7 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scope = Scope(((0.3, 0.9),), (0.3,), (0.6, 0.9), step_study=False)
-    monkeypatch.setattr(command, "Scope", lambda: scope)
+    monkeypatch.setattr(collect, "Scope", lambda: scope)
     file, store = tmp_path / "sweep.toml", tmp_path / "results.sqlite"
     file.write_text(PUSHED)
     arguments = ["--sweep", str(file), "--store", str(store), "--out", str(tmp_path / "out"), "--workers", "1"]
@@ -250,7 +252,7 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
 
 def test_the_step_study_of_a_report_is_about_the_drive_of_its_sweep(tmp_path: Path) -> None:
     (tmp_path / "sweep.toml").write_text(PUSHED)
-    asked = command._sweep(tmp_path / "sweep.toml", None, quick=False)
+    asked = report.planned_sweep(None, tmp_path / "sweep.toml", quick=False)
     expected = expected_tasks(asked, Scope())
     assert {task.steps_per_period for task in expected} >= {400, 800, 1600}
     assert {task.excitation for task in expected} == {Excitation(kind="force", amplitude=10.0)}

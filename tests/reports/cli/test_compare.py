@@ -20,7 +20,8 @@ from scenarios.execution.store import ResultStore, digest_of
 from scenarios.tasks import task
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import RESULT_FORMAT, SteadyStateTask, key_of
-from scenarios.verdicts.regression import StoredResult, Thresholds, change, compare_stores
+from scenarios.verdicts.regression import StoredResult, change, compare_stores
+from scenarios.verdicts.thresholds import Thresholds
 
 SOFT, HARD = Option(1, 5, "soft"), Option(100, 5, "hard")
 

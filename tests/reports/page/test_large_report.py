@@ -73,9 +73,9 @@ def test_twenty_thousand_points_are_a_page_of_less_than_five_mebibytes(tmp_path:
     variants = [variant for name in installed for variant in variants_of(name)]
     sweep, store = tmp_path / "sweep.toml", tmp_path / "results.sqlite"
     sweep.write_text(sweep_text(variants))
-    from reports.__main__ import _sweep
+    from reports.cli.report import planned_sweep
 
-    asked = _sweep(sweep, None, quick=False)
+    asked = planned_sweep(None, sweep, quick=False)
     assert len(read_sweep(sweep).variants) == len(variants)
     with ResultStore(store) as kept:
         result = compare_sweep(asked, Inventor(kept))

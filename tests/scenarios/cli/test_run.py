@@ -24,7 +24,7 @@ from scenarios.catalogue.verdict_table import (
     verdict_table,
     verdicts_text,
 )
-from scenarios.cli import run as catalogue_command
+from scenarios.cli import verdicts as catalogue_command
 from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.verdicts.finding import Finding, Metric, Prediction
 from scenarios.verdicts.verdict import Comparison, Verdict

@@ -1,0 +1,1 @@
+"""What the commands of ``python -m reference_lcp`` do and print."""

@@ -1,0 +1,114 @@
+"""What ``python -m reports`` does: run or read a sweep, and write the report of it."""
+
+import shlex
+from pathlib import Path
+
+import typer
+
+from engines.interface.registry import default_engine_names, engine_names
+from engines.interface.variant import Variant
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.interrupt import announce_interrupt
+from reference_lcp.validation import ParameterError
+from reference_lcp.visible import visible
+from reports.data.collect import Scope
+from reports.write import STORE, Written, check_folder, write_dataset_report, write_sweep_report
+from scenarios.execution.executor import Executor
+from scenarios.execution.store_file import existing_store
+from scenarios.studies.figure3 import (
+    FRICTION_RATIOS,
+    QUICK_FRICTION_RATIOS,
+    default_frequency_ratios,
+    figure3,
+    quick_frequency_ratios,
+)
+from scenarios.sweeps.dataset_file import read_dataset
+from scenarios.sweeps.size import check_size
+from scenarios.sweeps.spec_file import read_sweep
+from scenarios.sweeps.sweep import Sweep
+from scenarios.tasks.parameters import ChainRatios
+
+PROGRAM = ("python", "-m", "reports")
+
+
+def report_of_dataset(data: Path, out: Path) -> None:
+    """Write the report of a dataset; nothing is run."""
+    _end(write_dataset_report(read_dataset(data), out, shlex.join([*PROGRAM, "--data", str(data)]), data))
+
+
+def planned_sweep(chosen: list[str] | None, sweep: Path | None, *, quick: bool) -> Sweep:
+    """Read a sweep from its file, or give that of Figure 3; before any work."""
+    return _figure3(_names(chosen), quick) if sweep is None else _sweep(sweep, chosen, quick)
+
+
+def report_of_sweep(
+    planned: Sweep,
+    out: Path,
+    store: Path | None,
+    executor: Executor,
+    command: str,
+    *,
+    file: Path | None,
+    scope: Scope,
+    ask: bool,
+    retry_blocked: bool,
+) -> None:
+    """Run what the store lacks of a sweep, which a `file` may name, and write the report."""
+    store = store if store is not None else out / STORE
+    if not ask:
+        existing_store(store)
+    check_folder("--out", out, [store, file])
+    try:
+        written = write_sweep_report(
+            planned, out, command, store=store, ask=ask, scope=scope, executor=executor, retry_blocked=retry_blocked
+        )
+    except KeyboardInterrupt:
+        announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
+        raise typer.Exit(ExitCode.INTERRUPTED) from None
+    _end(written)
+
+
+def _end(written: Written) -> None:
+    """Print the page and why its comparison fails, which is the exit code then."""
+    print(written.page)
+    for line in written.failures:
+        print(visible(line))
+    if written.failures:
+        raise typer.Exit(ExitCode.FAILED)
+
+
+def _names(chosen: list[str] | None) -> list[str]:
+    """Give the names of the compared engines."""
+    if not chosen:
+        return default_engine_names()
+    return [full for name in chosen for full in (engine_names() if name == "all" else [name])]
+
+
+def _figure3(names: list[str], quick: bool) -> Sweep:
+    """Give the sweep of Figure 3."""
+    ratios = ChainRatios()
+    return figure3(
+        variants=tuple(Variant.parse(name) for name in names),
+        friction_ratios=QUICK_FRICTION_RATIOS if quick else FRICTION_RATIOS,
+        frequency_ratios=quick_frequency_ratios(ratios) if quick else default_frequency_ratios(ratios),
+        ratios=ratios,
+    )
+
+
+def _sweep(file: Path, chosen: list[str] | None, quick: bool) -> Sweep:
+    """Read a sweep from its file."""
+    if chosen or quick:
+        raise ParameterError("--sweep names engines and grid; allowed beside it: neither --engine nor --quick")
+    planned = read_sweep(file).with_reference()
+    check_size(planned)
+    return planned
+
+
+def command_of(chosen: list[str] | None, quick: bool, sweep: Path | None) -> str:
+    """Give the command that gives the same numbers; the folder of the report is left out."""
+    options = ["--quick"] if quick else []
+    for name in chosen or []:
+        options += ["--engine", name]
+    if sweep is not None:
+        options += ["--sweep", str(sweep)]
+    return shlex.join([*PROGRAM, *options])

@@ -1,0 +1,91 @@
+"""What every scenario asks, and what its results are compared with; commands list them before anything is loaded."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+ALL_SCENARIOS = "all"
+"""Name of all scenarios together."""
+
+REFERENCE_REFINEMENT = 16
+"""The reference takes so many times as many steps as the engines, and has a sixteenth of its error there."""
+
+TRANSIENT_EXPECTS = (
+    f"the reference with {REFERENCE_REFINEMENT} times as many steps; allowed: its error from three step sizes, and "
+    "the engine's own from three, or the reference's at the same ones if that is larger; a variant that disagrees, "
+    "and not by far for a law of its own, is simulated again with twice as many steps"
+)
+
+
+class Description(NamedTuple):
+    """A scenario in two sentences."""
+
+    question: str
+    """The physical question, in one sentence."""
+    expects: str
+    """What results are compared with: closed form, event-driven solution, reference with its error bar."""
+
+
+DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
+    {
+        "unit-cell": Description(
+            "When does the contact of one cell stick and slip?",
+            "the event-driven solver, exact to round-off",
+        ),
+        "figure3": Description(
+            "How much of the base's motion reaches the end of seven cells, and where does attenuation begin?",
+            "the event-driven solver, exact to round-off",
+        ),
+        "den-hartog": Description(
+            "How does a mass move that slides under dry friction and a harmonic force, and when does it turn?",
+            "the closed form; its error bar is the motion of the mass that stands",
+        ),
+        "frictionless-limit": Description(
+            "Is the chain without friction the linear one: masses, springs, dashpots, drive, time step?",
+            "closed form",
+        ),
+        "locked-limit": Description(
+            "Does a contact that must not slip hold?",
+            "closed form",
+        ),
+        "free-decay": Description(
+            "When, where and with what loss of energy does a chain come to rest that is let go?",
+            "the event-driven motion, exact to round-off; energy balance and growth: zero; loss a cycle: 4 F / k; "
+            "allowed: "
+            "the engine's error from three step sizes, or the reference's from the same ones if that is larger",
+        ),
+        "ricker-pulse": Description(
+            "What of a Ricker pulse of the base, with its peak at ω_r, arrives at the end of the chain?",
+            TRANSIENT_EXPECTS,
+        ),
+        "swept-sine": Description(
+            "What of a logarithmic sine sweep of the base, from 0.2 to 2.4 ω_r, arrives at the end of the chain?",
+            TRANSIENT_EXPECTS,
+        ),
+        "filtered-noise": Description(
+            "What of noise of the base, flat from 0.2 to 2.4 ω_r, arrives at the end of the chain?",
+            TRANSIENT_EXPECTS,
+        ),
+        "record": Description(
+            "What of a recorded motion of the base (CSV) arrives at the end of the chain?",
+            TRANSIENT_EXPECTS,
+        ),
+        "disordered-chain": Description(
+            "Does each cell have its own parameters, and its own stick and slip?",
+            "the event-driven solver, exact to round-off",
+        ),
+        "graded-chain": Description(
+            "Where along a graded chain do the contacts stick?",
+            "the event-driven solver, exact to round-off",
+        ),
+        "long-chain": Description(
+            "How many cells can an engine take, and is it as right with fifty as with seven?",
+            "the reference with 32 times the steps, and its error bar",
+        ),
+        "modulated-normal-force": Description(
+            "Does friction follow a normal force that changes in time, until contacts open and land?",
+            "the reference at the same step with its error bar; of flights the closed form",
+        ),
+    }
+)
+"""Descriptions by the names of the scenarios, in the order in which they are listed and run."""

@@ -1,0 +1,38 @@
+"""Every scenario, as an object."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from scenarios.catalogue.base import Scenario
+from scenarios.catalogue.steady.den_hartog import DenHartog
+from scenarios.catalogue.steady.figure3 import Figure3Points
+from scenarios.catalogue.steady.linear_limits import FrictionlessLimit, LockedLimit
+from scenarios.catalogue.steady.long_chain import LongChain
+from scenarios.catalogue.steady.modulated_normal_force import ModulatedNormalForce
+from scenarios.catalogue.steady.unequal_cells import DisorderedChain, GradedChain
+from scenarios.catalogue.steady.unit_cell import UnitCell
+from scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
+from scenarios.catalogue.transient.free_decay import FreeDecay
+from scenarios.catalogue.transient.record import Record
+from scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
+from scenarios.catalogue.transient.swept_sine import SweptSineScenario
+
+SCENARIOS: tuple[Scenario, ...] = (
+    UnitCell(),
+    Figure3Points(),
+    DenHartog(),
+    FrictionlessLimit(),
+    LockedLimit(),
+    FreeDecay(),
+    RickerPulseScenario(),
+    SweptSineScenario(),
+    FilteredNoiseScenario(),
+    Record(),
+    DisorderedChain(),
+    GradedChain(),
+    LongChain(),
+    ModulatedNormalForce(),
+)
+
+CATALOGUE: Mapping[str, Scenario] = MappingProxyType({scenario.name: scenario for scenario in SCENARIOS})
+"""Every scenario by its name, in the order in which they are listed and run."""

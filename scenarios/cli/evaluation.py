@@ -1,0 +1,76 @@
+"""What the commands of ``python -m scenarios`` run with: variants, a store, an evaluator with bars on the way."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import typer
+
+from engines.interface.registry import engine_names
+from engines.interface.variant import Variant, variants_named
+from reference_lcp.exit_code import ExitCode
+from reference_lcp.interrupt import announce_interrupt
+from scenarios.execution.executor import Executor
+from scenarios.execution.progress import CountingEvaluator, ProgressBars
+from scenarios.execution.store import ResultStore, opened_store
+from scenarios.tasks.task import Task
+
+
+def chosen_variants(chosen: list[str] | None) -> list[Variant]:
+    """Give the variants of the chosen names: whole engines, or single variants.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such engine, formulation or preset.
+    """
+    names = engine_names() if not chosen or "all" in chosen else chosen
+    return list(dict.fromkeys(variant for name in names for variant in variants_named(name)))
+
+
+@contextmanager
+def store_of_run(store: Path | None) -> Iterator[ResultStore]:
+    """Open the store of a run, a temporary one if none is named; Ctrl-C prints what is kept and ends the command.
+
+    Raises
+    ------
+    ParameterError
+        If `store` cannot be used.
+    """
+    with opened_store(store) as stored:
+        try:
+            yield stored
+        except KeyboardInterrupt:
+            where = "nothing is kept without --store"
+            if store is not None:
+                where = f"results are kept in {store}; the same command goes on from there"
+            announce_interrupt(f"interrupted: {where}")
+            raise typer.Exit(ExitCode.INTERRUPTED) from None
+
+
+@contextmanager
+def evaluator_of_run(
+    store: Path | None,
+    executor: Executor,
+    shown: Sequence[Variant],
+    expected: Sequence[Task] = (),
+    *,
+    retry_blocked: bool = False,
+) -> Iterator[CountingEvaluator]:
+    """Evaluate with the store of a run, see `store_of_run`, and bars on the way.
+
+    Parameters
+    ----------
+    store, executor, retry_blocked
+        As for `Evaluator`; a temporary store without one.
+    shown
+        Variants that have a bar from the start.
+    expected
+        Tasks that are known from the start.
+    """
+    with (
+        store_of_run(store) as stored,
+        ProgressBars(shown) as bars,
+        CountingEvaluator(stored, executor, expected, bars, retry_blocked=retry_blocked) as evaluator,
+    ):
+        yield evaluator

@@ -1,0 +1,44 @@
+"""What counts as no change from one store to another."""
+
+from dataclasses import dataclass
+
+from engines.interface.tolerances import SCHEME_TOLERANCE_DB
+from reference_lcp.refusal import ParameterError
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """What counts as no change.
+
+    Parameters
+    ----------
+    transmittance_db
+        Largest difference of transmittance [dB] > 0, on the scale of `TRANSMITTANCE`; two engines that solve the same
+        equations differ by less than the default.
+    stuck_fraction
+        Largest difference of a contact's stuck fraction, in (0, 1]; by default two steps of 400.
+    transition
+        Largest difference of the time of a transition, over the period, in (0, 1]; by default two steps of 400.
+
+    Raises
+    ------
+    ParameterError
+        If a threshold is outside its range.
+    """
+
+    transmittance_db: float = SCHEME_TOLERANCE_DB
+    stuck_fraction: float = 0.005
+    transition: float = 0.005
+
+    def __post_init__(self) -> None:
+        from reference_lcp.validation import (  # NumPy is imported once numbers are compared
+            LARGEST_DECIBEL,
+            checked_scalar,
+        )
+
+        level = checked_scalar("threshold of transmittance", self.transmittance_db, "> 0")
+        if level > LARGEST_DECIBEL:
+            raise ParameterError(f"threshold of transmittance = {level:g} dB; allowed: > 0 and <= {LARGEST_DECIBEL:g}")
+        for name in ("stuck_fraction", "transition"):
+            if not 0 < getattr(self, name) <= 1:
+                raise ParameterError(f"threshold of {name} = {getattr(self, name)}; allowed: > 0 and <= 1")
