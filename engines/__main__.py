@@ -11,14 +11,7 @@ import sys
 from typing import Annotated, Any
 
 import typer
-from rich import box
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
 
-from engines.interface.registry import broken_reason, engine, registered_names
-from engines.interface.variant import Variant
-from engines.law_command import print_law
 from reference_lcp.console import run_command
 from reference_lcp.visible import visible
 
@@ -37,6 +30,8 @@ def engines(
     """
     if context.invoked_subcommand is not None:
         return
+    from engines.interface.registry import registered_names
+
     rows = [described(name) for name in registered_names()]
     if as_json:
         print(json.dumps(rows, indent=2))
@@ -54,6 +49,9 @@ def law(
 
     Example: python -m engines law mujoco:joint:default
     """
+    from engines.interface.variant import Variant
+    from engines.law_command import print_law
+
     print_law(Variant.parse(name))
 
 
@@ -76,6 +74,8 @@ def described(name: str) -> dict[str, Any]:
     ParameterError
         If no engine of this name is registered.
     """
+    from engines.interface.registry import broken_reason, engine
+
     broken = broken_reason(name)
     if broken is not None:
         return {"engine": name, "version": None, "python": None, "presets": {}, "missing": broken}
@@ -104,6 +104,11 @@ def described(name: str) -> dict[str, Any]:
 
 def _print(rows: list[dict[str, Any]]) -> None:
     """Print the engines as a table, then the reasons of those that are missing."""
+    from rich import box
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for heading in ("engine", "version", "Python", "friction law"):
         table.add_column(heading, no_wrap=True)

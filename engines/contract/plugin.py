@@ -1,9 +1,10 @@
-"""The plugin that gives pytest the option ``--engine``: with ``--pyargs``, a conftest would be read too late for it."""
+"""The plugin that gives pytest the option ``--engine``: with ``--pyargs``, a conftest would be read too late for it.
+
+Every session of pytest imports it where the suite is installed, so that it imports nothing of the suite before the
+option is used.
+"""
 
 import pytest
-
-from engines.interface.registry import engine
-from reference_lcp.validation import ParameterError
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -22,6 +23,9 @@ def pytest_configure(config: pytest.Config) -> None:
     """Refuse engines that are unknown or not installed, before any test is collected."""
     names: list[str] = config.getoption("--engine")
     for name in names:
+        from engines.interface.registry import engine
+        from reference_lcp.refusal import ParameterError
+
         try:
             missing = engine(name).unavailable_reason()
         except ParameterError as problem:

@@ -1,0 +1,94 @@
+"""What is not used is not imported: help, the list of engines and a session of pytest load no heavy package."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.test_help import COMMANDS
+
+ROOT = Path(__file__).parents[1]
+
+ENGINE_PACKAGES = ("exudyn", "mujoco", "pybullet", "pydrake", "dartpy", "pinocchio", "pymunk", "Box2D")
+
+COMPUTING = ("numba", "scipy", "pandas", "xarray", "h5py", "matplotlib", "plotly", "jinja2", "PIL", *ENGINE_PACKAGES)
+"""Packages that compute, tabulate or draw; each takes a tenth of a second to a second to import."""
+
+HELP = """
+import contextlib, importlib, io, json, sys
+from reference_lcp.console import run_command
+package, commands, heavy = json.loads(sys.argv[1])
+app = importlib.import_module(f"{package}.__main__").app
+imported = {}
+for command in commands:
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        code = run_command(app, [*command.split(), "--help"])
+    imported[command] = (code, "Usage" in printed.getvalue(), [name for name in heavy if name in sys.modules])
+print(json.dumps(imported))
+"""
+"""Prints the help of commands of a package, and says of each what is imported by then."""
+
+
+def run_python(*arguments: str) -> str:
+    """Run Python in a process of its own, and give what it prints."""
+    return subprocess.run(
+        [sys.executable, *arguments], cwd=ROOT, capture_output=True, text=True, encoding="utf-8", check=True
+    ).stdout
+
+
+@pytest.fixture(scope="module")
+def imported_by_help() -> dict[str, tuple[int, bool, list[str]]]:
+    """By command: its exit code, whether help was printed, and the heavy packages that are imported by then."""
+    imported = {}
+    for package in ("reference_lcp", "engines", "scenarios", "reports"):
+        prefix = f"python -m {package}"
+        commands = [path.removeprefix(prefix).strip() for path in COMMANDS if f"{path} ".startswith(f"{prefix} ")]
+        told = json.loads(run_python("-c", HELP, json.dumps([package, commands, ["numpy", *COMPUTING]])))
+        imported |= {f"{prefix} {command}".strip(): tuple(told[command]) for command in commands}
+    return imported
+
+
+@pytest.mark.parametrize("path", COMMANDS)
+def test_help_imports_nothing_that_computes(path, imported_by_help) -> None:
+    code, printed, heavy = imported_by_help[path]
+    assert (code, printed) == (0, True)
+    assert heavy == []
+
+
+@pytest.mark.parametrize("arguments", [[], ["--json"]])
+def test_engines_are_listed_without_anything_that_computes(arguments) -> None:
+    script = (
+        "import json, sys\n"
+        "from engines.__main__ import app\n"
+        "from reference_lcp.console import run_command\n"
+        "code = run_command(app, json.loads(sys.argv[1]))\n"
+        "print()\n"
+        "print(json.dumps([code, [name for name in json.loads(sys.argv[2]) if name in sys.modules]]))"
+    )
+    *listed, last = run_python("-c", script, json.dumps(arguments), json.dumps(COMPUTING)).splitlines()
+    assert json.loads(last) == [0, []]
+    assert any("reference" in line for line in listed)
+
+
+@pytest.mark.parametrize("module", ["reference_lcp", "engines", "scenarios", "reports", "engines.contract.plugin"])
+def test_package_is_imported_without_anything_that_computes(module) -> None:
+    script = f"import json, sys, {module}; print(json.dumps([name for name in {COMPUTING!r} if name in sys.modules]))"
+    assert json.loads(run_python("-c", script)) == []
+
+
+def test_pytest_of_others_imports_no_engine_where_the_suite_is_installed(tmp_path) -> None:
+    (tmp_path / "test_own.py").write_text(
+        "import sys\n\n"
+        "def test_own():\n"
+        "    assert 'engines.contract.plugin' in sys.modules\n"
+        f"    assert [name for name in {('numpy', *COMPUTING)!r} if name in sys.modules] == []\n"
+        "    assert 'engines.interface' not in sys.modules\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:hypothesispytest",
+         str(tmp_path)],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
