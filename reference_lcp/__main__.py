@@ -67,7 +67,9 @@ def run(
         return
     from reference_lcp.chain.harmonic import HarmonicBase
     from reference_lcp.chain.mass_in_mass import Chain
+    from reference_lcp.compilation import announce_compilation
 
+    announce_compilation()
     chain = Chain.from_ratios(
         cells=cells,
         mass_ratio=mass_ratio,

@@ -14,10 +14,12 @@ from reference_lcp.accuracy.coverage import QUANTITIES, CoverageStudy, coverage
 from reference_lcp.accuracy.richardson import SAFETY
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.compilation import announce_compilation
 
 
 def print_speed(*, cells: bool, as_json: bool) -> None:
     """Measure the speed of the reference, or with `cells` what chains of several lengths cost."""
+    announce_compilation()
     if cells:
         lengths = bench_cells()
         print(json.dumps(lengths, indent=2)) if as_json else _print_lengths(lengths)
@@ -28,6 +30,7 @@ def print_speed(*, cells: bool, as_json: bool) -> None:
 
 def print_studies(plot: Path | None, *, as_json: bool) -> None:
     """Compare steps with the exact motion, at every point with stick and slip."""
+    announce_compilation()
     studies = {
         f"({friction:g}, {frequency:g})": _study(friction, frequency) for friction, frequency in STICK_SLIP_POINTS
     }
@@ -41,6 +44,7 @@ def print_studies(plot: Path | None, *, as_json: bool) -> None:
 
 def print_covered(chains: int, seed: int, *, as_json: bool) -> None:
     """Compare error bars of random chains with the exact motion, with a bar on the way."""
+    announce_compilation()
     study = coverage(chains, seed, partial(track, console=Console(stderr=True), transient=True))
     if as_json:
         print(json.dumps(study.as_dict(), indent=2))

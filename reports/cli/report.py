@@ -7,6 +7,7 @@ import typer
 
 from engines.interface.registry import default_engine_names, engine_names
 from engines.interface.variant import Variant
+from reference_lcp.compilation import announce_compilation
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.interrupt import announce_interrupt
 from reference_lcp.validation import ParameterError
@@ -54,6 +55,7 @@ def report_of_sweep(
     retry_blocked: bool,
 ) -> None:
     """Run what the store lacks of a sweep, which a `file` may name, and write the report."""
+    announce_compilation()
     store = store if store is not None else out / STORE
     if not ask:
         existing_store(store)

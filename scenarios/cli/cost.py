@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.progress import track
 
 from engines.interface.variant import Variant
+from reference_lcp.compilation import announce_compilation
 from reference_lcp.output import write_whole
 from reference_lcp.validation import ParameterError, checked_scalar
 from reference_lcp.visible import visible
@@ -32,6 +33,7 @@ def checked_seconds(seconds: float) -> None:
 
 def perform(variants: Sequence[Variant], seconds: float, out: Path | None) -> None:
     """Measure variants that are installed; print the table, and write it."""
+    announce_compilation()
     reference = cost(REFERENCE, seconds)
     rows = [(own, reference) for own in _costs(variants, seconds, reference)]
     table = text_table(COST_COLUMNS, rows)

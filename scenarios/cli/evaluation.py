@@ -8,6 +8,7 @@ import typer
 
 from engines.interface.registry import engine_names
 from engines.interface.variant import Variant, variants_named
+from reference_lcp.compilation import announce_compilation
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.interrupt import announce_interrupt
 from scenarios.execution.executor import Executor
@@ -37,6 +38,7 @@ def store_of_run(store: Path | None) -> Iterator[ResultStore]:
     ParameterError
         If `store` cannot be used.
     """
+    announce_compilation()
     with opened_store(store) as stored:
         try:
             yield stored

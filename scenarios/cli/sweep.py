@@ -8,6 +8,7 @@ import pandas as pd
 import typer
 
 from engines.interface.variant import Variant
+from reference_lcp.compilation import announce_compilation
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.interrupt import announce_interrupt
 from reference_lcp.visible import visible
@@ -53,6 +54,7 @@ def perform(planned: Sweep, store: Path, out: Path | None, executor: Executor | 
     """Run what the store lacks, or nothing without an executor; print summaries, and write the results."""
     with ResultStore(existing_store(store) if executor is None else store) as stored:
         if executor is not None:
+            announce_compilation()
             print(size_text(planned), file=sys.stderr)
             note_sweep(stored, planned)
             try:

@@ -1,0 +1,60 @@
+"""The first compilation is said in a terminal, once, and nowhere else."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from reference_lcp.compilation import NOTICE
+
+ROOT = Path(__file__).parents[2]
+
+SCRIPT = """
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.compilation import announce_compilation
+announce_compilation()
+announce_compilation()
+print(Chain.from_ratios().highest_natural_frequency)
+"""
+
+
+def terminal_lines(cache: Path, *arguments: str) -> list[str]:
+    """Run Python with its error stream in a terminal, and give the lines that arrive there."""
+    reader, terminal = os.openpty()
+    try:
+        subprocess.run(
+            [sys.executable, *arguments], cwd=ROOT, env={**os.environ, "NUMBA_CACHE_DIR": str(cache)},
+            stdout=subprocess.PIPE, stderr=terminal, check=True,
+        )  # fmt: skip
+    finally:
+        os.close(terminal)
+    written = b""
+    with os.fdopen(reader, "rb", buffering=0) as stream:
+        try:
+            while part := stream.read(4096):
+                written += part
+        except OSError:  # Linux ends a terminal that nobody holds like this
+            pass
+    return written.decode().splitlines()
+
+
+def test_a_terminal_is_told_of_the_first_compilation_once(tmp_path) -> None:
+    assert terminal_lines(tmp_path, "-c", SCRIPT) == [NOTICE]
+    assert terminal_lines(tmp_path, "-c", SCRIPT) == []
+
+
+def test_a_pipe_is_not_told(tmp_path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT], cwd=ROOT, env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)},
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert done.stderr == ""
+
+
+@pytest.mark.slow  # compiles everything
+@pytest.mark.parametrize("command", [["reference_lcp"], ["scenarios", "run", "unit-cell", "--engine", "reference"]])
+def test_a_command_says_before_its_results_that_it_compiles(tmp_path, command) -> None:
+    assert terminal_lines(tmp_path, "-m", *command)[0] == NOTICE
+    assert NOTICE not in terminal_lines(tmp_path, "-m", *command)
