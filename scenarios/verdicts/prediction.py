@@ -46,7 +46,7 @@ def with_predictions(
         replace(
             finding,
             prediction=_prediction(
-                finding, laws[finding.case, finding.metric], distances.get(finding.case, worst), law
+                finding, laws[finding.case, finding.metric], distances.get(finding.case, worst), worst, law
             ),
         )
         if needs_prediction(finding) and (finding.case, finding.metric) in laws
@@ -60,11 +60,18 @@ def needs_prediction(finding: Finding) -> bool:
     return finding.comparison.verdict in (Verdict.DISAGREE, Verdict.TOO_COARSE) or not finding.comparison.certified
 
 
-def _prediction(finding: Finding, own: Finding, distance: float, law: Law) -> Prediction:
-    """Compare a number with that of the law, from which the engine is so far after a period."""
+def _prediction(finding: Finding, own: Finding, distance: float, worst: float, law: Law) -> Prediction:
+    """Compare a number with that of the law, from which the engine is so far after a period.
+
+    What distances add up to is taken from the worst of all cases, as far as the law allows it: where a solver of the
+    engine stops short, it does so in some periods and not in others. Where neither has a number, both for one reason,
+    nothing is left.
+    """
     certified = own.comparison.certified
-    nothing = not (certified or finding.comparison.certified) and math.isnan(finding.value)
-    left_open = finding.comparison.resolution + own.comparison.resolution + _added_up(distance, finding)
+    nothing = math.isnan(finding.value) and _same_gap(finding, own)
+    left_open = (
+        finding.comparison.resolution + own.comparison.resolution + _added_up(min(worst, law.period_bound), finding)
+    )
     return Prediction(
         value=own.value,
         difference=0.0 if nothing else metric_difference(finding.metric, finding.value, own.value),
@@ -73,6 +80,12 @@ def _prediction(finding: Finding, own: Finding, distance: float, law: Law) -> Pr
         period_bound=law.period_bound,
         certified=certified,
     )
+
+
+def _same_gap(finding: Finding, own: Finding) -> bool:
+    """Whether engine and law both lack a certified steady state, or both disagree without a number."""
+    gaps = [(each.comparison.certified, each.comparison.verdict) for each in (finding, own)]
+    return math.isnan(own.value) and gaps[0] == gaps[1]
 
 
 def _added_up(distance: float, finding: Finding) -> float:

@@ -105,3 +105,29 @@ def test_a_distance_that_the_law_allows_leaves_a_number_what_it_makes_in_many_pe
 def test_a_preset_without_a_law_is_excused_by_no_text() -> None:
     assert Variant("exudyn-bristle", "joint", "default").preset.known_deviation
     assert Variant("exudyn-bristle", "joint", "default").law is None
+
+
+def test_what_distances_add_up_to_is_that_of_the_worst_case_and_the_bound_holds_in_each() -> None:
+    """A solver that stops short in another case's period may do so in this one's steady state."""
+    law = LAWFUL.law
+    assert law is not None
+    assert LAW is not None
+    far = LAW.period_bound / 2
+    own, of_law = [finding(LAWFUL, 0.0)], [finding(law, 1e-5)]
+    for periods, holds in (
+        ({"case": period(0.0)}, False),
+        ({"case": period(0.0), "another": period(far)}, True),
+        ({"case": period(0.0), "another": period(4 * LAW.period_bound)}, True),
+        ({"case": period(2 * LAW.period_bound), "another": period(0.0)}, False),
+    ):
+        assert with_predictions(own, of_law, periods, LAW)[0].as_predicted is holds
+
+
+def test_an_edge_that_neither_engine_nor_law_has_is_as_predicted() -> None:
+    law = LAWFUL.law
+    assert law is not None
+    assert LAW is not None
+    nowhere = Comparison(Verdict.DISAGREE, "no edge nearby")
+    own, of_law = (Finding(variant, "case", TRANSMITTANCE, math.nan, 0.6, nowhere) for variant in (LAWFUL, law))
+    assert with_predictions([own], [of_law], {"case": period(0.0)}, LAW)[0].as_predicted
+    assert not with_predictions([own], [finding(law, 0.6)], {"case": period(0.0)}, LAW)[0].as_predicted
