@@ -10,13 +10,15 @@ older differences belong to another map, and what they add to the newer ones is 
 of them: a difference that lies nearly in the span of newer ones is left out (Pollock and Rebholz 2023).
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from reference_lcp.chain.simulation import Simulation
-from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.chain.trajectory import State
 from reference_lcp.steady.state_scales import StateScales
 from reference_lcp.validation import FloatArray
 
@@ -254,13 +256,13 @@ class FixedPointSearch:
         if self._active.size:
             self._part = self._simulation.subset(self._active)
 
-    def start_of(self, lane: int) -> State:
-        """Best start of a period that was found for a lane."""
-        return self._scales.state(self.best[[lane]], [lane])
+    def starts(self, lanes: Sequence[int] | NDArray[np.intp]) -> State:
+        """Best start of a period that was found for each of these lanes."""
+        return self._scales.state(self.best[lanes], lanes)
 
-    def residual(self, lane: int, start: State, trajectory: Trajectory) -> float:
-        """Residual of a recorded period, or of the period in which the search lost the lane."""
-        x = self._scales.vectors(start, [lane])
-        change = self._scales.vectors(trajectory.end, [lane]) - x
-        lost = self._last_residual[lane]
-        return float(self._scales.residuals(x, change)[0]) if lost < LARGEST_RESIDUAL else float(lost)
+    def residuals(self, starts: State, ends: State) -> FloatArray:
+        """Residual of a recorded period of every lane, or of the period in which the search lost the lane."""
+        lanes = np.arange(len(self.periods))
+        x = self._scales.vectors(starts, lanes)
+        recorded = self._scales.residuals(x, self._scales.vectors(ends, lanes) - x)
+        return np.where(self._last_residual < LARGEST_RESIDUAL, recorded, self._last_residual)
