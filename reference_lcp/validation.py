@@ -123,7 +123,7 @@ def _plainly_allowed(array: FloatArray, requirement: str, largest: float) -> boo
     low, high = (float(array),) * 2 if array.ndim == 0 else (float(array.min()), float(array.max()))
     if requirement == "finite":
         return -math.inf < low and high < math.inf
-    return 1 / largest <= low and high <= largest or requirement == ">= 0" and low == 0 == high
+    return (1 / largest <= low and high <= largest) or (requirement == ">= 0" and low == 0 == high)
 
 
 def _check_values(name: str, array: FloatArray, requirement: str, largest: float) -> None:
