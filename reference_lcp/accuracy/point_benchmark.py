@@ -9,7 +9,8 @@ import numpy as np
 from reference_lcp.accuracy.benchmark import SAMPLES, canonical_lane
 from reference_lcp.accuracy.error_bar import REFINEMENTS, error_bar
 from reference_lcp.accuracy.multiharmonic_balance import balanced_transmittance
-from reference_lcp.chain.simulation import MINIMUM_STEPS_PER_PERIOD, Lane
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.exact.steady import exact_orbit
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
