@@ -16,6 +16,7 @@ from reference_lcp.chain import canonical
 from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.console import checked_output_file, run_command
 from reference_lcp.exit_code import ExitCode
+from reference_lcp.refusal import ParameterError
 from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL
 
 app = typer.Typer(name="python -m reference_lcp", add_completion=False, pretty_exceptions_enable=False)
@@ -106,6 +107,7 @@ def run(
 @app.command("bench")
 def print_bench(
     cells: Annotated[bool, typer.Option("--cells", help="Cost of chains of 7 to 100,000 cells instead.")] = False,
+    points: Annotated[bool, typer.Option("--points", help="Cost and error of a point, by four methods.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Measure the speed of the reference on this machine.
@@ -114,9 +116,11 @@ def print_bench(
 
     Example: python -m reference_lcp bench --cells
     """
+    if cells and points:
+        raise ParameterError("--cells and --points; allowed: one of them")
     from reference_lcp.cli.studies import print_speed
 
-    print_speed(cells=cells, as_json=as_json)
+    print_speed(cells=cells, points=points, as_json=as_json)
 
 
 @app.command("convergence")

@@ -1,5 +1,6 @@
 """Checks of arguments: every message names the parameter, its value and the allowed range."""
 
+import math
 import operator
 from collections.abc import Callable
 
@@ -108,15 +109,31 @@ def checked_array(
         raise ParameterError(f"{name} = {shown(value)} is not a number; allowed: {requirement}") from None
     except OverflowError:
         raise ParameterError(f"{name} = {shown(value)} is outside its range; allowed: <= {largest:g}") from None
+    if not _plainly_allowed(array, requirement, largest):
+        _check_values(name, array, requirement, largest)
+    if shape is not None and array.shape != shape:
+        raise ParameterError(f"{name} has shape {array.shape}; allowed: {shape}")
+    return array
+
+
+def _plainly_allowed(array: FloatArray, requirement: str, largest: float) -> bool:
+    """Whether smallest and largest number show at once that all are allowed; most arguments are."""
+    if array.size == 0:
+        return False
+    low, high = (float(array),) * 2 if array.ndim == 0 else (float(array.min()), float(array.max()))
+    if requirement == "finite":
+        return -math.inf < low and high < math.inf
+    return (1 / largest <= low and high <= largest) or (requirement == ">= 0" and low == 0 == high)
+
+
+def _check_values(name: str, array: FloatArray, requirement: str, largest: float) -> None:
+    """Raise a `ParameterError` if a number is not finite, breaks the requirement, or has no allowed size."""
     fulfilled = np.isfinite(array) & _REQUIREMENTS[requirement](array)
     if not np.all(fulfilled):
         wrong = array[~fulfilled].flat[0]
         raise ParameterError(f"{name} = {wrong:g} is outside its range; allowed: {requirement}, finite")
-    if shape is not None and array.shape != shape:
-        raise ParameterError(f"{name} has shape {array.shape}; allowed: {shape}")
     if requirement != "finite":
         _check_size(name, array, "0, or " if requirement == ">= 0" else "", largest)
-    return array
 
 
 def _check_size(name: str, array: FloatArray, zero: str, largest: float) -> None:
@@ -132,7 +149,8 @@ def checked_per_cell(name: str, value: ArrayLike, cells: int, requirement: str =
     array = checked_array(name, value, requirement)
     if array.shape not in ((), (1,), (cells,)):
         raise ParameterError(f"{name} has shape {array.shape}; allowed: one number or ({cells},)")
-    per_cell = np.broadcast_to(array, (cells,)).copy()
+    per_cell = np.empty(cells)
+    per_cell[:] = array
     per_cell.flags.writeable = False
     return per_cell
 

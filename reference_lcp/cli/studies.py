@@ -3,6 +3,7 @@
 import json
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.progress import track
@@ -11,15 +12,20 @@ from rich.table import Column, Table
 from reference_lcp.accuracy.benchmark import bench, bench_cells
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS, Convergence, convergence, plot_convergence
 from reference_lcp.accuracy.coverage import QUANTITIES, CoverageStudy, coverage
+from reference_lcp.accuracy.point_benchmark import bench_points
 from reference_lcp.accuracy.richardson import SAFETY
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.compilation import announce_compilation
 
 
-def print_speed(*, cells: bool, as_json: bool) -> None:
-    """Measure the speed of the reference, or with `cells` what chains of several lengths cost."""
+def print_speed(*, cells: bool, points: bool, as_json: bool) -> None:
+    """Measure the speed of the reference, or what chains of several lengths cost, or points by several methods."""
     announce_compilation()
+    if points:
+        methods = bench_points()
+        print(json.dumps(methods, indent=2)) if as_json else _print_methods(methods)
+        return
     if cells:
         lengths = bench_cells()
         print(json.dumps(lengths, indent=2)) if as_json else _print_lengths(lengths)
@@ -70,6 +76,21 @@ def _print_lengths(lengths: list[dict[str, float]]) -> None:
     for row in lengths:
         nanoseconds, per_cell = 1e9 * row["seconds_per_cell_step"], row["bytes"] / row["cells"]
         table.add_row(f"{row['cells']:,}", f"{nanoseconds:.2f}", f"{row['bytes']:,}", f"{per_cell:.0f}")
+    Console().print(table)
+
+
+def _print_methods(methods: list[dict[str, Any]]) -> None:
+    errors = "median\nerror (dB)", "largest\n(dB)"
+    table = Table("method", "ms a point", "failed", *errors, "median\nbar (dB)", "covered\n(%)")
+    for row in methods:
+        bar = row["median_bar_db"], row["covered"]
+        table.add_row(
+            row["method"],
+            f"{1e3 * row['seconds_per_point']:.3g}",
+            str(row["failed"]),
+            *(f"{row[name]:.2g}" for name in ("median_error_db", "largest_error_db")),
+            *(("", "") if None in bar else (f"{bar[0]:.2g}", f"{100 * bar[1]:.0f}")),
+        )
     Console().print(table)
 
 

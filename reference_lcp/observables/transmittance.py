@@ -1,5 +1,7 @@
 """Transmittance: what is read from the amplitude of a steady state."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,10 +14,18 @@ def fundamental(signal: FloatArray) -> NDArray[np.complex128]:
 
     A signal A sin(ωt + φ) gives A exp(iφ). `signal` has shape (N, ...); the result (...).
     """
-    steps = signal.shape[0]
-    phase = 2 * np.pi * np.arange(1, steps + 1) / steps
-    amplitude: NDArray[np.complex128] = np.tensordot(2j * np.exp(-1j * phase) / steps, signal, axes=(0, 0))
+    rows = signal.reshape(signal.shape[0], -1)
+    amplitude: NDArray[np.complex128] = (_weights(signal.shape[0]) @ rows).reshape(signal.shape[1:])
     return amplitude
+
+
+@lru_cache(maxsize=8)
+def _weights(steps: int) -> NDArray[np.complex128]:
+    """2i exp(−iωt) / N at the ends of N steps."""
+    phase = 2 * np.pi * np.arange(1, steps + 1) / steps
+    weights: NDArray[np.complex128] = 2j * np.exp(-1j * phase) / steps
+    weights.flags.writeable = False
+    return weights
 
 
 def complex_transmittance(orbit: PeriodicOrbit) -> complex:

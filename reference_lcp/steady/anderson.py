@@ -10,13 +10,15 @@ older differences belong to another map, and what they add to the newer ones is 
 of them: a difference that lies nearly in the span of newer ones is left out (Pollock and Rebholz 2023).
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from reference_lcp.chain.simulation import Simulation
-from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.chain.trajectory import State
 from reference_lcp.steady.state_scales import StateScales
 from reference_lcp.validation import FloatArray
 
@@ -59,6 +61,9 @@ LARGEST_RISE = 1e3
 Differences of iterates that are as close together as an engine resolves are noise, and mixing them leads anywhere.
 """
 
+VECTORS = 32
+"""Numbers that a compiled loop takes at once; vectors that are shorter by a few have zeros at their end."""
+
 LARGEST_RESIDUAL = 1e6
 """Residual, in displacement scales, beyond which a motion counts as diverged."""
 
@@ -80,53 +85,79 @@ def _subtract(factor: float, a: Any, b: Any) -> None:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _mixed(x: Any, f: Any, newest: int, kept: int) -> Any:
+def _orthogonalised(q: Any, used: int, r: Any) -> float:
+    """Take the span of the first rows of `q` from the row after them, in place; gives what is left of its norm.
+
+    `r` receives the scalar products, which do not wait for each other, as those of the modified Gram–Schmidt process
+    would. A second pass follows where the first one cancelled more than `CANCELLED` (Daniel et al. 1976).
+    """
+    direction = q[used]
+    left = np.sqrt(_dot(direction, direction))
+    r[used, :used] = 0.0
+    overlaps = r[-1]
+    for _ in range(2):
+        before = left
+        for j in range(used):
+            overlaps[j] = _dot(q[j], direction)
+        for j in range(used):
+            _subtract(overlaps[j], q[j], direction)
+            r[used, j] += overlaps[j]
+        left = np.sqrt(_dot(direction, direction))
+        if left > CANCELLED * before:
+            break
+    return left
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _solve_triangular(r: Any, weights: Any) -> None:
+    """Solve Rᵀ γ = w for γ, in place of the weights w; R is the lower triangle of `r`."""
+    for j in range(weights.shape[0] - 1, -1, -1):
+        weights[j] /= r[j, j]
+        _subtract(weights[j], r[j, :j], weights[:j])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _mixed(x: Any, f: Any, newest: int, kept: int, q: Any, g: Any, r: Any) -> Any:
     """Next iterate from the history of one lane.
 
     `x` and `f` are rings (rows, d) of iterates and of their residuals g(x) − x; `newest` is the row
     of the last one and `kept` the number of older rows to use. The differences of f are made
-    orthogonal, newest first, and those of g take part in the same operations: then the iterate
-    needs no triangular solve, and dependent differences (cells that stay stuck) simply drop out.
-    A second pass follows where the first one cancelled more than `CANCELLED` (Daniel et al. 1976).
+    orthogonal, newest first; dependent ones (cells that stay stuck) drop out. `q`, `g` and `r` are
+    room for the orthogonal differences, those of g(x), and the triangle between the two.
     """
     rows, d = x.shape
-    q = np.empty((kept, d))
-    p = np.empty((kept, d))
-    used = 0
-    rest = f[newest].copy()
-    following = x[newest] + rest
+    used, weights = 0, np.empty(kept)
+    rest = np.zeros(q.shape[1])
+    rest[:d] = f[newest]
     for back in range(kept):
-        later = (newest - back) % rows
-        earlier = (newest - back - 1) % rows
-        direction = f[later] - f[earlier]
-        partner = direction + x[later] - x[earlier]
-        size = np.sqrt(_dot(direction, direction))
-        left = size
-        for _ in range(2):
-            before = left
-            for j in range(used):
-                overlap = _dot(q[j], direction)
-                _subtract(overlap, q[j], direction)
-                _subtract(overlap, p[j], partner)
-            left = np.sqrt(_dot(direction, direction))
-            if left > CANCELLED * before:
-                break
+        later, earlier = (newest - back) % rows, (newest - back - 1) % rows
+        for k in range(d):
+            q[used, k] = f[later, k] - f[earlier, k]
+            g[used, k] = q[used, k] + (x[later, k] - x[earlier, k])
+        size = np.sqrt(_dot(q[used], q[used]))
+        left = _orthogonalised(q, used, r)
         if left > DEPENDENT * size and left > 0.0:
-            q[used] = direction / left
-            p[used] = partner / left
-            weight = _dot(q[used], rest)
-            _subtract(weight, q[used], rest)
-            _subtract(weight, p[used], following)
+            q[used] /= left
+            r[used, used] = left
+            weights[used] = _dot(q[used], rest)
+            _subtract(weights[used], q[used], rest)
             used += 1
+    _solve_triangular(r, weights[:used])
+    following = x[newest] + f[newest]
+    for j in range(used):
+        _subtract(weights[j], g[j], following)
     return following
 
 
 @numba.njit(cache=True, error_model="numpy")
 def _mixed_lanes(x: Any, f: Any, lanes: Any, newest: int, kept: Any) -> Any:
     """`_mixed` for the listed lanes of the histories (lanes, rows, d), each with its own `kept`."""
-    following = np.empty((lanes.shape[0], x.shape[2]))
+    _, rows, d = x.shape
+    q = np.zeros((rows, -(-d // VECTORS) * VECTORS))
+    g, r = np.empty((rows, d)), np.empty((rows + 1, rows))
+    following = np.empty((lanes.shape[0], d))
     for k in range(lanes.shape[0]):
-        following[k] = _mixed(x[lanes[k]], f[lanes[k]], newest, kept[lanes[k]])
+        following[k] = _mixed(x[lanes[k]], f[lanes[k]], newest, kept[lanes[k]], q, g, r)
     return following
 
 
@@ -254,13 +285,13 @@ class FixedPointSearch:
         if self._active.size:
             self._part = self._simulation.subset(self._active)
 
-    def start_of(self, lane: int) -> State:
-        """Best start of a period that was found for a lane."""
-        return self._scales.state(self.best[[lane]], [lane])
+    def starts(self, lanes: Sequence[int] | NDArray[np.intp]) -> State:
+        """Best start of a period that was found for each of these lanes."""
+        return self._scales.state(self.best[lanes], lanes)
 
-    def residual(self, lane: int, start: State, trajectory: Trajectory) -> float:
-        """Residual of a recorded period, or of the period in which the search lost the lane."""
-        x = self._scales.vectors(start, [lane])
-        change = self._scales.vectors(trajectory.end, [lane]) - x
-        lost = self._last_residual[lane]
-        return float(self._scales.residuals(x, change)[0]) if lost < LARGEST_RESIDUAL else float(lost)
+    def residuals(self, starts: State, ends: State) -> FloatArray:
+        """Residual of a recorded period of every lane, or of the period in which the search lost the lane."""
+        lanes = np.arange(len(self.periods))
+        x = self._scales.vectors(starts, lanes)
+        recorded = self._scales.residuals(x, self._scales.vectors(ends, lanes) - x)
+        return np.where(self._last_residual < LARGEST_RESIDUAL, recorded, self._last_residual)

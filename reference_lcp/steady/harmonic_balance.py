@@ -27,6 +27,9 @@ LOSS_FACTOR = 1e-3
 LOAD_SAMPLES = 64
 """Times in a period at which the drive's load is taken, for its first harmonic."""
 
+LOAD_PHASES = np.arange(LOAD_SAMPLES) / LOAD_SAMPLES
+FIRST_HARMONIC = 2j * np.exp(-2j * np.pi * LOAD_PHASES) / LOAD_SAMPLES
+
 
 def harmonic_balance_start(lanes: Sequence[Lane], steps_per_period: int) -> State:
     """Approximate the steady states of lanes at phase zero of their drives.
@@ -61,9 +64,8 @@ def _amplitudes(lane: Lane, omega: float, steps_per_period: int) -> Any:
 
 def _first_harmonic(lane: Lane, steps_per_period: int) -> complex:
     """Complex amplitude P [N] of the load Im(P exp(iωt)) on the outer mass of cell 1."""
-    phases = np.arange(LOAD_SAMPLES) / LOAD_SAMPLES
-    load = lane.drive.load(lane.chain, phases * lane.time_step * steps_per_period)
-    return complex(2j * np.mean(load * np.exp(-2j * np.pi * phases)))
+    load = lane.drive.load(lane.chain, LOAD_PHASES * (lane.time_step * steps_per_period))
+    return complex(FIRST_HARMONIC @ load)
 
 
 @numba.njit(cache=True, error_model="numpy")

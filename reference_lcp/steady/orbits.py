@@ -7,6 +7,7 @@ only are looked for.
 """
 
 import dataclasses
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -159,14 +160,15 @@ def _certified(
     simulation: Simulation, search: FixedPointSearch, steps_per_period: int, tolerance: float
 ) -> list[PeriodicOrbit]:
     """Record one plain period from the best start of each lane, and take its residual."""
-    starts = [search.start_of(lane) for lane in range(len(simulation.lanes))]
-    trajectories = simulation.run(State.stack(starts), 0, steps_per_period)
-    orbits = []
-    for lane, trajectory in enumerate(trajectories):
-        residual = search.residual(lane, starts[lane], trajectory)
-        periods, status = int(search.periods[lane]) + 1, _status(residual, tolerance)
-        orbits.append(PeriodicOrbit(simulation.lanes[lane], trajectory, residual, periods, status))
-    return orbits
+    starts = search.starts(np.arange(len(simulation.lanes)))
+    trajectories = simulation.run(starts, 0, steps_per_period)
+    residuals = search.residuals(starts, State.stack([trajectory.end for trajectory in trajectories])).tolist()
+    return [
+        PeriodicOrbit(lane, trajectory, residual, periods + 1, _status(residual, tolerance))
+        for lane, trajectory, residual, periods in zip(
+            simulation.lanes, trajectories, residuals, search.periods.tolist(), strict=True
+        )
+    ]
 
 
 def _status(residual: float, tolerance: float) -> OrbitStatus:
@@ -189,8 +191,7 @@ def _search_repetitions(
     if not late:
         return
     part = simulation.subset(late)
-    start = State.stack([search.start_of(lane) for lane in late])
-    repeated = repetitions(part, start, steps_per_period, tolerance, longest)
+    repeated = repetitions(part, search.starts(late), steps_per_period, tolerance, longest)
     for k, lane in enumerate(late):
         orbits[lane] = dataclasses.replace(orbits[lane], multiple=repeated.multiples[k])
         if repeated.multiples[k] == 1:
@@ -205,10 +206,10 @@ def _check_period(lane: Lane, steps_per_period: int) -> None:
     period = getattr(lane.drive, "period", None)
     if period is None:
         raise ParameterError(f"{type(lane.drive).__name__} has no period; allowed: a periodic drive")
-    if not np.isclose(lane.time_step * steps_per_period, period, rtol=1e-12, atol=0):
+    if not math.isclose(lane.time_step * steps_per_period, period, rel_tol=1e-12):
         steps = period / lane.time_step
         raise ParameterError(f"the time step makes {steps:g} steps a period; allowed: {steps_per_period}")
     if lane.preload is not None:
         multiple = lane.preload.angular_frequency * period / (2 * np.pi)
-        if not np.isclose(multiple, max(1, round(multiple)), rtol=1e-12, atol=0):
+        if not math.isclose(multiple, max(1, round(multiple)), rel_tol=1e-12):
             raise ParameterError(f"the preload has {multiple:g} times the drive's frequency; allowed: whole multiples")

@@ -116,7 +116,7 @@ def _searched(
     search.run(start, SEARCHED)
     if not search.best_residual[0] <= tolerance:
         return 0
-    return _smallest(_distances(simulation, scales, search.start_of(0), steps_per_period, m)[0] <= tolerance)
+    return _smallest(_distances(simulation, scales, search.starts([0]), steps_per_period, m)[0] <= tolerance)
 
 
 def _smallest(repeats: Any) -> int:

@@ -2,10 +2,12 @@
 
 import json
 import re
+from functools import partial
 
 import pytest
 
 from reference_lcp.__main__ import app
+from reference_lcp.accuracy.point_benchmark import bench_points
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
 from tests.reference_lcp.cases import EXACT_DB
@@ -118,6 +120,7 @@ def test_no_steady_state_within_the_periods_is_exit_code_1(capsys) -> None:
         (["--plot", "period.xyz"], ["period.xyz", "png"]),
         (["--frequency"], ["--frequency"]),
         (["benchmark"], ["benchmark"]),
+        (["bench", "--cells", "--points"], ["--cells and --points"]),
     ],
 )
 def test_wrong_input_is_one_clear_line_and_exit_code_2(capsys, arguments, words) -> None:
@@ -159,6 +162,16 @@ def test_cost_of_long_chains_is_a_table_for_people(capsys, monkeypatch) -> None:
     assert code == 0
     assert "100,000" in out
     assert "ns per cell-step" in out
+
+
+def test_cost_of_a_point_is_a_table_of_methods(capsys, monkeypatch) -> None:
+    few = partial(bench_points, (0.3,), (0.9,))
+    monkeypatch.setattr("reference_lcp.cli.studies.bench_points", few)
+    code, out, _ = run(capsys, "bench", "--points")
+    assert code == 0
+    assert "harmonic" in out
+    code, out, _ = run(capsys, "bench", "--points", "--json")
+    assert [row["failed"] for row in json.loads(out)] == [0, 0, 0, 0]
 
 
 def test_error_bar_and_exact_value_are_printed(capsys) -> None:

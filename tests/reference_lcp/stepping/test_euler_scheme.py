@@ -25,7 +25,7 @@ ROUND_OFF = 1e-13
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.integers(0, 10**6), st.integers(1, 5))
+@given(st.integers(0, 10**6), st.integers(1, 11))
 def test_lemke_and_the_closed_form_agree_at_every_step_to_round_off(seed, cells) -> None:
     """From the same state, step after step, also where contacts change between stick and slip."""
     rng = np.random.default_rng(seed)
@@ -52,6 +52,36 @@ def test_lanes_of_one_batch_are_bitwise_what_they_are_alone() -> None:
         alone = CompiledSimulation([lanes[lane]]).run(state.subset([lane]), 5, 50)[0]
         assert np.array_equal(alone.positions, together[lane].positions)
         assert np.array_equal(alone.friction, together[lane].friction)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 10**6), st.integers(1, 19), st.integers(1, 40))
+def test_a_chain_cut_into_segments_moves_bitwise_as_one_beside_others(seed, lanes, cells) -> None:
+    """Alone it advances eight of its cells at once, beside seven others or more one of them."""
+    rng = np.random.default_rng(seed)
+    drives = [HarmonicBase(0.01, rng.uniform(5, 60)) for _ in range(lanes)]
+    batch = [Lane.periodic(random_chain(rng, cells), drive, 400) for drive in drives]
+    state = State(rng.normal(0, 0.01, (lanes, 2 * cells)), rng.normal(0, 0.1, (lanes, 2 * cells)))
+    together = CompiledSimulation(batch)
+    ends, trajectories = together.advance(state, 3, 50), together.run(state, 3, 50)
+    for lane in range(lanes):
+        alone = together.subset([lane]).run(state.subset([lane]), 3, 50)[0]
+        assert np.array_equal(alone.positions, trajectories[lane].positions)
+        assert np.array_equal(alone.velocities, trajectories[lane].velocities)
+        assert np.array_equal(alone.friction, trajectories[lane].friction)
+        assert np.array_equal(alone.positions[-1], ends.positions[lane])
+        assert np.array_equal(alone.velocities[-1], ends.velocities[lane])
+
+
+def test_a_lane_that_diverges_leaves_the_others_alone() -> None:
+    """Columns of one table are neighbours in memory, not in the chain: no infinity reaches another lane."""
+    chain = Chain.from_ratios(friction_ratio=0.3)
+    lanes = [Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), 400) for _ in range(2)]
+    state = State(np.vstack([np.full(14, np.inf), np.zeros(14)]), np.zeros((2, 14)))
+    ends = CompiledSimulation(lanes).advance(state, 0, 100)
+    alone = CompiledSimulation(lanes[1:]).advance(state.subset([1]), 0, 100)
+    assert not np.all(np.isfinite(ends.positions[0]))
+    assert np.array_equal(ends.positions[1], alone.positions[0])
 
 
 def test_two_runs_of_half_the_steps_equal_one_run() -> None:

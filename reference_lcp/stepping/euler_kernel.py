@@ -1,0 +1,194 @@
+"""The kernel of equation (5): cells advance eight at a time, one in each column of a table.
+
+A column is a run of consecutive cells. Eight lanes have a column each; where there are fewer, a lane is cut into two,
+four or eight segments, so that a single chain advances eight of its cells at once. Every column does the same
+operations in the same order whatever the cut: the answers are the same to the last bit.
+
+A row of the table holds one cell of every column: eight numbers of each field, one field after the other, at distances
+that the compiler knows; it makes one vector operation of each. Row 0 and the last row belong to the neighbours at the
+ends of each column: the base and the free end, or the cells of the segments before and after it. A lane has as many
+rows in each segment as its first one needs; rows beyond its end are cells without springs and masses, which stay still.
+"""
+
+from typing import Any
+
+import numba
+import numpy as np
+
+WIDTH = 8
+"""Columns: numbers of float64 in the widest vector register of usual processors, of 512 bits."""
+
+U, V, DU, DV, FRICTION, PULL = range(0, 6 * WIDTH, WIDTH)
+"""Where a row has u, v, u̇, v̇, λ_T of the last step, and the force of the chain element at the left of the cell."""
+
+CHAIN_STIFFNESS, CHAIN_DAMPING, INNER_STIFFNESS, INNER_DAMPING = range(6 * WIDTH, 10 * WIDTH, WIDTH)
+PER_OUTER, PER_INNER, REDUCED_MASS, BOUND, TIME_STEP = range(10 * WIDTH, 15 * WIDTH, WIDTH)
+"""The same for the parameters; in row 0 the stiffness is 1 where a segment goes on from the one before, else 0."""
+
+PARAMETERS = 8
+"""Parameters of a cell, in the order above; the time step is one of the lane."""
+
+ROW = 15 * WIDTH
+
+TILE = 64
+"""Rows that are copied together into a table and out of it: they stay in the second-level cache."""
+
+_inlined = numba.njit(inline="always", nogil=True, error_model="numpy")
+
+
+@_inlined
+def _exchange(table: Any, last: int) -> None:
+    """Copy the ends of the segments to where their neighbours read them; zeros where a lane begins or ends."""
+    top = last + ROW
+    for j in range(WIDTH):
+        position, velocity = table[last + U + j - 1], table[last + DU + j - 1]
+        follows = table[CHAIN_STIFFNESS + j] > 0
+        table[U + j] = position if follows else 0.0
+        table[DU + j] = velocity if follows else 0.0
+    for j in range(WIDTH):
+        position, velocity = table[ROW + U + j + 1], table[ROW + DU + j + 1]
+        precedes = table[top + CHAIN_STIFFNESS + j] > 0
+        table[top + U + j] = position if precedes else 0.0
+        table[top + DU + j] = velocity if precedes else 0.0
+
+
+@_inlined
+def _pull_first(table: Any) -> None:
+    """Force of the first element of each column, less the load of the drive, which row 0 has as its pull."""
+    for j in range(WIDTH):
+        stretch, rate = table[ROW + U + j] - table[U + j], table[ROW + DU + j] - table[DU + j]
+        pull = table[ROW + CHAIN_STIFFNESS + j] * stretch + table[ROW + CHAIN_DAMPING + j] * rate
+        table[ROW + PULL + j] = pull - table[PULL + j]
+
+
+@_inlined
+def _step_row(table: Any, row: int) -> None:
+    """Equation (5) for one cell of every column, in place; the pull of the next cell is formed on the way."""
+    after = row + ROW
+    for j in range(WIDTH):
+        u, v, du, dv = table[row + U + j], table[row + V + j], table[row + DU + j], table[row + DV + j]
+        stretch, rate = table[after + U + j] - u, table[after + DU + j] - du
+        following = table[after + CHAIN_STIFFNESS + j] * stretch + table[after + CHAIN_DAMPING + j] * rate
+        inner = table[row + INNER_STIFFNESS + j] * (v - u) + table[row + INNER_DAMPING + j] * (dv - du)
+        outer_free = du + table[row + PER_OUTER + j] * (following - table[row + PULL + j] + inner)
+        inner_free = dv - table[row + PER_INNER + j] * inner
+        force, bound = table[row + REDUCED_MASS + j] * (outer_free - inner_free), table[row + BOUND + j]
+        force = force if force < bound else bound
+        force = force if force > -bound else -bound
+        outer_end = outer_free - table[row + PER_OUTER + j] * force
+        inner_end = inner_free + table[row + PER_INNER + j] * force
+        table[after + PULL + j] = following
+        table[row + FRICTION + j] = force
+        table[row + DU + j] = outer_end
+        table[row + DV + j] = inner_end
+        table[row + U + j] = u + table[row + TIME_STEP + j] * outer_end
+        table[row + V + j] = v + table[row + TIME_STEP + j] * inner_end
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _empty_table(rows: int) -> Any:
+    """Table of so many rows of cells, all zero, that begins at a cache line: no vector is split between two."""
+    room = np.zeros((rows + 2) * ROW + WIDTH)
+    ahead = -(room.ctypes.data // room.itemsize) % WIDTH
+    return room[ahead : ahead + (rows + 2) * ROW]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _table(x: Any, parameters: Any, time_step: Any, segments: int, rows: int) -> Any:
+    """Table of some lanes, at most eight columns; the last row has the parameters of the cell that follows."""
+    table = _empty_table(rows)
+    lanes, _, cells = parameters.shape
+    for tile in range(0, rows + 1, TILE):
+        for column in range(lanes * segments):
+            lane, segment = column // segments, column % segments
+            first, at = segment * rows, ROW + column
+            some = range(tile, min(tile + TILE, rows + 1, cells - first))
+            for k in range(4):
+                for row in some:
+                    table[at + row * ROW + k * WIDTH] = x[lane, k * cells + first + row]
+            for k in range(PARAMETERS):
+                for row in some:
+                    table[at + row * ROW + CHAIN_STIFFNESS + k * WIDTH] = parameters[lane, k, first + row]
+            for row in some:
+                table[at + row * ROW + TIME_STEP] = time_step[lane]
+    for column in range(lanes * segments):
+        table[CHAIN_STIFFNESS + column] = 1.0 if column % segments else 0.0
+    return table
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _copy_out(table: Any, segments: int, rows: int, lanes: int, fields: int, cells: int, out: Any) -> None:
+    """Copy the first fields of all cells to `out` (lanes, fields n)."""
+    for tile in range(0, rows, TILE):
+        for lane in range(lanes):
+            for k in range(fields):
+                for segment in range(segments):
+                    at, first = ROW + k * WIDTH + lane * segments + segment, segment * rows
+                    for row in range(tile, min(tile + TILE, rows, cells - first)):
+                        out[lane, k * cells + first + row] = table[at + row * ROW]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _set_bounds(table: Any, segments: int, rows: int, bounds: Any) -> None:
+    """Set the friction bounds (n, lanes) of all cells."""
+    cells, lanes = bounds.shape
+    for cell in range(cells):
+        for lane in range(lanes):
+            at = (1 + cell % rows) * ROW + lane * segments + cell // rows
+            table[at + BOUND] = bounds[cell, lane]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _advance_block(
+    x: Any, parameters: Any, time_step: Any, loads: Any, load_rows: Any, bounds: Any, record: Any
+) -> None:
+    """Advance at most eight lanes, in place; arguments as in `advance`."""
+    lanes, _, cells = parameters.shape
+    segments = WIDTH
+    while segments * lanes > WIDTH:
+        segments //= 2
+    rows = (cells + segments - 1) // segments
+    last = rows * ROW
+    table = _table(x, parameters, time_step, segments, rows)
+    for step in range(loads.shape[1]):
+        if bounds.shape[0] > 0:
+            _set_bounds(table, segments, rows, bounds[step])
+        for lane in range(lanes):
+            table[PULL + lane * segments] = loads[load_rows[lane], step]
+        if segments > 1:
+            _exchange(table, last)
+        _pull_first(table)
+        for row in range(1, rows + 1):
+            _step_row(table, row * ROW)
+        if record.shape[1] > 0:
+            _copy_out(table, segments, rows, lanes, 5, cells, record[:, step])
+    _copy_out(table, segments, rows, lanes, 4, cells, x)
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def advance(x: Any, parameters: Any, time_step: Any, loads: Any, load_rows: Any, bounds: Any, record: Any) -> None:
+    """Advance every lane, in place.
+
+    Parameters
+    ----------
+    x
+        State, shape (lanes, 4n): u, v, u̇, v̇.
+    parameters
+        Those of the cells, shape (lanes, 8, n); see `PARAMETERS`.
+    time_step
+        Shape (lanes,).
+    loads
+        Force on cell 1 at the start of each step, one row for each number in `load_rows`, shape (…, steps).
+    load_rows
+        Row of each lane in `loads`, shape (lanes,).
+    bounds
+        Friction bounds of every step, shape (steps, n, lanes); no steps where those of the parameters always hold.
+    record
+        Receives x and λ_T at the end of each step, shape (lanes, steps, 5n); no steps when nothing is kept.
+    """
+    lanes = x.shape[0]
+    for first in range(0, lanes, WIDTH):
+        some = slice(first, min(first + WIDTH, lanes))
+        _advance_block(
+            x[some], parameters[some], time_step[some], loads, load_rows[some], bounds[:, :, some], record[some]
+        )
