@@ -28,7 +28,8 @@ LONGEST_LINE = 200
 """Characters of a line that it quotes."""
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-"""The suite runs processes side by side."""
+"""Environment of worker processes. The suite runs them side by side, one a processor, where threads of linear algebra
+slow each other down; and a process that workers are forked from must have no other thread."""
 
 
 class EngineProcessError(RuntimeError):

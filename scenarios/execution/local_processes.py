@@ -13,10 +13,11 @@ from scenarios.execution.identity import identity_of
 from scenarios.execution.limits import TIME_LIMIT
 from scenarios.execution.local_worker import LocalWorker
 from scenarios.execution.scratch import ScratchFolder
+from scenarios.execution.worker_template import WorkerTemplate
 from scenarios.tasks.result import Result
 
 IDLE_WORKERS = 8
-"""Idle processes that are kept for their engine beside the busy ones: starting one takes seconds."""
+"""Idle processes that are kept for their engine beside the busy ones: importing an engine takes up to a second."""
 
 
 class LocalExecutor(WorkerExecutor[LocalWorker]):
@@ -41,6 +42,7 @@ class LocalExecutor(WorkerExecutor[LocalWorker]):
         self._started = 0
         self._news: SimpleQueue[None] = SimpleQueue()
         self._folder: ScratchFolder | None = None
+        self._template: WorkerTemplate | None = None
 
     def run_for_client(self, batch: Batch, identity: str, limit: float) -> list[Result]:
         """Run a batch of a client on another machine, to which the identity belongs.
@@ -62,6 +64,9 @@ class LocalExecutor(WorkerExecutor[LocalWorker]):
         for worker in self._workers:
             worker.end()
         self._workers.clear()
+        if self._template is not None:
+            self._template.close()
+            self._template = None
         if self._folder is not None:
             self._folder.close()
             self._folder = None
@@ -103,11 +108,17 @@ class LocalExecutor(WorkerExecutor[LocalWorker]):
             return own[-1]
         if len(idle) > IDLE_WORKERS:
             self._end(idle[0])
+        worker = self._new_worker(engine)
+        self._workers.append(worker)
+        return worker
+
+    def _new_worker(self, engine: str) -> LocalWorker:
         if self._folder is None:
             self._folder = ScratchFolder()
+        if self._template is None:
+            self._template = WorkerTemplate(self._folder.path)
         self._started += 1
-        self._workers.append(LocalWorker(engine, self._folder.path, self._started, self._news))
-        return self._workers[-1]
+        return LocalWorker(engine, self._template, self._folder.path / str(self._started), self._news)
 
     def _end(self, worker: LocalWorker) -> None:
         self._workers.remove(worker)

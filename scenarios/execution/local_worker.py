@@ -3,23 +3,19 @@
 import math
 import os
 import pickle
-import subprocess
-import sys
+import select
+import signal
 import time
 from contextlib import suppress
-from multiprocessing import Pipe
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
 
 from scenarios.execution.batch import Batch
 from scenarios.execution.executor import KILLED, WorkerDied
-from scenarios.execution.failures import ExecutorError
 from scenarios.execution.worker import BEGUN, limit_reached, reason_of_death
+from scenarios.execution.worker_template import START_SECONDS, WorkerTemplate
 from scenarios.tasks.result import Result
-
-START_SECONDS = 60.0
-"""What a process has to start and to import the suite, on a machine that is busy."""
 
 GRACE_SECONDS = 1.0
 """By how much a process may pass the time limit, in which it writes its crash log."""
@@ -27,15 +23,9 @@ GRACE_SECONDS = 1.0
 END_SECONDS = 1.0
 """What a supervisor has to end its processes; one that takes longer, as it has been stopped, is killed itself."""
 
-_START = (
-    "import sys; sys.path[:] = {path!r}; "
-    "from scenarios.execution.supervisor import supervise; supervise({lifeline}, {descriptor}); "
-    "from scenarios.execution.worker import serve; serve({descriptor}, {log!r})"
-)
-
 
 class LocalWorker:
-    """A fresh Python process below a supervisor, which runs one batch at a time.
+    """A process forked from a template, below a supervisor, which runs one batch at a time.
 
     It does not import the program that started it, and no Ctrl-C of the terminal reaches it. When the starting process
     ends, so does it, with every process that an engine has started in it; see `scenarios.execution.supervisor`.
@@ -44,10 +34,10 @@ class LocalWorker:
     ----------
     engine
         The only one whose batches it is given: what an engine does to its process affects no other engine.
-    folder
-        Where it writes where it crashed, and where engines find their temporary folder.
-    number
-        Of the worker among those that share the folder.
+    template
+        From which it is forked.
+    crash_log
+        File into which it writes where it crashed.
     news
         Gets an item whenever `finished` and `deadline` have to be looked at anew.
 
@@ -57,40 +47,23 @@ class LocalWorker:
         If no process can be started.
     """
 
-    def __init__(self, engine: str, folder: Path, number: int, news: "SimpleQueue[None]"):
+    def __init__(self, engine: str, template: WorkerTemplate, crash_log: Path, news: "SimpleQueue[None]"):
         self.engine = engine
         self.deadline = math.inf
         self.busy = False
-        self._crash_log = folder / str(number)
+        self._crash_log = crash_log
         self._news = news
         self._limit = math.inf
         self._begun = self._silent = False
         self._reply: list[Result] | str | None = None
         self._size = 0
         self._thread: Thread | None = None
-        self._connection, far = Pipe()
-        released, lifeline = os.pipe()
-        self._lifeline: int | None = lifeline
-        descriptors = {"lifeline": released, "descriptor": far.fileno()}
-        start = _START.format(path=sys.path, log=str(self._crash_log), **descriptors)
-        try:
-            self._supervisor = subprocess.Popen(
-                [sys.executable, "-c", start],
-                stdin=subprocess.DEVNULL,
-                stdout=2,
-                env={**os.environ, "TMPDIR": str(folder)},
-                pass_fds=list(descriptors.values()),
-                start_new_session=True,
-            )
-        except OSError as problem:
-            raise ExecutorError(f"a worker process cannot be started: {problem}") from None
-        finally:
-            far.close()
-            os.close(released)
+        self._lifeline: int | None
+        self._connection, self._lifeline, self._supervisor = template.fork(crash_log)
 
     def alive(self) -> bool:
         """Whether it would take a batch."""
-        return self._supervisor.poll() is None
+        return not self._ended(0.0)
 
     def run(self, batch: Batch, identity: str, limit: float) -> None:
         """Start on a batch, see `scenarios.execution.worker.run_within`, that may take `limit` seconds."""
@@ -121,14 +94,21 @@ class LocalWorker:
     def end(self) -> None:
         """End it, and every process that it has started."""
         self.dismiss()
-        try:
-            self._supervisor.wait(END_SECONDS)
-        except subprocess.TimeoutExpired:
-            self._supervisor.kill()
-            self._supervisor.wait()
+        if self._connection.closed:  # it has been ended before
+            return
+        if not self._ended(END_SECONDS):
+            signal.pidfd_send_signal(self._supervisor, signal.SIGKILL)
+            self._ended(None)
         if self._thread is not None:
             self._thread.join(END_SECONDS)
         self._connection.close()
+        os.close(self._supervisor)
+
+    def _ended(self, within: float | None) -> bool:
+        """Whether its supervisor ends within so many seconds; without a number, wait until it has."""
+        end = select.poll()
+        end.register(self._supervisor, select.POLLIN)
+        return bool(end.poll(None if within is None else 1000 * within))
 
     def _exchange(self, message: bytes) -> None:
         """Send a batch and wait for the reply, in a thread: a worker may be stopped in the middle of a message."""

@@ -2,7 +2,7 @@
 
 It takes in every process that the worker leaves behind, also one with a session of its own, and ends them all as soon
 as the worker has ended or the client lets go of it, which the end of the client does too. What the worker prints goes
-through it, cut. It imports the standard library only, and needs Linux.
+through it, cut. It needs Linux.
 """
 
 import ctypes
@@ -36,7 +36,7 @@ def supervise(lifeline: int, connection: int) -> None:
     connection
         Descriptor of the worker's connection with its client.
     """
-    _prctl(PR_SET_CHILD_SUBREAPER, 1)
+    prctl(PR_SET_CHILD_SUBREAPER, 1)
     printed, output = os.pipe()
     supervisor, worker = os.getpid(), os.fork()
     if worker == 0:
@@ -56,7 +56,7 @@ def supervise(lifeline: int, connection: int) -> None:
 
 def _become_worker(supervisor: int, output: int) -> None:
     """End with the supervisor, out of reach of its terminal and in a group of its own; print into its pipe."""
-    _prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != supervisor:  # it had ended before
         os._exit(0)
     os.setsid()
@@ -65,7 +65,8 @@ def _become_worker(supervisor: int, output: int) -> None:
     os.close(output)
 
 
-def _prctl(option: int, value: int) -> None:
+def prctl(option: int, value: int) -> None:
+    """Set an option of this process; see prctl(2)."""
     if ctypes.CDLL(None).prctl(option, value, 0, 0, 0) != 0:
         raise OSError(f"prctl({option}, {value}) failed")
 

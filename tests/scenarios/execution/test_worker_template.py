@@ -1,0 +1,198 @@
+"""Workers are forked from one process that has imported what they need, and no engine; whatever becomes of it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from engines.interface.variant import Variant
+from scenarios.execution import worker_template
+from scenarios.execution.failures import ExecutorError
+from scenarios.execution.identity import identity_of
+from scenarios.execution.local_processes import LocalExecutor
+from scenarios.execution.worker_template import WorkerTemplate
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
+
+LIMIT = 60.0
+"""Seconds that a batch may take, on a machine that is busy."""
+
+END_SECONDS = 5.0
+"""Within which all processes have to end, on a machine that is busy."""
+
+PACKAGES = {"mujoco", "pybullet", "exudyn", "pydrake", "siconos", "ode", "Box2D", "dartpy", "pinocchio", "pymunk"}
+"""Packages of the engines."""
+
+
+def run(executor: LocalExecutor, engine: str) -> Result:
+    """Run a task of an engine."""
+    variant = Variant(engine)
+    task = SteadyStateTask(variant=variant, friction_ratio=0.3, frequency_ratio=0.9, ratios=ChainRatios(cells=1))
+    return executor.run_for_client([task], identity_of(variant), LIMIT)[0]
+
+
+@pytest.fixture(scope="module")
+def shared() -> Iterator[LocalExecutor]:
+    """One worker at a time, for tests that only look at a worker without a task so far."""
+    with LocalExecutor(1) as executor:
+        executor._worker_for("reference")
+        yield executor
+
+
+@pytest.fixture
+def executor() -> Iterator[LocalExecutor]:
+    """One worker at a time, whose template has forked a worker for the reference."""
+    with LocalExecutor(1) as executor:
+        assert run(executor, "reference").status == "converged"
+        yield executor
+
+
+def template_of(executor: LocalExecutor) -> subprocess.Popen[bytes]:
+    return executor._template._process
+
+
+def test_workers_of_two_engines_are_forked_from_one_process_that_ends_with_them(executor) -> None:
+    template = template_of(executor)
+    assert run(executor, "mujoco").status == "converged"
+    assert template_of(executor) is template
+    assert [worker.engine for worker in executor._workers] == ["reference", "mujoco"]
+    executor.close()
+    assert template.returncode is not None
+
+
+@pytest.mark.parametrize("signalled", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "stopped"])
+def test_template_that_is_lost_is_replaced_and_its_workers_go_on(executor, signalled) -> None:
+    template = template_of(executor)
+    executor._template._requests.settimeout(0.5)
+    template.send_signal(signalled)
+    assert run(executor, "mujoco").status == "converged"
+    assert template.returncode == -signal.SIGKILL
+    assert template_of(executor) is not template
+    assert [worker.engine for worker in executor._workers if worker.alive()] == ["reference", "mujoco"]
+    assert run(executor, "reference").status == "converged"
+
+
+class Said:
+    """A batch that says something of the worker that reads it."""
+
+    def __init__(self, expression: str):
+        self.expression = expression
+
+    def __reduce__(self) -> tuple[Callable[[str], None], tuple[str]]:
+        return exec, (f"import os, sys; raise RuntimeError({self.expression})",)
+
+
+def said(executor: LocalExecutor, expression: str) -> str:
+    """Give the value of an expression in a fresh worker."""
+    worker = executor._worker_for("reference")
+    worker.run([Said(expression)], "", LIMIT)
+    executor._finished([worker])
+    reason = worker.results()[0].reason
+    return reason.removeprefix("the task cannot be read in a worker process: RuntimeError: ")
+
+
+def test_fresh_worker_has_imported_the_suite_and_no_engine(shared) -> None:
+    folders = Path(worker_template.__file__).parents[2].glob("engines/*/joint.py")
+    adapters = {f"engines.{file.parent.name}" for file in folders}
+    assert {"engines.mujoco", "engines.exudyn", "engines.drake"} <= adapters
+    assert said(shared, f"str({adapters | PACKAGES} & sys.modules.keys())") == "set()"
+    assert said(shared, "str({'scenarios.execution.batch', 'numba', 'scipy'} <= sys.modules.keys())") == "True"
+
+
+def test_fresh_worker_is_out_of_reach_of_the_terminal_and_engines_find_the_folder(shared) -> None:
+    process, group, session = said(shared, "f'{os.getpid()} {os.getpgid(0)} {os.getsid(0)}'").split()
+    assert process == group == session
+    assert said(shared, "os.environ['TMPDIR']") == str(shared._folder.path)
+
+
+def test_template_has_one_thread(shared) -> None:
+    """A fork of a process with more would have their locks, and none to unlock them."""
+    process = template_of(shared).pid
+    assert [thread.name for thread in Path(f"/proc/{process}/task").iterdir()] == [str(process)]
+
+
+def descriptors() -> list[str]:
+    """Descriptors that this process has open."""
+    return sorted(file.name for file in Path("/proc/self/fd").iterdir())
+
+
+REFUSES = """
+import os
+def refuse(): raise BlockingIOError(11, os.strerror(11))
+os.fork = refuse
+"""
+
+
+@pytest.mark.parametrize(
+    ("program", "reason"),
+    [
+        ("raise SystemExit({descriptor})", "the template of workers has ended"),
+        (f"{REFUSES}{worker_template._START}", r"\[Errno 11\] Resource temporarily unavailable"),
+    ],
+    ids=["the template ends", "no process can be forked"],
+)
+def test_worker_that_cannot_be_started_is_an_error_with_the_reason(monkeypatch, tmp_path, program, reason) -> None:
+    monkeypatch.setattr(worker_template, "_START", program)
+    before = descriptors()
+    with (
+        WorkerTemplate(tmp_path) as template,
+        pytest.raises(ExecutorError, match=f"^a worker process cannot be started: {reason}$"),
+    ):
+        template.fork(tmp_path / "log")
+    assert descriptors() == before
+
+
+def test_interrupted_start_leaves_neither_processes_nor_descriptors(monkeypatch, tmp_path) -> None:
+    started = []
+
+    def interrupt(*_):
+        started.append(template._process)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(worker_template.socket, "recv_fds", interrupt)
+    before = descriptors()
+    with WorkerTemplate(tmp_path) as template, pytest.raises(KeyboardInterrupt):
+        template.fork(tmp_path / "log")
+    assert started[0].returncode == -signal.SIGKILL
+    assert descriptors() == before
+
+
+CLIENT = """
+import json, sys, time
+from pathlib import Path
+from scenarios.execution.worker_template import WorkerTemplate
+template = WorkerTemplate(Path(sys.argv[1]))
+worker = template.fork(Path(sys.argv[1]) / "log")
+supervisor = next(line for line in Path(f"/proc/self/fdinfo/{worker.supervisor}").open() if line.startswith("Pid:"))
+print(json.dumps([template._process.pid, int(supervisor.split()[1])]), flush=True)
+time.sleep(1000)
+"""
+
+
+def running(process: int) -> bool:
+    """Whether a process is there, other than as an entry that nobody has read."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def test_template_that_is_stopped_ends_with_a_client_that_is_killed(tmp_path) -> None:
+    client = subprocess.Popen([sys.executable, "-c", CLIENT, str(tmp_path)], stdout=subprocess.PIPE)
+    processes = json.loads(client.stdout.readline())
+    client.stdout.close()
+    assert all(map(running, processes))
+    os.kill(processes[0], signal.SIGSTOP)
+    client.kill()
+    client.wait()
+    give_up = time.monotonic() + END_SECONDS
+    while any(map(running, processes)) and time.monotonic() < give_up:
+        time.sleep(0.01)
+    assert not [process for process in processes if running(process)]
