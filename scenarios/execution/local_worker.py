@@ -14,14 +14,11 @@ from threading import Thread
 from scenarios.execution.batch import Batch
 from scenarios.execution.executor import KILLED, WorkerDied
 from scenarios.execution.worker import BEGUN, limit_reached, reason_of_death
-from scenarios.execution.worker_template import START_SECONDS, WorkerTemplate
+from scenarios.execution.worker_template import END_SECONDS, START_SECONDS, WorkerTemplate
 from scenarios.tasks.result import Result
 
 GRACE_SECONDS = 1.0
 """By how much a process may pass the time limit, in which it writes its crash log."""
-
-END_SECONDS = 1.0
-"""What a supervisor has to end its processes; one that takes longer, as it has been stopped, is killed itself."""
 
 
 class LocalWorker:

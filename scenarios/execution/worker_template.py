@@ -27,6 +27,10 @@ from scenarios.execution.worker import serve
 START_SECONDS = 60.0
 """What a process has to start and to import the suite, on a machine that is busy."""
 
+END_SECONDS = 1.0
+"""What a supervisor has to end its processes, and a template to end; one that takes longer, as it has been stopped, is
+killed itself."""
+
 MESSAGE_BYTES = 4096
 """Longest message between the template and its client: Linux's longest path."""
 
@@ -91,6 +95,8 @@ class WorkerTemplate(Closing):
         """End the template; its workers go on."""
         if self._process is not None:
             self._requests.close()
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(END_SECONDS)
             self._process.kill()
             self._process.wait()
             self._process = None
@@ -160,9 +166,9 @@ def _forked_on_request(requests: socket.socket) -> tuple[str, int, int]:
     """Fork for each request: return in the fork, and end with the client."""
     while True:
         crash_log, descriptors, *_ = socket.recv_fds(requests, MESSAGE_BYTES, 2)
+        _forget_ended()
         if not crash_log:
             os._exit(0)
-        _forget_ended()
         try:
             process = os.fork()
         except OSError as problem:
@@ -184,7 +190,10 @@ def _reply(requests: socket.socket, message: bytes, descriptors: list[int]) -> N
 
 
 def _forget_ended() -> None:
-    """Read the ends of workers; only here, so that none has lost its number before its descriptor is opened."""
+    """Read the ends of workers, whose processor time is then the client's; not while one is being forked.
+
+    It would lose its number before its descriptor is opened.
+    """
     with suppress(ChildProcessError):
         while os.waitpid(-1, os.WNOHANG)[0] != 0:
             pass
