@@ -111,15 +111,18 @@ def test_fresh_worker_has_imported_the_suite_and_no_engine(shared) -> None:
 
 
 def test_fresh_worker_is_out_of_reach_of_the_terminal_and_engines_find_the_folder(shared) -> None:
-    process, group, session = said(shared, "f'{os.getpid()} {os.getpgid(0)} {os.getsid(0)}'").split()
-    assert process == group == session
+    """Nor does a signal to the group of the template or of a worker reach a supervisor."""
+    for process in ("os.getpid()", "os.getppid()"):
+        assert said(shared, f"str({process} == os.getpgid({process}) == os.getsid({process}))") == "True"
     assert said(shared, "os.environ['TMPDIR']") == str(shared._folder.path)
 
 
-def test_template_has_one_thread(shared) -> None:
+def test_template_and_workers_have_one_thread_in_linear_algebra_too(shared) -> None:
     """A fork of a process with more would have their locks, and none to unlock them."""
     process = template_of(shared).pid
     assert [thread.name for thread in Path(f"/proc/{process}/task").iterdir()] == [str(process)]
+    product = "sys.modules['numpy'].ones((500, 500)) @ sys.modules['numpy'].ones((500, 500))"
+    assert said(shared, f"({product}, len(os.listdir('/proc/self/task')))[1]") == "1"
 
 
 def test_processor_time_of_workers_counts_as_their_clients(executor) -> None:
@@ -173,10 +176,11 @@ def test_interrupted_start_leaves_neither_processes_nor_descriptors(monkeypatch,
 
     monkeypatch.setattr(worker_template.socket, "recv_fds", interrupt)
     before = descriptors()
-    with WorkerTemplate(tmp_path) as template, pytest.raises(KeyboardInterrupt):
-        template.fork(tmp_path / "log")
-    assert started[0].returncode is not None
-    assert descriptors() == before
+    with WorkerTemplate(tmp_path) as template:
+        with pytest.raises(KeyboardInterrupt):
+            template.fork(tmp_path / "log")
+        assert started[0].returncode is not None
+        assert descriptors() == before
 
 
 CLIENT = """
