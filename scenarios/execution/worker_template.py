@@ -16,16 +16,19 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import NamedTuple
 
-from numba import njit
-
+from engines.interface.variant import Variant
 from engines.out_of_process.process import ONE_THREAD
+from scenarios.execution.batch import run_batch
 from scenarios.execution.closing import Closing
 from scenarios.execution.failures import ExecutorError
 from scenarios.execution.supervisor import PR_SET_PDEATHSIG, prctl, supervise
 from scenarios.execution.worker import serve
+from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.task import SteadyStateTask
 
-START_SECONDS = 60.0
-"""What a process has to start and to import the suite, on a machine that is busy."""
+START_SECONDS = 180.0
+"""What a process has to start, to import the suite and to compile it where that has not been kept, on a busy machine:
+15 s on one that is not."""
 
 END_SECONDS = 1.0
 """What a supervisor has to end its processes, and a template to end; one that takes longer, as it has been stopped, is
@@ -36,6 +39,11 @@ MESSAGE_BYTES = 4096
 
 STARTED = b"started"
 """Reply to a request; any other one is the reason why no worker could be forked."""
+
+WARM_UP = SteadyStateTask(
+    variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9, ratios=ChainRatios(cells=1)
+)
+"""What a template runs before it is forked: its workers need not load the compiled reference anew."""
 
 _START = (
     "import sys; sys.path[:] = {path!r}; "
@@ -152,7 +160,7 @@ def fork_workers(descriptor: int) -> None:
         Of the socket through which requests come: a crash log's path, the lifeline's other end and the connection's.
     """
     prctl(PR_SET_PDEATHSIG, signal.SIGKILL)  # ends it even where it has been stopped
-    njit(lambda: 0)()  # compiles nearly nothing, but takes the compiler a second to get ready
+    run_batch([WARM_UP])  # imports and loads what is compiled, and compiles what has not been kept
     gc.collect()
     gc.freeze()  # no collection in a worker touches, and so copies, the memory that it shares
     with socket.socket(fileno=descriptor) as requests:
