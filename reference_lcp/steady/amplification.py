@@ -34,11 +34,11 @@ def residual_amplification(orbit: PeriodicOrbit) -> float:
     end, width = orbit.trajectory.end, 4 * lane.chain.cells
     lanes = [lane] * (width + 1)
     scales, every = StateScales(lanes, steps), np.arange(width + 1)
-    start = State.stack([State(end.positions, end.velocities, end.internal_state if lane.opens else None)] * len(lanes))
-    vectors = scales.vectors(start, every)
+    vectors = np.repeat(scales.vectors(State(end.positions, end.velocities), every[:1]), len(lanes), axis=0)
     vectors[1:, :width] += OFFSET * np.eye(width)
     moved = scales.state(vectors, every)
-    begin = State(moved.positions, moved.velocities, start.internal_state)
+    gaps = np.repeat(end.internal_state, len(lanes), axis=0) if lane.opens and end.internal_state is not None else None
+    begin = State(moved.positions, moved.velocities, gaps)
     ends = CompiledSimulation(lanes).advance(begin, 0, steps)
     after = scales.vectors(State(ends.positions, ends.velocities), every)
     jacobian = ((after[1:] - after[0]) / OFFSET).T

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from reference_lcp import Chain, HarmonicBase
+from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.steady.amplification import residual_amplification
@@ -56,3 +57,14 @@ def test_no_motion_near_a_steady_state_with_friction_is_farther_off_than_that(pl
 
 def test_residual_of_a_well_damped_chain_is_hardly_amplified() -> None:
     assert residual_amplification(orbit_of(Chain.from_ratios(damping_ratio=0.5, inner_damping_ratio=0.5), 0.1)) < 2.5
+
+
+def test_residual_of_a_chain_whose_contacts_open_is_amplified_by_some_tens_at_most() -> None:
+    """Gaps do not depend on the motion along the row: they are as in the steady state."""
+    chain = Chain.from_ratios(friction_ratio=0.3)
+    drive = HarmonicBase.from_ratio(chain, 0.5)
+    lane = Lane.periodic(chain, drive, 400, Preload.at_multiple(drive, 1.5, 1))
+    (orbit,) = periodic_orbits(CompiledSimulation([lane]), 400)
+    assert lane.opens
+    assert orbit.converged
+    assert 1 <= residual_amplification(orbit) < 100
