@@ -23,20 +23,19 @@ print(Chain.from_ratios().highest_natural_frequency)
 def terminal_lines(cache: Path, *arguments: str) -> list[str]:
     """Run Python with its error stream in a terminal, and give the lines that arrive there."""
     reader, terminal = os.openpty()
-    try:
-        subprocess.run(
-            [sys.executable, *arguments], cwd=ROOT, env={**os.environ, "NUMBA_CACHE_DIR": str(cache)},
-            stdout=subprocess.PIPE, stderr=terminal, check=True,
-        )  # fmt: skip
-    finally:
+    with subprocess.Popen(
+        [sys.executable, *arguments], cwd=ROOT, env={**os.environ, "NUMBA_CACHE_DIR": str(cache)},
+        stdout=subprocess.DEVNULL, stderr=terminal,
+    ) as process:  # fmt: skip
         os.close(terminal)
-    written = b""
-    with os.fdopen(reader, "rb", buffering=0) as stream:
-        try:
-            while part := stream.read(4096):
-                written += part
-        except OSError:  # Linux ends a terminal that nobody holds like this
-            pass
+        written = b""
+        with os.fdopen(reader, "rb", buffering=0) as stream:
+            try:
+                while part := stream.read(4096):  # while it runs: a terminal that nobody reads is soon full
+                    written += part
+            except OSError:  # Linux ends a terminal that nobody holds like this
+                pass
+    assert process.returncode == 0
     return written.decode().splitlines()
 
 
@@ -54,7 +53,6 @@ def test_a_pipe_is_not_told(tmp_path) -> None:
 
 
 @pytest.mark.slow  # compiles everything
-@pytest.mark.parametrize("command", [["reference_lcp"], ["scenarios", "run", "unit-cell", "--engine", "reference"]])
-def test_a_command_says_before_its_results_that_it_compiles(tmp_path, command) -> None:
-    assert terminal_lines(tmp_path, "-m", *command)[0] == NOTICE
-    assert NOTICE not in terminal_lines(tmp_path, "-m", *command)
+def test_a_command_says_before_its_results_that_it_compiles(tmp_path) -> None:
+    assert terminal_lines(tmp_path, "-m", "reference_lcp")[0] == NOTICE
+    assert NOTICE not in terminal_lines(tmp_path, "-m", "reference_lcp")
