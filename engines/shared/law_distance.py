@@ -38,6 +38,11 @@ def stepped_by(variant: Variant) -> Engine | Law | None:
     return engine("reference") if variant.preset.shares_scheme else law_of(variant.preset)
 
 
+def unclaimed_reason(law: Engine | Law, lane: Lane) -> str | None:
+    """Give the reason why a law does not say how an engine steps a lane; the reference's scheme does for every lane."""
+    return law.unmodelled_reason(lane) if isinstance(law, Law) else None
+
+
 def allowed_distance(variant: Variant) -> float:
     """Largest distance of a variant from what it steps by, after a period, over the displacement scale."""
     law = law_of(variant.preset)

@@ -12,7 +12,7 @@ from reference_lcp.output import write_whole
 from scenarios.cli.evaluation import store_of_run
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import Executor
-from scenarios.mutations.gates import Contract, Gate, Report, Scenarios
+from scenarios.mutations.gates import ContractGate, Gate, ReportGate, ScenarioGate
 from scenarios.mutations.mutation_table import MutationRow, gates_of, mutation_columns, mutation_csv, mutation_document
 from scenarios.mutations.search import detections, rounds
 from scenarios.tables import print_table, text_table
@@ -47,5 +47,5 @@ def write_mutations(rows: Sequence[MutationRow], out: Path | None, command: str)
 
 def _gate(name: str, evaluator: Evaluator) -> Gate:
     if name == "contract":
-        return Contract()
-    return Scenarios(evaluator) if name == "scenarios" else Report(evaluator)
+        return ContractGate()
+    return ScenarioGate(evaluator) if name == "scenarios" else ReportGate(evaluator)

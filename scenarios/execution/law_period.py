@@ -3,8 +3,7 @@
 import time
 from collections.abc import Sequence
 
-from engines.interface.law import Law
-from engines.shared.law_distance import distance_from_law, stepped_by
+from engines.shared.law_distance import distance_from_law, stepped_by, unclaimed_reason
 from scenarios.execution.checked_simulation import CheckedSimulation
 from scenarios.execution.failures import results_together
 from scenarios.tasks.law_period import LawPeriodTask
@@ -22,7 +21,7 @@ def _result(task: LawPeriodTask) -> Result:
     if law is None:
         return Result.blocked(f"{task.variant} has no law that is a model")
     lane, steps = task.lane()
-    reason = law.unmodelled_reason(lane) if isinstance(law, Law) else None
+    reason = unclaimed_reason(law, lane)
     if reason is not None:
         return Result.blocked(f"{task.variant}: {reason}")
     distance = distance_from_law(CheckedSimulation(task.variant.build([lane])), law, lane, steps)

@@ -6,10 +6,11 @@ certifies it as that of any other start would; one that does not goes on from th
 
 from collections.abc import Sequence
 
+from engines.interface.engine import Engine
 from engines.interface.law import Law
 from engines.interface.law_engine import LAW_SUFFIX
 from engines.interface.variant import Variant
-from engines.shared.law_distance import stepped_by
+from engines.shared.law_distance import stepped_by, unclaimed_reason
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.steady.orbits import periodic_orbits
@@ -47,8 +48,7 @@ def law_starts(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Stat
     return starts
 
 
-def _claims(law: object, lane: Lane) -> bool:
-    """Whether a law says how an engine steps this lane; the reference's scheme does for every lane."""
-    if not isinstance(law, Law):
-        return True
-    return law.unmodelled_reason(lane) is None and (lane.preload is None or law.modulated)
+def _claims(law: Engine | Law, lane: Lane) -> bool:
+    """Whether a law says how an engine steps this lane, under its normal force."""
+    follows = lane.preload is None or not isinstance(law, Law) or law.modulated
+    return follows and unclaimed_reason(law, lane) is None

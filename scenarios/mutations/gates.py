@@ -46,7 +46,7 @@ class Gate(Protocol):
         ...
 
 
-class Contract:
+class ContractGate:
     """The tests of `engines.contract`, run by pytest in a process of its own.
 
     Raises
@@ -89,7 +89,7 @@ def is_of(engine: str, test: str) -> bool:
 
 
 @dataclass(frozen=True)
-class Scenarios:
+class ScenarioGate:
     """Scenarios of the catalogue, judged as their command's exit code is."""
 
     evaluator: Evaluator
@@ -107,7 +107,7 @@ def own(variant: Variant, findings: Sequence[Finding]) -> list[Finding]:
 
 
 @dataclass(frozen=True)
-class Report:
+class ReportGate:
     """Points and band edges of a report, judged as its command's exit code is."""
 
     evaluator: Evaluator

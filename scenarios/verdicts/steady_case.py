@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
 from engines.interface.variant import Variant
@@ -168,7 +169,7 @@ class Evidence:
         for source, results in (("engine", (self.fine, self.coarse)), ("reference", self.scheme)):
             for result in results:
                 gap = missing(f"{source} at {result.steps_per_period} steps a period", [result])
-                if gap is not None and not self._is_resolved(result):
+                if gap is not None and not is_resolved(result, self._amplified):
                     return gap
         if self.coarse.steps_per_period >= self.fine.steps_per_period:
             taken = f"{self.coarse.steps_per_period} and {self.fine.steps_per_period}"
@@ -179,11 +180,7 @@ class Evidence:
     def _amplified(self) -> float:
         return amplification(self.scheme[1])
 
-    def _is_resolved(self, result: Result) -> bool:
-        """Whether a motion that is not certified repeats well enough for its transmittance."""
-        return is_resolved(result, self._amplified)
-
-    @property
+    @cached_property
     def effect(self) -> FrictionEffect:
         """How much friction changes the case at all."""
         return friction_effect(*self.case.setting(), self.expected.transmittance_db, self.expected.phase)

@@ -30,6 +30,19 @@ def misread_the_chain(monkeypatch, **factors: float) -> None:
     monkeypatch.setattr(Variant, "build", wrong)
 
 
+def press_harder(monkeypatch, spoilt: Variant, factor: float) -> None:
+    """Let one variant press its masses together harder by a factor; all others, its law among them, do not."""
+    build = Variant.build
+
+    def harder(self, lanes):
+        if self != spoilt:
+            return build(self, lanes)
+        factors = {"normal_force": factor}
+        return build(self, [dataclasses.replace(lane, chain=_scaled(lane.chain, factors)) for lane in lanes])
+
+    monkeypatch.setattr(Variant, "build", harder)
+
+
 class Late(CompiledSimulation):
     """The reference, with a drive that is a step late."""
 

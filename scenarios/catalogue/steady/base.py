@@ -111,8 +111,11 @@ class SteadyScenario(Scenario):
             )
             return [finding for evidence in by_variant for finding in self.judged(evidence)]
 
-        close = {(f.variant, f.case) for f in judged() if f.comparison.verdict is Verdict.DISAGREE and not f.by_far}
+        findings = judged()
+        close = {(f.variant, f.case) for f in findings if f.comparison.verdict is Verdict.DISAGREE and not f.by_far}
         places = [(variant, case) for variant in variants for case in self.cases if (variant, case.label) in close]
+        if not places:
+            return findings
         results |= _results_of([third_task(*place) for place in places], evaluator)
         return judged()
 

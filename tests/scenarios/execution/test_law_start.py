@@ -1,7 +1,5 @@
 """Where the search for a steady state begins, and that it does not decide where the search ends."""
 
-import dataclasses
-
 import pytest
 
 from engines.box2d import Box2D
@@ -16,6 +14,7 @@ from scenarios.execution.law_start import law_starts
 from scenarios.tasks.parameters import ChainRatios, Modulation
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import Start, SteadyStateTask
+from tests.scenarios.in_process import press_harder
 
 POINTS = ((0.1, 0.5), (0.3, 0.9), (1.0, 1.3))
 
@@ -55,16 +54,8 @@ def test_an_engine_that_obeys_its_law_is_certified_by_its_first_period(name, all
 @installed(Pymunk)
 def test_an_engine_that_does_not_obey_its_law_ends_where_it_would_have(monkeypatch) -> None:
     """A tenth more friction than it is given: the first period does not repeat, and the search goes on."""
-    build = Variant.build
-
-    def spoilt(self, lanes):
-        if self.engine == "reference":
-            return build(self, lanes)
-        chains = [dataclasses.replace(lane.chain, normal_force=1.1 * lane.chain.normal_force) for lane in lanes]
-        return build(self, [dataclasses.replace(lane, chain=chain) for lane, chain in zip(lanes, chains, strict=True)])
-
-    monkeypatch.setattr(Variant, "build", spoilt)
     variant = Variant("pymunk")
+    press_harder(monkeypatch, variant, 1.1)
     from_law, balanced = (run_batch(tasks_of(variant, start)) for start in (Start.LAW, Start.HARMONIC_BALANCE))
     for one, other in zip(from_law, balanced, strict=True):
         assert one.periods > 1

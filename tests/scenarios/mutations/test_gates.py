@@ -7,7 +7,7 @@ import pytest
 from engines.interface.variant import Variant
 from engines.mutants.catalogue import MUTANTS
 from scenarios.execution.store import opened_store
-from scenarios.mutations.gates import Contract, Report, Scenarios, is_of
+from scenarios.mutations.gates import ContractGate, ReportGate, ScenarioGate, is_of
 from tests.scenarios.in_process import evaluator
 
 Error = tuple[str, float]
@@ -85,7 +85,7 @@ def label(error: Error) -> str:
 
 @pytest.fixture(scope="module")
 def stopped_by_contract() -> set[Variant]:
-    return Contract().caught([*wrong(CONTRACT), *sound(CONTRACT)])
+    return ContractGate().caught([*wrong(CONTRACT), *sound(CONTRACT)])
 
 
 @pytest.fixture(scope="module")
@@ -103,15 +103,15 @@ def test_contract_stops_the_engine_and_not_its_sound_twin(stopped_by_contract, e
 
 def test_contract_stops_what_a_single_unit_and_a_single_friction_cannot_show() -> None:
     errors = [("force-drive", 1.0), ("coefficient-ignored", 1.0), ("bound-of-amplitude", 1.0), ("siconos-bound", 0.01)]
-    assert Contract().caught([*wrong(errors), *sound(errors)]) == set(wrong(errors))
+    assert ContractGate().caught([*wrong(errors), *sound(errors)]) == set(wrong(errors))
 
 
 def test_scenario_stops_what_no_law_predicts(running) -> None:
-    assert Scenarios(running, ["unit-cell"]).caught([*wrong(SCENARIOS), *sound(SCENARIOS)]) == set(wrong(SCENARIOS))
+    assert ScenarioGate(running, ["unit-cell"]).caught([*wrong(SCENARIOS), *sound(SCENARIOS)]) == set(wrong(SCENARIOS))
 
 
 def test_report_stops_what_its_points_and_edges_show(running) -> None:
-    report = Report(running, (0.3,), (0.62, 0.7, 0.8, 0.9, 1.0, 1.1, 1.3, 1.5))
+    report = ReportGate(running, (0.3,), (0.62, 0.7, 0.8, 0.9, 1.0, 1.1, 1.3, 1.5))
     assert report.caught([*wrong(REPORT), *sound(REPORT)]) == set(wrong(REPORT))
 
 

@@ -19,7 +19,7 @@ from scenarios.verdicts.finding import Finding
 from scenarios.verdicts.pointwise import GivenTolerance
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Verdict
-from tests.scenarios.in_process import be_late, evaluator
+from tests.scenarios.in_process import be_late, evaluator, press_harder
 
 LAWFUL = Variant("mujoco", "joint", "default")
 """It departs from Coulomb's law, and its law predicts how."""
@@ -46,19 +46,6 @@ def departing(result: ComparedSweep, variant: Variant = LAWFUL) -> list[Finding]
     return [finding for finding in own if finding.comparison.verdict is Verdict.DISAGREE]
 
 
-def spoil(monkeypatch, factor: float) -> None:
-    """Let the engine press harder by a factor; its law does not."""
-    build = Variant.build
-
-    def spoilt(self, lanes):
-        if self != LAWFUL:
-            return build(self, lanes)
-        chains = [dataclasses.replace(lane.chain, normal_force=factor * lane.chain.normal_force) for lane in lanes]
-        return build(self, [dataclasses.replace(lane, chain=chain) for lane, chain in zip(lanes, chains, strict=True)])
-
-    monkeypatch.setattr(Variant, "build", spoilt)
-
-
 @needs_mujoco
 def test_points_and_edges_that_depart_are_as_the_law_predicts() -> None:
     result = compared(planned())
@@ -74,7 +61,7 @@ def test_points_and_edges_that_depart_are_as_the_law_predicts() -> None:
 @needs_mujoco
 @pytest.mark.parametrize("factor", [0.99, 1.01])
 def test_an_engine_that_does_not_obey_its_law_is_unexplained_at_points_and_edges(monkeypatch, factor) -> None:
-    spoil(monkeypatch, factor)
+    press_harder(monkeypatch, LAWFUL, factor)
     result = compared(planned())
     wrong = departing(result)
     assert {finding.metric.name for finding in wrong} >= {"transmittance", "band edge"}

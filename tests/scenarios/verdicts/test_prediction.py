@@ -1,6 +1,5 @@
 """Disagreements that a law predicts, and those that it does not, whatever a text says."""
 
-import dataclasses
 import math
 
 import pytest
@@ -15,7 +14,7 @@ from scenarios.tasks.result import Result
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding
 from scenarios.verdicts.prediction import PERIODS_OF_ERROR, with_predictions
 from scenarios.verdicts.verdict import Comparison, Verdict
-from tests.scenarios.in_process import evaluator
+from tests.scenarios.in_process import evaluator, press_harder
 
 LAWFUL = Variant("mujoco", "joint", "default")
 LAW = law_of(LAWFUL.preset)
@@ -31,19 +30,6 @@ def wrong_findings(scenario=None) -> list[Finding]:
     return [finding for finding in findings if finding.comparison.verdict is Verdict.DISAGREE]
 
 
-def spoil(monkeypatch, factor: float) -> None:
-    """Let the engine press harder by a factor; its law does not."""
-    build = Variant.build
-
-    def spoilt(self, lanes):
-        if self != LAWFUL:
-            return build(self, lanes)
-        chains = [dataclasses.replace(lane.chain, normal_force=factor * lane.chain.normal_force) for lane in lanes]
-        return build(self, [dataclasses.replace(lane, chain=chain) for lane, chain in zip(lanes, chains, strict=True)])
-
-    monkeypatch.setattr(Variant, "build", spoilt)
-
-
 @pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
 def test_the_soft_friction_of_mujoco_is_as_its_law_predicts_number_by_number() -> None:
     wrong = wrong_findings()
@@ -57,7 +43,7 @@ def test_the_soft_friction_of_mujoco_is_as_its_law_predicts_number_by_number() -
 @pytest.mark.parametrize("factor", [0.99, 1.01, 10.0])
 def test_an_engine_that_does_not_obey_its_law_is_not_excused_by_it(monkeypatch, factor) -> None:
     """The preset has a law and a text; friction that is a hundredth off is found out by both parts of the check."""
-    spoil(monkeypatch, factor)
+    press_harder(monkeypatch, LAWFUL, factor)
     wrong = wrong_findings()
     assert wrong
     assert not any(finding.as_predicted for finding in wrong)
