@@ -42,11 +42,12 @@ def with_predictions(
     laws = {(finding.case, finding.metric): finding for finding in predicted}
     distances = {case: _distance(period) for case, period in periods.items()}
     worst = float(np.max(list(distances.values()), initial=0.0))
+    largest = max((min(distance, law.period_bound) for distance in distances.values() if distance >= 0), default=0.0)
     return [
         replace(
             finding,
             prediction=_prediction(
-                finding, laws[finding.case, finding.metric], distances.get(finding.case, worst), worst, law
+                finding, laws[finding.case, finding.metric], distances.get(finding.case, worst), largest, law
             ),
         )
         if needs_prediction(finding) and (finding.case, finding.metric) in laws
@@ -60,18 +61,16 @@ def needs_prediction(finding: Finding) -> bool:
     return finding.comparison.verdict in (Verdict.DISAGREE, Verdict.TOO_COARSE) or not finding.comparison.certified
 
 
-def _prediction(finding: Finding, own: Finding, distance: float, worst: float, law: Law) -> Prediction:
+def _prediction(finding: Finding, own: Finding, distance: float, largest: float, law: Law) -> Prediction:
     """Compare a number with that of the law, from which the engine is so far after a period.
 
-    What distances add up to is taken from the worst of all cases, as far as the law allows it: where a solver of the
-    engine stops short, it does so in some periods and not in others. Where neither has a number, both for one reason,
-    nothing is left.
+    What distances add up to is taken from the `largest` of all cases that have one, as far as the law allows it: where
+    a solver of the engine stops short, it does so in some periods and not in others. Where neither has a number, both
+    for one reason, nothing is left.
     """
     certified = own.comparison.certified
     nothing = math.isnan(finding.value) and _same_gap(finding, own)
-    left_open = (
-        finding.comparison.resolution + own.comparison.resolution + _added_up(min(worst, law.period_bound), finding)
-    )
+    left_open = finding.comparison.resolution + own.comparison.resolution + _added_up(largest, finding)
     return Prediction(
         value=own.value,
         difference=0.0 if nothing else metric_difference(finding.metric, finding.value, own.value),

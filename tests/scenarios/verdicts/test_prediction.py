@@ -105,6 +105,8 @@ def test_what_distances_add_up_to_is_that_of_the_worst_case_and_the_bound_holds_
         ({"case": period(0.0), "another": period(far)}, True),
         ({"case": period(0.0), "another": period(4 * LAW.period_bound)}, True),
         ({"case": period(2 * LAW.period_bound), "another": period(0.0)}, False),
+        ({"case": period(far), "another": Result.blocked("no law there")}, True),
+        ({"case": Result.blocked("no law here"), "another": period(far)}, False),
     ):
         assert with_predictions(own, of_law, periods, LAW)[0].as_predicted is holds
 
