@@ -135,12 +135,14 @@ def test_written_csv_of_a_dataset_has_one_line_a_point(file: Path, tmp_path: Pat
 
 MANY = """\
 engines = ["mujoco:joint"]
+steps_per_period = 8000
 [grid]
 friction_ratio = {{ first = 0.1, last = 1.0, points = {rows} }}
 frequency_ratio = {{ first = 0.5, last = 1.5, points = 20 }}
 [chain]
-cells = 2
+cells = 10
 """
+"""A sweep whose points take long enough to be killed between two of them."""
 
 
 def workers_of(client: int) -> list[int]:
