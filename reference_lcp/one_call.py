@@ -22,18 +22,12 @@ from reference_lcp.exact.exact_orbit import ExactPeriod
 from reference_lcp.exact.steady import exact_orbit
 from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, stuck_fraction, transitions
 from reference_lcp.observables.transmittance import complex_transmittance, decibel
+from reference_lcp.refusal import ParameterError, checked_choice
 from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL
 from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
 from reference_lcp.stepping.euler_lemke import LemkeSimulation
-from reference_lcp.validation import (
-    FloatArray,
-    ParameterError,
-    check_record_size,
-    checked_array,
-    checked_choice,
-    checked_count,
-)
+from reference_lcp.validation import FloatArray, check_record_size, checked_array, checked_count
 
 SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
     {"compiled": CompiledSimulation, "lemke": LemkeSimulation, "exact": EventDrivenSimulation}

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from reference_lcp.validation import RunError
+from reference_lcp.refusal import RunError
 
 
 @contextmanager

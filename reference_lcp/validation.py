@@ -7,33 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference_lcp.refusal import ParameterError, RunError, checked_choice, checked_path, shortened, shown
-
-__all__ = [
-    "LARGEST_COUNT",
-    "LARGEST_DECIBEL",
-    "LARGEST_NUMBER",
-    "LARGEST_PARAMETER",
-    "LARGEST_UNIT",
-    "LONGEST_TIME_LIMIT",
-    "MOST_CELLS",
-    "MOST_CELL_STEPS",
-    "MOST_STEPS",
-    "MOST_WORKERS",
-    "FloatArray",
-    "ParameterError",
-    "RunError",
-    "check_record_size",
-    "checked_array",
-    "checked_choice",
-    "checked_count",
-    "checked_path",
-    "checked_per_cell",
-    "checked_scalar",
-    "shortened",
-    "shown",
-]
-"""Checks of numbers, which need NumPy, and those of `reference_lcp.refusal`, which do not."""
+from reference_lcp.refusal import ParameterError, shown
 
 FloatArray = NDArray[np.float64]
 

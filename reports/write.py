@@ -8,7 +8,7 @@ from typing import NamedTuple
 import xarray as xr
 
 from reference_lcp.console import checked_output_file, checked_output_folder
-from reference_lcp.validation import ParameterError, checked_path
+from reference_lcp.refusal import ParameterError, checked_path
 from reports.data.collect import Scope, collect, collect_dataset, expected_tasks
 from reports.data.report import Report
 from reports.export.files import FIGURES, FILES, PAGE, files_of, write_all

@@ -16,7 +16,8 @@ from pydantic import ValidationError
 from engines.interface.registry import default_engine_names
 from engines.interface.variant import Variant
 from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.validation import FloatArray, ParameterError, checked_choice, checked_path, shown
+from reference_lcp.refusal import ParameterError, checked_choice, checked_path, shown
+from reference_lcp.validation import FloatArray
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.descriptions import ALL_SCENARIOS
 from scenarios.catalogue.predicted import run_with_predictions

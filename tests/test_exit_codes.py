@@ -12,7 +12,7 @@ import scenarios.__main__
 from engines.interface.variant import Variant
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
-from reference_lcp.validation import ParameterError, RunError
+from reference_lcp.refusal import ParameterError, RunError
 from scenarios.execution.store import ResultStore
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask

@@ -13,7 +13,7 @@ import scenarios.__main__
 from reference_lcp import ParameterError
 from reference_lcp.console import checked_output_file, checked_output_folder, run_command
 from reference_lcp.exit_code import ExitCode
-from reference_lcp.validation import RunError
+from reference_lcp.refusal import RunError
 from scenarios.catalogue.transient.example_record import write_example
 from scenarios.execution.store import ResultStore
 from scenarios.functions import sweep

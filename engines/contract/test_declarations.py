@@ -11,7 +11,7 @@ from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 
 
 def test_capabilities_name_the_engine_and_every_option_has_a_reason(installed: str) -> None:

@@ -24,8 +24,8 @@ from reference_lcp.chain.preload import Flight
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.observables.stick_slip import OPEN
 from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.refusal import ParameterError
 from reference_lcp.steady.orbits import periodic_orbits
-from reference_lcp.validation import ParameterError
 
 
 def run_from_rest(variant: Variant, modulation: float, periods: int, multiple: int = 1) -> Trajectory:

@@ -13,7 +13,8 @@ from engines.shared.force_loop import ExplicitForcesLane, Step
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.validation import FloatArray, ParameterError
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray
 
 RESIDUAL_SLIP_COMPLIANCE = 1e-5
 """DART's constraint force mixing of a point of contact, which Python cannot set; four points share a box."""

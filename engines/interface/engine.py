@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 from engines.interface.presets import Capabilities, Formulation, Preset
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
-from reference_lcp.validation import ParameterError, checked_choice
+from reference_lcp.refusal import ParameterError, checked_choice
 
 if TYPE_CHECKING:
     from reference_lcp.one_call import SteadyState

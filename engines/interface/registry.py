@@ -8,7 +8,7 @@ from typing import Any
 from engines.interface.engine import Engine
 from engines.interface.law_engine import LAW_SUFFIX, LawEngine
 from engines.interface.presets import Capabilities
-from reference_lcp.validation import ParameterError, checked_choice
+from reference_lcp.refusal import ParameterError, checked_choice
 
 ENTRY_POINT_GROUP = "multibody_xval.engines"
 """Group under which a distribution registers its engines; nothing in the suite is edited for a new one."""

@@ -8,7 +8,7 @@ from engines.interface.law_engine import LAW_SUFFIX, law_of
 from engines.interface.presets import Capabilities, Preset
 from engines.interface.registry import engine
 from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 
 
 @dataclass(frozen=True, order=True)

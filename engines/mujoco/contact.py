@@ -24,7 +24,8 @@ from engines.mujoco.model import (
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.validation import FloatArray, ParameterError
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray
 
 CONTACT_TUNED = Preset(
     "The elliptic cone, solved by one dual sweep and one without its softness: it then equals equation (5).",

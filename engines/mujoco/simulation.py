@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.validation import FloatArray, ParameterError, checked_count
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray, checked_count
 
 LARGEST_COORDINATE = 1e10
 """MuJoCo's mjMAXVAL: beyond, it stops a simulation; in units of the lane."""

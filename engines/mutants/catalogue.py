@@ -10,7 +10,8 @@ from engines.mutants.mutant import FAMILY, Mutant, MutantEngine
 from engines.mutants.parameters import PARAMETERS
 from engines.mutants.records import RECORDS
 from engines.mutants.steps import STEPS
-from reference_lcp.validation import ParameterError, checked_choice, checked_scalar
+from reference_lcp.refusal import ParameterError, checked_choice
+from reference_lcp.validation import checked_scalar
 
 MUTANTS: Mapping[str, Mutant] = MappingProxyType(
     {mutant.name: mutant for mutant in (*DRIVES, *PARAMETERS, *STEPS, *RECORDS, *CONSTANTS)}

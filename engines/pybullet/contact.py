@@ -20,8 +20,9 @@ from engines.shared.coordinates import ChainCoordinates
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.refusal import ParameterError
 from reference_lcp.stepping.sequential import LaneModel
-from reference_lcp.validation import FloatArray, ParameterError, checked_count
+from reference_lcp.validation import FloatArray, checked_count
 
 CONTACT_TUNED = Preset(
     "Boxes without rotation or damping, and a contact solver that never stops early: it then equals equation (5).",

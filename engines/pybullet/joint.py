@@ -11,8 +11,9 @@ from engines.shared.coordinates import ChainCoordinates
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.refusal import ParameterError
 from reference_lcp.stepping.sequential import LaneModel
-from reference_lcp.validation import FloatArray, ParameterError
+from reference_lcp.validation import FloatArray
 
 JOINT_TUNED = Preset(
     "Motors that hold the relative velocity at zero with at most the friction bound, and no damping of Bullet's own.",

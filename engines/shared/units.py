@@ -16,7 +16,8 @@ import numpy as np
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.validation import FloatArray, checked_choice
+from reference_lcp.refusal import checked_choice
+from reference_lcp.validation import FloatArray
 
 
 @dataclass(frozen=True)

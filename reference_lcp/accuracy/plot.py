@@ -7,8 +7,9 @@ import numpy as np
 
 from reference_lcp.observables.stick_slip import contact_modes
 from reference_lcp.output import replacing
+from reference_lcp.refusal import ParameterError
 from reference_lcp.steady.orbits import PeriodicOrbit
-from reference_lcp.validation import FloatArray, ParameterError
+from reference_lcp.validation import FloatArray
 
 
 def checked_picture_format(file: Path) -> Path:

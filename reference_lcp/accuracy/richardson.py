@@ -19,7 +19,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from reference_lcp.validation import FloatArray, ParameterError
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray
 
 SAFETY = 1.25
 """Factor on the error that the differences of steps show.

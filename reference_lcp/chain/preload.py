@@ -19,7 +19,8 @@ from typing import Self
 import numpy as np
 
 from reference_lcp.chain.harmonic import PeriodicDrive
-from reference_lcp.validation import FloatArray, ParameterError, checked_scalar
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray, checked_scalar
 
 LARGEST_PERIODIC_MODULATION = math.sqrt(1 + math.pi**2)
 """Up to this a, about 3.3, a flight ends before the actuator pulls again; beyond, flights need not repeat."""

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from reference_lcp.chain.harmonic import MovingBase
-from reference_lcp.validation import FloatArray, ParameterError, checked_path, checked_scalar
+from reference_lcp.refusal import ParameterError, checked_path
+from reference_lcp.validation import FloatArray, checked_scalar
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline

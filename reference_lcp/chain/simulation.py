@@ -13,14 +13,8 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.validation import (
-    MOST_STEPS,
-    FloatArray,
-    ParameterError,
-    check_record_size,
-    checked_count,
-    checked_scalar,
-)
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import MOST_STEPS, FloatArray, check_record_size, checked_count, checked_scalar
 
 
 @dataclass(frozen=True)

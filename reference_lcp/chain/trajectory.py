@@ -7,7 +7,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.validation import FloatArray, ParameterError
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_lcp.chain.harmonic import MovingBase
-from reference_lcp.validation import FloatArray, ParameterError, checked_choice, checked_count, checked_scalar
+from reference_lcp.refusal import ParameterError, checked_choice
+from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 
 QUIET = 10.0
 """Least delay of a Ricker pulse times its peak frequency: before time zero it is below 1e-9 of its amplitude."""

@@ -17,7 +17,8 @@ from typing import Self
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from reference_lcp.validation import ParameterError, checked_scalar
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import checked_scalar
 
 TURN_SEARCH_POINTS = 2001
 """Points between two turns at which the limit of sliding is looked for before the best one is refined; the

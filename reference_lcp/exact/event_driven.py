@@ -30,8 +30,9 @@ from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.exact.mode_dynamics import SERIES_ORDER, BoolArray, PiecewiseLinearChain, Segment
 from reference_lcp.exact.polynomial_roots import first_roots
+from reference_lcp.refusal import ParameterError
 from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
-from reference_lcp.validation import FloatArray, ParameterError
+from reference_lcp.validation import FloatArray
 
 REST_TOLERANCE = 1e-13
 """Relative velocity, over the largest velocity of the motion, at which a contact counts as at rest.

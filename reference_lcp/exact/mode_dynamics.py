@@ -25,7 +25,8 @@ from scipy.sparse import csr_array
 
 from reference_lcp.chain.harmonic import Drive, HarmonicBase, HarmonicForce, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.validation import FloatArray, ParameterError
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray
 
 SERIES_ORDER = 20
 """Highest power of the series. Over one span the terms fall as k / k!: what is left out is below 1e-17."""

@@ -31,7 +31,8 @@ from reference_lcp.chain.harmonic import Drive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import preload_factor
 from reference_lcp.lcp.time_step import FrictionalStep
-from reference_lcp.validation import FloatArray, ParameterError, checked_per_cell, checked_scalar
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray, checked_per_cell, checked_scalar
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

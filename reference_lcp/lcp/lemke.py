@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference_lcp.lcp.pivoting import solve_lcp
-from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_count
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray, checked_array, checked_count
 
 
 class LemkeStatus(StrEnum):

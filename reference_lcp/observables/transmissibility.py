@@ -13,7 +13,8 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from reference_lcp.chain.transient import cosine_rise
-from reference_lcp.validation import FloatArray, ParameterError, checked_array, checked_count, checked_scalar
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray, checked_array, checked_count, checked_scalar
 
 FEWEST_LINES = 3
 """Lines of a spectrum that a band holds at least."""

@@ -16,12 +16,13 @@ import numpy as np
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.refusal import ParameterError
 from reference_lcp.steady.anderson import LARGEST_RESIDUAL, FixedPointSearch
 from reference_lcp.steady.harmonic_balance import harmonic_balance_start
 from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
 from reference_lcp.steady.state_scales import StateScales
 from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE, repetitions
-from reference_lcp.validation import ParameterError, checked_count, checked_scalar
+from reference_lcp.validation import checked_count, checked_scalar
 
 
 class OrbitStatus(StrEnum):

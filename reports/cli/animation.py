@@ -9,7 +9,8 @@ from engines.interface.variant import Variant
 from reference_lcp.console import checked_output_file
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.output import replacing
-from reference_lcp.validation import ParameterError, checked_count
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import checked_count
 from reference_lcp.visible import visible
 from scenarios.cli.evaluation import store_of_run
 from scenarios.execution.evaluator import Evaluator, unavailable_reason

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.output import write_whole
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from scenarios.tables import Column, csv_text, full_table, plain, printed_table, text_table
 from scenarios.tasks.result import ResultStatus
 from scenarios.verdicts.regression import Change, StoreComparison, compare_stores

@@ -10,7 +10,7 @@ from engines.interface.variant import Variant
 from reference_lcp.compilation import announce_compilation
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.interrupt import announce_interrupt
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from reference_lcp.visible import visible
 from reports.data.collect import Scope
 from reports.write import STORE, Written, check_folder, write_dataset_report, write_sweep_report

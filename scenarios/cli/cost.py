@@ -10,7 +10,8 @@ from rich.progress import track
 from engines.interface.variant import Variant
 from reference_lcp.compilation import announce_compilation
 from reference_lcp.output import write_whole
-from reference_lcp.validation import ParameterError, checked_scalar
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import checked_scalar
 from reference_lcp.visible import visible
 from scenarios.execution.evaluator import unavailable_reason
 from scenarios.execution.limits import TIME_LIMIT

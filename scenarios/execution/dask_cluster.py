@@ -6,7 +6,7 @@ from collections.abc import Collection
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from typing import Any
 
-from reference_lcp.validation import ParameterError, shown
+from reference_lcp.refusal import ParameterError, shown
 from scenarios.execution.batch import Batch
 from scenarios.execution.dask_worker import run_on_cluster
 from scenarios.execution.executor import WorkerDied, WorkerExecutor

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from engines.interface.engine import EngineNotInstalled
-from reference_lcp.validation import ParameterError, RunError
+from reference_lcp.refusal import ParameterError, RunError
 from scenarios.execution.checked_simulation import TrajectoryFault
 from scenarios.tasks.result import Result
 

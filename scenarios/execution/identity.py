@@ -2,7 +2,7 @@
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from scenarios.execution.failures import text_of
 
 

@@ -13,9 +13,9 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
 from reference_lcp.one_call import SteadyState
+from reference_lcp.refusal import ParameterError
 from reference_lcp.steady.amplification import residual_amplification
 from reference_lcp.steady.orbits import OrbitStatus, PeriodicOrbit, periodic_orbits
-from reference_lcp.validation import ParameterError
 from scenarios.execution.checked_simulation import CheckedSimulation, check_trajectory
 from scenarios.execution.failures import results_together
 from scenarios.execution.law_start import law_starts

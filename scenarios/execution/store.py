@@ -16,7 +16,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any, TypeVar
 
-from reference_lcp.validation import ParameterError, RunError, checked_path
+from reference_lcp.refusal import ParameterError, RunError, checked_path
 from scenarios.execution.closing import Closing
 from scenarios.execution.scratch import ScratchFolder
 from scenarios.execution.store_file import ATTEMPT_SECONDS, connected, problems_of

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reference_lcp.output import replacing
-from reference_lcp.validation import ParameterError, RunError
+from reference_lcp.refusal import ParameterError, RunError
 from scenarios.execution.store import ResultStore, check_layout, errors_of, intact
 from scenarios.execution.store_file import connected, existing_store, problems_of
 

@@ -4,7 +4,7 @@ import itertools
 import sqlite3
 from pathlib import Path
 
-from reference_lcp.validation import ParameterError, checked_path
+from reference_lcp.refusal import ParameterError, checked_path
 
 LARGEST_TEXT = 2**28
 """Bytes that one text of a store may have; a period of 1,000 cells, recorded in full, takes a tenth of it."""

@@ -11,7 +11,7 @@ from typing import Protocol
 from xml.etree import ElementTree
 
 from engines.interface.variant import Variant
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.execution.evaluator import Evaluator

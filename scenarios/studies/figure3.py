@@ -10,7 +10,8 @@ import numpy as np
 
 from engines.interface.variant import Variant
 from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.validation import FloatArray, ParameterError, checked_array
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray, checked_array
 from scenarios.sweeps.resonances import free_resonances, resonances
 from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.parameters import ChainRatios, Excitation

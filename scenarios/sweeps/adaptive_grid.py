@@ -16,7 +16,8 @@ import numpy as np
 from pydantic import ConfigDict, Field
 from scipy.interpolate import PchipInterpolator
 
-from reference_lcp.validation import LARGEST_PARAMETER, FloatArray, ParameterError, checked_count, checked_scalar
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import LARGEST_PARAMETER, FloatArray, checked_count, checked_scalar
 from scenarios.tasks.parameters import Decibel, Positive
 from scenarios.verdicts.finding import FLOOR_DB
 

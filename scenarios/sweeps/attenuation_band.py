@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
-from reference_lcp.validation import FloatArray, ParameterError, checked_scalar
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray, checked_scalar
 from scenarios.verdicts.band_edge import Crossing
 
 EDGE_RESOLUTION = 1e-6

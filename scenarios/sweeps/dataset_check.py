@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from scenarios.sweeps.dataset import MODES, PREDICTED, STATUSES, VERDICTS
 from scenarios.tasks.validation_message import first_error
 

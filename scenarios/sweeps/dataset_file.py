@@ -5,7 +5,7 @@ from pathlib import Path
 import h5py
 import xarray as xr
 
-from reference_lcp.validation import ParameterError, checked_path
+from reference_lcp.refusal import ParameterError, checked_path
 
 LARGEST_DATASET = 2**30
 """Bytes of all arrays of a dataset in memory; 20,000 points take a fiftieth of it. A compressed file may claim more."""

@@ -10,7 +10,7 @@ import xarray as xr
 from pydantic import ValidationError
 
 from engines.interface.variant import Variant
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from scenarios.sweeps.dataset import MODES, PREDICTED, STATUSES, SWEEP
 from scenarios.sweeps.dataset_check import check_dataset
 from scenarios.sweeps.sweep import Sweep

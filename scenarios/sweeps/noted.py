@@ -4,7 +4,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from scenarios.execution.store import ResultStore
 from scenarios.execution.store_file import existing_store
 from scenarios.sweeps.dataset import SWEEP

@@ -11,7 +11,8 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, Validatio
 
 from engines.interface.variant import Variant, variants_named, variants_of
 from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.validation import LARGEST_PARAMETER, MOST_STEPS, ParameterError, checked_choice, checked_path
+from reference_lcp.refusal import ParameterError, checked_choice, checked_path
+from reference_lcp.validation import LARGEST_PARAMETER, MOST_STEPS
 from scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
 from scenarios.sweeps.sweep import Sweep, baseline_of
 from scenarios.tasks.parameters import DEFAULT_AMPLITUDE, ChainRatios, Decibel, Excitation, Positive

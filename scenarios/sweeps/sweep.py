@@ -9,15 +9,8 @@ from functools import cached_property
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.validation import (
-    LARGEST_PARAMETER,
-    MOST_CELLS,
-    MOST_STEPS,
-    ParameterError,
-    checked_array,
-    checked_count,
-    shown,
-)
+from reference_lcp.refusal import ParameterError, shown
+from reference_lcp.validation import LARGEST_PARAMETER, MOST_CELLS, MOST_STEPS, checked_array, checked_count
 from scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
 from scenarios.sweeps.attenuation_band import BandDefinition
 from scenarios.tasks.parameters import ChainRatios, Excitation

@@ -9,13 +9,13 @@ from reference_lcp.chain import canonical
 from reference_lcp.chain.harmonic import HarmonicBase, HarmonicForce, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
+from reference_lcp.refusal import checked_choice
 from reference_lcp.validation import (
     LARGEST_DECIBEL,
     LARGEST_PARAMETER,
     LARGEST_UNIT,
     MOST_CELLS,
     checked_array,
-    checked_choice,
     checked_count,
     checked_scalar,
 )

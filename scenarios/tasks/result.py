@@ -9,9 +9,9 @@ from typing import Annotated, Self, TypeVar
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
 
 from reference_lcp.observables.stick_slip import Mode
+from reference_lcp.refusal import ParameterError, shortened
 from reference_lcp.steady.orbits import OrbitStatus
 from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE
-from reference_lcp.validation import ParameterError, shortened
 from scenarios.tasks.validation_message import first_error
 
 LONGEST_REASON = 500

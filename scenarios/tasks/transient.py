@@ -13,7 +13,8 @@ from reference_lcp.chain.record import RecordedBase
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.step_limits import LARGEST_PHASE_STEP
 from reference_lcp.chain.trajectory import State
-from reference_lcp.validation import FloatArray, ParameterError, checked_choice, checked_count, checked_scalar
+from reference_lcp.refusal import ParameterError, checked_choice
+from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 from scenarios.tasks.task import Task
 
 SHAPES = ("undeformed", "stretched", "inner masses displaced")

@@ -4,7 +4,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from reference_lcp.validation import ParameterError, shown
+from reference_lcp.refusal import ParameterError, shown
 
 TAGS = ("values", "range", "adaptive", "one for all", "one a cell")
 """Of the ways in which a value may be written; they stand in no file."""

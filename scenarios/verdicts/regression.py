@@ -12,7 +12,8 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from reference_lcp.observables.transition_matching import match_transitions
-from reference_lcp.validation import FloatArray, ParameterError
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray
 from scenarios.execution.store import ResultStore
 from scenarios.execution.store_file import existing_store
 from scenarios.tasks.result import Result, ResultStatus

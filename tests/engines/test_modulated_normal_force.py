@@ -15,7 +15,7 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Flight, Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, random_state, uneven_lane
 
 INSTALLED = [

@@ -15,7 +15,7 @@ from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
     ROUND_OFF,

@@ -18,8 +18,8 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.one_call import exact_steady_state
+from reference_lcp.refusal import ParameterError
 from reference_lcp.steady.orbits import periodic_orbits
-from reference_lcp.validation import ParameterError
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, built_with, lane_of, random_state
 
 pytestmark = pytest.mark.skipif(ExudynBristle().unavailable_reason() is not None, reason="exudyn is not installed")

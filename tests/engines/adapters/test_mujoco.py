@@ -8,7 +8,7 @@ from reference_lcp.chain.harmonic import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
     STEPS,

@@ -11,7 +11,7 @@ from engines.interface.tolerances import STEPS
 from engines.mutants.catalogue import MUTANTS
 from engines.mutants.mutant import Mutant, Original, claimed_preset
 from reference_lcp.chain.trajectory import Trajectory
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from scenarios.cli.evaluation import chosen_variants
 
 ROUND_OFF = 1e-7

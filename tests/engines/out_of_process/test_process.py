@@ -23,7 +23,7 @@ from engines.out_of_process.lane import OutOfProcessLane
 from engines.out_of_process.process import EngineProcess, EngineProcessError
 from engines.out_of_process.worker import NotAMessage, read_message, write_message
 from reference_lcp.chain.trajectory import State
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from tests.engines.scheme_oracle import lane_of, random_state
 
 SERVER = Path(__file__).with_name("faulty_server.py")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reference_lcp.accuracy.richardson import SAFETY, richardson
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 
 LIMIT = -3.0
 

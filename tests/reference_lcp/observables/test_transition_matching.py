@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reference_lcp.observables.transition_matching import MATCHING_WINDOW, match_transitions
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 
 STICK, FORWARD, BACKWARD = "stick", "forward slip", "backward slip"
 PERIOD = 2.0

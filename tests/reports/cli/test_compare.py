@@ -14,7 +14,7 @@ from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Op
 from engines.interface.variant import Variant
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from reports.__main__ import app
 from scenarios.execution.store import ResultStore, digest_of
 from scenarios.tasks import task

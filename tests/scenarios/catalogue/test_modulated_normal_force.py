@@ -6,7 +6,7 @@ import math
 import pytest
 
 from engines.interface.variant import Variant
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from scenarios.catalogue.steady.modulated_normal_force import CASES, LARGEST_GAP, OPEN_FRACTION, ModulatedNormalForce
 from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults

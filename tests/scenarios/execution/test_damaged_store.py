@@ -12,7 +12,7 @@ from engines.interface.variant import Variant
 from reference_lcp import ParameterError
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
-from reference_lcp.validation import RunError
+from reference_lcp.refusal import RunError
 from reports.__main__ import app as reports_app
 from scenarios.__main__ import app
 from scenarios.execution.store import ResultStore

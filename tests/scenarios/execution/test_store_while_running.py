@@ -12,7 +12,7 @@ import pytest
 from engines.interface.variant import Variant
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
-from reference_lcp.validation import RunError
+from reference_lcp.refusal import RunError
 from scenarios.__main__ import app
 from scenarios.execution import store as module
 from scenarios.execution.store import ResultStore

@@ -6,7 +6,7 @@ import json
 import pytest
 
 from engines.interface.variant import Variant
-from reference_lcp.validation import ParameterError
+from reference_lcp.refusal import ParameterError
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result, ResultSummary
 from scenarios.tasks.task import SteadyStateTask
