@@ -42,7 +42,8 @@ def report(
             "--engine",
             metavar="NAME[:FORMULATION[:PRESET]]",
             help="An engine to compare, in the formulation joint and the preset tuned unless others are named; "
-            "may be repeated. Without it: the engines that come with the suite; all: every one that is registered.",
+            "may be repeated. Without it: the engines that come with the suite, tuned and as they come where a model "
+            "predicts their steps; all: every one that is registered, tuned.",
         ),
     ] = None,
     sweep: Annotated[

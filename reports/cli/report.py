@@ -5,8 +5,8 @@ from pathlib import Path
 
 import typer
 
-from engines.interface.registry import default_engine_names, engine_names
-from engines.interface.variant import Variant
+from engines.interface.registry import engine_names
+from engines.interface.variant import Variant, default_variants
 from reference_lcp.compilation import announce_compilation
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.interrupt import announce_interrupt
@@ -39,7 +39,7 @@ def report_of_dataset(data: Path, out: Path) -> None:
 
 def planned_sweep(chosen: list[str] | None, sweep: Path | None, *, quick: bool) -> Sweep:
     """Read a sweep from its file, or give that of Figure 3; before any work."""
-    return _figure3(_names(chosen), quick) if sweep is None else _sweep(sweep, chosen, quick)
+    return _figure3(_variants(chosen), quick) if sweep is None else _sweep(sweep, chosen, quick)
 
 
 def report_of_sweep(
@@ -79,18 +79,18 @@ def _end(written: Written) -> None:
         raise typer.Exit(ExitCode.FAILED)
 
 
-def _names(chosen: list[str] | None) -> list[str]:
-    """Give the names of the compared engines."""
+def _variants(chosen: list[str] | None) -> list[Variant]:
+    """Give the compared variants."""
     if not chosen:
-        return default_engine_names()
-    return [full for name in chosen for full in (engine_names() if name == "all" else [name])]
+        return default_variants()
+    return [Variant.parse(full) for name in chosen for full in (engine_names() if name == "all" else [name])]
 
 
-def _figure3(names: list[str], quick: bool) -> Sweep:
+def _figure3(variants: list[Variant], quick: bool) -> Sweep:
     """Give the sweep of Figure 3."""
     ratios = ChainRatios()
     return figure3(
-        variants=tuple(Variant.parse(name) for name in names),
+        variants=tuple(variants),
         friction_ratios=QUICK_FRICTION_RATIOS if quick else FRICTION_RATIOS,
         frequency_ratios=quick_frequency_ratios(ratios) if quick else default_frequency_ratios(ratios),
         ratios=ratios,
