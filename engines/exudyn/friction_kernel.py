@@ -20,20 +20,26 @@ def force_of(elongation: Any, slip: Any, contacts: Any, law: Any) -> Any:
 
 
 @numba.njit(cache=True, error_model="numpy")
+def softness_of(law: Any) -> Any:
+    """Give the laws w = −z φ / F of zones, as `solve_contacts` takes them."""
+    _, bound, first, _, _ = law
+    return first / bound, np.zeros(bound.size), np.zeros(bound.size)
+
+
+@numba.njit(cache=True, error_model="numpy")
 def solve_friction(
-    elongation: Any, slip: Any, compliance: Any, mobility: Any, contacts: Any, law: Any, impulses: Any
+    elongation: Any, slip: Any, compliance: Any, mobility: Any, contacts: Any, law: Any, softness: Any, force: Any
 ) -> Any:
-    """Give φ from x_free, w_free, P and V; `contacts` change, `impulses` are where a search starts."""
+    """Give λ = −φ from x_free, w_free, P and V; `contacts` change, and a search starts from the last `force`."""
     kind, bound, first, second, tolerance = law
     if kind == ZONE:
-        softness = (first / bound, np.zeros(bound.size), np.zeros(bound.size))
-        solve_contacts(slip, mobility, bound, softness, impulses)
-        return -impulses
+        solve_contacts(slip, mobility, bound, softness, force)
+        return force
     if kind == DISC:
-        return _correct_discs(slip, mobility, contacts[0], bound, first, tolerance)
+        return -_correct_discs(slip, mobility, contacts[0], bound, first, tolerance)
     force = _hold_bristles(elongation, slip, compliance, mobility, contacts, (bound, first, second))
     _correct_bristles(elongation - compliance @ force, slip - mobility @ force, contacts, (bound, first, second))
-    return force
+    return -force
 
 
 @numba.njit(cache=True, error_model="numpy")

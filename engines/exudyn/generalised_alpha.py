@@ -77,11 +77,11 @@ class GeneralisedAlphaLane(LaneModel):
         inverse = np.linalg.inv(chain.mass_matrix + speed * chain.damping_matrix + place * chain.stiffness_matrix)
         response = inverse @ chain.contact_directions
         self._matrices = (
-            np.linalg.inv(chain.mass_matrix),
-            inverse,
-            chain.stiffness_matrix,
-            chain.damping_matrix,
-            response,
+            (np.linalg.inv(chain.mass_matrix), chain.stiffness_matrix, chain.damping_matrix),
+            np.ascontiguousarray(-(inverse @ chain.stiffness_matrix).T),
+            np.ascontiguousarray(-(inverse @ chain.damping_matrix).T),
+            np.ascontiguousarray(inverse[:, 0]),
+            np.ascontiguousarray(response.T),
             chain.contact_directions.T @ response,
         )
 
