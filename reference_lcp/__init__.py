@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from reference_lcp.accuracy.error_bar import measured_error_bars as measured_error_bars
     from reference_lcp.chain.harmonic import HarmonicBase as HarmonicBase
     from reference_lcp.chain.harmonic import HarmonicForce as HarmonicForce
     from reference_lcp.chain.harmonic import StillBase as StillBase
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from reference_lcp.stepping.euler_compiled import CompiledSimulation as CompiledSimulation
 
 _NAMES = {
+    "accuracy.error_bar": ["measured_error_bars"],
     "chain.harmonic": ["HarmonicBase", "HarmonicForce", "StillBase"],
     "chain.linear_response": ["frictionless_transmittance", "stuck_transmittance"],
     "chain.mass_in_mass": ["Chain"],

@@ -4,7 +4,6 @@ The steady state is found with three step sizes, and `reference_lcp.accuracy.ric
 What the residuals of the steady states and round-off leave open comes on top.
 """
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,18 +15,23 @@ from reference_lcp.accuracy.resolution import amplitude_in_db, unresolved_amplit
 from reference_lcp.accuracy.richardson import richardson
 from reference_lcp.chain.harmonic import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane
-from reference_lcp.observables.stick_slip import Mode, Transition, stuck_fraction, transitions
+from reference_lcp.chain.simulation import Lane, common_cells
+from reference_lcp.observables.stick_slip import Mode, Transition, contact_modes, timed_transitions
 from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
 from reference_lcp.observables.transmittance import decibel, transmittance
-from reference_lcp.steady.amplification import residual_amplification
+from reference_lcp.refusal import ParameterError
+from reference_lcp.steady.amplification import PeriodInverse
 from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
 from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
+from reference_lcp.steady.refinement import refined_orbits
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
-from reference_lcp.validation import FloatArray
+from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 
 REFINEMENTS = (1, 2, 4)
 """Numbers of steps that are compared, over the fewest of them."""
+
+BATCH = 128
+"""Orbits that are refined together: more save no time, and three recorded periods of each are in memory."""
 
 
 @dataclass(frozen=True)
@@ -84,29 +88,58 @@ class ErrorBar:
         }
 
 
+@dataclass(frozen=True)
+class _Reading:
+    """What is read from an orbit, once: where it is not converged, nothing is known."""
+
+    stuck_fraction: FloatArray
+    transitions: list[TimedTransition]
+
+    @classmethod
+    def of(cls, orbit: PeriodicOrbit) -> "_Reading":
+        modes = contact_modes(orbit)
+        return cls(np.mean(modes == 0, axis=0), timed_transitions(orbit, modes))
+
+
 def measured_error_bar(
     orbit: PeriodicOrbit, *, tolerance: float = DEFAULT_RESIDUAL, max_periods: int = DEFAULT_PERIODS
 ) -> ErrorBar:
-    """Measure the error of an orbit of the Euler scheme, from its step Δt and from Δt/2 and Δt/4.
+    """Measure the error of one orbit; see `measured_error_bars`."""
+    return measured_error_bars([orbit], tolerance=tolerance, max_periods=max_periods)[0]
+
+
+def measured_error_bars(
+    orbits: Sequence[PeriodicOrbit], *, tolerance: float = DEFAULT_RESIDUAL, max_periods: int = DEFAULT_PERIODS
+) -> list[ErrorBar]:
+    """Measure the errors of orbits of the Euler scheme, from their step Δt and from Δt/2 and Δt/4, together.
 
     Parameters
     ----------
-    orbit
-        The result whose error is measured.
+    orbits
+        The results whose errors are measured: of chains of one length, with one number of steps a period.
     tolerance, max_periods
         As for `periodic_orbits`, of the finer steps.
 
     Raises
     ------
     ParameterError
-        If an argument is outside its range.
+        If an argument is outside its range, or lengths or numbers of steps differ.
     """
-    finer = []
-    for factor in REFINEMENTS[1:]:
-        lane = dataclasses.replace(orbit.lane, time_step=orbit.lane.time_step / factor)
-        steps = orbit.trajectory.steps * factor
-        finer += periodic_orbits(CompiledSimulation([lane]), steps, tolerance=tolerance, max_periods=max_periods)
-    return error_bar([orbit, *finer])
+    checked_scalar("tolerance", tolerance, "> 0")
+    checked_count("max_periods", max_periods)
+    if not orbits:
+        return []
+    common_cells([orbit.lane for orbit in orbits])
+    steps = {orbit.trajectory.steps for orbit in orbits}
+    if len(steps) > 1:
+        raise ParameterError(f"a batch holds periods of {sorted(steps)} steps; allowed: one number of steps")
+    bars: list[ErrorBar] = []
+    for first in range(0, len(orbits), BATCH):
+        some = orbits[first : first + BATCH]
+        inverse = PeriodInverse.of(some)
+        finer = refined_orbits(some, REFINEMENTS[1:], inverse, tolerance=tolerance, max_periods=max_periods)
+        bars += _error_bars([some, *finer], 0, inverse.amplification)
+    return bars
 
 
 def error_bar(orbits: Sequence[PeriodicOrbit], place: int = 0) -> ErrorBar:
@@ -122,70 +155,111 @@ def error_bar(orbits: Sequence[PeriodicOrbit], place: int = 0) -> ErrorBar:
     place
         Index of the orbit that is judged.
     """
-    judged, steps = orbits[place], tuple(orbit.trajectory.steps for orbit in orbits)
-    stuck = [stuck_fraction(orbit) if orbit.converged else np.nan * stuck_fraction(orbit) for orbit in orbits]
-    times, missing = _transition_times(orbits, place)
-    return ErrorBar(
-        **_transmittance_bar(orbits, place),
-        stuck_fraction=richardson(steps, stuck, steps[place]).error + _sticks(judged) / steps[place],
-        transition_time=richardson(steps, times, steps[place]).error + judged.lane.time_step,
-        missing_transitions=missing,
-        steps_per_period=steps,
+    return _error_bars([[orbit] for orbit in orbits], place, PeriodInverse.of([orbits[place]]).amplification)[0]
+
+
+def _error_bars(ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray) -> list[ErrorBar]:
+    """Estimate the errors of the orbits in one place of a ladder: for each number of steps, one orbit a point."""
+    judged, steps = ladder[place], tuple(orbits[0].trajectory.steps for orbits in ladder)
+    readings = [[_Reading.of(orbit) for orbit in orbits] for orbits in ladder]
+    stuck = np.array([[reading.stuck_fraction for reading in row] for row in readings])
+    stuck[~np.array([[orbit.converged for orbit in orbits] for orbits in ladder])] = np.nan
+    sticks = np.array([_sticks(reading, stuck.shape[2]) for reading in readings[place]])
+    of_stuck = richardson(steps, stuck, steps[place]).error + sticks / steps[place]
+    matched = [
+        _transition_times(orbits, [reading.transitions for reading in row], place)
+        for orbits, row in zip(zip(*ladder, strict=True), zip(*readings, strict=True), strict=True)
+    ]
+    times = richardson(steps, np.hstack([times for times, _ in matched]), steps[place]).error
+    of_times = np.split(times, np.cumsum([part.shape[1] for part, _ in matched])[:-1])
+    return [
+        ErrorBar(
+            **level,
+            stuck_fraction=fraction,
+            transition_time=time + orbit.lane.time_step,
+            missing_transitions=missing,
+            steps_per_period=steps,
+        )
+        for level, fraction, time, (_, missing), orbit in zip(
+            _transmittance_bars(ladder, place, amplification), of_stuck, of_times, matched, judged, strict=True
+        )
+    ]
+
+
+def _transmittance_bars(
+    ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray
+) -> list[dict[str, float]]:
+    """Give the fields of each `ErrorBar` that the transmittance decides."""
+    steps = [orbits[0].trajectory.steps for orbits in ladder]
+    amplitudes = np.array(
+        [[transmittance(orbit) if orbit.converged else np.nan for orbit in orbits] for orbits in ladder]
     )
+    with np.errstate(divide="ignore"):
+        levels = 20 * np.log10(amplitudes)
+    by_amplitude, by_level = (richardson(steps, values, steps[place]) for values in (amplitudes, levels))
+    bars = []
+    for k, orbit in enumerate(ladder[place]):
+        unresolved = _unresolved_amplitude(orbit, amplification[k], levels[place, k])
+        if unresolved >= amplitudes[place, k]:
+            bars.append(_floor(amplitudes[place, k] + unresolved + by_amplitude.error[k]))
+            continue
+        bars.append(
+            {
+                "transmittance_db": float(by_level.error[k]) - amplitude_in_db(-unresolved, levels[place, k]),
+                "floor_db": math.nan,
+                "order": float(by_level.order[k]),
+                "extrapolated_db": float(by_level.extrapolated[k]),
+            }
+        )
+    return bars
 
 
-def _transmittance_bar(orbits: Sequence[PeriodicOrbit], place: int) -> dict[str, float]:
-    """Give the fields of an `ErrorBar` that the transmittance decides."""
-    steps = [orbit.trajectory.steps for orbit in orbits]
-    amplitudes = np.array([transmittance(orbit) if orbit.converged else np.nan for orbit in orbits])
-    unresolved = _unresolved_amplitude(orbits[place])
-    if unresolved >= amplitudes[place]:
-        largest = amplitudes[place] + unresolved + float(richardson(steps, amplitudes, steps[place]).error)
-        distance = math.nan if math.isnan(largest) else math.inf
-        return {
-            "transmittance_db": distance,
-            "floor_db": decibel(largest),
-            "order": math.nan,
-            "extrapolated_db": math.nan,
-        }
-    levels = [decibel(amplitude) for amplitude in amplitudes]
-    estimate = richardson(steps, levels, steps[place])
+def _floor(largest: float) -> dict[str, float]:
+    """Give the fields where the amplitude is not resolved, and may be this large."""
+    distance = math.nan if math.isnan(largest) else math.inf
     return {
-        "transmittance_db": float(estimate.error) - amplitude_in_db(-unresolved, levels[place]),
-        "floor_db": math.nan,
-        "order": estimate.order,
-        "extrapolated_db": float(estimate.extrapolated),
+        "transmittance_db": distance,
+        "floor_db": decibel(largest),
+        "order": math.nan,
+        "extrapolated_db": math.nan,
     }
 
 
-def _unresolved_amplitude(orbit: PeriodicOrbit) -> float:
+def _unresolved_amplitude(orbit: PeriodicOrbit, amplification: float, level: float) -> float:
     """What residual and round-off leave open of the amplitude of an orbit, over the displacement scale."""
     steps = orbit.periods * orbit.trajectory.steps
-    return unresolved_amplitude(orbit.residual, residual_amplification(orbit), steps, decibel(transmittance(orbit)))
+    return unresolved_amplitude(orbit.residual, float(amplification), steps, float(level))
 
 
-def _sticks(orbit: PeriodicOrbit) -> FloatArray:
+def _sticks(reading: _Reading, cells: int) -> FloatArray:
     """Sticks of each contact in a period, at least one, shape (n,): what each of them lasts is off by up to a step."""
-    cells = [change.cell - 1 for change in transitions(orbit) if change.kind is Mode.STICK]
-    return np.maximum(1, np.bincount(cells, minlength=orbit.lane.chain.cells)).astype(np.float64)
+    stuck = [cell - 1 for cell, _, kind in reading.transitions if kind == Mode.STICK]
+    return np.maximum(1, np.bincount(stuck, minlength=cells)).astype(np.float64)
 
 
-def _transition_times(orbits: Sequence[PeriodicOrbit], place: int) -> tuple[FloatArray, list[Transition]]:
+def _transition_times(
+    orbits: Sequence[PeriodicOrbit], observed: Sequence[list[TimedTransition]], place: int
+) -> tuple[FloatArray, list[Transition]]:
     """Times [s] of the judged transitions with every step, shape (orbits, transitions), and those it does not have.
 
     A time is NaN where no transition matches.
     """
-    judged = [change.timed for change in transitions(orbits[place])]
+    judged = observed[place]
+    index = {change: k for k, change in enumerate(judged)}
     period = orbits[place].lane.time_step * orbits[place].trajectory.steps
     times = np.full((len(orbits), len(judged)), np.nan)
     missing: list[TimedTransition] = []
-    for row, orbit in zip(times, orbits, strict=True):
+    for number, orbit in enumerate(orbits):
         if not orbit.converged:
             continue
-        match = match_transitions([change.timed for change in transitions(orbit)], judged, period)
+        if number == place:
+            times[number] = [time for _, time, _ in judged]
+            continue
+        match = match_transitions(observed[number], judged, period)
         for (_, expected), error in zip(match.pairs, match.time_errors, strict=True):
-            row[judged.index(expected)] = expected[1] + error * period
-        missing.extend(match_transitions(match.spurious, missing, period).spurious)
+            times[number, index[expected]] = expected[1] + error * period
+        if match.spurious:
+            missing.extend(match_transitions(match.spurious, missing, period).spurious)
     return times, [Transition(cell, time, Mode(kind)) for cell, time, kind in sorted(missing)]
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from reference_lcp.accuracy.benchmark import SAMPLES, canonical_lane
-from reference_lcp.accuracy.error_bar import REFINEMENTS, error_bar
+from reference_lcp.accuracy.error_bar import measured_error_bars
 from reference_lcp.accuracy.multiharmonic_balance import balanced_transmittance
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
@@ -64,11 +64,9 @@ def _row(method: str, seconds: float, errors: FloatArray, bars: FloatArray | Non
     }
 
 
-def _orbits(lanes: Sequence[Lane], refinement: int = 1) -> list[PeriodicOrbit]:
-    """Certified orbits of all lanes at once, with so many times as many steps."""
-    steps = MINIMUM_STEPS_PER_PERIOD * refinement
-    finer = [Lane.periodic(lane.chain, lane.drive, steps) for lane in lanes]  # type: ignore[arg-type]
-    return periodic_orbits(CompiledSimulation(finer), steps)
+def _orbits(lanes: Sequence[Lane]) -> list[PeriodicOrbit]:
+    """Certified orbits of all lanes at once."""
+    return periodic_orbits(CompiledSimulation(lanes), MINIMUM_STEPS_PER_PERIOD)
 
 
 def _levels(lanes: Sequence[Lane]) -> FloatArray:
@@ -76,9 +74,9 @@ def _levels(lanes: Sequence[Lane]) -> FloatArray:
 
 
 def _levels_and_bars(lanes: Sequence[Lane]) -> FloatArray:
-    ladders = list(zip(*(_orbits(lanes, refinement) for refinement in REFINEMENTS), strict=True))
-    bars = [error_bar(ladder).transmittance_db for ladder in ladders]
-    return np.array([[decibel(transmittance(ladder[0])) for ladder in ladders], bars])
+    orbits = _orbits(lanes)
+    bars = [bar.transmittance_db for bar in measured_error_bars(orbits)]
+    return np.array([[decibel(transmittance(orbit)) for orbit in orbits], bars])
 
 
 def _balanced_levels(lanes: Sequence[Lane]) -> FloatArray:

@@ -44,16 +44,16 @@ class Estimate:
     error
         Estimated largest |value − limit|, >= 0, of the same shape.
     order
-        Order that the last three values show, by their largest differences; NaN unless the steps of the three grow by
-        one factor and the differences are not zero. Far from one, the steps are too coarse for the motion, or a
-        grazing contact changes its mode between them.
+        Order that the last three values show, of the shape of the value; NaN unless the steps of the three grow by one
+        factor and the differences are not zero. Far from one, the steps are too coarse for the motion, or a grazing
+        contact changes its mode between them.
     extrapolated
         Limit of the first-order part, from the two finest steps; shape of the value.
     """
 
     value: FloatArray
     error: FloatArray
-    order: float
+    order: FloatArray
     extrapolated: FloatArray
 
 
@@ -116,9 +116,12 @@ def _second_order(sizes: FloatArray, values: FloatArray, place: int) -> list[Flo
     return errors
 
 
-def _order(counts: FloatArray, values: FloatArray) -> float:
+def _order(counts: FloatArray, values: FloatArray) -> FloatArray:
     """Order that the last three values show."""
+    unknown = np.full(values.shape[1:], np.nan)
     if counts.size < 3 or not math.isclose(counts[-2] ** 2, counts[-1] * counts[-3]):
-        return math.nan
-    coarse, fine = (float(np.max(np.abs(part), initial=0.0)) for part in np.diff(values[-3:], axis=0))
-    return math.log(coarse / fine) / math.log(counts[-1] / counts[-2]) if coarse > 0 and fine > 0 else math.nan
+        return unknown
+    coarse, fine = np.abs(np.diff(values[-3:], axis=0))
+    shown = (coarse > 0) & (fine > 0)
+    order: FloatArray = np.log(np.divide(coarse, fine, where=shown, out=unknown)) / math.log(counts[-1] / counts[-2])
+    return order

@@ -92,21 +92,18 @@ def contact_modes(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) ->
     stick_margin
         Part of the bound that the friction of a stick leaves at least, in (0, 1).
     """
-    from reference_lcp.observables.stick_slip_kernel import resolve  # numba is imported once a motion is read
+    from reference_lcp.observables.stick_slip_kernel import read_modes, resolve  # numba is imported on first use
 
-    trajectory = orbit.trajectory
-    bound = orbit.lane.chain.friction_coefficient * trajectory.normal_force
-    sticks = np.abs(trajectory.friction) < (1 - stick_margin) * bound
-    slip = np.where(bound > 0, -np.sign(trajectory.friction), np.sign(trajectory.relative_velocity))
-    modes = np.where(sticks, 0, slip).astype(np.int8)
-    rubs = orbit.lane.chain.friction_bound > 0
-    travel = trajectory.relative_velocity * orbit.lane.time_step
-    shortest = UNREPEATED_SLIP * orbit.residual * orbit.lane.drive.displacement_scale(orbit.lane.chain)
-    for cell, opened in enumerate(_open(orbit).T):
-        if opened.any():
-            _pass_impacts(modes[:, cell], opened)
-    resolve(modes, travel, rubs, shortest)
-    return modes
+    trajectory, chain = orbit.trajectory, orbit.lane.chain
+    rows = np.empty((trajectory.cells, trajectory.steps), dtype=np.int8)
+    forces = trajectory.friction, trajectory.normal_force, chain.friction_coefficient
+    read_modes(*forces, trajectory.velocities, 1 - stick_margin, rows)
+    if orbit.lane.preload is not None:
+        for row, opened in zip(rows, _open(orbit).T, strict=True):
+            _pass_impacts(row, opened)
+    shortest = UNREPEATED_SLIP * orbit.residual * orbit.lane.drive.displacement_scale(chain)
+    resolve(rows, trajectory.velocities, orbit.lane.time_step, chain.friction_bound > 0, shortest)
+    return rows.T
 
 
 def transitions(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> list[Transition]:
@@ -115,13 +112,21 @@ def transitions(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> l
     The period is cyclic: a mode that begins with the first step is a transition at time zero if the
     last step had another one. Contacts without friction have none. Parameters as in `contact_modes`.
     """
-    modes = contact_modes(orbit, stick_margin)
-    rubbing = orbit.lane.chain.friction_bound > 0
-    cells, steps = np.nonzero(((modes != np.roll(modes, 1, axis=0)) & rubbing).T)
-    return [
-        Transition(int(cell) + 1, float(k * orbit.lane.time_step), MODE_OF_SIGN[int(modes[k, cell])])
-        for cell, k in zip(cells, steps, strict=True)
-    ]
+    changes = timed_transitions(orbit, contact_modes(orbit, stick_margin))
+    return [Transition(cell, time, Mode(kind)) for cell, time, kind in changes]
+
+
+def timed_transitions(orbit: "PeriodicOrbit", modes: NDArray[np.int8]) -> list[tuple[int, float, str]]:
+    """`Transition.timed` of all changes between the modes of an orbit, see `transitions` and `contact_modes`."""
+    rows = np.ascontiguousarray(modes.T)
+    changed = np.empty(rows.shape, dtype=bool)
+    np.not_equal(rows[:, 1:], rows[:, :-1], out=changed[:, 1:])
+    np.not_equal(rows[:, 0], rows[:, -1], out=changed[:, 0])
+    changed[orbit.lane.chain.friction_bound == 0] = False
+    cells, steps = np.divmod(np.flatnonzero(changed), rows.shape[1])
+    times, kinds = steps * orbit.lane.time_step, rows[cells, steps]
+    changes = zip((cells + 1).tolist(), times.tolist(), kinds.tolist(), strict=True)
+    return [(cell, time, MODE_OF_SIGN[sign].value) for cell, time, sign in changes]
 
 
 def stuck_fraction(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> FloatArray:

@@ -4,6 +4,7 @@ from typing import Any
 
 import numba
 import numpy as np
+from numba import types
 
 SHORTEST_STICK = 2
 """Steps that a stick lasts at least; one of a single step is a reversal of the slip.
@@ -13,54 +14,79 @@ not the contact would have stuck: a stick shorter than two steps is not resolved
 """
 
 
-@numba.njit(cache=True, error_model="numpy")
-def resolve(modes: Any, travel: Any, rubs: Any, shortest: float) -> None:
-    """Leave out of every column, in place, the sticks and the slips that the step and the residual do not resolve."""
-    for cell in range(modes.shape[1]):
-        column = modes[:, cell].copy()
-        _drop_short_sticks(column)
-        if rubs[cell]:
-            _drop_short_slips(column, travel[:, cell], shortest)
-        modes[:, cell] = column
+_MATRIX = types.Array(types.float64, 2, "A", readonly=True)
+"""Any array of two dimensions: what is read comes from many engines, and is compiled for once."""
+
+_FACTORS = types.Array(types.float64, 1, "C", readonly=True)
+_FLAGS = types.Array(types.bool_, 1, "C", readonly=True)
+_MODES = types.int8[:, ::1]
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _drop_short_sticks(column: Any) -> None:
-    """Turn sticks of fewer than `SHORTEST_STICK` steps into the slip that follows, in place."""
-    before = column.copy()
-    starts = _starts(before)
-    for phase in range(starts.size):
-        first, following = starts[phase], starts[(phase + 1) % starts.size]
-        length = (following - first - 1) % column.size + 1
-        if before[first] == 0 and length < SHORTEST_STICK:
-            for k in range(first, first + length):
-                column[k % column.size] = before[following]
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _drop_short_slips(column: Any, travel: Any, shortest: float) -> None:
-    """Turn slips into stick that travel less than `shortest` [m], in place."""
-    starts = _starts(column)
-    for phase in range(starts.size):
-        first, following = starts[phase], starts[(phase + 1) % starts.size]
-        length = (following - first - 1) % column.size + 1
-        if column[first] == 0:
-            continue
-        way = 0.0
-        for k in range(first, first + length):
-            way += travel[k % column.size]
-        if abs(way) < shortest:
-            for k in range(first, first + length):
-                column[k % column.size] = 0
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _starts(column: Any) -> Any:
+def _starts(row: Any) -> Any:
     """First steps of the uninterrupted modes of a cyclic period; none if the mode never changes."""
-    starts = np.empty(column.size, dtype=np.int64)
+    starts = np.empty(row.size, dtype=np.int64)
     count = 0
-    for k in range(column.size):
-        if column[k] != column[k - 1]:
+    for k in range(row.size):
+        if row[k] != row[k - 1]:
             starts[count] = k
             count += 1
     return starts[:count]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _drop_short_sticks(row: Any) -> None:
+    """Turn sticks of fewer than `SHORTEST_STICK` steps into the slip that follows, in place."""
+    starts = _starts(row)
+    for phase in range(starts.size):
+        first, following = starts[phase], starts[(phase + 1) % starts.size]
+        length = (following - first - 1) % row.size + 1
+        if row[first] == 0 and length < SHORTEST_STICK:
+            for k in range(first, first + length):
+                row[k % row.size] = row[following]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _drop_short_slips(row: Any, outer: Any, inner: Any, time_step: float, shortest: float) -> None:
+    """Turn slips into stick that travel less than `shortest` [m], in place; the masses have these velocities."""
+    starts = _starts(row)
+    for phase in range(starts.size):
+        first, following = starts[phase], starts[(phase + 1) % starts.size]
+        length = (following - first - 1) % row.size + 1
+        if row[first] == 0:
+            continue
+        way = 0.0
+        for k in range(first, first + length):
+            way += (inner[k % row.size] - outer[k % row.size]) * time_step
+        if abs(way) < shortest:
+            for k in range(first, first + length):
+                row[k % row.size] = 0
+
+
+@numba.njit(
+    types.void(_MATRIX, _MATRIX, _FACTORS, _MATRIX, types.float64, _MODES), cache=True, error_model="numpy"
+)  # fmt: skip
+def read_modes(
+    friction: Any, normal_force: Any, friction_coefficient: Any, velocities: Any, part: float, modes: Any
+) -> None:
+    """Read the mode of every contact in every step into `modes` (n, steps): stick below this part of the bound."""
+    cells = modes.shape[0]
+    for step in range(modes.shape[1]):
+        for cell in range(cells):
+            force, largest = friction[step, cell], friction_coefficient[cell] * normal_force[step, cell]
+            if abs(force) < part * largest:
+                modes[cell, step] = 0
+            else:
+                direction = -force if largest > 0 else velocities[step, cells + cell] - velocities[step, cell]
+                modes[cell, step] = int(direction > 0) - int(direction < 0)
+
+
+@numba.njit(types.void(_MODES, _MATRIX, types.float64, _FLAGS, types.float64), cache=True, error_model="numpy")
+def resolve(modes: Any, velocities: Any, time_step: float, rubs: Any, shortest: float) -> None:
+    """Leave out of every row, in place, the sticks and the slips that the step and the residual do not resolve."""
+    cells = modes.shape[0]
+    for cell in range(cells):
+        row = modes[cell]
+        _drop_short_sticks(row)
+        if rubs[cell]:
+            _drop_short_slips(row, velocities[:, cell], velocities[:, cells + cell], time_step, shortest)

@@ -85,11 +85,14 @@ def _candidates(
     observed: Sequence[TimedTransition], expected: Sequence[TimedTransition], period: float, window: float
 ) -> list[tuple[float, int, int]]:
     """Pairs that may match as (time error over the period, index observed, index expected), the closest first."""
+    of_kind: dict[tuple[int, str], list[tuple[float, int]]] = {}
+    for f, (cell, time, kind) in enumerate(observed):
+        of_kind.setdefault((cell, kind), []).append((time, f))
     near = []
     for e, (cell, time, kind) in enumerate(expected):
-        for f, (other_cell, other_time, other_kind) in enumerate(observed):
+        for other_time, f in of_kind.get((cell, kind), ()):
             error = _cyclic((other_time - time) / period)
-            if (cell, kind) == (other_cell, other_kind) and abs(error) <= window:
+            if abs(error) <= window:
                 near.append((error, f, e))
     return sorted(near, key=lambda candidate: (abs(candidate[0]), candidate[2], candidate[1]))
 

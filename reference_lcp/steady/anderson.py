@@ -187,10 +187,21 @@ class FixedPointSearch:
         Steps k of one application of the map: a whole number of periods of the drive.
     tolerance
         Residual at which a lane has converged.
+    newton
+        What a residual says of the way to the fixed point, shape (lanes, 4n, 4n), where it is known from a map near
+        to this one: what is mixed are Newton's steps, without plain periods before. The residual itself without it.
     """
 
-    def __init__(self, simulation: Simulation, scales: StateScales, steps: int, tolerance: float):
+    def __init__(
+        self,
+        simulation: Simulation,
+        scales: StateScales,
+        steps: int,
+        tolerance: float,
+        newton: FloatArray | None = None,
+    ):
         self._simulation = simulation
+        self._newton = newton
         self._steps = steps
         self._tolerance = tolerance
         self._scales = scales
@@ -201,7 +212,7 @@ class FixedPointSearch:
         self._x = np.zeros((count, differences + 1, width))
         self._f = np.zeros((count, differences + 1, width))
         self._age = np.zeros(count, dtype=int)
-        self._plain = np.full(count, WARM_UP_PERIODS)
+        self._plain = np.full(count, WARM_UP_PERIODS if newton is None else 1)
         self._plain_next = np.full(count, WARM_UP_PERIODS)
         self._stalled = np.zeros(count, dtype=int)
         self.best = np.zeros((count, width))
@@ -222,12 +233,24 @@ class FixedPointSearch:
             end = self._part.advance(state, 0, self._steps)
             if end.internal_state is not None:
                 following = _widened(following, self._learn(state, end))
-            f = self._scales.vectors(end, self._active) - following
+            change = self._scales.vectors(end, self._active) - following
+            f = self._step(change)
             self._x[self._active, row], self._f[self._active, row] = following, f
-            self._keep(self._note(following, f))
+            self._keep(self._note(following, f, self._scales.residuals(following, change)))
             if self._active.size == 0:
                 return
             following = self._following(row)
+
+    def _step(self, change: FloatArray) -> FloatArray:
+        """What is added to each active lane's iterate where nothing is mixed: what a period changes, or Newton's step.
+
+        Newton's step leaves internal state to the period.
+        """
+        if self._newton is None:
+            return change
+        width = self._newton.shape[1]
+        motion = np.matmul(self._newton[self._active], change[:, :width, None])[:, :, 0]
+        return np.hstack([motion, change[:, width:]])
 
     def _learn(self, start: State | None, end: State) -> FloatArray:
         """Take what a period has changed of internal state into its sizes; the history follows, the factors are given.
@@ -265,9 +288,8 @@ class FixedPointSearch:
         rise = self._last_residual[lanes] > LARGEST_RISE * self.best_residual[lanes]
         return (self._stalled[lanes] >= self._patience) | (rise & (self._age[lanes] >= self._plain[lanes]))
 
-    def _note(self, x: FloatArray, f: FloatArray) -> Any:
+    def _note(self, x: FloatArray, f: FloatArray, residual: FloatArray) -> Any:
         """Store the best iterate of each active lane; give which lanes go on."""
-        residual = self._scales.residuals(x, f)
         self._last_residual[self._active] = residual
         self.periods[self._active] += 1
         self._stalled[self._active] += 1

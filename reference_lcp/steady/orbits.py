@@ -22,7 +22,7 @@ from reference_lcp.steady.harmonic_balance import harmonic_balance_start
 from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
 from reference_lcp.steady.state_scales import StateScales
 from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE, repetitions
-from reference_lcp.validation import checked_count, checked_scalar
+from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 
 
 class OrbitStatus(StrEnum):
@@ -118,23 +118,29 @@ def periodic_orbits(
         _check_period(lane, steps_per_period)
     if start is None:
         balanced = harmonic_balance_start(simulation.lanes, steps_per_period)
-        return _searched(simulation, balanced, steps_per_period, tolerance, max_periods, longest_multiple)
+        return searched(simulation, balanced, steps_per_period, tolerance, max_periods, longest_multiple)
     orbits = _first_periods(simulation, start, steps_per_period, tolerance)
     late = [lane for lane, orbit in enumerate(orbits) if not orbit.converged]
     if late and max_periods > 1:
         ends = State.stack([orbits[lane].trajectory.end for lane in late])
         part = simulation if len(late) == len(orbits) else simulation.subset(late)
-        found = _searched(part, ends, steps_per_period, tolerance, max_periods - 1, longest_multiple)
+        found = searched(part, ends, steps_per_period, tolerance, max_periods - 1, longest_multiple)
         for number, orbit in zip(late, found, strict=True):
             orbits[number] = dataclasses.replace(orbit, periods=orbit.periods + 1)
     return orbits
 
 
-def _searched(
-    simulation: Simulation, start: State, steps: int, tolerance: float, max_periods: int, longest_multiple: int
+def searched(
+    simulation: Simulation,
+    start: State,
+    steps: int,
+    tolerance: float,
+    max_periods: int,
+    longest_multiple: int,
+    newton: FloatArray | None = None,
 ) -> list[PeriodicOrbit]:
-    """Search every lane from a start."""
-    search = FixedPointSearch(simulation, StateScales(simulation.lanes, steps), steps, tolerance)
+    """Search every lane from a start; arguments as for `periodic_orbits`, `newton` as for `FixedPointSearch`."""
+    search = FixedPointSearch(simulation, StateScales(simulation.lanes, steps), steps, tolerance, newton)
     search.run(start, max_periods)
     orbits = _certified(simulation, search, steps, tolerance)
     if longest_multiple > 1:

@@ -24,10 +24,12 @@ from reference_lcp.validation import FloatArray, checked_count
 
 @dataclass(frozen=True)
 class _Packed:
-    """Parameters of all lanes, shape (lanes, 8, n), and their time steps, shape (lanes,)."""
+    """Parameters of all lanes, shape (lanes, 8, n); time steps, and how the normal force changes, shape (lanes,)."""
 
     parameters: FloatArray
     time_step: FloatArray
+    modulated: NDArray[np.bool_]
+    opens: NDArray[np.bool_]
 
     @classmethod
     def of(cls, lanes: Sequence[Lane]) -> "_Packed":
@@ -41,10 +43,11 @@ class _Packed:
         springs = [of_cells(f"{place}_{kind}") for place in ("chain", "inner") for kind in ("stiffness", "damping")]
         bound = of_cells("friction_coefficient") * of_cells("normal_force")
         rows = [*springs, dt / outer, dt / inner, 1 / (1 / outer + 1 / inner) / dt, bound]
-        return cls(np.stack(rows, axis=1), step)
+        modulated = np.array([lane.preload is not None for lane in lanes])
+        return cls(np.stack(rows, axis=1), step, modulated, np.array([lane.opens for lane in lanes]))
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "_Packed":
-        return _Packed(self.parameters[lanes], self.time_step[lanes])
+        return _Packed(self.parameters[lanes], self.time_step[lanes], self.modulated[lanes], self.opens[lanes])
 
 
 class CompiledSimulation:
@@ -54,8 +57,7 @@ class CompiledSimulation:
         self._cells = common_cells(lanes)
         self.lanes = tuple(lanes)
         self._packed = packed if packed is not None else _Packed.of(self.lanes)
-        self._modulated = any(lane.preload is not None for lane in self.lanes)
-        self._opens = any(lane.opens for lane in self.lanes)
+        self._modulated, self._opens = bool(np.any(self._packed.modulated)), bool(np.any(self._packed.opens))
         self._loads: tuple[tuple[int, int], FloatArray] = ((0, 0), np.empty((len(self.lanes), 0)))
         self._load_rows = np.arange(len(self.lanes))
 
@@ -78,7 +80,7 @@ class CompiledSimulation:
         )
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "CompiledSimulation":
-        """Give the lanes of these indices."""
+        """Give the lanes of these indices, each as often as it is listed."""
         part = CompiledSimulation([self.lanes[lane] for lane in lanes], self._packed.subset(lanes))
         part._loads, part._load_rows = self._loads, self._load_rows[lanes]
         return part
@@ -119,8 +121,10 @@ class CompiledSimulation:
     def _load_table(self, start: int, steps: int) -> FloatArray:
         """Loads (…, steps), see `_load_rows`; the last table is kept, since a period map needs the same again."""
         if self._loads[0] != (start, steps):
-            self._loads = ((start, steps), np.array([lane.loads(start, steps) for lane in self.lanes]))
-            self._load_rows = np.arange(len(self.lanes))
+            lanes = {id(lane): lane for lane in self.lanes}
+            rows = {key: row for row, key in enumerate(lanes)}
+            self._loads = ((start, steps), np.array([lane.loads(start, steps) for lane in lanes.values()]))
+            self._load_rows = np.array([rows[id(lane)] for lane in self.lanes])
         return self._loads[1]
 
     def _trajectory(self, index: int, rows: FloatArray, start: int, normal: NormalMotion | None) -> Trajectory:

@@ -6,11 +6,30 @@ import math
 import numpy as np
 import pytest
 
-from reference_lcp import Chain, HarmonicBase, Mode, exact_steady_state, steady_state
+from reference_lcp import (
+    Chain,
+    CompiledSimulation,
+    HarmonicBase,
+    Mode,
+    ParameterError,
+    exact_steady_state,
+    periodic_orbits,
+    steady_state,
+)
+from reference_lcp.accuracy.benchmark import canonical_lane
 from reference_lcp.accuracy.convergence import convergence
-from reference_lcp.accuracy.error_bar import error_bar, euler_orbit, measured_error_bar
+from reference_lcp.accuracy.error_bar import (
+    REFINEMENTS,
+    ErrorBar,
+    error_bar,
+    euler_orbit,
+    measured_error_bar,
+    measured_error_bars,
+)
 from reference_lcp.accuracy.richardson import SAFETY
 from reference_lcp.observables.stick_slip import transitions
+from reference_lcp.steady.amplification import PeriodInverse
+from reference_lcp.steady.refinement import refined_orbits
 
 DEEP = {"cells": 10, "mass_ratio": 3.0, "stiffness_ratio": 3.0, "friction_ratio": 0.3}
 """Ratios of a chain whose transmittance is −213 dB at η_r = 2.5."""
@@ -116,6 +135,48 @@ def test_what_the_steps_do_not_agree_on_is_undecided() -> None:
     assert all(
         flag for change, flag in zip(changes, undecided, strict=True) if (change.cell, change.kind) == (1, "stick")
     )
+
+
+def bars_are_equal(one: ErrorBar, other: ErrorBar) -> None:
+    """Up to what the residual of the finer steps leaves open, 1e-8 of the base's amplitude times some ten."""
+    assert one.transmittance_db == pytest.approx(other.transmittance_db, abs=1e-5)
+    assert one.extrapolated_db == pytest.approx(other.extrapolated_db, abs=1e-5, nan_ok=True)
+    assert one.floor_db == pytest.approx(other.floor_db, nan_ok=True)
+    assert one.stuck_fraction == pytest.approx(other.stuck_fraction, abs=1e-12)
+    assert one.transition_time == pytest.approx(other.transition_time, abs=1e-12, nan_ok=True)
+    assert one.missing_transitions == other.missing_transitions
+    assert one.steps_per_period == other.steps_per_period
+
+
+def test_points_of_a_batch_have_the_bars_that_they_have_alone() -> None:
+    lanes = [canonical_lane(friction, ratio) for friction in (0.1, 0.3, 3.0) for ratio in (0.5, 0.9, 1.4)]
+    orbits = periodic_orbits(CompiledSimulation(lanes), 400)
+    for orbit, bar in zip(orbits, measured_error_bars(orbits), strict=True):
+        bars_are_equal(bar, measured_error_bar(orbit))
+
+
+@pytest.mark.parametrize(("friction", "ratio"), [(0.1, 0.5), (0.3, 0.9), (1.0, 0.7), (3.0, 1.1)])
+def test_finer_steps_from_coarser_ones_end_where_those_from_harmonic_balance_do(friction, ratio) -> None:
+    lane = canonical_lane(friction, ratio)
+    orbits = [euler_orbit(lane.chain, lane.drive, 400 * factor) for factor in REFINEMENTS]
+    bars_are_equal(measured_error_bar(orbits[0]), error_bar(orbits))
+
+
+def test_finer_steps_take_a_third_of_the_periods_from_coarser_ones() -> None:
+    lanes = [canonical_lane(0.3, ratio) for ratio in (0.5, 0.7, 0.9, 1.1, 1.4)]
+    orbits = periodic_orbits(CompiledSimulation(lanes), 400)
+    finer = refined_orbits(orbits, (2, 4), PeriodInverse.of(orbits), tolerance=1e-8, max_periods=400)
+    for found in finer:
+        assert all(orbit.converged for orbit in found)
+        assert 3 * sum(orbit.periods for orbit in found) <= sum(orbit.periods for orbit in orbits)
+
+
+def test_a_batch_has_one_number_of_steps() -> None:
+    lane = canonical_lane(0.3, 0.9)
+    orbits = [euler_orbit(lane.chain, lane.drive, steps) for steps in (400, 500)]
+    with pytest.raises(ParameterError, match=r"periods of \[400, 500\] steps; allowed: one number of steps"):
+        measured_error_bars(orbits)
+    assert measured_error_bars([]) == []
 
 
 def test_finer_steps_without_a_steady_state_leave_every_bar_unknown() -> None:
