@@ -95,8 +95,8 @@ def _row(variant: Variant, results: Mapping[SteadyStateTask, Result]) -> LawAgre
     if isinstance(stated, NotModelled):
         return LawAgreement(variant, stated.reason, departure, np.nan, np.nan, np.empty(0), np.nan, certified)
     error, stuck, both = _differences(own, [results[task] for task in _steady_states(variant.law or REFERENCE)])
-    ends = [results[task] for task in _periods(variant)]
-    distances = [end.series["distance"][0] for end in ends if end.status is ResultStatus.FINISHED]
+    claimed = [end for end in (results[task] for task in _periods(variant)) if not end.reason]
+    distances = [end.series["distance"][0] for end in claimed if end.status is ResultStatus.FINISHED]
     return LawAgreement(variant, "", departure, error, stuck, np.array(distances), allowed_distance(variant), both)
 
 
