@@ -15,7 +15,7 @@ DEFAULT = Variant("exudyn-regularised", "joint", "default")
 
 
 def test_law_is_compared_where_it_does_not_claim_to_hold_and_the_reason_is_noted() -> None:
-    """Newton's iteration may fail where a kick of friction is wider than two zones; where it does not, the law holds."""
+    """Newton's iteration may fail where friction kicks beyond two zones; where it does not, the law holds."""
     tasks = [
         LawPeriodTask(variant=DEFAULT, friction_ratio=friction_ratio, frequency_ratio=eta)
         for friction_ratio, eta in ((0.1, 0.9), (0.3, 0.9), (0.6, 0.9))
