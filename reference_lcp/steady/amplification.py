@@ -61,6 +61,11 @@ class PeriodInverse:
         return cls(distance, outside.swapaxes(1, 2) @ outside)
 
     @property
+    def newton(self) -> FloatArray:
+        """Newton's step from a residual, shape (orbits, 4n, 4n); plain where cells stay stuck."""
+        return self.distance + self.unexplained
+
+    @property
     def amplification(self) -> FloatArray:
         """Largest component of a distance over that of its residual, at least 1, shape (orbits,)."""
         largest: FloatArray = np.maximum(1.0, np.max(np.sum(np.abs(self.distance), axis=2), axis=1))

@@ -8,6 +8,7 @@ only are looked for.
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -123,11 +124,16 @@ def periodic_orbits(
     late = [lane for lane, orbit in enumerate(orbits) if not orbit.converged]
     if late and max_periods > 1:
         ends = State.stack([orbits[lane].trajectory.end for lane in late])
-        part = simulation if len(late) == len(orbits) else simulation.subset(late)
+        part = part_of(simulation, late)
         found = searched(part, ends, steps_per_period, tolerance, max_periods - 1, longest_multiple)
         for number, orbit in zip(late, found, strict=True):
             orbits[number] = dataclasses.replace(orbit, periods=orbit.periods + 1)
     return orbits
+
+
+def part_of(simulation: Simulation, lanes: Sequence[int]) -> Simulation:
+    """Give a simulation of some lanes; itself if they are all."""
+    return simulation if len(lanes) == len(simulation.lanes) else simulation.subset(lanes)
 
 
 def searched(

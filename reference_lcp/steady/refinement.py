@@ -7,11 +7,10 @@ one's lead to the next in some five periods, where a search from harmonic balanc
 import dataclasses
 from collections.abc import Sequence
 
-import numpy as np
-
 from reference_lcp.chain.trajectory import State
 from reference_lcp.steady.amplification import PeriodInverse
-from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits, searched
+from reference_lcp.steady.neighbours import orbits_beside
+from reference_lcp.steady.orbits import PeriodicOrbit
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
 
 
@@ -41,21 +40,15 @@ def refined_orbits(
     list of list of PeriodicOrbit
         For each factor one a lane.
     """
-    ladder, newton = [list(orbits)], inverse.distance + inverse.unexplained
+    ladder = [list(orbits)]
     for factor in factors:
         lanes = [dataclasses.replace(orbit.lane, time_step=orbit.lane.time_step / factor) for orbit in orbits]
         simulation, steps = CompiledSimulation(lanes), orbits[0].trajectory.steps * factor
-        near = np.flatnonzero([orbit.converged for orbit in ladder[-1]])
-        finer: dict[int, PeriodicOrbit] = {}
-        if near.size:
-            start = _extrapolated(ladder, steps).subset(near)
-            searches = searched(simulation.subset(near), start, steps, tolerance, max_periods, 1, newton[near])
-            finer = {lane: orbit for lane, orbit in zip(near.tolist(), searches, strict=True) if orbit.converged}
-        late = [lane for lane in range(len(lanes)) if lane not in finer]
-        if late:
-            anew = periodic_orbits(simulation.subset(late), steps, tolerance=tolerance, max_periods=max_periods)
-            finer |= dict(zip(late, anew, strict=True))
-        ladder.append([finer[lane] for lane in range(len(lanes))])
+        known = [orbit.converged for orbit in ladder[-1]]
+        start = _extrapolated(ladder, steps)
+        ladder.append(
+            orbits_beside(simulation, start, known, inverse.newton, steps, tolerance=tolerance, max_periods=max_periods)
+        )
     return ladder[1:]
 
 

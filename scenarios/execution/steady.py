@@ -15,10 +15,11 @@ from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, op
 from reference_lcp.one_call import SteadyState
 from reference_lcp.refusal import ParameterError
 from reference_lcp.steady.amplification import residual_amplification
-from reference_lcp.steady.orbits import OrbitStatus, PeriodicOrbit, periodic_orbits
+from reference_lcp.steady.neighbours import orbits_beside_euler
+from reference_lcp.steady.orbits import OrbitStatus, PeriodicOrbit, part_of, periodic_orbits
 from scenarios.execution.checked_simulation import CheckedSimulation, check_trajectory
 from scenarios.execution.failures import results_together
-from scenarios.execution.law_start import law_starts
+from scenarios.execution.law_start import begins_beside, law_starts
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import Start, SteadyStateTask
@@ -64,26 +65,30 @@ def _steady_states(variant: Variant, lanes: Sequence[Lane], steps: int, start: S
             for lane, state in zip(lanes, states, strict=True):
                 check_trajectory(state.orbit.trajectory, lane, 0, steps)
             return states
-        starts = law_starts(variant, lanes, steps) if start is Start.LAW else [None] * len(lanes)
-        orbits = _orbits(CheckedSimulation(simulation), starts, steps, variant.capabilities.residual)
+        orbits = _orbits(CheckedSimulation(simulation), variant, lanes, steps, start)
     finally:
         simulation.close()
     return [SteadyState.of(orbit, variant.preset.stick_margin) for orbit in orbits]
 
 
 def _orbits(
-    simulation: CheckedSimulation, starts: Sequence[State | None], steps: int, tolerance: float
+    simulation: CheckedSimulation, variant: Variant, lanes: Sequence[Lane], steps: int, start: Start
 ) -> list[PeriodicOrbit]:
-    """Search every lane, from its start where there is one."""
+    """Search every lane: from its law's steady state where there is one, and beside the reference's otherwise."""
+    tolerance = variant.capabilities.residual
+    if start is Start.HARMONIC_BALANCE or not begins_beside(variant):
+        return periodic_orbits(simulation, steps, tolerance=tolerance)
+    starts = law_starts(variant, lanes, steps)
     orbits: dict[int, PeriodicOrbit] = {}
-    for known in (True, False):
-        lanes = [lane for lane, start in enumerate(starts) if (start is not None) is known]
-        if not lanes:
-            continue
-        start = State.stack([state for state in starts if state is not None]) if known else None
-        part = simulation if len(lanes) == len(starts) else simulation.subset(lanes)
-        found = periodic_orbits(part, steps, start=start, tolerance=tolerance)
-        orbits.update(zip(lanes, found, strict=True))
+    known = [lane for lane, state in enumerate(starts) if state is not None]
+    if known:
+        begin = State.stack([state for state in starts if state is not None])
+        part = periodic_orbits(part_of(simulation, known), steps, start=begin, tolerance=tolerance)
+        orbits = dict(zip(known, part, strict=True))
+    other = [lane for lane, state in enumerate(starts) if state is None]
+    if other:
+        beside = orbits_beside_euler(part_of(simulation, other), steps, tolerance=tolerance)
+        orbits |= dict(zip(other, beside, strict=True))
     return [orbits[lane] for lane in range(len(starts))]
 
 

@@ -1,9 +1,10 @@
 """Whether steady states depend on where their search began: a sample of points, searched from harmonic balance too.
 
-The search for an engine's steady state begins at that of its law, see `scenarios.execution.law_start`. Friction under a
-given normal force has one steady state; an engine whose step is not monotone may have several, and the search would
-find the one that the law predicts. A sample of every variant is therefore searched from harmonic balance as well. Where
-one point of it ends elsewhere, all points of the variant are searched both ways, and those that differ are undecided.
+The search for an engine's steady state begins at that of its law, or beside the reference's, see
+`scenarios.execution.law_start`. Friction under a given normal force has one steady state; an engine whose step is not
+monotone may have several, and the search would find the one that the model predicts. A sample of every variant is
+therefore searched from harmonic balance as well. Where one point of it ends elsewhere, all points of the variant are
+searched both ways, and those that differ are undecided.
 """
 
 import cmath
@@ -13,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from engines.interface.variant import Variant
-from scenarios.execution.law_start import begins_at_law
+from scenarios.execution.law_start import begins_beside
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.table import GivesResults, Point, results_at, with_columns
 from scenarios.tasks.result import Result, ResultStatus
@@ -67,9 +68,9 @@ def check_starts(
     ComparedSweep
         The same, with points that have two steady states undecided.
     tuple of StartCheck
-        One a variant whose searches begin at a law.
+        One a variant but for the suite's own models.
     """
-    samples = {variant: _sample(result, variant, least) for variant in result.sweep.variants if begins_at_law(variant)}
+    samples = {variant: _sample(result, variant, least) for variant in result.sweep.variants if begins_beside(variant)}
     differing = _differing(result, [row for sample in samples.values() for row in sample], evaluator)
     doubtful = {result.points[row].variant for row, apart in differing.items() if apart}
     rest = [row for row, point in enumerate(result.points) if point.variant in doubtful and row not in differing]

@@ -3,7 +3,7 @@
 import pytest
 
 from engines.box2d import Box2D
-from engines.exudyn import ExudynBristle
+from engines.exudyn import ExudynBristle, ExudynRegularised
 from engines.interface.law_engine import law_of
 from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
@@ -62,6 +62,16 @@ def test_an_engine_that_does_not_obey_its_law_ends_where_it_would_have(monkeypat
         assert one.transmittance_db == pytest.approx(other.transmittance_db, abs=1e-5)
 
 
+@installed(ExudynRegularised)
+def test_a_preset_whose_steps_are_not_modelled_is_searched_beside_the_reference() -> None:
+    variant = Variant.parse("exudyn-regularised:contact:default")
+    beside, balanced = (run_batch(tasks_of(variant, start)[:1])[0] for start in (Start.LAW, Start.HARMONIC_BALANCE))
+    assert beside.converged
+    assert balanced.converged
+    assert beside.periods < balanced.periods
+    assert beside.transmittance_db == pytest.approx(balanced.transmittance_db, abs=1e-5)
+
+
 def starts_of(name: str, **more) -> list[bool]:
     variant = Variant.parse(name)
     lanes = [task.lane()[0] for task in tasks_of(variant, **more)]
@@ -73,7 +83,7 @@ def test_the_reference_and_the_laws_begin_at_harmonic_balance(name) -> None:
     assert starts_of(name) == [False] * len(POINTS)
 
 
-def test_presets_that_are_not_modelled_and_lanes_that_no_law_claims_begin_at_harmonic_balance() -> None:
+def test_presets_that_are_not_modelled_and_lanes_that_no_law_claims_do_not_begin_at_a_law() -> None:
     assert starts_of("exudyn-bristle:joint:default") == [False] * len(POINTS)
     swinging = Modulation(modulation=0.5)
     assert starts_of("mujoco:contact", modulation=swinging) == [True] * len(POINTS)
