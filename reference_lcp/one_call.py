@@ -135,7 +135,7 @@ def steady_state(
     max_periods
         Periods after which the search gives up.
     with_error_bar
-        Measure the error too, by two finer steps (six times the work); the exact solver has none.
+        Measure the error too, by two finer steps (some four times the work); the exact solver has none.
     with_exact_value
         Find the exact transmittance too.
 

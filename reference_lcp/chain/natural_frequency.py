@@ -32,7 +32,7 @@ def highest_square(outer_mass: Any, inner_mass: Any, chain_stiffness: Any, inner
     return high
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
 def _all_below(square: float, outer_mass: Any, inner_mass: Any, chain_stiffness: Any, inner_stiffness: Any) -> bool:
     """Whether every pivot of K − s M is negative: the inner masses go first, then the row from its base."""
     cells = outer_mass.size

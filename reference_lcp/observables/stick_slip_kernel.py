@@ -14,6 +14,9 @@ not the contact would have stuck: a stick shorter than two steps is not resolved
 """
 
 
+_called = numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+"""Compiled for compiled callers alone."""
+
 _MATRIX = types.Array(types.float64, 2, "A", readonly=True)
 """Any array of two dimensions: what is read comes from many engines, and is compiled for once."""
 
@@ -22,7 +25,7 @@ _FLAGS = types.Array(types.bool_, 1, "C", readonly=True)
 _MODES = types.int8[:, ::1]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _starts(row: Any) -> Any:
     """First steps of the uninterrupted modes of a cyclic period; none if the mode never changes."""
     starts = np.empty(row.size, dtype=np.int64)
@@ -34,7 +37,7 @@ def _starts(row: Any) -> Any:
     return starts[:count]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _drop_short_sticks(row: Any) -> None:
     """Turn sticks of fewer than `SHORTEST_STICK` steps into the slip that follows, in place."""
     starts = _starts(row)
@@ -46,7 +49,7 @@ def _drop_short_sticks(row: Any) -> None:
                 row[k % row.size] = row[following]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called
 def _drop_short_slips(row: Any, outer: Any, inner: Any, time_step: float, shortest: float) -> None:
     """Turn slips into stick that travel less than `shortest` [m], in place; the masses have these velocities."""
     starts = _starts(row)
@@ -78,7 +81,7 @@ def read_modes(
                 modes[cell, step] = 0
             else:
                 direction = -force if largest > 0 else velocities[step, cells + cell] - velocities[step, cell]
-                modes[cell, step] = int(direction > 0) - int(direction < 0)
+                modes[cell, step] = 1 if direction > 0 else -1 if direction < 0 else 0
 
 
 @numba.njit(types.void(_MODES, _MATRIX, types.float64, _FLAGS, types.float64), cache=True, error_model="numpy")

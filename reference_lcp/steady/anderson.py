@@ -11,6 +11,7 @@ of them: a difference that lies nearly in the span of newer ones is left out (Po
 """
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numba
@@ -68,7 +69,11 @@ LARGEST_RESIDUAL = 1e6
 """Residual, in displacement scales, beyond which a motion counts as diverged."""
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
+_called = partial(numba.njit, cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+"""Compiled for compiled callers alone."""
+
+
+@_called(fastmath={"reassoc", "contract"})
 def _dot(a: Any, b: Any) -> float:
     """Scalar product; written out, since vectors this short cost less than a call of BLAS."""
     total = 0.0
@@ -77,14 +82,14 @@ def _dot(a: Any, b: Any) -> float:
     return total
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called()
 def _subtract(factor: float, a: Any, b: Any) -> None:
     """Take `factor` times `a` from `b`, in place."""
     for k in range(a.shape[0]):
         b[k] -= factor * a[k]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called()
 def _orthogonalised(q: Any, used: int, r: Any) -> float:
     """Take the span of the first rows of `q` from the row after them, in place; gives what is left of its norm.
 
@@ -93,8 +98,9 @@ def _orthogonalised(q: Any, used: int, r: Any) -> float:
     """
     direction = q[used]
     left = np.sqrt(_dot(direction, direction))
-    r[used, :used] = 0.0
     overlaps = r[-1]
+    for j in range(used):
+        r[used, j] = 0.0
     for _ in range(2):
         before = left
         for j in range(used):
@@ -108,7 +114,7 @@ def _orthogonalised(q: Any, used: int, r: Any) -> float:
     return left
 
 
-@numba.njit(cache=True, error_model="numpy")
+@_called()
 def _solve_triangular(r: Any, weights: Any) -> None:
     """Solve Rᵀ γ = w for γ, in place of the weights w; R is the lower triangle of `r`."""
     for j in range(weights.shape[0] - 1, -1, -1):
@@ -116,9 +122,9 @@ def _solve_triangular(r: Any, weights: Any) -> None:
         _subtract(weights[j], r[j, :j], weights[:j])
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _mixed(x: Any, f: Any, newest: int, kept: int, q: Any, g: Any, r: Any) -> Any:
-    """Next iterate from the history of one lane.
+@_called()
+def _mixed(x: Any, f: Any, newest: int, kept: int, q: Any, g: Any, r: Any, following: Any) -> None:
+    """Next iterate from the history of one lane, into `following`.
 
     `x` and `f` are rings (rows, d) of iterates and of their residuals g(x) − x; `newest` is the row
     of the last one and `kept` the number of older rows to use. The differences of f are made
@@ -126,9 +132,9 @@ def _mixed(x: Any, f: Any, newest: int, kept: int, q: Any, g: Any, r: Any) -> An
     room for the orthogonal differences, those of g(x), and the triangle between the two.
     """
     rows, d = x.shape
-    used, weights = 0, np.empty(kept)
-    rest = np.zeros(q.shape[1])
-    rest[:d] = f[newest]
+    used, weights, rest = np.int64(0), np.empty(kept), np.zeros(q.shape[1])
+    for k in range(d):
+        rest[k] = f[newest, k]
     for back in range(kept):
         later, earlier = (newest - back) % rows, (newest - back - 1) % rows
         for k in range(d):
@@ -137,16 +143,17 @@ def _mixed(x: Any, f: Any, newest: int, kept: int, q: Any, g: Any, r: Any) -> An
         size = np.sqrt(_dot(q[used], q[used]))
         left = _orthogonalised(q, used, r)
         if left > DEPENDENT * size and left > 0.0:
-            q[used] /= left
+            for k in range(d):
+                q[used, k] /= left
             r[used, used] = left
             weights[used] = _dot(q[used], rest)
             _subtract(weights[used], q[used], rest)
             used += 1
     _solve_triangular(r, weights[:used])
-    following = x[newest] + f[newest]
+    for k in range(d):
+        following[k] = x[newest, k] + f[newest, k]
     for j in range(used):
         _subtract(weights[j], g[j], following)
-    return following
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -157,7 +164,7 @@ def _mixed_lanes(x: Any, f: Any, lanes: Any, newest: int, kept: Any) -> Any:
     g, r = np.empty((rows, d)), np.empty((rows + 1, rows))
     following = np.empty((lanes.shape[0], d))
     for k in range(lanes.shape[0]):
-        following[k] = _mixed(x[lanes[k]], f[lanes[k]], newest, kept[lanes[k]], q, g, r)
+        _mixed(x[lanes[k]], f[lanes[k]], newest, kept[lanes[k]], q, g, r, following[k])
     return following
 
 

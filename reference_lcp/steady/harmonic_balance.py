@@ -68,31 +68,7 @@ def _first_harmonic(lane: Lane, steps_per_period: int) -> complex:
     return complex(FIRST_HARMONIC @ load)
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _balanced(springs: Any, inner: Any, inertia: Any, friction: Any, load: Any, least: float) -> Any:
-    """Amplitudes of a chain whose contacts are dashpots, after `ITERATIONS` of these.
-
-    `springs` and `inner` are complex stiffnesses, and `friction` that of a dashpot times its Δ. Inner masses follow
-    outer ones, and are eliminated; what is left for the outer masses is tridiagonal.
-    """
-    n = springs.shape[0]
-    slip_of = np.empty(n, np.complex128)
-    diagonal = np.empty(n, np.complex128)
-    outer = np.full(n, load / springs[0])
-    slip = outer.copy()
-    for _ in range(ITERATIONS):
-        for i in range(n):
-            coupling = inner[i] + friction[i] / max(abs(slip[i]), least)
-            slip_of[i] = inertia[1, i] / (coupling - inertia[1, i])
-            diagonal[i] = springs[i] - inertia[0, i] - coupling * slip_of[i]
-            if i + 1 < n:
-                diagonal[i] += springs[i + 1]
-        _solve_tridiagonal(diagonal, springs, load, outer)
-        slip = slip_of * outer
-    return np.concatenate((outer, outer + slip))
-
-
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
 def _solve_tridiagonal(diagonal: Any, springs: Any, load: Any, x: Any) -> None:
     """Solve for x, in place of `diagonal` too: a chain of `springs`, the load on its first mass.
 
@@ -104,6 +80,34 @@ def _solve_tridiagonal(diagonal: Any, springs: Any, load: Any, x: Any) -> None:
         factor = springs[i] / diagonal[i - 1]
         diagonal[i] -= factor * springs[i]
         x[i] = factor * x[i - 1]
-    x[n - 1] /= diagonal[n - 1]
-    for i in range(n - 2, -1, -1):
-        x[i] = (x[i] + springs[i + 1] * x[i + 1]) / diagonal[i]
+    for i in range(n - 1, -1, -1):
+        rest = x[i]
+        if i + 1 < n:
+            rest += springs[i + 1] * x[i + 1]
+        x[i] = rest / diagonal[i]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _balanced(springs: Any, inner: Any, inertia: Any, friction: Any, load: Any, least: float) -> Any:
+    """Amplitudes of a chain whose contacts are dashpots, after `ITERATIONS` of these.
+
+    `springs` and `inner` are complex stiffnesses, and `friction` that of a dashpot times its Δ. Inner masses follow
+    outer ones, and are eliminated; what is left for the outer masses is tridiagonal.
+    """
+    n = springs.shape[0]
+    slip_of, diagonal, amplitudes = np.empty_like(springs), np.empty_like(springs), np.empty(2 * n, springs.dtype)
+    outer, slip = amplitudes[:n], amplitudes[n:]
+    slip[:] = load / springs[0]
+    for _ in range(ITERATIONS):
+        for i in range(n):
+            coupling = inner[i] + friction[i] / max(abs(slip[i]), least)
+            slip_of[i] = inertia[1, i] / (coupling - inertia[1, i])
+            diagonal[i] = springs[i] - inertia[0, i] - coupling * slip_of[i]
+            if i + 1 < n:
+                diagonal[i] += springs[i + 1]
+        _solve_tridiagonal(diagonal, springs, load, outer)
+        for i in range(n):
+            slip[i] = slip_of[i] * outer[i]
+    for i in range(n):
+        slip[i] += outer[i]
+    return amplitudes

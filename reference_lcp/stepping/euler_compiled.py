@@ -103,7 +103,7 @@ class CompiledSimulation:
         if normal is not None:
             bounds = normal.normal_force * np.stack([lane.chain.friction_coefficient for lane in self.lanes], axis=1)
         loads = self._load_table(start, steps)
-        advance(x, self._packed.parameters, self._packed.time_step, loads, self._load_rows, bounds, record)
+        advance(x[:, None], self._packed.parameters, self._packed.time_step, loads, self._load_rows, bounds, record)
         return x
 
     def _normal_motion(self, state: State, start: int, steps: int) -> NormalMotion | None:

@@ -85,7 +85,13 @@ def _step_row(table: Any, row: int) -> None:
         table[row + V + j] = v + table[row + TIME_STEP + j] * inner_end
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+_called = numba.njit(
+    cache=True, nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True
+)  # fmt: skip
+"""Compiled for compiled callers alone."""
+
+
+@_called
 def _empty_table(rows: int) -> Any:
     """Table of so many rows of cells, all zero, that begins at a cache line: no vector is split between two."""
     room = np.zeros((rows + 2) * ROW + WIDTH)
@@ -93,19 +99,20 @@ def _empty_table(rows: int) -> Any:
     return room[ahead : ahead + (rows + 2) * ROW]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def _table(x: Any, parameters: Any, time_step: Any, segments: int, rows: int) -> Any:
-    """Table of some lanes, at most eight columns; the last row has the parameters of the cell that follows."""
+@_called
+def _table(x: Any, parameters: Any, time_step: Any, block: Any, segments: int, rows: int) -> Any:
+    """Table of a block of lanes, at most eight columns; the last row has the parameters of the cell that follows."""
     table = _empty_table(rows)
-    lanes, _, cells = parameters.shape
+    begin, lanes = block
+    cells = parameters.shape[2]
     for tile in range(0, rows + 1, TILE):
         for column in range(lanes * segments):
-            lane, segment = column // segments, column % segments
+            lane, segment = begin + column // segments, column % segments
             first, at = segment * rows, ROW + column
             some = range(tile, min(tile + TILE, rows + 1, cells - first))
             for k in range(4):
                 for row in some:
-                    table[at + row * ROW + k * WIDTH] = x[lane, k * cells + first + row]
+                    table[at + row * ROW + k * WIDTH] = x[lane, 0, k * cells + first + row]
             for k in range(PARAMETERS):
                 for row in some:
                     table[at + row * ROW + CHAIN_STIFFNESS + k * WIDTH] = parameters[lane, k, first + row]
@@ -116,63 +123,65 @@ def _table(x: Any, parameters: Any, time_step: Any, segments: int, rows: int) ->
     return table
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def _copy_out(table: Any, segments: int, rows: int, lanes: int, fields: int, cells: int, out: Any) -> None:
-    """Copy the first fields of all cells to `out` (lanes, fields n)."""
+@_called
+def _copy_out(table: Any, segments: int, rows: int, block: Any, fields: int, cells: int, step: int, out: Any) -> None:
+    """Copy the first fields of all cells of a block to `out` (lanes, steps, fields n), at one step."""
+    begin, lanes = block
     for tile in range(0, rows, TILE):
         for lane in range(lanes):
+            to = out[begin + lane, step]
             for k in range(fields):
                 for segment in range(segments):
                     at, first = ROW + k * WIDTH + lane * segments + segment, segment * rows
                     for row in range(tile, min(tile + TILE, rows, cells - first)):
-                        out[lane, k * cells + first + row] = table[at + row * ROW]
+                        to[k * cells + first + row] = table[at + row * ROW]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def _set_bounds(table: Any, segments: int, rows: int, bounds: Any) -> None:
-    """Set the friction bounds (n, lanes) of all cells."""
-    cells, lanes = bounds.shape
-    for cell in range(cells):
+@_called
+def _set_bounds(table: Any, segments: int, rows: int, block: Any, step: int, bounds: Any) -> None:
+    """Set the friction bounds of all cells of a block from those of a step."""
+    begin, lanes = block
+    for cell in range(bounds.shape[1]):
         for lane in range(lanes):
             at = (1 + cell % rows) * ROW + lane * segments + cell // rows
-            table[at + BOUND] = bounds[cell, lane]
+            table[at + BOUND] = bounds[step, cell, begin + lane]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@_called
 def _advance_block(
-    x: Any, parameters: Any, time_step: Any, loads: Any, load_rows: Any, bounds: Any, record: Any
+    x: Any, parameters: Any, time_step: Any, loads: Any, load_rows: Any, bounds: Any, record: Any, block: Any
 ) -> None:
-    """Advance at most eight lanes, in place; arguments as in `advance`."""
-    lanes, _, cells = parameters.shape
+    """Advance a block, its first lane and their number of at most eight; arguments as in `advance`."""
+    first, lanes = block
+    cells, row_of_load = parameters.shape[2], load_rows[first:]
     segments = WIDTH
     while segments * lanes > WIDTH:
         segments //= 2
     rows = (cells + segments - 1) // segments
-    last = rows * ROW
-    table = _table(x, parameters, time_step, segments, rows)
+    table = _table(x, parameters, time_step, block, segments, rows)
     for step in range(loads.shape[1]):
         if bounds.shape[0] > 0:
-            _set_bounds(table, segments, rows, bounds[step])
+            _set_bounds(table, segments, rows, block, step, bounds)
         for lane in range(lanes):
-            table[PULL + lane * segments] = loads[load_rows[lane], step]
+            table[PULL + lane * segments] = loads[row_of_load[lane], step]
         if segments > 1:
-            _exchange(table, last)
+            _exchange(table, rows * ROW)
         _pull_first(table)
         for row in range(1, rows + 1):
             _step_row(table, row * ROW)
         if record.shape[1] > 0:
-            _copy_out(table, segments, rows, lanes, 5, cells, record[:, step])
-    _copy_out(table, segments, rows, lanes, 4, cells, x)
+            _copy_out(table, segments, rows, block, 5, cells, step, record)
+    _copy_out(table, segments, rows, block, 4, cells, 0, x)
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def advance(x: Any, parameters: Any, time_step: Any, loads: Any, load_rows: Any, bounds: Any, record: Any) -> None:
-    """Advance every lane, in place.
+    """Advance every lane, in place: in blocks of at most eight.
 
     Parameters
     ----------
     x
-        State, shape (lanes, 4n): u, v, u̇, v̇.
+        State, shape (lanes, 1, 4n): u, v, u̇, v̇.
     parameters
         Those of the cells, shape (lanes, 8, n); see `PARAMETERS`.
     time_step
@@ -186,9 +195,6 @@ def advance(x: Any, parameters: Any, time_step: Any, loads: Any, load_rows: Any,
     record
         Receives x and λ_T at the end of each step, shape (lanes, steps, 5n); no steps when nothing is kept.
     """
-    lanes = x.shape[0]
-    for first in range(0, lanes, WIDTH):
-        some = slice(first, min(first + WIDTH, lanes))
-        _advance_block(
-            x[some], parameters[some], time_step[some], loads, load_rows[some], bounds[:, :, some], record[some]
-        )
+    for first in range(0, x.shape[0], WIDTH):
+        block = first, min(WIDTH, x.shape[0] - first)
+        _advance_block(x, parameters, time_step, loads, load_rows, bounds, record, block)
