@@ -52,9 +52,10 @@ def advance(motion: Any, contacts: Any, loads: Any, matrices: Any, rule: Any, la
             acceleration[i] = load_column[i] * loads[index]
         _add_product(place_columns, q, acceleration)
         _add_product(speed_columns, v, acceleration)
-        for i in range(cells):
-            elongation[i] = q[cells + i] - q[i] + place * (acceleration[cells + i] - acceleration[i])
-            slip[i] = v[cells + i] - v[i] + speed * (acceleration[cells + i] - acceleration[i])
+        for i in range(cells):  # in the order of the step's end, so that a foot without friction is exactly there
+            outer, inner = acceleration[i], acceleration[cells + i]
+            elongation[i] = (q[cells + i] + place * inner) - (q[i] + place * outer)
+            slip[i] = (v[cells + i] + speed * inner) - (v[i] + speed * outer)
         force = solve_friction(elongation, slip, compliance, mobility, contacts, law, softness, force)
         _add_product(response, force, acceleration)
         for i in range(2 * cells):

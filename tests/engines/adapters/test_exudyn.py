@@ -321,6 +321,14 @@ def test_law_begins_a_run_as_exudyn_does_and_leaves_frictionless_cells_alone(
     assert distance_from_law(tested, formulation, preset, lane) <= law.period_bound
 
 
+def test_bristle_without_friction_is_not_deflected_in_the_law_either() -> None:
+    """Its foot is where its contact is, to the last bit: a deflection of round-off would never repeat."""
+    lane = lane_of(0.0, 1.422)
+    state = LawEngine(ExudynBristle(), "0").build([lane], "joint", "tuned").advance(random_state(), 0, STEPS)
+    assert state.internal_state is not None
+    assert np.all(state.internal_state == 0)
+
+
 def test_newton_fails_where_a_kick_is_wider_than_two_zones_and_the_law_says_so() -> None:
     """Exudyn then halves its steps; its default zone is as narrow as that, its tuned one nowhere."""
     default, tuned = (law_of(ExudynRegularised().preset("joint", name)) for name in ("default", "tuned"))
