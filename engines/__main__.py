@@ -115,11 +115,11 @@ def _print(rows: list[dict[str, Any]]) -> None:
     for heading in ("formulation: presets", "precision"):
         table.add_column(heading)
     for row in rows:
-        presets = "\n".join(f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items())
+        presets = [f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items()]
         arithmetic = row.get("precision", "") + ("" if row.get("deterministic", True) else ", varies")
         law = row.get("friction_law", "")
-        cells = (row["engine"], row["version"] or "missing", row["python"] or "", law, presets, arithmetic)
-        table.add_row(*(escape(visible(cell)) for cell in cells))
+        cells = ([row["engine"]], [row["version"] or "missing"], [row["python"] or ""], [law], presets, [arithmetic])
+        table.add_row(*("\n".join(escape(visible(line)) for line in lines) for lines in cells))
     console = Console()
     console.print(table)
     for row in rows:

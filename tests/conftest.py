@@ -5,6 +5,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+# Each worker of pytest has a processor: threads of linear algebra would wait for each other's. NumPy reads this once.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 from hypothesis import settings
 

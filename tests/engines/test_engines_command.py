@@ -36,6 +36,17 @@ def test_missing_engine_is_listed_with_its_reason(
     assert "pybullet: no wheel for this Python" in printed
 
 
+def test_each_formulation_has_a_line_of_its_own(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    assert run_command(app, []) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (mujoco,) = (number for number, line in enumerate(lines) if line.startswith(" mujoco"))
+    assert "joint: tuned, default" in lines[mujoco]
+    assert lines[mujoco + 1].split() == ["contact:", "tuned,", "default"]
+
+
 def test_unknown_option_is_one_line_and_exit_code_2(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_command(app, ["--all"]) == 2
     assert capsys.readouterr().err.startswith("error: ")

@@ -45,7 +45,8 @@ def run(executor: LocalExecutor, engine: str) -> Result:
 @pytest.fixture(scope="module")
 def shared() -> Iterator[LocalExecutor]:
     """One worker at a time, for tests that only look at a worker without a task so far."""
-    with LocalExecutor(1) as executor:
+    with pytest.MonkeyPatch.context() as environment, LocalExecutor(1) as executor:
+        environment.delenv("OPENBLAS_NUM_THREADS", raising=False)  # which the tests' own processes have
         executor._worker_for("reference")
         yield executor
 
