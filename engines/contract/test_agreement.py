@@ -29,7 +29,7 @@ UNINFORMED_POINTS = 2
 or of the reference, which saves tens of periods. Either way it is the residual of the engine's own period that ends it.
 """
 
-LAW_RESIDUAL = 1e-9
+ORBIT_RESIDUAL = 1e-9
 """Of the law's orbit: a tenth of what the engine itself has to reach in double precision."""
 
 
@@ -41,7 +41,7 @@ def test_transmittance_at_six_points_agrees_with_the_reference(tuned: Variant) -
     tolerance = SCHEME_TOLERANCE_DB if shares else CONVERGED_TOLERANCE_DB
     expected = periodic_orbits(baseline, STEPS)
     law = law_of(tuned.preset)
-    near = expected if law is None else periodic_orbits(law.build(lanes), STEPS, tolerance=LAW_RESIDUAL)
+    near = expected if law is None else periodic_orbits(law.build(lanes), STEPS, tolerance=ORBIT_RESIDUAL)
     starts = State.stack([orbit.trajectory.end for orbit in near[UNINFORMED_POINTS:]])
     orbits = [
         *_orbits(tuned, lanes[:UNINFORMED_POINTS], None),
