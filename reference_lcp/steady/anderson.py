@@ -56,6 +56,12 @@ PATIENCE_PER_CELL = 5
 """The same for each cell: a Krylov method may stand still until it has as many differences as there are dimensions,
 four a cell, and does so close to the resonances of undamped chains."""
 
+HOPELESS = 4
+"""Times the patience in which a search has to halve its best residual, or it is given up.
+
+Of 13,000 searches of all engines with seven cells that converged, 14 took more than 120 periods.
+"""
+
 LARGEST_RISE = 1e3
 """Residual over the best one beyond which a lane starts again from its best iterate at once.
 
@@ -222,6 +228,8 @@ class FixedPointSearch:
         self._plain = np.full(count, WARM_UP_PERIODS if newton is None else 1)
         self._plain_next = np.full(count, WARM_UP_PERIODS)
         self._stalled = np.zeros(count, dtype=int)
+        self._halved = np.full(count, np.inf)
+        self._since_halved = np.zeros(count, dtype=int)
         self.best = np.zeros((count, width))
         self._best_change = np.zeros((count, width))
         self.best_residual = np.full(count, np.inf)
@@ -304,7 +312,11 @@ class FixedPointSearch:
         lanes = self._active[better]
         self.best[lanes], self.best_residual[lanes] = x[better], residual[better]
         self._best_change[lanes], self._stalled[lanes] = f[better], 0
-        return (residual > self._tolerance) & (residual < LARGEST_RESIDUAL)
+        self._since_halved[self._active] += 1
+        halved = self._active[residual < self._halved[self._active] / 2]
+        self._halved[halved], self._since_halved[halved] = self.best_residual[halved], 0
+        hopeful = self._since_halved[self._active] < HOPELESS * self._patience
+        return (residual > self._tolerance) & (residual < LARGEST_RESIDUAL) & hopeful
 
     def _keep(self, stays: Any) -> None:
         """Leave the lanes that are done out of what is simulated next."""

@@ -96,7 +96,8 @@ def periodic_orbits(
     tolerance
         Residual to reach, see `PeriodicOrbit.residual`.
     max_periods
-        Periods after which the search gives up; the best orbit found is then returned.
+        Periods after which the search gives up; the best orbit found is then returned. So it does where the residual
+        has not been halved for long.
     longest_multiple
         Most periods of the drive after which a motion without a fixed point is searched for a repetition; 1 for
         no such search. See `repetitions`, whose periods come on top of `max_periods`.

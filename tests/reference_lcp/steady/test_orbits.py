@@ -1,5 +1,7 @@
 """Steady states: the linear limits, the certificate, and what happens where there is none."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -23,6 +25,7 @@ from reference_lcp import (
 from reference_lcp.chain.linear_response import stuck_response
 from reference_lcp.chain.simulation import steps_per_period_for
 from reference_lcp.observables.transmittance import rms_transmittance
+from reference_lcp.steady.limits import DEFAULT_PERIODS
 from reference_lcp.steady.orbits import OrbitStatus
 from tests.reference_lcp.cases import EXACT_DB
 
@@ -99,6 +102,25 @@ def test_search_that_runs_out_of_periods_says_so_and_gives_its_best() -> None:
     orbit = orbit_of(Chain.from_ratios(friction_ratio=0.3), 0.9, max_periods=5)
     assert orbit.status is OrbitStatus.PERIOD_LIMIT
     assert 1e-8 < orbit.residual < 10
+
+
+class Restless(CompiledSimulation):
+    """The chain, with a kick at the end of each run that changes its sign from one to the next: nothing repeats."""
+
+    kick = 1e-3
+
+    def advance(self, state, start, steps):
+        end = super().advance(state, start, steps)
+        self.kick = -self.kick
+        return dataclasses.replace(end, positions=end.positions + self.kick * self.lanes[0].drive.amplitude)
+
+
+def test_search_whose_residual_is_not_halved_for_long_is_given_up() -> None:
+    chain = Chain.from_ratios(friction_ratio=0.3)
+    simulation = Restless([Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), 400)])
+    (orbit,) = periodic_orbits(simulation, 400, longest_multiple=1)
+    assert orbit.status is OrbitStatus.PERIOD_LIMIT
+    assert orbit.periods < 250 < DEFAULT_PERIODS
 
 
 def test_unstable_time_step_is_reported_as_divergence_and_leaves_other_lanes_alone() -> None:
