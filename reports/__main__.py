@@ -91,7 +91,8 @@ def report(
     executor = executor_for(workers, time_limit, scheduler)
     report_of_sweep(
         planned, out, store, executor, command_of(chosen, quick, sweep), file=sweep,
-        scope=QUICK if quick else Scope(), ask=ask, retry_blocked=retry_blocked,
+        is_default=not chosen and sweep is None, scope=QUICK if quick else Scope(), ask=ask,
+        retry_blocked=retry_blocked,
     )  # fmt: skip
 
 

@@ -24,10 +24,14 @@ times the residual that certifies an orbit, so that contacts change where they d
 """
 
 LASTING = 1e-4
-"""Columns of I − J shorter than this belong to offsets of cells that stay stuck: they last, and are no error.
+"""Singular values of I − J below this belong to offsets that last, if what they move is at rest.
 
-Round-off leaves 1e-6 of them; where a cell slips, to and fro, it forgets an offset within a period, and leaves about 1.
+Those are offsets of cells that stay stuck, of which round-off leaves 1e-6, and of masses so heavy that they stand. They
+change no amplitude, and are no error. Where a cell slips, to and fro, it forgets an offset within a period.
 """
+
+AT_REST = 1e-3
+"""Largest part of a direction, of length one, that may be velocities, over their scales, in an offset that lasts."""
 
 
 @dataclass(frozen=True)
@@ -48,17 +52,14 @@ class PeriodInverse:
     @classmethod
     def of(cls, orbits: Sequence[PeriodicOrbit]) -> "PeriodInverse":
         """Take the Jacobians of the orbits together; their number of cells and of steps a period is the same."""
-        change = np.eye(4 * orbits[0].lane.chain.cells) - _jacobians(orbits)
-        lasts = np.linalg.norm(change, axis=1) < LASTING
-        last = np.argsort(lasts, axis=1, kind="stable")
-        lasts = np.take_along_axis(lasts, last, axis=1)
-        columns = np.where(lasts[:, None], 0.0, np.take_along_axis(change, last[:, None], axis=2))
-        q, r = np.linalg.qr(columns)
-        rows = np.linalg.inv(r + lasts[:, None] * np.eye(r.shape[1])) @ q.swapaxes(1, 2)
-        outside = np.where(lasts[:, :, None], rows, 0.0)
-        distance = np.empty_like(rows)
-        np.put_along_axis(distance, last[:, :, None], rows - outside, axis=1)
-        return cls(distance, outside.swapaxes(1, 2) @ outside)
+        width = 4 * orbits[0].lane.chain.cells
+        left, sizes, right = np.linalg.svd(np.eye(width) - _jacobians(orbits))
+        at_rest = np.linalg.norm(right[:, :, width // 2 :], axis=2) < AT_REST
+        lasts = (sizes < LASTING) & at_rest
+        shown = np.where(lasts, 0.0, 1 / np.where(lasts, 1.0, sizes))
+        outside = np.where(lasts[:, None], left, 0.0)
+        distance = (right.swapaxes(1, 2) * shown[:, None]) @ left.swapaxes(1, 2)
+        return cls(distance, outside @ outside.swapaxes(1, 2))
 
     @property
     def newton(self) -> FloatArray:

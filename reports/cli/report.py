@@ -56,11 +56,12 @@ def report_of_sweep(
     command: str,
     *,
     file: Path | None,
+    is_default: bool,
     scope: Scope,
     ask: bool,
     retry_blocked: bool,
 ) -> None:
-    """Run what the store lacks of a sweep, which a `file` may name, and write the report."""
+    """Run what the store lacks of a sweep, which a `file` or nothing at all may name, and write the report."""
     announce_compilation()
     store = store if store is not None else out / STORE
     if not ask:
@@ -73,6 +74,8 @@ def report_of_sweep(
     except KeyboardInterrupt:
         announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
         raise typer.Exit(ExitCode.INTERRUPTED) from None
+    if is_default:
+        _announce_left_out(planned)
     _end(written)
 
 
@@ -91,19 +94,21 @@ def _variants(chosen: list[str]) -> list[Variant]:
 
 
 def _default_sweep(quick: bool) -> Sweep:
-    """Give the sweep of Figure 3 with the default variants whose laws say what they do at every point, and name others.
+    """Give the sweep of Figure 3 with the default variants whose laws say what they do at every point.
 
     What no law predicts is unexplained wherever it departs, and the comparison would always fail.
     """
     planned = _figure3(default_variants(), quick)
-    unpredicted = dict.fromkeys(task.variant for task in planned.tasks() if not _is_predicted(task))
-    for variant in unpredicted:
-        print(
-            f"left out: {variant.title}, whose law does not say what it does at every point; "
-            f"--engine {variant} compares it",
-            file=sys.stderr,
-        )
+    unpredicted = {task.variant for task in planned.tasks() if not _is_predicted(task)}
     return replace(planned, variants=tuple(variant for variant in planned.variants if variant not in unpredicted))
+
+
+def _announce_left_out(planned: Sweep) -> None:
+    """Name the default variants that are not in the default sweep."""
+    for variant in default_variants():
+        if variant not in planned.variants:
+            reason = "whose law does not say what it does at every point"
+            print(f"left out: {variant.title}, {reason}; --engine {variant} compares it", file=sys.stderr)
 
 
 def _is_predicted(task: SteadyStateTask) -> bool:

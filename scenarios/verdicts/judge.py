@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference_lcp.accuracy.richardson import richardson
+from reference_lcp.accuracy.richardson import SAFETY, richardson
 from reference_lcp.validation import FloatArray
 from scenarios.tasks.result import Result, ResultStatus, repetition
 from scenarios.verdicts.finding import Metric
@@ -38,10 +38,13 @@ class Steps:
         Numbers, or arrays of one shape, by steps a period.
     at
         Number of steps whose value is judged; without it, the largest.
+    limit
+        What the values tend to for ever finer steps, where that is known: errors are then measured, not estimated.
     """
 
     values: Mapping[int, Number]
     at: int | None = None
+    limit: Number | None = None
 
     @property
     def judged(self) -> Number:
@@ -49,12 +52,19 @@ class Steps:
         return self.values[max(self.values) if self.at is None else self.at]
 
     def error(self, metric: Metric) -> float:
-        """Estimate the error of the judged value on the scale of the metric; zero where there is one step only."""
+        """Estimate the error of the judged value on the scale of the metric; zero where there is one step only.
+
+        Of values whose limit is known it is `SAFETY` times the largest error of first order that any of them shows.
+        """
         if len(self.values) == 1:
             return 0.0
         steps = sorted(self.values)
         scaled = np.array([_scaled(metric, self.values[count]) for count in steps])
-        return float(np.max(richardson(steps, scaled, self.at).error))
+        if self.limit is None:
+            return float(np.max(richardson(steps, scaled, self.at).error))
+        judged = steps[-1] if self.at is None else self.at
+        errors = np.abs(scaled - _scaled(metric, self.limit))
+        return SAFETY * float(np.max(np.max(errors.reshape(len(steps), -1), axis=1) * np.array(steps) / judged))
 
 
 def judge(

@@ -206,10 +206,14 @@ class Evidence:
         results = [self.coarse, self.fine, *([] if self.finest is None else [self.finest])]
         return Steps({result.steps_per_period: read(result) for result in results}, self.fine.steps_per_period)
 
-    def scheme_steps(self, read: Callable[[Result], Number]) -> Steps:
-        """Read a number of the reference's results; its error with the steps of the judged one counts."""
+    def scheme_steps(self, read: Callable[[Result], Number], expected: Number | None = None) -> Steps:
+        """Read a number of the reference's results; its error with the steps of the judged one counts.
+
+        Where `expected` is exact to `RESOLVED_DB`, the error is measured; the reference itself has to estimate it.
+        """
         values = {result.steps_per_period: read(result) for result in self.scheme}
-        return Steps(values, self.scheme[1].steps_per_period)
+        known = self.expected.bar_db <= RESOLVED_DB and self.variant.engine != REFERENCE.engine
+        return Steps(values, self.scheme[1].steps_per_period, expected if known else None)
 
 
 def is_resolved(result: Result, amplified: float) -> bool:

@@ -212,7 +212,7 @@ def _stuck(evidence: Evidence) -> Finding:
             STUCK_FRACTION,
             evidence.steps(read),
             expected,
-            scheme=evidence.scheme_steps(read),
+            scheme=evidence.scheme_steps(read, expected),
             resolution=resolution,
             effect=WHOLE_PERIOD,
         )

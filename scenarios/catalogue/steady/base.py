@@ -210,7 +210,7 @@ def transmittance_finding(evidence: Evidence) -> Finding:
         evidence.steps(lambda result: result.transmittance_db),
         expected,
         bar=evidence.expected.bar_db,
-        scheme=evidence.scheme_steps(lambda result: result.transmittance_db),
+        scheme=evidence.scheme_steps(lambda result: result.transmittance_db, expected),
         resolution=evidence.resolution_db(expected),
         effect=evidence.effect.transmittance_db,
     )
@@ -233,7 +233,7 @@ def phase_findings(evidence: Evidence) -> list[Finding]:
         evidence.steps(read),
         expected,
         bar=evidence.expected.phase_bar,
-        scheme=evidence.scheme_steps(read),
+        scheme=evidence.scheme_steps(read, expected),
         resolution=amplitude_in_degrees(evidence.resolution(level), level),
         effect=evidence.effect.phase,
     )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reference_lcp import Chain, HarmonicBase
+from reference_lcp import Chain, HarmonicBase, HarmonicForce
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
@@ -68,3 +68,15 @@ def test_residual_of_a_chain_whose_contacts_open_is_amplified_by_some_tens_at_mo
     assert lane.opens
     assert orbit.converged
     assert 1 <= residual_amplification(orbit) < 100
+
+
+@pytest.mark.parametrize("frequency_ratio", [0.8, 1.3])
+def test_offset_of_a_mass_so_heavy_that_it_stands_is_no_error(frequency_ratio) -> None:
+    """Den Hartog's oscillator beside a mass a million times as heavy: both may stand elsewhere, and move alike."""
+    chain = Chain(
+        cells=1, outer_mass=1.0, inner_mass=1e6, chain_stiffness=50.0, inner_stiffness=50.0, normal_force=4.0,
+        friction_coefficient=1.0,
+    )  # fmt: skip
+    lane = Lane.periodic(chain, HarmonicForce(10.0, frequency_ratio * 10), 800)
+    (orbit,) = periodic_orbits(CompiledSimulation([lane]), 800)
+    assert residual_amplification(orbit) < 10

@@ -43,10 +43,21 @@ def no_computation(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Evaluator, "evaluate", refuse)
 
 
+def test_the_default_report_has_what_comes_with_an_engine_where_a_law_says_what_it_does_everywhere(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    names = {str(variant) for variant in report.planned_sweep(None, None, quick=True).variants}
+    assert {"mujoco", "mujoco:joint:default", "pybullet:joint:default", "exudyn-regularised", "exudyn-bristle"} <= names
+    assert not names & {"exudyn-regularised:joint:default", "exudyn-bristle:joint:default"}
+    report._announce_left_out(report.planned_sweep(None, None, quick=True))
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "--engine exudyn-regularised:joint:default" in line
+
+
 @pytest.fixture
 def small_grid(monkeypatch: pytest.MonkeyPatch) -> None:
-    def asked(names: list[str], quick: bool) -> Sweep:
-        return figure3(tuple(Variant(name) for name in names), **SMALL)
+    def asked(variants: list[Variant], quick: bool) -> Sweep:
+        return figure3(tuple(variants), **SMALL)
 
     monkeypatch.setattr(report, "_figure3", asked)
     monkeypatch.setattr(collect, "Scope", lambda: Scope(((0.3, 0.9),), (0.3,), (0.6, 0.9), step_study=False))
