@@ -15,6 +15,7 @@ from plotly.offline import get_plotlyjs
 from reports.data.report import Report
 from reports.figures.figure import Figure
 from reports.figures.plotly_backend import plot
+from reports.figures.printing import Printer
 from reports.formatting import fixed, per_cell, ratio, scientific, signed, span, typeset
 from reports.page.section import SUITE_TEMPLATES, Section, registered_sections
 from reports.page.sections import (
@@ -74,8 +75,10 @@ def page(title: str, parts: Sequence[Section]) -> RenderedPage:
 
     A section that fails says so in its place; the others are there.
     """
-    registry = _Registry()
-    rendered = [_rendered(part, registry) for part in parts]
+    drawn = [_figures(part) for part in parts]
+    with Printer(figure for figures in drawn if not isinstance(figures, Exception) for figure in figures) as printer:
+        registry = _Registry(printer)
+        rendered = [_rendered(part, figures, registry) for part, figures in zip(parts, drawn, strict=True)]
     html = _environment(SUITE_TEMPLATES).get_template("page.html").render(
         title=title,
         sections=rendered,
@@ -88,35 +91,48 @@ def page(title: str, parts: Sequence[Section]) -> RenderedPage:
 class _Registry:
     """Figures that are on the page so far."""
 
-    def __init__(self) -> None:
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
         self.plots: dict[str, Any] = {}
         self.files: dict[str, bytes] = {}
 
     def html(self, figure: Figure) -> Markup:
         """Draw a figure, keep its files, and give its element."""
-        from reports.figures.matplotlib_backend import print_files  # matplotlib is imported once a backend is chosen
-
         if figure.name in self.plots:
             raise ValueError(f"two figures are called {figure.name!r}; allowed: names of their own")
         self.plots[figure.name] = plot(figure)
-        files = print_files(figure)
+        files = self._printer.files(figure)
         kind, image = ("png", files.pop("png")) if "png" in files else ("svg+xml", files["svg"])
         self.files |= {f"{figure.name}.{ending}": content for ending, content in files.items()}
         template = _environment(SUITE_TEMPLATES).get_template("figure.html")
         return Markup(template.render(figure=figure, kind=kind, image=base64.b64encode(image).decode("ascii")))
 
 
-def _rendered(part: Section, registry: _Registry) -> RenderedSection:
+def _figures(part: Section) -> Sequence[Figure] | Exception:
+    """Give the figures of a section, or why it has none."""
     try:
-        drawn = {figure.name: registry.html(figure) for figure in part.figures()}
-        template = _environment(part.templates).get_template(f"{part.template}.html")
-        html = template.render(**part.context(), figure=drawn.__getitem__, figures=list(drawn.values()))
+        return list(part.figures())
+    except Exception as problem:
+        return problem
+
+
+def _rendered(part: Section, figures: Sequence[Figure] | Exception, registry: _Registry) -> RenderedSection:
+    try:
+        html = _content(part, figures, registry)
     except Exception as problem:
         if part.templates == SUITE_TEMPLATES:
             raise
         print(f"section {part.title!r} failed: {type(problem).__name__}: {problem}", file=sys.stderr)
         html = Markup("<p class='blocked'>This section failed: {}: {}</p>").format(type(problem).__name__, problem)
     return RenderedSection(part.title, part.template, Markup(html))
+
+
+def _content(part: Section, figures: Sequence[Figure] | Exception, registry: _Registry) -> str:
+    if isinstance(figures, Exception):
+        raise figures
+    drawn = {figure.name: registry.html(figure) for figure in figures}
+    template = _environment(part.templates).get_template(f"{part.template}.html")
+    return template.render(**part.context(), figure=drawn.__getitem__, figures=list(drawn.values()))
 
 
 def _environment(package: str) -> Environment:

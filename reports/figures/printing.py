@@ -1,0 +1,54 @@
+"""Figures drawn for print, as many at a time as there are processors."""
+
+import multiprocessing
+import os
+from collections.abc import Iterable
+from concurrent.futures import Future, ProcessPoolExecutor
+from types import TracebackType
+from typing import Self
+
+from reports.figures.figure import Figure
+
+FEWEST = 4
+"""Figures for which another process is begun: drawing one takes a third of a second."""
+
+
+class Printer:
+    """Files of figures, see `matplotlib_backend.print_files`; drawn in forked processes where the system has them.
+
+    Parameters
+    ----------
+    figures
+        What will be asked for.
+    """
+
+    def __init__(self, figures: Iterable[Figure]):
+        from reports.figures.matplotlib_backend import print_files  # imported once, before processes are forked
+
+        self._print = print_files
+        self._pool: ProcessPoolExecutor | None = None
+        self._files: dict[int, Future[dict[str, bytes]]] = {}
+        expected = list(figures)
+        processes = min(os.cpu_count() or 1, len(expected) // FEWEST)
+        if processes > 1 and "fork" in multiprocessing.get_all_start_methods():
+            self._pool = ProcessPoolExecutor(processes, multiprocessing.get_context("fork"))
+            self._files = {id(figure): self._pool.submit(print_files, figure) for figure in expected}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(cancel_futures=True)
+
+    def files(self, figure: Figure) -> dict[str, bytes]:
+        """Give the files of a figure, by ending.
+
+        Raises
+        ------
+        Exception
+            Whatever drawing it raises.
+        """
+        return self._files[id(figure)].result() if id(figure) in self._files else self._print(figure)

@@ -1,0 +1,35 @@
+"""Figures that several processes draw for print are those that one draws; one that fails says so when asked for."""
+
+import dataclasses
+
+import pytest
+
+from reports.data.report import Report
+from reports.figures import printing
+from reports.figures.matplotlib_backend import print_files
+from reports.figures.printing import Printer
+from reports.page.render import sections
+
+
+@pytest.fixture(params=[2, 1], ids=["two processes", "one"])
+def processors(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> int:
+    monkeypatch.setattr(printing.os, "cpu_count", lambda: request.param)
+    monkeypatch.setattr(printing, "FEWEST", 1)
+    return request.param
+
+
+@pytest.mark.usefixtures("processors")
+def test_files_of_figures_are_the_same_however_many_processes_draw_them(report: Report) -> None:
+    figures = [figure for section in sections(report) for figure in section.figures()][:3]
+    with Printer(figures) as printer:
+        assert [printer.files(figure) for figure in figures] == [print_files(figure) for figure in figures]
+
+
+@pytest.mark.usefixtures("processors")
+def test_a_figure_that_cannot_be_drawn_leaves_the_others(report: Report) -> None:
+    figures = [figure for section in sections(report) for figure in section.figures()][:2]
+    broken = dataclasses.replace(figures[0], height="high")
+    with Printer([broken, *figures]) as printer:
+        with pytest.raises(Exception, match=r"high|unsupported|type"):
+            printer.files(broken)
+        assert printer.files(figures[1]) == print_files(figures[1])
