@@ -30,8 +30,9 @@ from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 REFINEMENTS = (1, 2, 4)
 """Numbers of steps that are compared, over the fewest of them."""
 
-BATCH = 128
-"""Orbits that are refined together: more save no time, and three recorded periods of each are in memory."""
+BATCH = 900
+"""Cells of orbits that are refined together: more save no time, and three recorded periods of each are in memory, and
+while Jacobians are taken a state of the chain for each component of its own."""
 
 
 @dataclass(frozen=True)
@@ -129,13 +130,13 @@ def measured_error_bars(
     checked_count("max_periods", max_periods)
     if not orbits:
         return []
-    common_cells([orbit.lane for orbit in orbits])
+    together = max(1, BATCH // common_cells([orbit.lane for orbit in orbits]))
     steps = {orbit.trajectory.steps for orbit in orbits}
     if len(steps) > 1:
         raise ParameterError(f"a batch holds periods of {sorted(steps)} steps; allowed: one number of steps")
     bars: list[ErrorBar] = []
-    for first in range(0, len(orbits), BATCH):
-        some = orbits[first : first + BATCH]
+    for first in range(0, len(orbits), together):
+        some = orbits[first : first + together]
         inverse = PeriodInverse.of(some)
         finer = refined_orbits(some, REFINEMENTS[1:], inverse, tolerance=tolerance, max_periods=max_periods)
         bars += _error_bars([some, *finer], 0, inverse.amplification)
