@@ -42,8 +42,7 @@ def report(
             "--engine",
             metavar="NAME[:FORMULATION[:PRESET]]",
             help="An engine to compare, in the formulation joint and the preset tuned unless others are named; "
-            "may be repeated. Without it: the engines that come with the suite, tuned and as they come where a model "
-            "predicts their steps; all: every one that is registered, tuned.",
+            "may be repeated. Without it: the suite's, tuned and, where a model predicts it, default; all: every one.",
         ),
     ] = None,
     sweep: Annotated[
@@ -91,8 +90,7 @@ def report(
     executor = executor_for(workers, time_limit, scheduler)
     report_of_sweep(
         planned, out, store, executor, command_of(chosen, quick, sweep), file=sweep,
-        is_default=not chosen and sweep is None, scope=QUICK if quick else Scope(), ask=ask,
-        retry_blocked=retry_blocked,
+        is_default=not (chosen or sweep), scope=QUICK if quick else Scope(), ask=ask, retry_blocked=retry_blocked,
     )  # fmt: skip
 
 

@@ -96,8 +96,7 @@ def periodic_orbits(
     tolerance
         Residual to reach, see `PeriodicOrbit.residual`.
     max_periods
-        Periods after which the search gives up; the best orbit found is then returned. So it does where the residual
-        has not been halved for long.
+        Periods after which the search gives up, if its residual has been halved at times; it gives the best orbit then.
     longest_multiple
         Most periods of the drive after which a motion without a fixed point is searched for a repetition; 1 for
         no such search. See `repetitions`, whose periods come on top of `max_periods`.
@@ -125,8 +124,8 @@ def periodic_orbits(
     late = [lane for lane, orbit in enumerate(orbits) if not orbit.converged]
     if late and max_periods > 1:
         ends = State.stack([orbits[lane].trajectory.end for lane in late])
-        part = part_of(simulation, late)
-        found = searched(part, ends, steps_per_period, tolerance, max_periods - 1, longest_multiple)
+        rest = part_of(simulation, late)
+        found = searched(rest, ends, steps_per_period, tolerance, max_periods - 1, longest_multiple)
         for number, orbit in zip(late, found, strict=True):
             orbits[number] = dataclasses.replace(orbit, periods=orbit.periods + 1)
     return orbits

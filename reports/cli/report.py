@@ -7,9 +7,9 @@ from pathlib import Path
 
 import typer
 
-from engines.interface.law_engine import law_of
 from engines.interface.registry import engine_names
 from engines.interface.variant import Variant, default_variants
+from engines.shared.law_distance import stepped_by, unclaimed_reason
 from reference_lcp.compilation import announce_compilation
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.interrupt import announce_interrupt
@@ -112,8 +112,8 @@ def _announce_left_out(planned: Sweep) -> None:
 
 
 def _is_predicted(task: SteadyStateTask) -> bool:
-    law = law_of(task.variant.preset)
-    return law is None or law.unmodelled_reason(task.lane()[0]) is None
+    law = stepped_by(task.variant)
+    return law is None or unclaimed_reason(law, task.lane()[0]) is None
 
 
 def _figure3(variants: list[Variant], quick: bool) -> Sweep:
