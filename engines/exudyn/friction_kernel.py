@@ -1,4 +1,9 @@
-"""The compiled equations of Exudyn's contacts; see `friction_models` for what they take."""
+"""The compiled equations of Exudyn's contacts; see `friction_models` for what they take.
+
+`numbers`, shape (3, n), are the rows bound, first and second of `ContactNumbers`. `workspace`, shape (n + 2, n), is kept
+from one substep to the next: the regime of every contact, the right-hand sides of the equations in it, and the inverse
+of their matrix. Arrays are handed on one by one: to unpack a tuple of them costs as much as the equations.
+"""
 
 from typing import Any
 
@@ -8,85 +13,190 @@ import numpy as np
 from engines.exudyn.friction_models import BRISTLE, DISC, DISC_CORRECTIONS, ZONE
 from reference_lcp.stepping.linear_implicit_kernel import solve_contacts
 
+_UNKNOWN = 9.0
+"""What no regime is."""
+
 
 @numba.njit(cache=True, error_model="numpy")
-def force_of(elongation: Any, slip: Any, contacts: Any, law: Any) -> Any:
-    """Give φ of contacts whose motion is known."""
-    kind, bound, first, second, _ = law
+def force_of(elongation: Any, slip: Any, contacts: Any, kind: Any, numbers: Any, i: Any) -> Any:
+    """Give φ of a contact whose motion is known."""
+    bound, first, second = numbers[0, i], numbers[1, i], numbers[2, i]
     if kind != BRISTLE:
-        return bound * np.minimum(np.maximum(slip / first, -1.0), 1.0)
-    stuck = (contacts[0] == 0) & (bound > 0)
-    return np.where(stuck, first * (elongation - contacts[1]) + second * slip, contacts[0])
+        return _in_zone(slip, bound, first)
+    if contacts[0, i] == 0 and bound > 0:
+        return first * (elongation - contacts[1, i]) + second * slip
+    return contacts[0, i]
 
 
 @numba.njit(cache=True, error_model="numpy")
-def softness_of(law: Any) -> Any:
-    """Give the laws w = −z φ / F of zones, as `solve_contacts` takes them."""
-    _, bound, first, _, _ = law
-    return first / bound, np.zeros(bound.size), np.zeros(bound.size)
+def _in_zone(slip: Any, bound: Any, width: Any) -> Any:
+    """Give φ of a zone."""
+    return bound * min(max(slip / width, -1.0), 1.0)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def new_workspace(cells: Any) -> Any:
+    """Give the workspace of a run: its regimes are those of no contact."""
+    return np.full((cells + 2, cells), _UNKNOWN)
 
 
 @numba.njit(cache=True, error_model="numpy")
 def solve_friction(
-    elongation: Any, slip: Any, compliance: Any, mobility: Any, contacts: Any, law: Any, softness: Any, force: Any
-) -> Any:
-    """Give λ = −φ from x_free, w_free, P and V; `contacts` change, and a search starts from the last `force`."""
-    kind, bound, first, second, tolerance = law
+    elongation: Any,
+    slip: Any,
+    compliance: Any,
+    mobility: Any,
+    contacts: Any,
+    kind: Any,
+    numbers: Any,
+    tolerance: Any,
+    workspace: Any,
+    force: Any,
+) -> None:
+    """Replace `force`, the last λ = −φ, by that from x_free, w_free, P and V; `contacts` change.
+
+    Of zones it finds the regime too: only where the last one does not hold.
+    """
     if kind == ZONE:
-        solve_contacts(slip, mobility, bound, softness, force)
-        return force
-    if kind == DISC:
-        return -_correct_discs(slip, mobility, contacts[0], bound, first, tolerance)
-    force = _hold_bristles(elongation, slip, compliance, mobility, contacts, (bound, first, second))
-    _correct_bristles(elongation - compliance @ force, slip - mobility @ force, contacts, (bound, first, second))
-    return -force
+        _find_regime(slip, mobility, numbers, workspace, force)
+    elif kind == DISC:
+        _correct_discs(slip, mobility, contacts, numbers, tolerance, workspace, force)
+    else:
+        _hold_bristles(elongation, slip, compliance, mobility, contacts, numbers, workspace, force)
+        _correct_bristles(elongation, slip, compliance, mobility, contacts, numbers, force)
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _correct_discs(free: Any, mobility: Any, last: Any, bound: Any, zone: Any, tolerance: Any) -> Any:
-    """Give φ of discs, which are in their zone, or not, by the slip velocity of the last correction.
+def _multiply(workspace: Any, force: Any) -> None:
+    """Give the forces: the inverse times the right-hand sides."""
+    cells = force.size
+    for i in range(cells):
+        total = 0.0
+        for j in range(cells):
+            total += workspace[2 + i, j] * workspace[1, j]
+        force[i] = total
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _added(free: Any, matrix: Any, i: Any, force: Any) -> Any:
+    """Give an elongation or a slip velocity with the part of the forces."""
+    total = free[i]
+    for j in range(force.size):
+        total += matrix[i, j] * force[j]
+    return total
+
+
+@numba.njit(cache=True, error_model="numpy")
+def regime_holds(slip: Any, mobility: Any, numbers: Any, workspace: Any, force: Any) -> Any:
+    """Solve zones in the regime of the last substep, 0 in the zone and ±1 beyond, and say whether it still holds."""
+    cells = slip.size
+    if workspace[0, 0] == _UNKNOWN:
+        return False
+    for i in range(cells):
+        regime = workspace[0, i]
+        workspace[1, i] = regime * numbers[0, i] if regime != 0 else -slip[i]
+    _multiply(workspace, force)
+    for i in range(cells):
+        regime, bound = workspace[0, i], numbers[0, i]
+        if regime == 0:
+            if abs(force[i]) > bound:
+                return False
+        elif bound > 0 and -regime * _added(slip, mobility, i, force) < numbers[1, i]:
+            return False
+    return True
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _find_regime(slip: Any, mobility: Any, numbers: Any, workspace: Any, force: Any) -> None:
+    """Solve zones by sweeps, and keep the regime that they find."""
+    bound, softness, none = numbers[0], numbers[1] / numbers[0], np.zeros(slip.size)
+    solve_contacts(slip, mobility, bound, (softness, none, none), force)
+    matrix = np.zeros(mobility.shape)
+    for i in range(slip.size):
+        workspace[0, i], matrix[i, i] = -1.0 if force[i] < 0 else 1.0, 1.0
+        if abs(force[i]) < bound[i]:
+            workspace[0, i] = 0.0
+            matrix[i] = mobility[i]
+            matrix[i, i] += softness[i]
+    workspace[2:] = np.linalg.inv(matrix)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _correct_discs(
+    free: Any, mobility: Any, last: Any, numbers: Any, tolerance: Any, workspace: Any, force: Any
+) -> None:
+    """Give λ of discs, which are in their zone, or not, by the slip velocity of the last correction.
 
     In its zone a force is not cut off at the bound before the next correction.
     """
-    force = np.empty(bound.size)
+    matrix = np.empty(mobility.shape)
     for _ in range(DISC_CORRECTIONS):
-        in_zone = (np.abs(last) <= zone) & (last != 0)
-        rate = np.where(in_zone, bound / zone, 0.0)
-        given = np.where(in_zone, 0.0, bound * np.sign(last))
-        matrix = np.eye(bound.size) + rate.reshape(-1, 1) * mobility
-        force = np.linalg.solve(matrix, rate * free + given)
-        last[:] = free - mobility @ force
-        corrected = bound * np.minimum(np.maximum(last / zone, -1.0), 1.0)
-        if np.max(np.abs(corrected - force)) <= tolerance:
-            break
-    return force
+        for i in range(free.size):
+            bound, zone = numbers[0, i], numbers[1, i]
+            in_zone = last[0, i] != 0 and abs(last[0, i]) <= zone
+            rate = bound / zone if in_zone else 0.0
+            workspace[1, i] = -rate * free[i] if in_zone else -bound * np.sign(last[0, i])
+            for j in range(free.size):
+                matrix[i, j] = rate * mobility[i, j]
+            matrix[i, i] += 1.0
+        workspace[2:] = np.linalg.inv(matrix)
+        _multiply(workspace, force)
+        error = 0.0
+        for i in range(free.size):
+            last[0, i] = _added(free, mobility, i, force)
+            error = max(error, abs(_in_zone(last[0, i], numbers[0, i], numbers[1, i]) + force[i]))
+        if error <= tolerance:
+            return
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _hold_bristles(elongation: Any, slip: Any, compliance: Any, mobility: Any, contacts: Any, numbers: Any) -> Any:
-    """Give φ of bristles in the states that they have at the start of the substep."""
-    bound, stiffness, damping = numbers
-    stuck = (contacts[0] == 0) & (bound > 0)
-    spring, dashpot = np.where(stuck, stiffness, 0.0), np.where(stuck, damping, 0.0)
-    matrix = np.eye(bound.size) + spring.reshape(-1, 1) * compliance + dashpot.reshape(-1, 1) * mobility
-    return np.linalg.solve(matrix, spring * (elongation - contacts[1]) + dashpot * slip + contacts[0])
+def _hold_bristles(
+    elongation: Any,
+    slip: Any,
+    compliance: Any,
+    mobility: Any,
+    contacts: Any,
+    numbers: Any,
+    workspace: Any,
+    force: Any,
+) -> None:
+    """Give λ of bristles in the states that they have at the start of the substep; a regime is 1 in stick, else 0."""
+    changed = False
+    for i in range(slip.size):
+        stuck = 1.0 if contacts[0, i] == 0 and numbers[0, i] > 0 else 0.0
+        changed = changed or stuck != workspace[0, i]
+        held = numbers[1, i] * (elongation[i] - contacts[1, i]) + numbers[2, i] * slip[i]
+        workspace[0, i], workspace[1, i] = stuck, -held if stuck > 0 else -contacts[0, i]
+    if changed:
+        matrix = np.empty(mobility.shape)
+        for i in range(slip.size):
+            spring, dashpot = workspace[0, i] * numbers[1, i], workspace[0, i] * numbers[2, i]
+            for j in range(slip.size):
+                matrix[i, j] = spring * compliance[i, j] + dashpot * mobility[i, j]
+            matrix[i, i] += 1.0
+        workspace[2:] = np.linalg.inv(matrix)
+    _multiply(workspace, force)
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _correct_bristles(elongation: Any, slip: Any, contacts: Any, numbers: Any) -> None:
+def _correct_bristles(
+    free_elongation: Any, free_slip: Any, compliance: Any, mobility: Any, contacts: Any, numbers: Any, force: Any
+) -> None:
     """Change the states of bristles at the end of a substep; its forces stay as they were.
 
     A stuck one slips where its force has passed the bound, in the direction of the slip velocity, not of the force. A
     slipping one takes its foot along; where the velocity has reversed it sticks, with the force that it had.
     """
-    bound, stiffness, damping = numbers
-    for i in range(bound.size):
-        before, direction = contacts[0, i], np.sign(slip[i]) * bound[i]
-        if before == 0 and bound[i] > 0:
-            force = stiffness[i] * (elongation[i] - contacts[1, i]) + damping[i] * slip[i]
-            contacts[0, i] = direction if abs(force) > bound[i] else 0.0
-        elif slip[i] * before < 0:
+    for i in range(force.size):
+        bound, stiffness, damping = numbers[0, i], numbers[1, i], numbers[2, i]
+        elongation = _added(free_elongation, compliance, i, force)
+        slip = _added(free_slip, mobility, i, force)
+        before, direction = contacts[0, i], np.sign(slip) * bound
+        if before == 0 and bound > 0:
+            passed = abs(stiffness * (elongation - contacts[1, i]) + damping * slip) > bound
+            contacts[0, i] = direction if passed else 0.0
+        elif slip * before < 0:
             contacts[0, i] = 0.0
-            contacts[1, i] = elongation[i] - (before - damping[i] * slip[i]) / stiffness[i]
+            contacts[1, i] = elongation - (before - damping * slip) / stiffness
         else:
-            contacts[0, i], contacts[1, i] = direction, elongation[i]
+            contacts[0, i], contacts[1, i] = direction, elongation

@@ -71,13 +71,14 @@ class GeneralisedAlphaLane(LaneModel):
     def __init__(self, lane: Lane, rule: IntegrationRule, numbers: ContactNumbers, substeps: int):
         self.lane = lane
         self._numbers, self._substeps = numbers, substeps
+        self._friction = numbers.kind, numbers.tolerance, np.vstack([numbers.bound, numbers.first, numbers.second])
         chain, h = lane.chain, lane.time_step / substeps
         self._rule = (h, substeps, *astuple(rule))
         place, speed = rule.current * h * h * rule.beta, rule.current * h * rule.gamma
         inverse = np.linalg.inv(chain.mass_matrix + speed * chain.damping_matrix + place * chain.stiffness_matrix)
         response = inverse @ chain.contact_directions
+        self._inverse_mass = np.linalg.inv(chain.mass_matrix)
         self._matrices = (
-            (np.linalg.inv(chain.mass_matrix), chain.stiffness_matrix, chain.damping_matrix),
             np.ascontiguousarray(-(inverse @ chain.stiffness_matrix).T),
             np.ascontiguousarray(-(inverse @ chain.damping_matrix).T),
             np.ascontiguousarray(inverse[:, 0]),
@@ -103,6 +104,14 @@ class GeneralisedAlphaLane(LaneModel):
         """Advance as `run` does, and keep the end only."""
         return self._integrate(state, start, steps, np.empty((0, 5 * self.lane.chain.cells)))
 
+    def _accelerations(self, motion: FloatArray, forces: FloatArray, load: float) -> FloatArray:
+        """Give the accelerations of a state, whose contacts have forces φ."""
+        chain = self.lane.chain
+        rest = -(chain.stiffness_matrix @ motion[0] + chain.damping_matrix @ motion[1] + chain.contact_directions @ forces)
+        rest[0] += load
+        accelerations: FloatArray = self._inverse_mass @ rest
+        return accelerations
+
     def _contacts_at(self, state: State, load: float) -> FloatArray:
         """Give what contacts keep at the start of a run, shape (2, n), with `load` [N] on cell 1."""
         slip = self.lane.chain.contact_directions.T @ state.velocities[0]
@@ -114,12 +123,14 @@ class GeneralisedAlphaLane(LaneModel):
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
         """Run the kernel; a run begins with new accelerations, as Exudyn's do."""
-        from engines.exudyn.generalised_alpha_kernel import advance  # numba is imported once something moves
+        from engines.exudyn.generalised_alpha_kernel import advance, forces  # numba is imported once something moves
 
         lane, (length, parts) = self.lane, self._rule[:2]
         times = length * np.arange(start * parts, (start + steps) * parts + 1, dtype=np.float64)
         loads = lane.drive.load(lane.chain, times)
         motion = np.vstack([state.positions[0], state.velocities[0]])
         contacts = self._contacts_at(state, float(loads[0]))
-        advance(motion, contacts, loads, self._matrices, self._rule, astuple(self._numbers), record)
+        kind, tolerance, rows = self._friction
+        first = self._accelerations(motion, forces(motion, contacts, kind, rows), float(loads[0]))
+        advance(motion, contacts, first, loads, self._matrices, self._rule, kind, rows, tolerance, record)
         return State(motion[:1], motion[1:], self._internal_state(motion[0], contacts))
