@@ -1,8 +1,8 @@
 """The compiled equations of Exudyn's contacts; see `friction_models` for what they take.
 
-`numbers`, shape (3, n), are the rows bound, first and second of `ContactNumbers`. `workspace`, shape (n + 2, n), is kept
-from one substep to the next: the regime of every contact, the right-hand sides of the equations in it, and the inverse
-of their matrix. Arrays are handed on one by one: to unpack a tuple of them costs as much as the equations.
+`numbers`, shape (3, n), are the rows bound, first and second of `ContactNumbers`. `workspace`, shape (n + 2, n), is
+kept from one substep to the next: the regime of every contact, the right-hand sides of the equations in it, and the
+inverse of their matrix. Arrays are handed on one by one: to unpack a tuple of them costs as much as the equations.
 """
 
 from typing import Any

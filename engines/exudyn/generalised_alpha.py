@@ -107,7 +107,8 @@ class GeneralisedAlphaLane(LaneModel):
     def _accelerations(self, motion: FloatArray, forces: FloatArray, load: float) -> FloatArray:
         """Give the accelerations of a state, whose contacts have forces φ."""
         chain = self.lane.chain
-        rest = -(chain.stiffness_matrix @ motion[0] + chain.damping_matrix @ motion[1] + chain.contact_directions @ forces)
+        elastic = chain.stiffness_matrix @ motion[0] + chain.damping_matrix @ motion[1]
+        rest = -(elastic + chain.contact_directions @ forces)
         rest[0] += load
         accelerations: FloatArray = self._inverse_mass @ rest
         return accelerations

@@ -46,7 +46,10 @@ def advance(
     tolerance: Any,
     record: Any,
 ) -> None:
-    """Advance motion and contacts in place from the accelerations `first`; `record` is (steps, 5n), or has no rows when nothing is kept."""
+    """Advance motion and contacts in place, from the accelerations `first`.
+
+    `record` is (steps, 5n), or has no rows when nothing is kept.
+    """
     place_columns, speed_columns, load_column, response, coupling = matrices
     h, parts, algorithmic_part, previous_part, current_part, beta, gamma = rule
     q, v = motion[0], motion[1]
@@ -72,9 +75,7 @@ def advance(
             slip[i] = (v[cells + i] + speed * inner) - (v[i] + speed * outer)
         # What nearly every substep does is compiled into the loop: it takes two thirds of the time.
         if kind != ZONE or not regime_holds(slip, mobility, numbers, workspace, force):
-            solve_friction(
-                elongation, slip, compliance, mobility, contacts, kind, numbers, tolerance, workspace, force
-            )
+            solve_friction(elongation, slip, compliance, mobility, contacts, kind, numbers, tolerance, workspace, force)
         _add_product(response, force, acceleration)
         for i in range(2 * cells):
             q[i] += place * acceleration[i]
