@@ -15,11 +15,11 @@ from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, op
 from reference_lcp.one_call import SteadyState
 from reference_lcp.refusal import ParameterError
 from reference_lcp.steady.amplification import residual_amplification
-from reference_lcp.steady.neighbours import orbits_beside_euler
+from reference_lcp.steady.neighbours import orbits_beside_euler, orbits_from_balance
 from reference_lcp.steady.orbits import OrbitStatus, PeriodicOrbit, part_of, periodic_orbits
 from scenarios.execution.checked_simulation import CheckedSimulation, check_trajectory
 from scenarios.execution.failures import results_together
-from scenarios.execution.law_start import begins_beside, law_starts
+from scenarios.execution.law_start import begins_beside, law_orbits
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import Start, SteadyStateTask
@@ -76,20 +76,26 @@ def _orbits(
 ) -> list[PeriodicOrbit]:
     """Search every lane: from its law's steady state where there is one, and beside the reference's otherwise."""
     tolerance = variant.capabilities.residual
-    if start is Start.HARMONIC_BALANCE or not begins_beside(variant):
+    if not begins_beside(variant):
         return periodic_orbits(simulation, steps, tolerance=tolerance)
-    starts = law_starts(variant, lanes, steps)
+    if start is Start.HARMONIC_BALANCE:
+        return orbits_from_balance(simulation, steps, tolerance=tolerance)
     orbits: dict[int, PeriodicOrbit] = {}
-    known = [lane for lane, state in enumerate(starts) if state is not None]
-    if known:
-        begin = State.stack([state for state in starts if state is not None])
-        part = periodic_orbits(part_of(simulation, known), steps, start=begin, tolerance=tolerance)
-        orbits = dict(zip(known, part, strict=True))
-    other = [lane for lane, state in enumerate(starts) if state is None]
-    if other:
-        beside = orbits_beside_euler(part_of(simulation, other), steps, tolerance=tolerance)
-        orbits |= dict(zip(other, beside, strict=True))
-    return [orbits[lane] for lane in range(len(starts))]
+    groups = defaultdict(list)
+    laws = law_orbits(variant, lanes, steps)
+    for lane, law in enumerate(laws):
+        groups[None if law is None else law.converged].append(lane)
+    for has_orbit, group in groups.items():
+        begin = [law.trajectory.end for lane in group if (law := laws[lane]) is not None]
+        part = part_of(simulation, group)
+        if has_orbit is None:
+            beside = orbits_beside_euler(part, steps, tolerance=tolerance)
+        elif has_orbit:
+            beside = periodic_orbits(part, steps, start=State.stack(begin), tolerance=tolerance)
+        else:
+            beside = orbits_beside_euler(part, steps, tolerance=tolerance, start=State.stack(begin), anew=False)
+        orbits |= dict(zip(group, beside, strict=True))
+    return [orbits[lane] for lane in range(len(lanes))]
 
 
 def _result(variant: Variant, state: SteadyState, seconds: float, recorded: bool) -> Result:

@@ -10,7 +10,7 @@ searched both ways, and those that differ are undecided.
 import cmath
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from engines.interface.variant import Variant
@@ -73,7 +73,7 @@ def check_starts(
     samples = {variant: _sample(result, variant, least) for variant in result.sweep.variants if begins_beside(variant)}
     differing = _differing(result, [row for sample in samples.values() for row in sample], evaluator)
     doubtful = {result.points[row].variant for row, apart in differing.items() if apart}
-    rest = [row for row, point in enumerate(result.points) if point.variant in doubtful and row not in differing]
+    rest = [row for row in _steady_rows(result, doubtful) if row not in differing]
     differing |= _differing(result, rest, evaluator)
     checks = defaultdict(list)
     for row, apart in differing.items():
@@ -84,9 +84,14 @@ def check_starts(
     )
 
 
+def _steady_rows(result: ComparedSweep, variants: Collection[Variant]) -> list[int]:
+    """Give the rows of variants that have a steady state."""
+    return [row for row, point in enumerate(result.points) if point.variant in variants and point.result.converged]
+
+
 def _sample(result: ComparedSweep, variant: Variant, least: int) -> list[int]:
     """Choose rows of a variant that have a steady state, by the hashes of their tasks: at random, and always alike."""
-    rows = [row for row, point in enumerate(result.points) if point.variant == variant and point.result.converged]
+    rows = _steady_rows(result, {variant})
     count = max(least, math.ceil(SHARE * len(rows)))
     return sorted(rows, key=lambda row: result.sweep.task(*result.points[row][:3]).key())[:count]
 

@@ -9,7 +9,13 @@ from reference_lcp.observables.stick_slip import contact_modes
 from reference_lcp.observables.transmittance import transmittance
 from reference_lcp.steady import neighbours
 from reference_lcp.steady.amplification import PeriodInverse
-from reference_lcp.steady.neighbours import LONGEST_CHAIN, orbits_beside, orbits_beside_euler
+from reference_lcp.steady.neighbours import (
+    LONGEST_CHAIN,
+    NEWTON_PERIODS,
+    orbits_beside,
+    orbits_beside_euler,
+    orbits_from_balance,
+)
 from reference_lcp.steady.orbits import periodic_orbits
 
 STEPS = 400
@@ -66,6 +72,28 @@ def test_steps_that_lead_nowhere_are_given_up_for_harmonic_balance() -> None:
     found = orbits_beside(simulation, start, [True] * len(orbits), away, STEPS, tolerance=TOLERANCE)
     assert [orbit.converged for orbit in found] == [True] * len(orbits)
     assert amplitudes(found) == pytest.approx(amplitudes(orbits), rel=1e-7)
+
+
+def test_where_nothing_is_found_and_nothing_else_is_to_be_tried_the_best_of_the_search_is_given() -> None:
+    simulation = simulation_of()
+    orbits = periodic_orbits(simulation, STEPS, tolerance=TOLERANCE)
+    away = -30 * PeriodInverse.of(orbits).newton
+    start = State.at_rest(len(orbits), 7)
+    known = [True] * len(orbits)
+    found = orbits_beside(simulation, start, known, away, STEPS, tolerance=TOLERANCE, longest_multiple=1, anew=False)
+    assert [orbit.converged for orbit in found] == [False] * len(orbits)
+    assert max(orbit.periods for orbit in found) == NEWTON_PERIODS + 1
+
+
+def test_from_harmonic_balance_the_same_motion_is_found_by_newtons_steps_in_two_thirds_of_the_periods(
+    monkeypatch,
+) -> None:
+    harder = rubbing_harder(monkeypatch)
+    plain = periodic_orbits(harder, STEPS, tolerance=TOLERANCE)
+    newton = orbits_from_balance(harder, STEPS, tolerance=TOLERANCE)
+    assert all(orbit.converged for orbit in newton)
+    assert amplitudes(newton) == pytest.approx(amplitudes(plain), rel=1e-7)
+    assert sum(orbit.periods for orbit in newton) < sum(orbit.periods for orbit in plain) * 2 / 3
 
 
 def test_long_chains_are_searched_without_their_jacobian(monkeypatch) -> None:

@@ -8,9 +8,11 @@ from engines.interface.law_engine import law_of
 from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
 from engines.pymunk import Pymunk
+from reference_lcp.steady.neighbours import NEWTON_PERIODS
 from reference_lcp.steady.orbits import periodic_orbits
+from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE
 from scenarios.execution.batch import run_batch
-from scenarios.execution.law_start import law_starts
+from scenarios.execution.law_start import law_orbits
 from scenarios.tasks.parameters import ChainRatios, Modulation
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import Start, SteadyStateTask
@@ -72,10 +74,24 @@ def test_a_preset_whose_steps_are_not_modelled_is_searched_beside_the_reference(
     assert beside.transmittance_db == pytest.approx(balanced.transmittance_db, abs=1e-5)
 
 
+@installed(ExudynBristle)
+def test_where_the_law_itself_has_no_steady_state_the_engine_is_given_some_periods_and_no_more() -> None:
+    """A bristle sticks at the ends of substeps only: here the motion never repeats, in the law and in the engine."""
+    variant = Variant("exudyn-bristle")
+    task = SteadyStateTask(variant=variant, friction_ratio=0.3, frequency_ratio=1.55)
+    (law,) = law_orbits(variant, [task.lane()[0]], 400)
+    assert law is not None
+    assert not law.converged
+    (result,) = run_batch([task])
+    assert result.status == "period limit"
+    assert result.periods <= NEWTON_PERIODS + 2 * LONGEST_MULTIPLE
+    assert result.residual < 1e-2
+
+
 def starts_of(name: str, **more) -> list[bool]:
     variant = Variant.parse(name)
     lanes = [task.lane()[0] for task in tasks_of(variant, **more)]
-    return [state is not None for state in law_starts(variant, lanes, 400)]
+    return [orbit is not None for orbit in law_orbits(variant, lanes, 400)]
 
 
 @pytest.mark.parametrize("name", ["reference", "reference:joint:converged", "pymunk@law:joint:default"])
