@@ -12,6 +12,7 @@ import xarray as xr
 from reference_lcp.output import write_whole
 from reports.data.report import Report
 from reports.export.tables import table_files
+from reports.figures.drawn import DrawnFigures
 from reports.page.render import page, sections
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
@@ -26,9 +27,12 @@ FIGURES = "figures"
 FILES = ("band_edges.csv", "transmittance.csv", "transitions.csv", "report.json", NETCDF, PAGE)
 
 
-def files_of(report: Report) -> dict[str, bytes]:
-    """Give the content of every file of a report by its path in the report's folder, the page last."""
-    rendered = page(TITLE, sections(report))
+def files_of(report: Report, drawn: DrawnFigures | None = None) -> dict[str, bytes]:
+    """Give the content of every file of a report by its path in its folder, the page last.
+
+    Figures that are `drawn` already are not drawn again.
+    """
+    rendered = page(TITLE, sections(report), drawn)
     return {
         **{name: text.encode() for name, text in table_files(report).items()},
         **{f"{FIGURES}/{name}": content for name, content in rendered.figures.items()},

@@ -2,11 +2,12 @@
 
 import multiprocessing
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from types import TracebackType
 from typing import Self
 
+from reports.figures.drawn import DrawnFigures
 from reports.figures.figure import Figure
 
 FEWEST = 4
@@ -20,17 +21,23 @@ class Printer:
     ----------
     figures
         What will be asked for.
+    drawn
+        What need not be drawn again.
     """
 
-    def __init__(self, figures: Iterable[Figure]):
-        from reports.figures.matplotlib_backend import print_files  # imported once, before processes are forked
-
-        self._print = print_files
+    def __init__(self, figures: Iterable[Figure], drawn: DrawnFigures | None = None):
+        every = list(figures)
+        self._drawn = {} if drawn is None else {id(figure): drawn.files(figure) for figure in every}
         self._pool: ProcessPoolExecutor | None = None
         self._files: dict[int, Future[dict[str, bytes]]] = {}
-        expected = list(figures)
+        self._begin([figure for figure in every if not self._drawn.get(id(figure))])
+
+    def _begin(self, expected: Sequence[Figure]) -> None:
+        """Draw figures in processes, if there are enough of them."""
         processes = min(os.cpu_count() or 1, len(expected) // FEWEST)
         if processes > 1 and "fork" in multiprocessing.get_all_start_methods():
+            from reports.figures.matplotlib_backend import print_files  # imported once, before processes are forked
+
             self._pool = ProcessPoolExecutor(processes, multiprocessing.get_context("fork"))
             self._files = {id(figure): self._pool.submit(print_files, figure) for figure in expected}
 
@@ -51,4 +58,10 @@ class Printer:
         Exception
             Whatever drawing it raises.
         """
-        return self._files[id(figure)].result() if id(figure) in self._files else self._print(figure)
+        if files := self._drawn.get(id(figure)):
+            return files
+        if id(figure) in self._files:
+            return self._files[id(figure)].result()
+        from reports.figures.matplotlib_backend import print_files
+
+        return print_files(figure)

@@ -13,6 +13,7 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from reports.data.report import Report
+from reports.figures.drawn import INDEX, DrawnFigures, index_of
 from reports.figures.figure import Figure
 from reports.figures.plotly_backend import plot
 from reports.figures.printing import Printer
@@ -57,7 +58,7 @@ class RenderedPage:
     html
         The document.
     figures
-        Every figure as SVG and PDF, by file name.
+        Every figure as SVG and PDF, dense ones as PNG too, and their index, by file name.
     """
 
     html: str
@@ -70,15 +71,16 @@ def sections(report: Report) -> list[Section]:
     return [section for section in every if section.shown]
 
 
-def page(title: str, parts: Sequence[Section]) -> RenderedPage:
-    """Render sections into one HTML document, and draw their figures.
+def page(title: str, parts: Sequence[Section], drawn: DrawnFigures | None = None) -> RenderedPage:
+    """Render sections into one HTML document, and draw those of their figures that are not drawn.
 
     A section that fails says so in its place; the others are there.
     """
-    drawn = [_figures(part) for part in parts]
-    with Printer(figure for figures in drawn if not isinstance(figures, Exception) for figure in figures) as printer:
+    described = [_figures(part) for part in parts]
+    expected = [figure for figures in described if not isinstance(figures, Exception) for figure in figures]
+    with Printer(expected, drawn) as printer:
         registry = _Registry(printer)
-        rendered = [_rendered(part, figures, registry) for part, figures in zip(parts, drawn, strict=True)]
+        rendered = [_rendered(part, figures, registry) for part, figures in zip(parts, described, strict=True)]
     html = _environment(SUITE_TEMPLATES).get_template("page.html").render(
         title=title,
         sections=rendered,
@@ -94,7 +96,7 @@ class _Registry:
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
         self.plots: dict[str, Any] = {}
-        self.files: dict[str, bytes] = {}
+        self._printed: list[tuple[Figure, dict[str, bytes]]] = []
 
     def html(self, figure: Figure) -> Markup:
         """Draw a figure, keep its files, and give its element."""
@@ -102,10 +104,16 @@ class _Registry:
             raise ValueError(f"two figures are called {figure.name!r}; allowed: names of their own")
         self.plots[figure.name] = plot(figure)
         files = self._printer.files(figure)
-        kind, image = ("png", files.pop("png")) if "png" in files else ("svg+xml", files["svg"])
-        self.files |= {f"{figure.name}.{ending}": content for ending, content in files.items()}
+        self._printed.append((figure, files))
+        kind, image = ("png", files["png"]) if "png" in files else ("svg+xml", files["svg"])
         template = _environment(SUITE_TEMPLATES).get_template("figure.html")
         return Markup(template.render(figure=figure, kind=kind, image=base64.b64encode(image).decode("ascii")))
+
+    @property
+    def files(self) -> dict[str, bytes]:
+        """Files of all figures, by name, and their index."""
+        every = {f"{figure.name}.{ending}": file for figure, files in self._printed for ending, file in files.items()}
+        return {**every, INDEX: index_of(self._printed)}
 
 
 def _figures(part: Section) -> Sequence[Figure] | Exception:

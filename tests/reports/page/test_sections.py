@@ -61,7 +61,7 @@ def test_a_section_of_another_package_is_rendered_with_its_figure(report: Report
     rendered = page("A page", [Residuals(report), OpenPoints(report)])
     assert f"<p>{len(report.result.points)} points & &lt;none&gt;</p>" in rendered.html
     assert '<div class="plot" data-plot="residuals">' in rendered.html
-    assert set(rendered.figures) == {"residuals.svg", "residuals.pdf"}
+    assert set(rendered.figures) == {"residuals.svg", "residuals.pdf", "drawn.json"}
     assert "Points that do not agree" in rendered.html
 
 

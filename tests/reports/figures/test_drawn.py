@@ -1,0 +1,72 @@
+"""Figures that a folder has already are not drawn again; what is damaged, missing or different is."""
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from reports.data.report import Report
+from reports.export.files import FIGURES, files_of, write_all
+from reports.figures import drawn, matplotlib_backend
+from reports.figures.drawn import INDEX, DrawnFigures, described
+from reports.figures.figure import Figure
+from reports.page.render import sections
+
+
+def figures_of(report: Report) -> list[Figure]:
+    return [figure for section in sections(report) for figure in section.figures()]
+
+
+@pytest.fixture
+def folder(files: dict[str, bytes], tmp_path: Path) -> Path:
+    """A report's folder."""
+    write_all(tmp_path, files)
+    return tmp_path / FIGURES
+
+
+def to_be_drawn(report: Report, folder: Path) -> list[str]:
+    """Names of the figures that have to be drawn."""
+    kept = DrawnFigures(folder)
+    return [figure.name for figure in figures_of(report) if kept.files(figure) is None]
+
+
+def test_the_same_report_again_draws_nothing_and_is_the_same(report, files, folder, monkeypatch) -> None:
+    monkeypatch.setattr(matplotlib_backend, "print_files", None)
+    assert figures_of(report)
+    assert to_be_drawn(report, folder) == []
+    assert files_of(report, DrawnFigures(folder)) == files
+
+
+@pytest.mark.parametrize("index", [b"", b"[1, 2", b"[]", b"null", b'{"figure3": 3}', b"\xff"])
+def test_without_a_readable_index_everything_is_drawn(report, folder, index) -> None:
+    (folder / INDEX).write_bytes(index)
+    assert to_be_drawn(report, folder) == [figure.name for figure in figures_of(report)]
+
+
+def test_a_file_that_was_changed_or_taken_away_is_drawn_again(report, folder) -> None:
+    first, second = figures_of(report)[:2]
+    file = folder / f"{first.name}.svg"
+    file.write_bytes(file.read_bytes()[:-1])
+    (folder / f"{second.name}.pdf").unlink()
+    assert to_be_drawn(report, folder) == [first.name, second.name]
+
+
+def test_other_versions_of_what_draws_draw_again(report, folder, monkeypatch) -> None:
+    drawn._backend.cache_clear()
+    monkeypatch.setattr(drawn, "version", lambda package: f"another {package}")
+    assert to_be_drawn(report, folder) == [figure.name for figure in figures_of(report)]
+    drawn._backend.cache_clear()
+
+
+def test_every_part_of_a_description_counts(report) -> None:
+    figure = next(figure for figure in figures_of(report) if figure.panels[0].marks)
+    panel = figure.panels[0]
+    fewer = dataclasses.replace(panel, marks=panel.marks[1:])
+    wider = dataclasses.replace(panel, x=dataclasses.replace(panel.x, range=(0.125, 7.0)))
+    others = [
+        dataclasses.replace(figure, height=figure.height + 1e-12),
+        dataclasses.replace(figure, panels=[fewer, *figure.panels[1:]]),
+        dataclasses.replace(figure, panels=[wider, *figure.panels[1:]]),
+    ]
+    assert len({described(each) for each in (figure, *others)}) == 4
+    assert described(dataclasses.replace(figure)) == described(figure)
