@@ -15,7 +15,9 @@ One difference may vanish by chance where the error does not. For 1, 1/2 and 1/4
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -78,41 +80,70 @@ def richardson(
         If there are fewer than two numbers of steps, if they do not ascend, or if `at` is none of them.
     """
     array = np.asarray(values, dtype=np.float64)
-    counts = np.asarray(steps, dtype=np.float64)
-    if counts.size < 2 or np.any(np.diff(counts) <= 0) or counts[0] <= 0 or counts.size != array.shape[0]:
-        raise ParameterError(
-            f"steps = {list(steps)} with {array.shape[0]} values; allowed: two at least, ascending, a value for each"
-        )
-    if at is not None and at not in steps:
-        raise ParameterError(f"at = {at}; allowed: one of {list(steps)}")
-    place = counts.size - 1 if at is None else list(steps).index(at)
-    sizes = 1 / counts
-    pairs = _first_order(sizes, array, place)
-    if place == counts.size - 1:
-        pairs.append(sum(pairs[-2:], np.zeros(array.shape[1:])))
-    errors = [*pairs, *_second_order(sizes, array, place)]
+    place = _checked_place(steps, array.shape[0], at)
+    sizes = [1 / count for count in steps]
     finest = (array[-1] - array[-2]) * sizes[-1] / (sizes[-2] - sizes[-1])
     return Estimate(
         value=array[place],
-        error=SAFETY * np.max(errors, axis=0),
-        order=_order(counts, array),
+        error=SAFETY * np.max(_errors(sizes, array, place), axis=0),
+        order=_order(np.asarray(steps, dtype=np.float64), array),
         extrapolated=array[-1] + finest,
     )
 
 
-def _first_order(sizes: FloatArray, values: FloatArray, place: int) -> list[FloatArray]:
-    """Error at a place by the first-order part, from every two neighbours."""
-    return [np.abs(np.diff(values[k : k + 2], axis=0)[0]) / (a - b) * sizes[place]
-            for k, (a, b) in enumerate(pairwise(sizes))]  # fmt: skip
+@lru_cache(maxsize=100_000)
+def richardson_error(steps: tuple[int, ...], values: tuple[float, ...], at: int | None = None) -> float:
+    """Give the error that `richardson` estimates of a number, fast, and at once where it was asked for before.
+
+    Parameters
+    ----------
+    steps, values, at
+        As for `richardson`, but for `values` being numbers.
+
+    Raises
+    ------
+    ParameterError
+        As `richardson`.
+    """
+    place = _checked_place(steps, len(values), at)
+    if any(map(math.isnan, values)):
+        return math.nan
+    return SAFETY * max(_errors([1 / count for count in steps], values, place))
 
 
-def _second_order(sizes: FloatArray, values: FloatArray, place: int) -> list[FloatArray]:
-    """Error at a place by both parts, from every three neighbours that it is one of."""
+def _checked_place(steps: Sequence[int], count: int, at: int | None) -> int:
+    """Give the place of the value that is judged."""
+    if len(steps) < 2 or any(a >= b for a, b in pairwise(steps)) or steps[0] <= 0 or len(steps) != count:
+        raise ParameterError(
+            f"steps = {list(steps)} with {count} values; allowed: two at least, ascending, a value for each"
+        )
+    if at is not None and at not in steps:
+        raise ParameterError(f"at = {at}; allowed: one of {list(steps)}")
+    return len(steps) - 1 if at is None else list(steps).index(at)
+
+
+def _errors(sizes: Sequence[float], values: Any, place: int) -> list[Any]:
+    """Give all estimates of the error at a place, of numbers or of arrays."""
+    pairs = [
+        abs(later - earlier) / (a - b) * sizes[place]
+        for (a, b), (earlier, later) in zip(pairwise(sizes), pairwise(values), strict=True)
+    ]
+    if place == len(sizes) - 1:
+        pairs.append(sum(pairs[-2:]))
+    return [*pairs, *_second_order(sizes, values, place)]
+
+
+def _second_order(sizes: Sequence[float], values: Any, place: int) -> list[Any]:
+    """Give the errors at a place by both parts, from every three neighbours that it is one of."""
     errors = []
-    for first in range(max(place - 2, 0), min(place, sizes.size - 3) + 1):
-        three = sizes[first : first + 3]
-        weights = [math.prod(b / (b - a) for b in three if b != a) for a in three]
-        errors.append(np.abs(values[place] - np.tensordot(weights, values[first : first + 3], axes=1)))
+    for first in range(max(place - 2, 0), min(place, len(sizes) - 3) + 1):
+        a, b, c = sizes[first : first + 3]
+        at_zero = (
+            values[first] * (b * c / ((b - a) * (c - a)))
+            + values[first + 1] * (a * c / ((a - b) * (c - b)))
+            + values[first + 2] * (a * b / ((a - c) * (b - c)))
+        )
+        errors.append(abs(values[place] - at_zero))
     return errors
 
 

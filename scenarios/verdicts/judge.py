@@ -8,11 +8,10 @@ All errors of steps are those of `reference_lcp.accuracy.richardson`.
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
-from reference_lcp.accuracy.richardson import SAFETY, richardson
+from reference_lcp.accuracy.richardson import SAFETY, richardson, richardson_error
 from reference_lcp.validation import FloatArray
 from scenarios.tasks.result import Result, ResultStatus, repetition
 from scenarios.verdicts.finding import Metric
@@ -62,18 +61,12 @@ class Steps:
         steps = sorted(self.values)
         scaled = np.array([_scaled(metric, self.values[count]) for count in steps])
         if self.limit is None and scaled.ndim == 1:
-            return _error_of_numbers(tuple(steps), tuple(scaled.tolist()), self.at)
+            return richardson_error(tuple(steps), tuple(scaled.tolist()), self.at)
         if self.limit is None:
             return float(np.max(richardson(steps, scaled, self.at).error))
         judged = steps[-1] if self.at is None else self.at
         errors = np.abs(scaled - _scaled(metric, self.limit))
         return SAFETY * float(np.max(np.max(errors.reshape(len(steps), -1), axis=1) * np.array(steps) / judged))
-
-
-@lru_cache(maxsize=10_000)
-def _error_of_numbers(steps: tuple[int, ...], values: tuple[float, ...], at: int | None) -> float:
-    """Estimate an error; those of the reference are asked for once a variant."""
-    return float(richardson(steps, values, at).error)
 
 
 def judge(

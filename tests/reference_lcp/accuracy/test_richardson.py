@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from reference_lcp.accuracy.richardson import SAFETY, richardson
+from reference_lcp.accuracy.richardson import SAFETY, richardson, richardson_error
 from reference_lcp.refusal import ParameterError
 
 LIMIT = -3.0
@@ -70,3 +70,15 @@ def test_a_value_that_is_not_known_leaves_the_error_unknown() -> None:
 def test_what_tells_nothing_of_an_error_is_refused(steps, numbers, at, message) -> None:
     with pytest.raises(ParameterError, match=message):
         richardson(steps, numbers, at)
+
+
+@pytest.mark.parametrize("steps", [(100, 200), (100, 200, 400), (10, 30, 90, 91), (1, 2, 3, 4, 8)])
+def test_the_error_of_a_number_is_that_of_an_array_of_one(steps) -> None:
+    draw = np.random.default_rng(5)
+    for at in (None, *steps):
+        numbers = draw.normal(size=(len(steps), 20))
+        each = [richardson_error(steps, tuple(column), at) for column in numbers.T.tolist()]
+        assert each == pytest.approx(richardson(steps, numbers, at).error, rel=1e-12)
+    assert math.isnan(richardson_error(steps, (math.nan, *[1.0] * (len(steps) - 1)), steps[-1]))
+    with pytest.raises(ParameterError, match="at = 7"):
+        richardson_error(steps, (1.0,) * len(steps), 7)
