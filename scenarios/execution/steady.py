@@ -19,7 +19,7 @@ from reference_lcp.steady.neighbours import orbits_beside_euler, orbits_from_bal
 from reference_lcp.steady.orbits import OrbitStatus, PeriodicOrbit, part_of, periodic_orbits
 from scenarios.execution.checked_simulation import CheckedSimulation, check_trajectory
 from scenarios.execution.failures import results_together
-from scenarios.execution.law_start import begins_beside, law_orbits
+from scenarios.execution.law_start import law_orbits
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import Start, SteadyStateTask
@@ -76,7 +76,7 @@ def _orbits(
 ) -> list[PeriodicOrbit]:
     """Search every lane: from its law's steady state where there is one, and beside the reference's otherwise."""
     tolerance = variant.capabilities.residual
-    if not begins_beside(variant):
+    if variant.engine == EULER.engine:
         return periodic_orbits(simulation, steps, tolerance=tolerance)
     if start is Start.HARMONIC_BALANCE:
         return orbits_from_balance(simulation, steps, tolerance=tolerance)

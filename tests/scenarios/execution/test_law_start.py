@@ -95,7 +95,7 @@ def starts_of(name: str, **more) -> list[bool]:
 
 
 @pytest.mark.parametrize("name", ["reference", "reference:joint:converged", "pymunk@law:joint:default"])
-def test_the_reference_and_the_laws_begin_at_harmonic_balance(name) -> None:
+def test_neither_the_reference_nor_a_law_begins_at_a_law(name) -> None:
     assert starts_of(name) == [False] * len(POINTS)
 
 
