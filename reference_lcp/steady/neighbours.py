@@ -20,7 +20,7 @@ from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
 from reference_lcp.validation import FloatArray
 
-NEWTON_PERIODS = 60
+NEWTON_PERIODS = 40
 """Periods after which a search beside a known steady state gives up, and begins anew at harmonic balance.
 
 Of laws and engines that were tried, those that are near enough to the Euler scheme for Newton's steps need 8 to 25.

@@ -67,11 +67,25 @@ def ask(install, tmp_path):
     return asked
 
 
-def test_segmentation_fault_a_hang_and_a_killed_process_block_their_own_points_only(ask) -> None:
-    rows = ask("reference", "faulty-crash", "faulty-hang", "faulty-killed", "mujoco")
+@pytest.fixture(scope="module")
+def rows(install, tmp_path_factory) -> dict[tuple[str, float], tuple[str, str]]:
+    """Answers of engines that end, hang or are held up, together on four workers: their time limits pass at once."""
+    hanging = ("faulty-hang", "faulty-stopped", "faulty-disarms", "faulty-sending")
+    others = ("reference", "faulty-crash", "faulty-killed", "faulty-thread", "mujoco")
+    folder = tmp_path_factory.mktemp("deadly")
+    script = folder / "ask.py"
+    script.write_text(SCRIPT.replace("LocalExecutor(2", "LocalExecutor(4"))
+    begin = time.monotonic()
+    names = ",".join((*hanging, *others))
+    printed = install("faulty").run(str(script), names, str(folder / "store.sqlite"), "[0.4, 0.5, 0.9]")
+    assert time.monotonic() - begin < 180  # a stopped process would never end
+    return {(engine, eta): (status, reason) for engine, eta, status, reason, _ in json.loads(printed)}
+
+
+def test_segmentation_fault_a_hang_and_a_killed_process_block_their_own_points_only(rows) -> None:
+    deadly = {"faulty-crash", "faulty-hang", "faulty-killed", "faulty-stopped", "faulty-disarms", "faulty-sending"}
     for (engine, eta), (status, _) in rows.items():
-        deadly = eta == 0.5 and engine.startswith("faulty")
-        assert status == ("blocked" if deadly else "converged"), (engine, eta)
+        assert status == ("blocked" if eta == 0.5 and engine in deadly else "converged"), (engine, eta)
     assert rows["faulty-crash", 0.5][1].startswith("the worker process crashed: Segmentation fault, in ")
     assert rows["faulty-hang", 0.5][1].startswith(f"stopped at the time limit of {LIMIT:g} s, in run (deadly.py:")
     assert rows["faulty-killed", 0.5][1] == "the worker process was killed"
@@ -88,14 +102,11 @@ def test_whatever_an_engine_raises_is_the_result_of_its_point_alone(ask) -> None
     assert rows["faulty-unspeakable", 0.5][1] == "UnspeakableError: its message cannot be read (RuntimeError)"
 
 
-def test_the_time_limit_holds_for_a_process_that_cannot_keep_it_itself(ask) -> None:
+def test_the_time_limit_holds_for_a_process_that_cannot_keep_it_itself(rows) -> None:
     """One is stopped, one has disarmed its alarm: both are ended from outside, with their process groups."""
-    begin = time.monotonic()
-    rows = ask("faulty-stopped", "faulty-disarms", "reference")
     for name in ("faulty-stopped", "faulty-disarms"):
         assert rows[name, 0.5] == ("blocked", f"stopped at the time limit of {LIMIT:g} s")
         assert rows[name, 0.4][0] == rows[name, 0.9][0] == "converged"
-    assert time.monotonic() - begin < 180  # a stopped process would never end
 
 
 def test_an_engine_that_forks_is_answered_once_and_leaves_no_process(install, tmp_path) -> None:
@@ -108,9 +119,8 @@ def test_an_engine_that_forks_is_answered_once_and_leaves_no_process(install, tm
     assert not running(int(child.read_text()))
 
 
-def test_worker_that_is_stopped_while_it_sends_and_one_with_a_thread_left_behind_end(ask) -> None:
+def test_worker_that_is_stopped_while_it_sends_and_one_with_a_thread_left_behind_end(rows) -> None:
     """One message ends in the middle; the other process would wait for its thread. The client waits for neither."""
-    rows = ask("faulty-sending", "faulty-thread", ratios=(0.4, 0.5))
     assert rows["faulty-sending", 0.5] == ("blocked", f"stopped at the time limit of {LIMIT:g} s")
     assert (
         rows["faulty-sending", 0.4][0] == rows["faulty-thread", 0.4][0] == rows["faulty-thread", 0.5][0] == "converged"
