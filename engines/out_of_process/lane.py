@@ -1,12 +1,11 @@
 """One chain in an engine that runs in another Python."""
 
-import weakref
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from engines.interface.presets import Preset
+from engines.out_of_process.built import REQUEST_LIMIT, STEP_LIMIT, Built
 from engines.out_of_process.process import EngineProcess, EngineProcessError
 from engines.out_of_process.worker import Message
 from engines.shared.units import Units
@@ -14,12 +13,6 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_array, checked_count
-
-REQUEST_LIMIT = 60.0
-"""Seconds that any request may take, on a machine that is busy."""
-
-STEP_LIMIT = 0.02
-"""Seconds that a step may take beside; a hundred times what one of the slowest engine here does."""
 
 
 class OutOfProcessLane(LaneModel):
@@ -40,16 +33,10 @@ class OutOfProcessLane(LaneModel):
     def __init__(self, process: EngineProcess, lane: Lane, preset: Preset, formulation: str):
         preset = preset if lane.preload is None else preset.modulated()
         self.lane = lane
-        self._process = process
         self._preset = preset
         self._units = Units.named(preset["units"], lane)
-        self._parameters = self._chain_parameters() | {
-            **{name: option.value for name, option in preset.options.items()},
-            "formulation": formulation,
-        }
-        self._generation = 0
-        self._number = -1
-        self._release: Callable[[], object] = int
+        options = {name: option.value for name, option in preset.options.items()}
+        self._built = Built(process, self._chain_parameters() | options | {"formulation": formulation})
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state`, in one request; see `LaneModel.run`."""
@@ -77,8 +64,7 @@ class OutOfProcessLane(LaneModel):
 
     def close(self) -> None:
         """Let the worker drop the chain; another use builds it again."""
-        self._release()
-        self._generation = 0
+        self._built.close()
 
     def _loads(self, start: int, steps: int) -> FloatArray:
         """Force on cell 1 in each step [N], shape (steps,): the one at its start, as equation (5) takes it."""
@@ -127,19 +113,8 @@ class OutOfProcessLane(LaneModel):
         return self._units.normal_state(rows["gap"][-1], rows["gap_rate"][-1]) if self.lane.opens else None
 
     def _request(self, request: str, steps: int, /, **values: Any) -> Message:
-        self._ensure_built()
         try:
-            return self._process.request(request, REQUEST_LIMIT + STEP_LIMIT * steps, number=self._number, **values)
+            return self._built.request(request, REQUEST_LIMIT + STEP_LIMIT * steps, **values)
         except EngineProcessError as problem:
             problem.add_note(f"lane: {self.lane.chain.cells} cells, time step {self.lane.time_step:g} s")
             raise
-
-    def _ensure_built(self) -> None:
-        """Build the chain unless the worker that runs has it."""
-        if self._generation == self._process.generation and self._process.alive():
-            return
-        self._release()
-        self._number = self._process.new_number()
-        self._process.request("build", REQUEST_LIMIT, number=self._number, **self._parameters)
-        self._generation = self._process.generation
-        self._release = weakref.finalize(self, self._process.release, self._number)

@@ -14,12 +14,17 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
+from engines.out_of_process.crash_log import FATAL, place_of_crash
 from engines.out_of_process.worker import Message, NotAMessage, read_message, write_message
+from reference_lcp.refusal import ParameterError
 
 WORKER = Path(__file__).with_name("worker.py")
 
 GRACE = 5.0
 """Seconds after the limit at which a worker ends by itself, should its parent be gone."""
+
+ABORT_SECONDS = 1.0
+"""Seconds that a worker which is killed has to say where it is; one that has been stopped says nothing."""
 
 LAST_LINES = 5
 """Lines of a crashed worker's error stream that its message quotes."""
@@ -47,15 +52,17 @@ class EngineProcess:
         The Python that has the engine.
     server
         File that serves it; see `engines.out_of_process.worker`.
+    arguments
+        What the server finds in `sys.argv` from the third on.
 
     Notes
     -----
     Requests of several threads wait for each other. After a fork, the new process starts a worker of its own.
     """
 
-    def __init__(self, engine: str, interpreter: str, server: Path):
+    def __init__(self, engine: str, interpreter: str, server: Path, *arguments: str):
         self.engine = engine
-        self._command = [interpreter, "-I", str(WORKER), str(server)]
+        self._command = [interpreter, "-I", str(WORKER), str(server), *arguments]
         self._lock = threading.Lock()
         self._worker: _WorkerProcess | None = None
         self._numbers = itertools.count()
@@ -97,6 +104,8 @@ class EngineProcess:
         EngineProcessError
             If the worker crashes, takes longer, or replies with an error. The next request starts a fresh one
             if this one is lost.
+        ParameterError
+            If that is the error.
         """
         with self._lock:
             worker = self._usable_worker()
@@ -109,9 +118,12 @@ class EngineProcess:
                 self._lose()
                 raise
         if "error" in reply:
-            problem = EngineProcessError(f"{self.engine} in {self._command[0]}: {reply['error']}")
-            problem.add_note(str(reply["traceback"]))
-            raise problem
+            kind, text = str(reply["kind"]), str(reply["error"])
+            if kind == ParameterError.__name__:  # of the suite's own adapter, where that runs there
+                raise ParameterError(text)
+            failure = EngineProcessError(f"{self.engine} in {self._command[0]}: {kind}: {text}")
+            failure.add_note(str(reply["traceback"]))
+            raise failure
         return reply
 
     def close(self) -> None:
@@ -140,11 +152,12 @@ class EngineProcess:
             except NotAMessage as problem:
                 raise EngineProcessError(f"{self.engine} sent something other than a reply: {problem}") from problem
             except (EOFError, OSError) as problem:
+                how, where, printed = worker.how_it_ended()
+                what = f"{self.engine} {how} during {message['request']!r}{where}{printed}"
                 if expired.is_set():
-                    what = f"{self.engine} did not finish {message['request']!r} within {limit:g} s and was killed"
-                else:
-                    how, printed = worker.how_it_ended()
-                    what = f"{self.engine} {how} during {message['request']!r}{printed}"
+                    what = (
+                        f"{self.engine} did not finish {message['request']!r} within {limit:g} s and was killed{where}"
+                    )
                 raise EngineProcessError(what) from problem
 
     def _lose(self) -> None:
@@ -192,15 +205,15 @@ class _WorkerProcess:
         """Drop what was printed so far: an engine may warn in every step."""
         self._errors.truncate(0)
 
-    def how_it_ended(self) -> tuple[str, str]:
-        """Give the signal or the code, and a quotation of what was printed last."""
+    def how_it_ended(self) -> tuple[str, str, str]:
+        """Give the signal or the code, where it was, and a quotation of what was printed last."""
         self._process.wait()
         code = self._process.returncode
         how = f"crashed with signal {-code} ({_signal_name(-code)})" if code < 0 else f"ended with code {code}"
         self._errors.seek(0)
-        lines = self._errors.read().decode(errors="replace").strip().splitlines()[-LAST_LINES:]
-        quoted = " | ".join(line[:LONGEST_LINE] for line in lines)
-        return how, f"; it printed last: {quoted}" if lines else ""
+        printed, _, crash_log = self._errors.read().decode(errors="replace").partition(FATAL)
+        quoted = " | ".join(line[:LONGEST_LINE] for line in printed.strip().splitlines()[-LAST_LINES:])
+        return how, place_of_crash(crash_log), f"; it printed last: {quoted}" if quoted else ""
 
     @contextlib.contextmanager
     def killed_after(self, limit: float) -> Iterator[threading.Event]:
@@ -209,6 +222,9 @@ class _WorkerProcess:
 
         def expire() -> None:
             expired.set()
+            self._process.send_signal(signal.SIGABRT)  # it says where it is
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(ABORT_SECONDS)
             self._process.kill()
 
         timer = threading.Timer(limit, expire)

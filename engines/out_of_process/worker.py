@@ -6,7 +6,8 @@ It is started as ``python3 -I worker.py SERVER``, where SERVER is a file that de
 - ``EngineLane(parameters)``: one chain, with ``run(position, velocity, loads, record)``, which gives a dictionary of
   arrays with one row a step (position and velocity alone where nothing is recorded), and ``native_steps(steps)``.
   Where the normal force changes in time, ``run`` gets ``normal_load``, a row a step; where contacts open, also
-  ``across``, gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not.
+  ``across``, gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not. One that
+  runs an adapter of the suite has ``call(pickled)`` instead, see `engines.environments.server`.
 
 A message is two numbers of eight bytes, its length and that of its head; the head, a JSON list of name, data type
 and shape of every array; and what the arrays hold, one after the other. An ``npz`` file holds the same, and takes as
@@ -14,6 +15,7 @@ long as a hundred steps of a fast engine. This file runs in Pythons whose packag
 NumPy only, and never imports the suite.
 """
 
+import faulthandler
 import json
 import os
 import platform
@@ -103,7 +105,7 @@ class Service:
             handler = getattr(self, "_" + str(request["request"]))
             return handler(request)
         except Exception as problem:  # whatever it is, the other side has to get it
-            return {"error": f"{type(problem).__name__}: {problem}", "traceback": traceback.format_exc()}
+            return {"error": str(problem), "kind": type(problem).__name__, "traceback": traceback.format_exc()}
         finally:
             sys.stdout.flush()
             _end_at(0.0)
@@ -123,6 +125,9 @@ class Service:
         if record:
             return dict(rows)
         return {name: rows[name][-1:] for name in (*MOTION, *GAPS) if name in rows}
+
+    def _call(self, request: Message) -> Message:
+        return dict(self._lanes[int(request["number"])].call(request["pickled"]))
 
     def _native_steps(self, request: Message) -> Message:
         self._lanes[int(request["number"])].native_steps(int(request["steps"]))
@@ -152,7 +157,8 @@ def _server(path: str) -> Any:
 
 
 def main() -> None:
-    """Serve until the other side closes the pipe, or dies."""
+    """Serve until the other side closes the pipe, or dies; a crash leaves on the error stream where it was."""
+    faulthandler.enable(all_threads=False)
     requests, replies = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     # What an engine prints goes to the error stream, and it reads nothing: the pipes are the protocol's.
     os.dup2(2, 1)

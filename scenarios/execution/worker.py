@@ -10,6 +10,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import IO
 
+from engines.out_of_process.crash_log import FATAL, place_of_crash
 from scenarios.execution.batch import Batch, run_batch
 from scenarios.execution.failures import WORKER_MARK
 from scenarios.execution.identity import identity_of, mismatch_reason
@@ -68,12 +69,10 @@ def run_within(batch: Batch, identity: str, limit: float, crash_log: IO[str]) ->
 
 def reason_of_death(crash_log: str, limit: float) -> str | None:
     """Read from its crash log why a worker has ended; ``None`` if it has left nothing."""
-    # of several threads, the one that began first, and does the work, comes last
-    frame = re.search(r'File "([^"]+)", line (\d+) in (\S+)', crash_log.rsplit("Thread 0x", 1)[-1])
-    where = f", in {frame[3]} ({Path(frame[1]).name}:{frame[2]})" if frame else ""
+    where = place_of_crash(crash_log)
     if crash_log.startswith("Timeout"):
         return f"{limit_reached(limit)}{where}"
-    fault = re.search(r"Fatal Python error: (.+)", crash_log)
+    fault = re.search(rf"{FATAL}(.+)", crash_log)
     return f"the worker process crashed: {fault[1]}{where}" if fault else None
 
 
