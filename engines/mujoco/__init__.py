@@ -16,7 +16,7 @@ class MuJoCo(WheelEngine):
 
     name: ClassVar[str] = "mujoco"
     module: ClassVar[str] = "mujoco"
-    needs: ClassVar = (4, "batch of models")
+    versions: ClassVar[str] = ">=3.3.7,<5"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="MuJoCo",
         package="mujoco",

@@ -1,12 +1,14 @@
 """Lanes of MuJoCo, whatever their formulation, as the simulations of one batch."""
 
 import contextlib
+import importlib.util
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from engines.mujoco.loop import SteppedModels
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
@@ -33,9 +35,6 @@ class MuJoCoSimulation:
     """
 
     def __init__(self, lanes: Sequence[Lane], units: Sequence[Units], models: Sequence[Any]):
-        """Make the batch, on the calling thread alone: the suite runs processes side by side."""
-        from mujoco.batch import Batch
-
         self.lanes = tuple(lanes)
         self._models = tuple(models)
         self._units = tuple(units)
@@ -44,8 +43,7 @@ class MuJoCoSimulation:
         self._recorded = ("qpos", "qvel", "qfrc_constraint") + ("sensordata",) * (self._models[0].nsensor > 0)
         self._length = np.array([[unit.length] for unit in units])
         self._velocity = np.array([[unit.velocity] for unit in units])
-        self._batch = Batch(self._models[0], nsim=len(self._models), nthread=1)
-        self._batch.set_models(self._models)
+        self._batch = _batch(self._models)
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         """Advance every lane; see `Simulation.run`.
@@ -107,12 +105,7 @@ class MuJoCoSimulation:
 
     def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
         """Take a step for each control, shape (lanes, steps, nu)."""
-        import mujoco
-
-        rows: dict[str, FloatArray] = self._batch.rollout(
-            controls.shape[1], control=controls, control_spec=mujoco.mjtState.mjSTATE_CTRL, record=record
-        )
-        return rows
+        return self._batch.rollout(controls, record)
 
     def _controls(self, start: int, steps: int) -> FloatArray:
         """Give the force on cell 1 in every step, and the normal loads where masses can leave their plates."""
@@ -178,6 +171,32 @@ class ModulatedJointSimulation(MuJoCoSimulation):
                 model.dof_frictionloss[1::2] = bound[step]
             rows.append(super()._rolled(controls[:, step : step + 1], start + step, record))
         return {name: np.concatenate([row[name] for row in rows], axis=1) for name in record}
+
+
+class _Batch:
+    """Simulations of a batch of MuJoCo, on the calling thread alone: the suite runs processes side by side."""
+
+    def __init__(self, models: Sequence[Any]):
+        from mujoco.batch import Batch
+
+        self._batch = Batch(models[0], nsim=len(models), nthread=1)
+        self._batch.set_models(models)
+        self.bind = self._batch.bind
+
+    def rollout(self, control: FloatArray, record: Sequence[str]) -> dict[str, FloatArray]:
+        """Take a step for each control; see `SteppedModels.rollout`."""
+        import mujoco
+
+        kind = mujoco.mjtState.mjSTATE_CTRL
+        rows: dict[str, FloatArray] = self._batch.rollout(
+            control.shape[1], control=control, control_spec=kind, record=record
+        )
+        return rows
+
+
+def _batch(models: Sequence[Any]) -> _Batch | SteppedModels:
+    """Give a batch, or what does the same in versions of MuJoCo that have none."""
+    return _Batch(models) if importlib.util.find_spec("mujoco.batch") else SteppedModels(models)
 
 
 @contextlib.contextmanager

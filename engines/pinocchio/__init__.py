@@ -12,7 +12,7 @@ class Pinocchio(WheelEngine):
 
     name: ClassVar[str] = "pinocchio"
     module: ClassVar[str] = "pinocchio"
-    needs: ClassVar = (4, "friction of joints")
+    versions: ClassVar[str] = ">=4"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Pinocchio",
         optional=True,

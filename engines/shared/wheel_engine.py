@@ -14,6 +14,9 @@ from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
 installed_version = cache(metadata.version)
 """Version of a distribution, looked up once: every batch states it."""
 
+NEWEST = ".9999"
+"""What makes of the beginning of a version one that is as new as can be."""
+
 
 class WheelEngine(Engine):
     """An engine whose package is a wheel; an adapter adds its name, its capabilities, its module and its lanes.
@@ -24,8 +27,11 @@ class WheelEngine(Engine):
     module: ClassVar[str]
     """Name under which the package is imported."""
 
-    needs: ClassVar[tuple[int, str] | None] = None
-    """Oldest major version that the adapter takes, and what the package had not before it; any without this."""
+    versions: ClassVar[str] = ""
+    """Versions of the package that the adapter takes, as pip has them, such as ``>=3.3.7,<5``; any without this."""
+
+    environment_packages: ClassVar[tuple[str, ...]] = ()
+    """What the adapter needs besides where the engine has an environment of its own, as pip has it."""
 
     lane_models: ClassVar[Mapping[Formulation, Callable[[Lane, Preset], LaneModel]]] = {}
     """Model of one lane, by formulation."""
@@ -39,11 +45,17 @@ class WheelEngine(Engine):
         package = self.capabilities.package
         if importlib.util.find_spec(self.module) is None:
             return f"the package {package} is not installed; {self._remedy}"
-        if self.needs is not None and int(self.version().split(".")[0]) < self.needs[0]:
-            oldest, novelty = self.needs
-            lacking = f"{package} {self.version()} has no {novelty}, version {oldest}.0 or newer is needed"
-            return f"{lacking}; {self._remedy}"
+        if not self.takes(self.version()):
+            return f"{package} {self.version()} is installed, and its adapter takes {self.versions}; {self._remedy}"
         return None
+
+    @classmethod
+    def takes(cls, version: str) -> bool:
+        """Tell whether the adapter takes a version, or one that begins so."""
+        from packaging.specifiers import SpecifierSet
+
+        versions = SpecifierSet(cls.versions)
+        return any(versions.contains(each, prereleases=True) for each in (version, f"{version}{NEWEST}"))
 
     @property
     def _remedy(self) -> str:
