@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from reference_lcp.console import run_command
+from reference_lcp.exit_code import ExitCode
 from reference_lcp.visible import visible
 
 app = typer.Typer(name="python -m engines", add_completion=False, pretty_exceptions_enable=False)
@@ -53,6 +54,77 @@ def law(
     from engines.law_command import print_law
 
     print_law(Variant.parse(name))
+
+
+@app.command(name="install")
+def install_engine(
+    name: Annotated[str, typer.Argument(metavar="NAME[@VERSION]", help="The engine, and the version that is wanted.")],
+    python: Annotated[
+        str | None,
+        typer.Option(help="Version or path of a Python of this machine; the one that runs the suite without it."),
+    ] = None,
+) -> None:
+    """Install an engine, or a version of one, into an environment of its own; its size is said before.
+
+    A version is what it begins with: mujoco@3 is the newest one of MuJoCo 3. Environments lie in the user's cache, or
+    where MULTIBODY_XVAL_ENVIRONMENTS says.
+
+    Exit code 0: installed; 2: wrong input, or it cannot be installed here; 130: interrupted.
+
+    Example: python -m engines install mujoco@3.3.7
+    """
+    from engines.environments_command import install_engine as install
+
+    install(name, python)
+
+
+environments = typer.Typer(help="List, check and remove the environments of engines.", no_args_is_help=True)
+app.add_typer(environments, name="environments")
+
+
+@environments.command(name="list")
+def list_environments() -> None:
+    """List the environments that are there, with their sizes, and what is wrong with them.
+
+    Exit code 0: listed; 2: wrong input; 130: interrupted.
+
+    Example: python -m engines environments list
+    """
+    from engines.environments_command import list_environments as list_all
+
+    list_all()
+
+
+@environments.command(name="check")
+def check_environments(
+    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Environments; all without.")] = None,
+) -> None:
+    """Compare environments with what was installed into them, and import their engines.
+
+    Exit code 0: all are whole; 1: one is not; 2: wrong input; 130: interrupted.
+
+    Example: python -m engines environments check mujoco@3.3.7
+    """
+    from engines.environments_command import check_environments as check
+
+    if not check(names or []):
+        raise typer.Exit(ExitCode.FAILED)
+
+
+@environments.command(name="remove")
+def remove_environments(
+    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Environments.")] = None,
+    every: Annotated[bool, typer.Option("--all", help="Remove all of them.")] = False,
+) -> None:
+    """Remove environments.
+
+    Exit code 0: removed; 2: wrong input; 130: interrupted.
+
+    Example: python -m engines environments remove mujoco@3.3.7
+    """
+    from engines.environments_command import remove_environments as remove
+
+    remove(names or [], every)
 
 
 def described(name: str) -> dict[str, Any]:

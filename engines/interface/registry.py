@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import cache
+from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
@@ -16,6 +17,9 @@ ENTRY_POINT_GROUP = "multibody_xval.engines"
 FAMILY_GROUP = "multibody_xval.engine_families"
 """Group under which a distribution registers families of engines: functions that give the engine ``FAMILY@MEMBER``, of
 ``MEMBER``. Engines of families take part where they are named, and are not listed."""
+
+ENVIRONMENTS = "engines.environments.engine"
+"""Module of versions of engines, and of engines in environments of their own: engines, and so loaded by name."""
 
 
 @cache
@@ -86,7 +90,8 @@ def _check_versions(registered: Engine) -> None:
 def engine(name: str) -> Engine:
     """Give the engine of this name; its own package is imported when it builds something.
 
-    ``NAME@law`` is the model of that engine's laws, which needs no package; ``FAMILY@MEMBER`` is one of a family.
+    ``NAME@law`` is the model of that engine's laws, which needs no package; ``FAMILY@MEMBER`` is one of a family,
+    and ``NAME@VERSION`` a version of an engine, in an environment of its own unless it is the one beside the suite.
 
     Raises
     ------
@@ -98,6 +103,13 @@ def engine(name: str) -> Engine:
     family, _, member = name.partition("@")
     if member and family in _families():
         return _member(family, member)
+    if family in _entry_points() and family != name:
+        return _version(family, member)
+    return _in_own_environment(name) or registered_engine(name)
+
+
+def registered_engine(name: str) -> Engine:
+    """Give the engine that is registered under a name, as it is beside the suite; see `engine`."""
     if name not in _entry_points():
         checked_choice("engine", name, registered_names())
     reason = broken_reason(name)
@@ -115,6 +127,20 @@ def _law_engine(name: str) -> Engine:
 @cache
 def _member(family: str, member: str) -> Engine:
     built: Engine = _families()[family].load()(member)
+    return built
+
+
+@cache
+def _version(name: str, version: str) -> Engine:
+    """Give a version of a registered engine."""
+    built: Engine = import_module(ENVIRONMENTS).versioned_engine(registered_engine(name), version)
+    return built
+
+
+@cache
+def _in_own_environment(name: str) -> Engine | None:
+    """Give an engine that is not beside the suite, but in an environment of its own; ``None`` otherwise."""
+    built: Engine | None = import_module(ENVIRONMENTS).engine_of_its_own_environment(registered_engine(name))
     return built
 
 

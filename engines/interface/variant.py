@@ -24,11 +24,20 @@ class Variant:
     def parse(cls, text: str) -> Self:
         """Read ``ENGINE``, ``ENGINE:FORMULATION`` or ``ENGINE:FORMULATION:PRESET``; joint and tuned are understood.
 
+        An engine may be a version of one, ``NAME@VERSION``.
+
         Raises
         ------
         ParameterError
-            If there are more parts, or the engine has no such formulation or preset.
+            If there are more parts, the engine has no such formulation or preset, or it is a version that is not there.
         """
+        variant = cls.recorded(text)
+        check_version(variant.engine)
+        return variant
+
+    @classmethod
+    def recorded(cls, text: str) -> Self:
+        """Read what `parse` reads, where it is not to be run: versions need not be there."""
         parts = text.split(":")
         if len(parts) > 3:
             raise ParameterError(f"engine = {text!r} has {len(parts)} parts; allowed: ENGINE[:FORMULATION[:PRESET]]")
@@ -104,9 +113,26 @@ def variants_named(text: str) -> list[Variant]:
     Raises
     ------
     ParameterError
-        If no engine of this name is registered, or it has no such formulation or preset.
+        If no engine of this name is registered, it has no such formulation or preset, or it is a version that is not
+        there.
     """
-    return [Variant.parse(text)] if ":" in text else variants_of(text)
+    if ":" in text:
+        return [Variant.parse(text)]
+    check_version(text)
+    return variants_of(text)
+
+
+def check_version(name: str) -> None:
+    """Refuse a version of an engine that cannot be run here.
+
+    Raises
+    ------
+    ParameterError
+        If it is in no environment, or in one that is not whole; with the command that makes it.
+    """
+    missing = engine(name).unavailable_reason() if "@" in name else None
+    if missing is not None:
+        raise ParameterError(f"engine = {name!r} cannot be used: {missing}")
 
 
 def default_variants() -> list[Variant]:

@@ -1,0 +1,91 @@
+"""``python -m engines install`` and ``environments``: engines in environments of their own."""
+
+from collections.abc import Sequence
+
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from engines.environments.environment import Environment, environments, environments_folder
+from engines.environments.installation import Plan, install, remove
+from engines.environments.process import tried_versions
+from engines.environments.requirement import Requirement
+from engines.interface.registry import registered_engine
+from engines.out_of_process.process import EngineProcessError
+from reference_lcp.refusal import ParameterError
+from reference_lcp.visible import visible
+
+
+def install_engine(name: str, python: str | None) -> None:
+    """Say what an engine needs, and install it; nothing is done where it is installed and whole."""
+    requirement = _requirement(name)
+    environment = requirement.environment
+    record = environment.record()
+    if record is None or environment.fault() is not None:
+        plan = Plan.of(requirement, python)
+        print(visible(str(plan)), flush=True)
+        record = install(plan)
+        print(f"made in {record.seconds:g} s")
+    print(f"{environment.name} is installed: Python {record.python}, {record.megabytes:g} MB in {environment.folder}")
+
+
+def list_environments() -> None:
+    """Print every environment with what it holds, and what is wrong with it."""
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for heading in ("environment", "Python", "packages", "MB", "made in s"):
+        table.add_column(heading, no_wrap=True)
+    faults = []
+    for environment in environments():
+        record, fault = environment.record(), environment.fault()
+        held = [] if record is None else [record.python, len(record.packages), f"{record.megabytes:g}", record.seconds]
+        table.add_row(escape(visible(environment.name)), *map(str, held))
+        if fault is not None:
+            faults.append(f"{environment.name} {fault}; {environment.remedy}")
+    console = Console()
+    console.print(table)
+    for line in [*faults, f"in {environments_folder()}"]:
+        console.print(visible(line), markup=False, soft_wrap=True)
+
+
+def check_environments(names: Sequence[str]) -> bool:
+    """Compare environments with what was installed, import their engines, and say of each what is wrong with it."""
+    whole = True
+    for environment in _named(names):
+        fault = environment.fault() or _import_fault(environment)
+        print(visible(f"{environment.name} {fault}; {environment.remedy}" if fault else f"{environment.name} is whole"))
+        whole = whole and fault is None
+    return whole
+
+
+def remove_environments(names: Sequence[str], every: bool) -> None:
+    """Remove environments."""
+    if bool(names) == every:
+        raise ParameterError("nothing or both is named to be removed; allowed: NAME ..., or --all")
+    for environment in _named(names):
+        remove(environment)
+        print(visible(f"{environment.name} is removed"))
+
+
+def _import_fault(environment: Environment) -> str | None:
+    try:
+        tried_versions(_requirement(environment.name).adapter, environment)
+    except (EngineProcessError, ParameterError) as problem:
+        return f"cannot be used: {problem}"
+    return None
+
+
+def _requirement(name: str) -> Requirement:
+    engine, at, version = name.partition("@")
+    return Requirement.of(registered_engine(engine), version if at else None)
+
+
+def _named(names: Sequence[str]) -> list[Environment]:
+    """Give the environments of these names, or all; they are there."""
+    known = environments()
+    by_name = {environment.name: environment for environment in known}
+    for name in names:
+        if name not in by_name:
+            allowed = ", ".join(by_name) or "none is installed"
+            raise ParameterError(f"environment = {name!r} is not installed; allowed: {allowed}")
+    return [by_name[name] for name in dict.fromkeys(names)] if names else known
