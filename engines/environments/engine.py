@@ -81,7 +81,7 @@ class EnvironmentEngine(VersionedEngine):
 
 
 def versioned_engine(registered: Engine, version: str) -> Engine:
-    """Give a version of an engine: the one beside the suite if that is it, or else the one of its environment.
+    """Give a version of an engine: in its environment, or beside the suite where that has it and there is no other.
 
     Raises
     ------
@@ -90,9 +90,9 @@ def versioned_engine(registered: Engine, version: str) -> Engine:
     """
     requirement = Requirement.of(registered, version)
     beside = requirement.adapter
-    if beside.unavailable_reason() is None and requirement.met_by(beside.version()):
-        return VersionedEngine(requirement)
-    return EnvironmentEngine(requirement)
+    if requirement.environment.folder.is_dir() or beside.unavailable_reason() is not None:
+        return EnvironmentEngine(requirement)
+    return (VersionedEngine if requirement.met_by(beside.version()) else EnvironmentEngine)(requirement)
 
 
 def engine_of_its_own_environment(registered: Engine) -> Engine | None:

@@ -25,6 +25,7 @@ class ExudynRegularised(WheelEngine):
 
     name: ClassVar[str] = "exudyn-regularised"
     module: ClassVar[str] = "exudyn"
+    versions: ClassVar[str] = ">=1.13"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Exudyn, regularised",
         package="exudyn",
@@ -47,6 +48,7 @@ class ExudynBristle(WheelEngine):
 
     name: ClassVar[str] = "exudyn-bristle"
     module: ClassVar[str] = "exudyn"
+    versions: ClassVar[str] = ">=1.13"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="Exudyn, bristle",
         package="exudyn",

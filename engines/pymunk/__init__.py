@@ -16,6 +16,7 @@ class Pymunk(WheelEngine):
 
     name: ClassVar[str] = "pymunk"
     module: ClassVar[str] = "pymunk"
+    versions: ClassVar[str] = ">=6.11"
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="pymunk",
         optional=True,
