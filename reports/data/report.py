@@ -11,6 +11,7 @@ from reports.data.departures import Departures, departures
 from reports.data.findings import VariantFindings, findings
 from reports.data.provenance import provenance
 from reports.data.stick_slip import CasePoint, stick_slip_rows
+from reports.data.versions import VersionPair, version_pairs
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.compared import ComparedSweep
@@ -65,6 +66,12 @@ class Report:
         """What departs of each variant, and what its law leaves of it."""
         own = (departures(self.result, variant) for variant in self.result.sweep.variants)
         return [one for one in own if one is not None]
+
+    @cached_property
+    def versions(self) -> list[VersionPair]:
+        """How versions of one engine differ."""
+        described = dict(zip(self.result.sweep.variants, self.provenance["variants"], strict=True))
+        return version_pairs(self.result, described)
 
     @cached_property
     def failures(self) -> list[str]:

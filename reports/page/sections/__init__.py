@@ -8,6 +8,7 @@ from reports.page.sections.provenance import Provenance
 from reports.page.sections.stick_slip import StickSlip
 from reports.page.sections.summary import Summary
 from reports.page.sections.transmittance import Transmittance
+from reports.page.sections.versions import Versions
 from reports.page.sections.work_precision import WorkPrecision
 
 __all__ = [
@@ -19,5 +20,6 @@ __all__ = [
     "StickSlip",
     "Summary",
     "Transmittance",
+    "Versions",
     "WorkPrecision",
 ]
