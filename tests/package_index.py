@@ -75,7 +75,7 @@ def folder(offline: pytest.MonkeyPatch, tmp_path: Path, monkeypatch: pytest.Monk
 
 
 @pytest.fixture(scope="module")
-def installed(offline: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def installed_versions(offline: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """The folder of environments, with three of MuJoCo: one that works, one that crashes, one that hangs."""
     made = tmp_path_factory.mktemp("installed")
     with pytest.MonkeyPatch.context() as patch:
