@@ -11,7 +11,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import pytest
 from hypothesis import settings
 
-from tests.package_index import folder, installed_versions, offline, wheels  # noqa: F401 (fixtures)
+from tests.package_index import empty_folder, installed_versions, offline, wheels  # noqa: F401 (fixtures)
 
 # A run of CI repeats bit for bit; elsewhere every run looks at new examples.
 settings.register_profile("ci", derandomize=True)

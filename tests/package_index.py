@@ -67,8 +67,8 @@ def offline(wheels: Path) -> Iterator[pytest.MonkeyPatch]:
         yield patch
 
 
-@pytest.fixture
-def folder(offline: pytest.MonkeyPatch, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+@pytest.fixture(name="folder")
+def empty_folder(offline: pytest.MonkeyPatch, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder of environments, without any."""
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "environments"))
     return tmp_path / "environments"
