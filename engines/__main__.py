@@ -78,18 +78,20 @@ def install_engine(
     install(name, python)
 
 
-environments = typer.Typer(help="List, check and remove the environments of engines.", no_args_is_help=True)
+environments = typer.Typer()
 app.add_typer(environments, name="environments")
 
 
-@environments.command(name="list")
-def list_environments() -> None:
+@environments.callback(invoke_without_command=True)
+def list_environments(context: typer.Context) -> None:
     """List the environments that are there, with their sizes, and what is wrong with them.
 
     Exit code 0: listed; 2: wrong input; 130: interrupted.
 
-    Example: python -m engines environments list
+    Example: python -m engines environments
     """
+    if context.invoked_subcommand is not None:
+        return
     from engines.environments_command import list_environments as list_all
 
     list_all()

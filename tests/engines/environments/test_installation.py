@@ -45,7 +45,7 @@ def test_an_environment_is_announced_made_listed_checked_and_removed(
     assert last.startswith(f"{NAME} is installed: Python 3.")
     assert run_command(app, ["install", NAME]) == 0
     assert capsys.readouterr().out.splitlines() == [last]
-    assert run_command(app, ["environments", "list"]) == 0
+    assert run_command(app, ["environments"]) == 0
     assert NAME in capsys.readouterr().out
     assert run_command(app, ["environments", "check"]) == 0
     assert capsys.readouterr().out == f"{NAME} is whole\n"
@@ -165,7 +165,7 @@ def test_an_installation_that_was_killed_is_no_environment_and_is_made_anew(
     assert left_in(folder) == [NAME]
     with pytest.raises(ParameterError, match=rf"was not installed to the end; python -m engines install {NAME}"):
         Variant.parse(NAME)
-    assert run_command(app, ["environments", "list"]) == 0
+    assert run_command(app, ["environments"]) == 0
     assert f"{NAME} was not installed to the end" in capsys.readouterr().out
     assert run_command(app, ["install", NAME]) == 0
     assert Environment(NAME).fault() is None
