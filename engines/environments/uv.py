@@ -38,7 +38,7 @@ def run_uv(*arguments: str, given: str = "") -> str:
     """
     try:
         done = subprocess.run(
-            [_uv(), "--quiet", "--no-progress", "--no-python-downloads", *arguments],
+            [_uv(), "--no-progress", "--no-python-downloads", *arguments],
             input=given, capture_output=True, text=True, check=False,
         )  # fmt: skip
     except OSError as problem:
@@ -63,6 +63,7 @@ def _uv() -> str:
 
 def _explained(errors: str) -> str:
     """Say in one line what has gone wrong, with uv's own words."""
-    words = " ".join(errors.replace("error: ", "", 1).replace("cause: ", "").split())
+    said, _, error = errors.partition("error: ")
+    words = " ".join((error or said).replace("cause: ", "").split())
     meanings = [meaning for phrase, meaning in PROBLEMS.items() if phrase in words]
     return f"{meanings[0]} ({words})" if meanings else f"uv failed: {words}"

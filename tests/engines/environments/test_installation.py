@@ -92,6 +92,11 @@ def test_a_package_index_that_cannot_be_reached_is_named(folder: Path, monkeypat
     assert left_in(folder) == []
 
 
+@pytest.mark.parametrize("python", [sys.executable, os.path.realpath(sys.executable)])
+def test_a_python_can_be_named(python: str, folder: Path) -> None:
+    assert Plan.of(Requirement.of(MuJoCo(), "3.98.0"), python).interpreter == python
+
+
 def test_a_python_that_there_is_not_is_named(folder: Path) -> None:
     with pytest.raises(ParameterError, match="there is no such Python on this machine"):
         Plan.of(Requirement.of(MuJoCo(), "3.98.0"), "3.99")
