@@ -1,0 +1,98 @@
+"""Rapier's contact formulation: in every cell a box, the inner mass, pressed on a plate, the outer one."""
+
+from typing import Any
+
+import numpy as np
+
+from engines.interface.presets import NormalForce, Option, Preset
+from engines.rapier.bodies import DEFAULT_OPTIONS, TUNED_OPTIONS, RapierLane
+from engines.rapier.law import contact_substeps
+from engines.shared.box_geometry import PressedBoxes
+from engines.shared.force_loop import Step
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import FloatArray
+
+FRICTION_MODEL = Option(
+    "COULOMB", "SIMPLIFIED", "Reports friction; bodies that do not turn move the same to single precision."
+)
+
+CONTACT_TUNED = Preset(
+    "Boxes pressed on plates; springs, dashpots and drive as forces at the start of the step.",
+    {**TUNED_OPTIONS, "friction_model": FRICTION_MODEL},
+    shares_scheme=True,
+    normal_force=NormalForce.MODULATED,
+)
+
+CONTACT_DEFAULT = Preset(
+    "The same boxes and forces in SI units, with the four substeps a step that Rapier takes by itself.",
+    {**DEFAULT_OPTIONS, "friction_model": FRICTION_MODEL},
+    law=contact_substeps,
+    normal_force=NormalForce.MODULATED,
+)
+
+CLEARANCE = 4.0
+"""What cells stand further apart than boxes need, over the distance from which Rapier sees contacts."""
+
+
+class RapierContactLane(RapierLane):
+    """One chain with a box on a plate in every cell, side by side."""
+
+    # Friction acts in the plane of a contact. A contact that could not slide in y either has none at all.
+    FREE_INNER = (True, True, True)
+
+    def __init__(self, lane: Lane, preset: Preset):
+        """Take the lane's parameters in the units of the preset."""
+        import rapier3d
+
+        super().__init__(lane, preset)
+        self._sizes = PressedBoxes.of(lane, self._units)
+        apart = self._sizes.spacing + CLEARANCE * rapier3d.IntegrationParameters().prediction_distance()
+        cells = lane.chain.cells
+        self._places[:, 0] = np.tile(apart * np.arange(cells), 2)
+        self._places[:, 1] = np.repeat([-self._sizes.box, self._sizes.box], cells)
+        self._pressing[cells:] = -self._chain.normal_force
+
+    def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
+        from rapier3d import Collider, FrictionModel
+
+        world.integration_parameters.friction_model = getattr(FrictionModel, self._preset["friction_model"])
+        box, plate = self._sizes.box, self._sizes.plate
+        self._colliders = []
+        for below, above, friction in zip(outer, inner, self._chain.friction_coefficient.tolist(), strict=True):
+            # Rapier takes the mean of the coefficients of the two.
+            shapes = [(below, Collider.cuboid(plate, box, box)), (above, Collider.cuboid(box, box, box))]
+            self._colliders.append([
+                world.add_collider(shape.density(0.0).friction(friction).restitution(0.0), body)
+                for body, shape in shapes
+            ])
+
+    def _begin(self, motion: FloatArray) -> Step:
+        step = super()._begin(motion)
+        narrow_phase, colliders = self._world.narrow_phase, self._colliders
+        self._pairs = lambda: [narrow_phase.contact_pair(*pair) for pair in colliders]
+        return step
+
+    def _set_normal_load(self, normal_load: FloatArray) -> None:
+        self._pressing[normal_load.size :] = -normal_load
+
+    def _contacts(self) -> FloatArray:
+        """Read friction impulse, as it acts on the inner mass, and normal impulse of every cell, shape (2, n)."""
+        impulses = np.zeros((2, self._chain.cells))
+        for cell, pair in enumerate(self._pairs()):
+            for manifold in [] if pair is None else pair.manifolds:
+                for point in manifold.points:
+                    impulses[0, cell] += point.tangent_impulse[1]
+                    impulses[1, cell] += point.impulse
+        return impulses
+
+    def _contact_forces(
+        self, read: FloatArray, motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        forces = read / self._time_step * self._units.force
+        return forces[:, 0], forces[:, 1]
+
+    def _state(self, motions: FloatArray) -> State:
+        end = super()._state(motions)
+        self._sizes.check_reach(end, self._units)
+        return end
