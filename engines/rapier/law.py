@@ -12,30 +12,35 @@ from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray
 
-SINGLE_PRECISION_PERIOD = 3e-5
-"""Of U0: positions and velocities are rounded to 2^-24 in each of 1,600 substeps."""
+SINGLE_PRECISION_PERIOD = 6e-5
+"""Of U0: positions and velocities, of some U0 and U0 ω, are rounded by 2^-24 in each of 1,600 substeps. Roundings add up
+as the root of their number: three standard deviations for motions of up to eight U0."""
+
+FORMULA = "{count} times, with h = Δt/{count} and F = f(t) e_1 − C q̇ − K q of the start of the step: "
 
 
 def motor_substeps(preset: Preset) -> Law:
-    """Give the law of a motor, which reports its impulse of the last substep."""
-    return _substeps(preset, friction_of_last=True)
+    """Give the law of motors, whose impulses are found before positions move, and reported of the last substep."""
+    formula = "q̇ ← q̇ + M⁻¹ (h F + W p), |p| ≤ h μ λ_N by Coulomb's law; q ← q + h q̇"
+    return _substeps(preset, formula, friction_first=True)
 
 
 def contact_substeps(preset: Preset) -> Law:
-    """Give the law of a contact, which reports its impulses of all substeps."""
-    return _substeps(preset, friction_of_last=False)
+    """Give the law of contacts, whose friction is found after positions have moved, and reported of all substeps."""
+    formula = (
+        "q ← q + h (q̇ + M⁻¹ (h F + W p)) with p of the substep before, zero at first; then "
+        "q̇ ← q̇ + M⁻¹ (h F + W p), |p| ≤ h μ λ_N by Coulomb's law"
+    )
+    return _substeps(preset, formula, friction_first=False)
 
 
-def _substeps(preset: Preset, *, friction_of_last: bool) -> Law:
+def _substeps(preset: Preset, formula: str, *, friction_first: bool) -> Law:
     count = preset["num_solver_iterations"]
     return Law(
-        formula=(
-            f"{count} times, with h = Δt/{count} and F = f(t) e_1 − C q̇ − K q of the start of the step: "
-            "q̇ ← q̇ + M⁻¹ (h F + W p), Coulomb's law with |p| ≤ h μ λ_N; q ← q + h q̇"
-        ),
-        model=functools.partial(_SubsteppedLane, substeps=count, friction_of_last=friction_of_last),
+        formula=FORMULA.format(count=count) + formula,
+        model=functools.partial(_SubsteppedLane, substeps=count, friction_first=friction_first),
         period_bound=SINGLE_PRECISION_PERIOD,
-        bound_reason="single precision: every substep rounds to 2^-24",
+        bound_reason="single precision: every substep rounds by 2^-24",
         modulated=True,
     )
 
@@ -43,13 +48,11 @@ def _substeps(preset: Preset, *, friction_of_last: bool) -> Law:
 class _SubsteppedLane(LaneModel):
     """One chain under forces that are constant over the substeps of a step."""
 
-    def __init__(self, lane: Lane, _: Mapping[str, float], substeps: int, *, friction_of_last: bool):
+    def __init__(self, lane: Lane, _: Mapping[str, float], substeps: int, *, friction_first: bool):
         chain = lane.chain
         self.lane = lane
         self._force = -np.hstack([chain.stiffness_matrix, chain.damping_matrix])
-        # The part of every substep in the friction that is reported.
-        self._reported = np.full(substeps, 0.0 if friction_of_last else 1 / substeps)
-        self._reported[-1] += friction_of_last
+        self._substeps, self._friction_first = substeps, friction_first
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state` at step index `start`."""
@@ -76,9 +79,9 @@ class _SubsteppedLane(LaneModel):
         lane, chain = self.lane, self.lane.chain
         motion = np.concatenate([state.positions[0], state.velocities[0]])
         bounds = np.ascontiguousarray(chain.friction_coefficient * lane.preloads(start, steps))
-        masses = np.stack([chain.outer_mass, chain.inner_mass])
+        masses = np.concatenate([chain.outer_mass, chain.inner_mass])
         advance(
-            motion, lane.loads(start, steps), bounds, self._force, masses, self._reported,
-            lane.time_step / self._reported.size, record,
+            motion, lane.loads(start, steps), bounds, self._force, masses,
+            (lane.time_step / self._substeps, self._substeps, self._friction_first), record,
         )  # fmt: skip
         return motion

@@ -8,30 +8,50 @@ import numpy as np
 
 @numba.njit(cache=True, error_model="numpy")
 def advance(
-    motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any, reported: Any, h: Any, record: Any
+    motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any, numbers: Any, record: Any
 ) -> None:
-    """Advance one lane in place by substeps of length h; `record` is (steps, 5n), or has no rows when nothing is kept.
+    """Advance one lane in place; `record` is (steps, 5n), or has no rows when nothing is kept.
 
-    `bounds`, shape (steps, n), are forces; `reported`, shape (substeps,), weighs the friction of the substeps.
+    `bounds`, shape (steps, n), are forces; `numbers` are the length of a substep, how many make a step, and whether
+    friction is found before positions move.
     """
-    outer, inner = masses[0], masses[1]
-    cells = outer.size
+    h, substeps, friction_first = numbers
+    cells = bounds.shape[1]
     count = 2 * cells
-    position, velocity, friction = motion[:count], motion[count:], np.empty(cells)
+    position, velocity = motion[:count], motion[count:]
+    friction, total = np.zeros(cells), np.empty(cells)
     for step in range(loads.size):
         force = force_matrix @ motion
         force[0] += loads[step]
-        friction[:] = 0.0
-        for substep in range(reported.size):
-            for cell in range(cells):
-                first = velocity[cell] + h * force[cell] / outer[cell]
-                second = velocity[cells + cell] + h * force[cells + cell] / inner[cell]
-                stop = (first - second) / (h * (1 / outer[cell] + 1 / inner[cell]))
-                value = min(max(stop, -bounds[step, cell]), bounds[step, cell])
-                velocity[cell] = first - h * value / outer[cell]
-                velocity[cells + cell] = second + h * value / inner[cell]
-                friction[cell] += reported[substep] * value
-            position += h * velocity
+        total[:] = 0.0
+        for _ in range(substeps):
+            velocity += h * force / masses
+            if not friction_first:
+                position += h * velocity
+                _push(position, h * h * friction, masses)
+            _rub(velocity, friction, bounds[step], masses, h)
+            if friction_first:
+                position += h * velocity
+            total += friction
         if record.shape[0] > 0:
             record[step, :count], record[step, count : 2 * count] = position, velocity
-            record[step, 2 * count :] = friction
+            record[step, 2 * count :] = friction if friction_first else total / substeps
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _rub(velocity: Any, friction: Any, bounds: Any, masses: Any, h: Any) -> None:
+    """Find the forces that bring every cell to rest, within their bounds, and let them act."""
+    cells = friction.size
+    for cell in range(cells):
+        slip = velocity[cells + cell] - velocity[cell]
+        stopping = -slip / (h * (1 / masses[cell] + 1 / masses[cells + cell]))
+        friction[cell] = min(max(stopping, -bounds[cell]), bounds[cell])
+    _push(velocity, h * friction, masses)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _push(moved: Any, impulse: Any, masses: Any) -> None:
+    """Add what impulses on the inner masses, and back on the outer ones, make."""
+    cells = impulse.size
+    moved[:cells] -= impulse / masses[:cells]
+    moved[cells:] += impulse / masses[cells:]
