@@ -1,4 +1,4 @@
-"""Rapier: a motor of bounded force, or a box pressed on a plate."""
+"""Rapier: a motor of bounded force, or a sphere pressed on a plate."""
 
 from typing import ClassVar
 

@@ -14,8 +14,8 @@ from reference_lcp.validation import FloatArray
 TUNED_OPTIONS = {
     "units": Option("lane", "SI", "Numbers of order one, and a step so long that motors and contacts are hard."),
     "num_solver_iterations": Option(1, 4, "Iterations are substeps; one of them is the step of equation (5)."),
-    "normalized_max_linear_velocity": Option(1e30, 400.0, "No motion is cut off."),
-    "can_sleep": Option(False, True, "Slow bodies are not stopped."),
+    "normalized_max_linear_velocity": Option(1e30, 400.0, "No motion is cut off, however large."),
+    "can_sleep": Option(False, True, "Bodies slower than 0.4 fall asleep after two units of time: two steps."),
 }
 """Options of the tuned presets of both formulations."""
 
@@ -86,14 +86,14 @@ class RapierLane(ExplicitForcesLane):
             # Every call gives another builder, and leaves the one before as it was.
             world.add_body(
                 rapier3d.RigidBody.dynamic()
-                .translation((position, *place))
+                .translation((position, y, z))
                 .linvel((velocity, 0.0, 0.0))
                 .additional_mass(mass)
                 .enabled_translations(directions)
                 .enabled_rotations((False, False, False))
                 .can_sleep(can_sleep)
             )
-            for position, velocity, place, mass, directions in zip(
+            for position, velocity, (y, z), mass, directions in zip(
                 positions, velocities, self._places.tolist(), masses.tolist(), free, strict=True
             )
         ]

@@ -1,4 +1,7 @@
-"""Rapier's contact formulation: in every cell a box, the inner mass, pressed on a plate, the outer one."""
+"""Rapier's contact formulation: in every cell a sphere, the inner mass, pressed on a plate, the outer one.
+
+Bodies do not turn, and a sphere touches in one point: a box does in four, which round four times as often.
+"""
 
 from typing import Any
 
@@ -8,7 +11,6 @@ from engines.interface.presets import NormalForce, Option, Preset
 from engines.rapier.bodies import DEFAULT_OPTIONS, TUNED_OPTIONS, RapierLane
 from engines.rapier.law import contact_substeps
 from engines.shared.box_geometry import PressedBoxes
-from engines.shared.force_loop import Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
@@ -18,13 +20,14 @@ FRICTION_MODEL = Option(
 )
 
 CONTACT_TUNED = Preset(
-    "Boxes pressed on plates; springs, dashpots and drive as forces at the start of the step.",
+    "Spheres pressed on plates; springs, dashpots and drive as forces at the start of the step.",
     {
         **TUNED_OPTIONS,
         "friction_model": FRICTION_MODEL,
         "friction_in_bias_pass": Option(
             True, False, "Friction is found before positions move, and not after them with that of the step before."
         ),
+        "warmstart_coefficient": Option(0.0, 1.0, "No memory of the last impulses."),
         "contact_recycling": Option(
             False, True, "Friction found before positions move aims at where recycled points were, and reverses late."
         ),
@@ -34,11 +37,12 @@ CONTACT_TUNED = Preset(
 )
 
 CONTACT_DEFAULT = Preset(
-    "The same boxes and forces in SI units, with the four substeps a step that Rapier takes by itself.",
+    "The same spheres and forces in SI units, with the four substeps a step that Rapier takes by itself.",
     {
         **DEFAULT_OPTIONS,
         "friction_model": FRICTION_MODEL,
         "friction_in_bias_pass": Option(False, False, "Rapier's own."),
+        "warmstart_coefficient": Option(1.0, 1.0, "Rapier's own: substeps start from the last impulses."),
         "contact_recycling": Option(True, True, "Rapier's own."),
     },
     law=contact_substeps,
@@ -48,11 +52,11 @@ CONTACT_DEFAULT = Preset(
 )
 
 CLEARANCE = 4.0
-"""What cells stand further apart than boxes need, over the distance from which Rapier sees contacts."""
+"""What cells stand further apart than spheres need, over the distance from which Rapier sees contacts."""
 
 
 class RapierContactLane(RapierLane):
-    """One chain with a box on a plate in every cell, side by side."""
+    """One chain with a sphere on a plate in every cell, side by side."""
 
     # Friction acts in the plane of a contact. A contact that could not slide in y either has none at all.
     FREE_INNER = (True, True, True)
@@ -74,23 +78,19 @@ class RapierContactLane(RapierLane):
 
         parameters = world.integration_parameters
         parameters.friction_model = getattr(FrictionModel, self._preset["friction_model"])
-        for name in ("friction_in_bias_pass", "contact_recycling"):
+        for name in ("friction_in_bias_pass", "warmstart_coefficient", "contact_recycling"):
             setattr(parameters, name, self._preset[name])
-        box, plate = self._sizes.box, self._sizes.plate
+        radius, plate = self._sizes.box, self._sizes.plate
         self._colliders = []
         for below, above, friction in zip(outer, inner, self._chain.friction_coefficient.tolist(), strict=True):
             # Rapier takes the mean of the coefficients of the two.
-            shapes = [(below, Collider.cuboid(plate, box, box)), (above, Collider.cuboid(box, box, box))]
-            self._colliders.append([
-                world.add_collider(shape.density(0.0).friction(friction).restitution(0.0), body)
-                for body, shape in shapes
-            ])
-
-    def _begin(self, motion: FloatArray) -> Step:
-        step = super()._begin(motion)
-        narrow_phase, colliders = self._world.narrow_phase, self._colliders
-        self._pairs = lambda: [narrow_phase.contact_pair(*pair) for pair in colliders]
-        return step
+            shapes = [(below, Collider.cuboid(plate, radius, radius)), (above, Collider.ball(radius))]
+            self._colliders.append(
+                [
+                    world.add_collider(shape.density(0.0).friction(friction).restitution(0.0), body)
+                    for body, shape in shapes
+                ]
+            )
 
     def _set_normal_load(self, normal_load: FloatArray) -> None:
         self._pressing[normal_load.size :] = -normal_load
@@ -98,7 +98,9 @@ class RapierContactLane(RapierLane):
     def _contacts(self) -> FloatArray:
         """Read friction impulse, as it acts on the inner mass, and normal impulse of every cell, shape (2, n)."""
         impulses = np.zeros((2, self._chain.cells))
-        for cell, pair in enumerate(self._pairs()):
+        pair_of = self._world.narrow_phase.contact_pair
+        for cell, colliders in enumerate(self._colliders):
+            pair = pair_of(*colliders)
             for manifold in [] if pair is None else pair.manifolds:
                 for point in manifold.points:
                     impulses[0, cell] += point.tangent_impulse[1]

@@ -13,8 +13,8 @@ from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray
 
 SINGLE_PRECISION_PERIOD = 6e-5
-"""Of U0: positions and velocities, of some U0 and U0 ω, are rounded by 2^-24 in each of 1,600 substeps. Roundings add up
-as the root of their number: three standard deviations for motions of up to eight U0."""
+"""Of U0: positions and velocities, of some U0 and U0 ω, are rounded by 2^-24 in each of 1,600 substeps. Roundings add
+up as the root of their number: three standard deviations for motions of up to eight U0."""
 
 FORMULA = "{count} times, with h = Δt/{count} and F = f(t) e_1 − C q̇ − K q of the start of the step: "
 

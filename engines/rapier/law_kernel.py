@@ -7,9 +7,7 @@ import numpy as np
 
 
 @numba.njit(cache=True, error_model="numpy")
-def advance(
-    motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any, numbers: Any, record: Any
-) -> None:
+def advance(motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any, numbers: Any, record: Any) -> None:
     """Advance one lane in place; `record` is (steps, 5n), or has no rows when nothing is kept.
 
     `bounds`, shape (steps, n), are forces; `numbers` are the length of a substep, how many make a step, and whether
