@@ -15,7 +15,7 @@ TUNED_OPTIONS = {
     "units": Option("lane", "SI", "Numbers of order one, and a step so long that motors and contacts are hard."),
     "num_solver_iterations": Option(1, 4, "Iterations are substeps; one of them is the step of equation (5)."),
     "normalized_max_linear_velocity": Option(1e30, 400.0, "No motion is cut off, however large."),
-    "can_sleep": Option(False, True, "Bodies slower than 0.4 fall asleep after two units of time: two steps."),
+    "can_sleep": Option(False, True, "Steps of half a unit of time or more stop bodies slower than 0.05."),
 }
 """Options of the tuned presets of both formulations."""
 
@@ -23,7 +23,7 @@ DEFAULT_OPTIONS = {
     "units": Option("SI", "SI", "The numbers of the chain as they are."),
     "num_solver_iterations": Option(4, 4, "Rapier's own: four substeps, over which forces are constant."),
     "normalized_max_linear_velocity": Option(400.0, 400.0, "Rapier's own, in m/s."),
-    "can_sleep": Option(True, True, "Rapier's own; a force wakes a body up, so that none sleeps under forces."),
+    "can_sleep": Option(True, True, "Rapier's own; forces keep bodies awake in steps of less than half a second."),
 }
 """Options of the default presets of both formulations."""
 

@@ -16,6 +16,9 @@ SINGLE_PRECISION_PERIOD = 6e-5
 """Of U0: positions and velocities, of some U0 and U0 ω, are rounded by 2^-24 in each of 1,600 substeps. Roundings add
 up as the root of their number: three standard deviations for motions of up to eight U0."""
 
+FALLS_ASLEEP = 0.5
+"""Time [s] after which Rapier stops a body slower than 0.05 m/s, in a single step if that is as long."""
+
 FORMULA = "{count} times, with h = Δt/{count} and F = f(t) e_1 − C q̇ − K q of the start of the step: "
 
 
@@ -42,6 +45,16 @@ def _substeps(preset: Preset, formula: str, *, friction_first: bool) -> Law:
         period_bound=SINGLE_PRECISION_PERIOD,
         bound_reason="single precision: every substep rounds by 2^-24",
         modulated=True,
+        unmodelled_reason=_sleep,
+    )
+
+
+def _sleep(lane: Lane) -> str | None:
+    """Say where masses may be stopped."""
+    if lane.time_step < FALLS_ASLEEP:
+        return None
+    return (
+        f"a step of {lane.time_step:g} s puts masses slower than 0.05 m/s to sleep; allowed: below {FALLS_ASLEEP:g} s"
     )
 
 
