@@ -55,7 +55,7 @@ class RapierLane(ExplicitForcesLane):
 
     def _begin(self, motion: FloatArray) -> Step:
         self._world, handles = self._new_world(motion, can_sleep=self._preset["can_sleep"])
-        bodies = [self._world.rigid_bodies[handle] for handle in handles]
+        self._bodies = bodies = [self._world.rigid_bodies[handle] for handle in handles]
         loads = [(body.reset_forces, body.add_force) for body in bodies]
         advance = self._world.step
 

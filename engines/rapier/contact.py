@@ -11,6 +11,7 @@ from engines.interface.presets import NormalForce, Option, Preset
 from engines.rapier.bodies import DEFAULT_OPTIONS, TUNED_OPTIONS, RapierLane
 from engines.rapier.law import contact_substeps
 from engines.shared.box_geometry import PressedBoxes
+from engines.shared.force_loop import Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
@@ -91,6 +92,30 @@ class RapierContactLane(RapierLane):
                     for body, shape in shapes
                 ]
             )
+
+    def _begin(self, motion: FloatArray) -> Step:
+        step = super()._begin(motion)
+        return self._begun_twice(step, motion) if self._preset["warmstart_coefficient"] else step
+
+    def _begun_twice(self, step: Step, motion: FloatArray) -> Step:
+        """Take the first step, put bodies back, and go on: contacts then start as if they had acted before."""
+        start, acted = motion.copy(), False
+
+        def stepping(force: FloatArray) -> None:
+            nonlocal acted
+            if not acted:
+                step(force)
+                self._put(start)
+                acted = True
+            step(force)
+
+        return stepping
+
+    def _put(self, motion: FloatArray) -> None:
+        """Give the bodies this motion; contacts remember their impulses."""
+        positions, velocities = motion.reshape(2, -1).tolist()
+        for body, *place, velocity in zip(self._bodies, positions, *self._places.T.tolist(), velocities, strict=True):
+            body.translation, body.linvel = tuple(place), (velocity, 0.0, 0.0)
 
     def _set_normal_load(self, normal_load: FloatArray) -> None:
         self._pressing[normal_load.size :] = -normal_load

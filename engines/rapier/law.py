@@ -31,7 +31,7 @@ def motor_substeps(preset: Preset) -> Law:
 def contact_substeps(preset: Preset) -> Law:
     """Give the law of contacts, whose friction is found after positions have moved, and reported of all substeps."""
     formula = (
-        "q ← q + h (q̇ + M⁻¹ (h F + W p)) with p of the substep before, zero at first; then "
+        "q ← q + h (q̇ + M⁻¹ (h F + W p)) with p of the substep before, at first of the step's own end; then "
         "q̇ ← q̇ + M⁻¹ (h F + W p), |p| ≤ h μ λ_N by Coulomb's law"
     )
     return _substeps(preset, formula, friction_first=False)
@@ -93,8 +93,10 @@ class _SubsteppedLane(LaneModel):
         motion = np.concatenate([state.positions[0], state.velocities[0]])
         bounds = np.ascontiguousarray(chain.friction_coefficient * lane.preloads(start, steps))
         masses = np.concatenate([chain.outer_mass, chain.inner_mass])
-        advance(
-            motion, lane.loads(start, steps), bounds, self._force, masses,
-            (lane.time_step / self._substeps, self._substeps, self._friction_first), record,
-        )  # fmt: skip
+        friction, loads = np.zeros(chain.cells), lane.loads(start, steps)
+        given = self._force, masses, (lane.time_step / self._substeps, self._substeps, self._friction_first)
+        if not self._friction_first:
+            # The first step is taken twice, and only its friction kept of the first time.
+            advance(motion.copy(), friction, loads[:1], bounds[:1], *given, record[:0])
+        advance(motion, friction, loads, bounds, *given, record)
         return motion

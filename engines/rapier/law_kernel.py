@@ -7,17 +7,20 @@ import numpy as np
 
 
 @numba.njit(cache=True, error_model="numpy")
-def advance(motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any, numbers: Any, record: Any) -> None:
+def advance(
+    motion: Any, friction: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any, numbers: Any, record: Any
+) -> None:
     """Advance one lane in place; `record` is (steps, 5n), or has no rows when nothing is kept.
 
-    `bounds`, shape (steps, n), are forces; `numbers` are the length of a substep, how many make a step, and whether
+    `friction`, shape (n,), is that of the substep before, and then of the last one, as a force; `bounds`, shape
+    (steps, n), are forces; `numbers` are the length of a substep, how many make a step, and whether
     friction is found before positions move.
     """
     h, substeps, friction_first = numbers
     cells = bounds.shape[1]
     count = 2 * cells
     position, velocity = motion[:count], motion[count:]
-    friction, total = np.zeros(cells), np.empty(cells)
+    total = np.empty(cells)
     for step in range(loads.size):
         force = force_matrix @ motion
         force[0] += loads[step]
