@@ -47,8 +47,9 @@ CONTACT_DEFAULT = Preset(
         "contact_recycling": Option(True, True, "Rapier's own."),
     },
     law=contact_substeps,
-    # Positions move by the friction of the substep before, which a state does not hold, and a new world not have.
-    split_tolerance=1e-4,
+    # Positions move by the friction of the substep before, which a state does not hold: a run starts with that of its
+    # own first step, which is another one by the change of friction in a step, 1e-2 of h² μ λ_N / m.
+    split_tolerance=1e-6,
     normal_force=NormalForce.MODULATED,
 )
 

@@ -71,22 +71,22 @@ class _SubsteppedLane(LaneModel):
         """Advance from `state` at step index `start`."""
         lane, size = self.lane, 2 * self.lane.chain.cells
         record = np.empty((steps, 5 * lane.chain.cells))
-        self._integrate(state, start, steps, record)
+        end = self._integrate(state, start, steps, record)
         return Trajectory(
             lane.times(start, steps),
             record[:, :size],
             record[:, size : 2 * size],
             record[:, 2 * size :],
             lane.preloads(start, steps),
+            None if end.internal_state is None else end.internal_state[0],
         )
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance as `run` does, and keep the end only."""
-        motion = self._integrate(state, start, steps, np.empty((0, 5 * self.lane.chain.cells)))
-        return State(motion[None, : motion.size // 2], motion[None, motion.size // 2 :])
+        return self._integrate(state, start, steps, np.empty((0, 5 * self.lane.chain.cells)))
 
-    def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> FloatArray:
-        """Run the kernel; gives positions, then velocities, at the end, shape (4n,)."""
+    def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
+        """Run the kernel; gives the end, whose internal state is the friction by which positions move next."""
         from engines.rapier.law_kernel import advance  # numba is imported once something moves
 
         lane, chain = self.lane, self.lane.chain
@@ -95,8 +95,11 @@ class _SubsteppedLane(LaneModel):
         masses = np.concatenate([chain.outer_mass, chain.inner_mass])
         friction, loads = np.zeros(chain.cells), lane.loads(start, steps)
         given = self._force, masses, (lane.time_step / self._substeps, self._substeps, self._friction_first)
-        if not self._friction_first:
+        if state.internal_state is not None:
+            friction[:] = state.internal_state[0]
+        elif not self._friction_first:
             # The first step is taken twice, and only its friction kept of the first time.
             advance(motion.copy(), friction, loads[:1], bounds[:1], *given, record[:0])
         advance(motion, friction, loads, bounds, *given, record)
-        return motion
+        position, velocity = np.split(motion[None], 2, axis=1)
+        return State(position, velocity, None if self._friction_first else friction[None])

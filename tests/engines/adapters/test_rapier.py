@@ -68,20 +68,18 @@ def test_iterations_of_the_solver_are_substeps_under_one_force(iterations: int) 
     assert motion.velocities[0, 0] == pytest.approx(euler / lane.time_step, rel=10 * SINGLE)
 
 
-def test_contacts_as_they_come_move_by_the_friction_of_the_step_before() -> None:
-    """In the first step of a world that is none: positions move without friction, velocities feel all of it."""
+@pytest.mark.parametrize(("warm", "missing"), [(0.0, 1.0), (1.0, 0.0)])
+def test_contacts_as_they_come_move_by_the_friction_that_they_start_from(warm: float, missing: float) -> None:
+    """Rapier finds friction after positions have moved: by none in a new world, but for contacts that start warm."""
     lane = lane_of(0.3)
-    # all inner masses slide
-    state = State(np.zeros((1, 14)), np.repeat([[0.0, 1.0]], 7, axis=1))
-    motion = run(lane, state, 2, "contact", friction_in_bias_pass=False, warmstart_coefficient=1.0)
-    positions, velocities, friction = scheme(lane, state, 2)
-    missing = lane.time_step**2 * friction[0] / lane.chain.inner_mass
+    sliding = State(np.zeros((1, 14)), np.repeat([[0.0, 1.0]], 7, axis=1))
+    motion = run(lane, sliding, 1, "contact", friction_in_bias_pass=False, warmstart_coefficient=warm)
+    positions, velocities, friction = scheme(lane, sliding, 1)
     assert np.all(friction[0] == -lane.chain.friction_bound)
-    np.testing.assert_allclose(motion.inner_positions[0], positions[0, 7:] - missing, rtol=10 * SINGLE)
+    without = lane.time_step**2 * friction[0] / lane.chain.inner_mass
+    np.testing.assert_allclose(motion.inner_positions[0], positions[0, 7:] - missing * without, rtol=10 * SINGLE)
     np.testing.assert_allclose(motion.velocities[0, 7:], velocities[0, 7:], rtol=10 * SINGLE)
-    # the second step moves by the first one's friction, which is its own
-    np.testing.assert_allclose(np.diff(motion.inner_positions, axis=0)[0], lane.time_step * motion.velocities[1, 7:],
-                               rtol=1e-5)  # fmt: skip
+    assert np.min(np.abs(without / positions[0, 7:])) > 1000 * SINGLE
 
 
 def test_recycled_points_of_contact_pull_back_to_where_they_were() -> None:
