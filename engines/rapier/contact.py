@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from engines.interface.presets import NormalForce, Option, Preset
-from engines.rapier.bodies import DEFAULT_OPTIONS, TUNED_OPTIONS, RapierLane
+from engines.rapier.bodies import DEFAULT_OPTIONS, FOUR_SUBSTEPS, TUNED_OPTIONS, RapierLane
 from engines.rapier.law import contact_substeps
 from engines.shared.box_geometry import PressedBoxes
 from engines.shared.force_loop import Step
@@ -46,6 +46,7 @@ CONTACT_DEFAULT = Preset(
         "warmstart_coefficient": Option(1.0, 1.0, "Rapier's own: substeps start from the last impulses."),
         "contact_recycling": Option(True, True, "Rapier's own."),
     },
+    known_deviation=FOUR_SUBSTEPS,
     law=contact_substeps,
     # Positions move by the friction of the substep before, which a state does not hold: a run starts with that of its
     # own first step, which is another one by the change of friction in a step, 1e-2 of h² μ λ_N / m.

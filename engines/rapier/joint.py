@@ -3,7 +3,7 @@
 from typing import Any
 
 from engines.interface.presets import NormalForce, Option, Preset
-from engines.rapier.bodies import DEFAULT_OPTIONS, TUNED_OPTIONS, RapierLane
+from engines.rapier.bodies import DEFAULT_OPTIONS, FOUR_SUBSTEPS, TUNED_OPTIONS, RapierLane
 from engines.rapier.law import motor_substeps
 from reference_lcp.validation import FloatArray
 
@@ -19,6 +19,7 @@ JOINT_TUNED = Preset(
 JOINT_DEFAULT = Preset(
     "The same motors and forces in SI units, with the four substeps a step that Rapier takes by itself.",
     {**DEFAULT_OPTIONS, "motor factor": MOTOR},
+    known_deviation=FOUR_SUBSTEPS,
     law=motor_substeps,
     normal_force=NormalForce.MODULATED,
 )

@@ -17,7 +17,7 @@ SINGLE_PRECISION_PERIOD = 6e-5
 up as the root of their number: three standard deviations for motions of up to eight U0."""
 
 FALLS_ASLEEP = 0.5
-"""Time [s] after which Rapier stops a body slower than 0.05 m/s, in a single step if that is as long."""
+"""Length of a step [s] from which on Rapier stops every body in it, whatever its speed and the forces on it."""
 
 FORMULA = "{count} times, with h = Δt/{count} and F = f(t) e_1 − C q̇ − K q of the start of the step: "
 
@@ -53,9 +53,7 @@ def _sleep(lane: Lane) -> str | None:
     """Say where masses may be stopped."""
     if lane.time_step < FALLS_ASLEEP:
         return None
-    return (
-        f"a step of {lane.time_step:g} s puts masses slower than 0.05 m/s to sleep; allowed: below {FALLS_ASLEEP:g} s"
-    )
+    return f"a step of {lane.time_step:g} s puts every mass to sleep; allowed: below {FALLS_ASLEEP:g} s"
 
 
 class _SubsteppedLane(LaneModel):

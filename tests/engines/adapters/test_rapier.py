@@ -139,7 +139,7 @@ def test_motion_far_above_the_displacement_scale_is_not_cut_off() -> None:
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_slow_chains_sleep_in_long_steps_only(formulation: str) -> None:
-    """Rapier stops what is slower than 0.05 for half a unit of time, unless a force has woken it up since."""
+    """Forces keep bodies awake, unless a step alone is as long as the time after which Rapier stops a slow one."""
     lane, state = dataclasses.replace(lane_of(), drive=StillBase(1e-5)), random_state(size=1e-3)
     short = run(lane, state, 3 * STEPS, formulation, can_sleep=True, units="SI")
     awake = run(lane, state, 3 * STEPS, formulation, units="SI")
