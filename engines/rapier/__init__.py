@@ -26,7 +26,8 @@ class Rapier(WheelEngine):
         precision="single",
         # Positions and velocities are rounded by 2^-24 of themselves in every substep, as Box2D's in every step, and
         # roundings add up as the root of their number: 1e-6 of the displacement scale or somewhat more over a period of
-        # 400 of them, four times as much over the 6,400 of the default at 1,600 steps. No mixing of iterates removes it.
+        # 400 of them, four times as much over the 6,400 of the default at 1,600 steps. No mixing of iterates removes
+        # it.
         residual=2e-5,
         notes=(
             "Coulomb's law, exact in stick, in single precision: a motion repeats to some 1e-6 of its size, and no "
