@@ -32,7 +32,8 @@ CLOCK_SECONDS = 0.05
 """By how much the clocks of processor time may differ."""
 
 PACKAGES = {
-    "mujoco", "pybullet", "exudyn", "pydrake", "siconos", "ode", "Box2D", "dartpy", "pinocchio", "pymunk", "rapier3d",
+    "mujoco", "warp", "pybullet", "exudyn", "pydrake", "siconos", "ode", "Box2D", "dartpy", "pinocchio", "pymunk",
+    "rapier3d",
 }  # fmt: skip
 """Packages of the engines."""
 
