@@ -1,6 +1,6 @@
 """MuJoCo Warp's joint formulation: MuJoCo's own model, the dry friction of a slide joint."""
 
-from engines.interface.presets import Option, Preset
+from engines.interface.presets import NormalForce, Option, Preset
 from engines.mujoco.model import DEFAULT_OPTIONS
 from engines.mujoco_warp.law import joint_friction
 from engines.mujoco_warp.model import TUNED_OPTIONS
@@ -15,6 +15,7 @@ JOINT_TUNED = Preset(
         ),
     },
     shares_scheme=True,
+    normal_force=NormalForce.MODULATED,
 )
 
 JOINT_DEFAULT = Preset(
@@ -31,4 +32,5 @@ JOINT_DEFAULT = Preset(
     ),
     law=joint_friction,
     split_tolerance=1e-6,
+    normal_force=NormalForce.MODULATED,
 )

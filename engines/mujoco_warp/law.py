@@ -15,13 +15,9 @@ NEWTON_REASON = "MuJoCo Warp's Newton solver stops at a tolerance of 1e-6, and c
 
 def joint_friction(preset: Preset) -> Law:
     """Give the law of a joint's frictionloss."""
-    return _as_solved(mujoco_law.joint_friction(preset))
+    return replace(mujoco_law.joint_friction(preset), period_bound=NEWTON_PERIOD, bound_reason=NEWTON_REASON)
 
 
 def pyramidal_contact(preset: Preset) -> Law:
     """Give the law of a sphere that is held at a fixed depth."""
-    return _as_solved(mujoco_law.pyramidal_contact(preset))
-
-
-def _as_solved(law: Law) -> Law:
-    return replace(law, period_bound=NEWTON_PERIOD, bound_reason=NEWTON_REASON, modulated=False)
+    return replace(mujoco_law.pyramidal_contact(preset), period_bound=NEWTON_PERIOD, bound_reason=NEWTON_REASON)

@@ -27,11 +27,12 @@ TUNED_OPTIONS = {
 
 
 def batched_model(models: Sequence[Any]) -> Any:
-    """Give one model for MuJoCo Warp, with a row a world of whatever differs between the models."""
+    """Give one model for MuJoCo Warp, with a row a world of friction bounds, and of whatever differs between models."""
     import mujoco_warp
     import warp
 
-    names = [field.name for field in dataclasses.fields(mujoco_warp.Model) if _differs(models, field.name)]
+    differing = {field.name for field in dataclasses.fields(mujoco_warp.Model) if _differs(models, field.name)}
+    names = sorted(differing | {"dof_frictionloss"})
     batched = mujoco_warp.put_model(models[0], batch_sizes=dict.fromkeys(names, len(models)))
     for name in names:
         rows = getattr(batched, name)

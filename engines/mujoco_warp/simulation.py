@@ -38,7 +38,7 @@ class WarpSimulation:
         self._joints = models[0].nq // common_cells(lanes)
         self._length = np.array([[unit.length] for unit in units])
         self._velocity = np.array([[unit.velocity] for unit in units])
-        self._worlds = Worlds(models)
+        self._worlds = Worlds(models, modulated=any(lane.preload is not None for lane in lanes))
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         """Advance every lane; see `Simulation.run`.
@@ -91,12 +91,21 @@ class WarpSimulation:
             joint_coordinates(state.velocities / self._velocity, self._joints),
         )
         for first in range(start, start + steps, CHUNK):
-            yield self._worlds.steps(self._loads(first, min(CHUNK, start + steps - first)))
+            length = min(CHUNK, start + steps - first)
+            yield self._worlds.steps(self._loads(first, length), self._bounds(first, length))
 
     def _loads(self, start: int, steps: int) -> FloatArray:
         """Give the force on cell 1 in every step, shape (steps, lanes)."""
         loads = [lane.loads(start, steps) / units.force for lane, units in zip(self.lanes, self._units, strict=True)]
         return np.stack(loads, axis=1)
+
+    def _bounds(self, start: int, steps: int) -> FloatArray:
+        """Give μ λ_N of every contact in every step, shape (steps, lanes, n)."""
+        bounds = [
+            lane.chain.friction_coefficient * lane.preloads(start, steps) / units.force
+            for lane, units in zip(self.lanes, self._units, strict=True)
+        ]
+        return np.stack(bounds, axis=1)
 
     def _friction(self, index: int, rows: Rows) -> FloatArray:
         """λ_T on the inner masses; where a cell has none, MuJoCo Warp's Newton leaves round-off of its neighbours."""

@@ -40,10 +40,12 @@ class Worlds:
     ----------
     models
         A compiled `mujoco.MjModel` a world, with one control.
+    modulated
+        The bounds of friction in joints change from step to step.
     """
 
-    def __init__(self, models: Sequence[Any]):
-        self._models = models
+    def __init__(self, models: Sequence[Any], *, modulated: bool):
+        self._models, self._modulated = models, modulated
         warp, _ = import_warp()
         with warp.ScopedDevice(DEVICE):
             self._allocate(warp)
@@ -57,9 +59,18 @@ class Worlds:
         self._data.qacc_warmstart.zero_()
         self._last = Rows(qpos, qvel, *(np.zeros(values.shape) for values in self._values[2:]))
 
-    def steps(self, loads: FloatArray) -> Rows:
-        """Take a step for each row of loads, at most `CHUNK`, shape (steps, worlds)."""
+    def steps(self, loads: FloatArray, bounds: FloatArray) -> Rows:
+        """Take a step for each row of loads, at most `CHUNK`.
+
+        Parameters
+        ----------
+        loads
+            Control of each step and world, shape (steps, worlds).
+        bounds
+            Bound of friction in each step, world and cell, shape (steps, worlds, n); used where it is modulated.
+        """
         self._controls.numpy()[: len(loads), :, 0] = loads
+        self._bounds.numpy()[: len(loads)] = bounds
         self._step.zero_()
         for _ in range(len(loads)):
             self.launch()
@@ -75,6 +86,9 @@ class Worlds:
         warp, mujoco_warp = import_warp()
         with warp.ScopedDevice(DEVICE):
             warp.launch(kernels.load, self._data.ctrl.shape, [self._step, self._controls, self._data.ctrl])
+            if self._modulated:
+                frictionloss = self._model.dof_frictionloss
+                warp.launch(kernels.bound, self._bounds.shape[1:], [self._step, self._bounds, frictionloss])
             mujoco_warp.step(self._model, self._data)
             for values, record in zip(self._values, self._record, strict=True):
                 warp.launch(kernels.record, values.shape, [self._step, values, record])
@@ -95,6 +109,7 @@ class Worlds:
         self._data = mujoco_warp.make_data(model, nworld=size, nconmax=model.npair, njmax=rows)
         self._step = warp.zeros(1, dtype=int)
         self._controls = warp.zeros((CHUNK, size, 1), dtype=float)
+        self._bounds = warp.zeros((CHUNK, size, model.nbody // 2), dtype=float)
         self._values = [getattr(self._data, name) for name in Rows._fields]
         self._record = [warp.zeros((CHUNK, *values.shape), dtype=float) for values in self._values]
 

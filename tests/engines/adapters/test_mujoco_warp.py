@@ -1,5 +1,6 @@
 """MuJoCo Warp: what only its graph, its worlds, its single precision and its solver do."""
 
+import dataclasses
 import os
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from engines.interface.tolerances import ROUND_OFF, SINGLE
 from engines.mujoco_warp import MuJoCoWarp
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import (
@@ -93,6 +95,17 @@ def test_worlds_of_other_time_steps_and_chains_equal_the_scheme_to_single_precis
         apart = distance(lanes[index], states.subset([index]), motion)
         # more than single precision cannot be: a finer result would be another engine's
         assert SINGLE / 10 < apart < ROUNDINGS, f"lane {index} is off by {apart:.1g}"
+
+
+def test_a_world_whose_bounds_change_in_time_leaves_those_of_the_others_alone() -> None:
+    constant, state = uneven_lane(), random_state(2)
+    preload = Preload(modulation=0.5, angular_frequency=2 * lane_of().drive.angular_frequency)
+    modulated = dataclasses.replace(lane_of(), preload=preload)
+    together = MuJoCoWarp().build([modulated, constant]).run(state, 3, 200)
+    for index, lane in enumerate([modulated, constant]):
+        assert_same_bits(MuJoCoWarp().build([lane]).run(state.subset([index]), 3, 200)[0], together[index])
+    bound = lane_of().chain.friction_coefficient * modulated.preloads(3, 200)
+    assert np.max(np.abs(together[0].friction) / bound) == pytest.approx(1, abs=ROUND_OFF["single"])
 
 
 def test_a_solver_that_ends_before_it_has_converged_is_off_without_a_word(capfd: pytest.CaptureFixture[str]) -> None:
