@@ -75,7 +75,7 @@ class WarpSimulation:
         )
 
     def native_steps(self, steps: int) -> None:
-        """Take steps of the engine's graph alone, from where it is."""
+        """Take steps of MuJoCo Warp alone; see `NativeStepping`."""
         self._worlds.native_steps(steps)
 
     def close(self) -> None:

@@ -46,9 +46,8 @@ class Worlds:
 
     def __init__(self, models: Sequence[Any], *, modulated: bool):
         self._models, self._modulated = models, modulated
-        warp, _ = import_warp()
-        with warp.ScopedDevice(DEVICE):
-            self._allocate(warp)
+        with import_warp()[0].ScopedDevice(DEVICE):
+            self._allocate()
         self.eager_step()  # compiles what this machine has not kept
         self.launch = self._captured(self.eager_step)
 
@@ -95,15 +94,16 @@ class Worlds:
             warp.launch(kernels.count, 1, [self._step])
 
     def native_steps(self, steps: int) -> None:
-        """Take steps of MuJoCo Warp alone, from where the worlds are."""
+        """Take steps of MuJoCo Warp alone, as a graph, from where the worlds are."""
         _, mujoco_warp = import_warp()
         launch = self._captured(lambda: mujoco_warp.step(self._model, self._data))
         for _ in range(steps):
             launch()
 
-    def _allocate(self, warp: Any) -> None:
+    def _allocate(self) -> None:
         """Put models, states, loads and records into Warp's memory."""
-        mujoco_warp, model, size = import_warp()[1], self._models[0], len(self._models)
+        warp, mujoco_warp = import_warp()
+        model, size = self._models[0], len(self._models)
         rows = model.nv + ROWS_OF_A_CONTACT * model.npair
         self._model = batched_model(self._models)
         self._data = mujoco_warp.make_data(model, nworld=size, nconmax=model.npair, njmax=rows)
