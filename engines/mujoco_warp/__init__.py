@@ -2,6 +2,7 @@
 
 from typing import ClassVar
 
+from engines.interface.preparation import Preparation
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.mujoco.contact import contact_model, contact_units
 from engines.mujoco.joint import joint_model
@@ -18,6 +19,8 @@ class MuJoCoWarp(WheelEngine):
 
     name: ClassVar[str] = "mujoco-warp"
     module: ClassVar[str] = "mujoco_warp"
+    # Half a minute of a processor, for contacts half as long; ten times as much where it is busy with other things.
+    preparation: ClassVar[Preparation | None] = Preparation("compiles its kernels", 300.0)
     capabilities: ClassVar[Capabilities] = Capabilities(
         title="MuJoCo Warp",
         optional=True,
@@ -36,7 +39,7 @@ class MuJoCoWarp(WheelEngine):
         notes=(
             "MuJoCo's laws, in single precision: by default friction is a soft constraint with a time constant. The "
             "no-slip sweep of the tuned presets removes the softness; then a motion equals equation (5) to some 1e-6 "
-            "of its size. The first use on a machine compiles it, which takes half a minute or more."
+            "of its size."
         ),
     )
 
