@@ -13,10 +13,10 @@ def advance(
     """Advance one lane in place; `record` is (steps, 5n), or has no rows when nothing is kept.
 
     `friction`, shape (n,), is that of the substep before, and then of the last one, as a force; `bounds`, shape
-    (steps, n), are forces; `numbers` are the length of a substep, how many make a step, and whether
-    friction is found before positions move.
+    (steps, n), are forces; `numbers` are the length of a substep, how many make a step, whether friction is
+    found before positions move; one over the largest velocity that is then left, and over the damping of motors.
     """
-    h, substeps, friction_first = numbers
+    h, substeps, friction_first, slowness, yielding = numbers
     cells = bounds.shape[1]
     count = 2 * cells
     position, velocity = motion[:count], motion[count:]
@@ -27,12 +27,13 @@ def advance(
         total[:] = 0.0
         for _ in range(substeps):
             velocity += h * force / masses
-            if not friction_first:
+            if friction_first:
+                _rub(velocity, friction, bounds[step], masses, h, yielding)
+                _move(position, velocity, h, slowness)
+            else:
                 position += h * velocity
                 _push(position, h * h * friction, masses)
-            _rub(velocity, friction, bounds[step], masses, h)
-            if friction_first:
-                position += h * velocity
+                _rub(velocity, friction, bounds[step], masses, h, yielding)
             total += friction
         if record.shape[0] > 0:
             record[step, :count], record[step, count : 2 * count] = position, velocity
@@ -40,12 +41,20 @@ def advance(
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _rub(velocity: Any, friction: Any, bounds: Any, masses: Any, h: Any) -> None:
+def _move(position: Any, velocity: Any, h: Any, slowness: Any) -> None:
+    """Cut velocities off, and let positions move by them."""
+    for mass in range(velocity.size):
+        velocity[mass] /= max(1.0, slowness * abs(velocity[mass]))
+        position[mass] += h * velocity[mass]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _rub(velocity: Any, friction: Any, bounds: Any, masses: Any, h: Any, yielding: Any) -> None:
     """Find the forces that bring every cell to rest, within their bounds, and let them act."""
     cells = friction.size
     for cell in range(cells):
         slip = velocity[cells + cell] - velocity[cell]
-        stopping = -slip / (h * (1 / masses[cell] + 1 / masses[cells + cell]))
+        stopping = -slip / (h * (1 / masses[cell] + 1 / masses[cells + cell]) + yielding)
         friction[cell] = min(max(stopping, -bounds[cell]), bounds[cell])
     _push(velocity, h * friction, masses)
 

@@ -10,6 +10,7 @@ from engines.interface.registry import engine
 from engines.interface.tolerances import FRICTION_TOLERANCE, ROUND_OFF, SINGLE
 from engines.rapier import Rapier
 from engines.rapier.contact import RapierContactLane
+from engines.rapier.law import SINGLE_PRECISION_PERIOD
 from reference_lcp.chain.harmonic import HarmonicBase, HarmonicForce, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -163,6 +164,59 @@ def test_law_of_the_default_is_not_claimed_for_steps_in_which_masses_fall_asleep
     motions = [engine(name).build([slow], formulation, "default").advance(random_state(), 0, STEPS).positions
                for name in ("rapier", "rapier@law")]  # fmt: skip
     assert np.max(np.abs(motions[0] - motions[1])) > 0.1 * AMPLITUDE
+
+
+def default_lane(length: float, mass: float = 1.0, stiffness: float = 1e3) -> Lane:
+    """Give the canonical chain in other units."""
+    chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
+    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, length), STEPS)
+
+
+def off_the_law(lane: Lane, formulation: str, **without: float) -> float:
+    """Distance of the default from its law after two periods from rest, over U0; some constants are replaced."""
+    law = law_of(Rapier().preset(formulation, "default"))
+    assert law is not None
+    constants = {symbol: dataclasses.replace(law.constants[symbol], value=value) for symbol, value in without.items()}
+    law = dataclasses.replace(law, constants={**law.constants, **constants})
+    own, model = (
+        each.advance(State.at_rest(1, 7), 0, 2 * STEPS).positions
+        for each in (Rapier().build([lane], formulation, "default"), law.build([lane]))
+    )
+    return float(np.max(np.abs(own - model))) / lane.drive.displacement_scale(lane.chain)
+
+
+def unclaimed(lane: Lane, formulation: str) -> str | None:
+    law = law_of(Rapier().preset(formulation, "default"))
+    assert law is not None
+    return law.unmodelled_reason(lane)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("length", [1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 1.0])
+def test_law_of_the_default_holds_for_motions_of_any_smallness_in_si_units(length: float, formulation: str) -> None:
+    """A sphere touches exactly, in whatever size: no absolute length of Rapier's has a part in the motion."""
+    lane = default_lane(length)
+    assert off_the_law(lane, formulation) < SINGLE_PRECISION_PERIOD
+    assert (unclaimed(lane, formulation) is None) == (formulation == "joint" or length < 1.0)
+
+
+def test_motors_of_the_default_yield_in_heavy_and_stiff_chains_as_their_law_says() -> None:
+    """A stuck contact slips at its friction over the motor's damping, which is the same number in every chain."""
+    heavy = default_lane(AMPLITUDE, 1e6, 1e9)
+    assert off_the_law(heavy, "joint") < SINGLE_PRECISION_PERIOD
+    assert off_the_law(heavy, "joint", **{"1/c": 0.0}) > 10 * SINGLE_PRECISION_PERIOD
+    # contacts have no motor
+    assert off_the_law(heavy, "contact") < SINGLE_PRECISION_PERIOD
+
+
+def test_default_cuts_velocities_off_as_the_law_of_motors_says_and_that_of_contacts_does_not_claim() -> None:
+    """At 400 m/s; of a contact, the velocity across that its pressing force makes in a substep is a part of it."""
+    fast = default_lane(100.0)
+    assert off_the_law(fast, "joint") < SINGLE_PRECISION_PERIOD
+    assert off_the_law(fast, "joint", **{"1/v_max": 0.0}) > 0.1
+    assert off_the_law(fast, "contact") > 0.1
+    assert unclaimed(fast, "joint") is None
+    assert str(unclaimed(fast, "contact")).endswith("m/s; allowed: below 400 m/s")
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
