@@ -4,9 +4,9 @@ from typing import ClassVar
 
 from engines.interface.preparation import Preparation
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.mujoco.contact import contact_model, contact_units
+from engines.mujoco.contact import contact_model
 from engines.mujoco.joint import joint_model
-from engines.mujoco_warp.contact import CONTACT_DEFAULT, CONTACT_TUNED, pressed_harder
+from engines.mujoco_warp.contact import CONTACT_DEFAULT, CONTACT_TUNED, light_units, pressed_harder
 from engines.mujoco_warp.joint import JOINT_DEFAULT, JOINT_TUNED
 from engines.mujoco_warp.simulation import WarpSimulation
 from engines.shared.units import Units
@@ -49,6 +49,6 @@ class MuJoCoWarp(WheelEngine):
             units = [Units.named(preset["units"], lane) for lane in lanes]
         else:
             pressed, compiled = tuple(pressed_harder(lane, preset) for lane in lanes), contact_model
-            units = [contact_units(lane, preset) for lane in pressed]
+            units = [light_units(lane, preset) for lane in pressed]
         models = [compiled(lane, unit, preset) for lane, unit in zip(pressed, units, strict=True)]
         return WarpSimulation(lanes, pressed, units, models)

@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from engines.interface.presets import Option, Preset
+from engines.mujoco.contact import contact_units
 from engines.mujoco.model import DEFAULT_OPTIONS
 from engines.mujoco_warp.law import pyramidal_contact
 from engines.mujoco_warp.model import TUNED_OPTIONS
+from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
 
 CONTACT_TUNED = Preset(
@@ -43,6 +45,15 @@ CONTACT_DEFAULT = Preset(
     law=pyramidal_contact,
     split_tolerance=1e-6,
 )
+
+
+def light_units(lane: Lane, preset: Preset) -> Units:
+    """Choose units in which the masses that contacts stop are near one: MuJoCo Warp takes small ones for none."""
+    units, chain = contact_units(lane, preset), lane.chain
+    if preset["units"] == "SI":
+        return units
+    stopped = 1 / (1 / chain.outer_mass + 1 / chain.inner_mass)
+    return replace(units, mass=power_of_two(float(np.exp(np.mean(np.log(stopped))))))
 
 
 def pressed_harder(lane: Lane, preset: Preset) -> Lane:

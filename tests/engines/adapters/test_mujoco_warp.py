@@ -97,6 +97,16 @@ def test_worlds_of_other_time_steps_and_chains_equal_the_scheme_to_single_precis
         assert SINGLE / 10 < apart < ROUNDINGS, f"lane {index} is off by {apart:.1g}"
 
 
+@both_formulations
+@pytest.mark.parametrize("ratio", [1e-6, 1e-4, 1e-3, 1e-2, 10.0])
+def test_light_and_heavy_inner_masses_move_by_the_scheme(ratio: float, formulation: str) -> None:
+    """Friction beside a heavy outer mass: a contact of a small mass, in units of a large one, has none."""
+    chain = Chain.from_ratios(mass_ratio=ratio, stiffness_ratio=ratio, friction_ratio=0.3 * ratio)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.8), STEPS)
+    motion = MuJoCoWarp().build([lane], formulation).run(State.at_rest(1, 7), 0, STEPS)[0]
+    assert distance(lane, State.at_rest(1, 7), motion) < ROUNDINGS
+
+
 def test_a_world_whose_bounds_change_in_time_leaves_those_of_the_others_alone() -> None:
     constant, state = uneven_lane(), random_state(2)
     preload = Preload(modulation=0.5, angular_frequency=2 * lane_of().drive.angular_frequency)
