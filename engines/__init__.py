@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from engines.interface.engine import Engine, EngineNotInstalled
+    from engines.interface.preparation import Preparation
     from engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
     from engines.interface.registry import engine, engine_names
     from engines.interface.variant import Variant, variants_of
@@ -20,6 +21,7 @@ __all__ = [
     "FrictionLaw",
     "NormalForce",
     "Option",
+    "Preparation",
     "Preset",
     "Variant",
     "engine",
@@ -29,6 +31,7 @@ __all__ = [
 
 _MODULES = {
     "engine": ("Engine", "EngineNotInstalled"),
+    "preparation": ("Preparation",),
     "presets": ("Capabilities", "Formulation", "FrictionLaw", "NormalForce", "Option", "Preset"),
     "registry": ("engine", "engine_names"),
     "variant": ("Variant", "variants_of"),

@@ -1,10 +1,10 @@
-"""The first compilation, said in a terminal: numba compiles what a command needs when it is first called, and keeps it.
+"""First compilations, said in a terminal: numba compiles what a command needs when it is first called, and keeps it.
 
 What is compiled is loaded from numba's cache from then on, until numba or the suite is another version.
 """
 
 import sys
-from typing import Any
+from typing import Any, ClassVar
 
 SUITE = ("reference_lcp", "engines", "scenarios", "reports")
 """Packages whose functions are compiled; those of others have their own ways."""
@@ -27,9 +27,8 @@ def announce_compilation() -> None:
 
         def on_start(self, event: Any) -> None:
             """Print the line, if the function is one of the suite."""
-            if not _State.announced and _is_of_suite(event.data["dispatcher"]):
-                _State.announced = True
-                print(NOTICE, file=sys.stderr, flush=True)
+            if _is_of_suite(event.data["dispatcher"]):
+                say_in_terminal(NOTICE)
 
         def on_end(self, event: Any) -> None:
             """Nothing is said at the end: results follow."""
@@ -39,11 +38,18 @@ def announce_compilation() -> None:
         compiler.register("numba:compile", Notice())
 
 
+def say_in_terminal(line: str) -> None:
+    """Print a line to standard error if that is a terminal, once a process."""
+    if sys.stderr.isatty() and line not in _State.said:
+        _State.said.add(line)
+        print(line, file=sys.stderr, flush=True)
+
+
 class _State:
-    """Whether compilations are listened to, and whether the user has been told of one."""
+    """Whether compilations are listened to, and what the user has been told."""
 
     listening = False
-    announced = False
+    said: ClassVar[set[str]] = set()
 
 
 def _is_of_suite(dispatcher: Any) -> bool:

@@ -11,7 +11,9 @@ from tests.test_help import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 
-ENGINE_PACKAGES = ("exudyn", "mujoco", "pybullet", "pydrake", "dartpy", "pinocchio", "pymunk", "Box2D")
+ENGINE_PACKAGES = (
+    "exudyn", "mujoco", "warp", "pybullet", "pydrake", "dartpy", "pinocchio", "pymunk", "Box2D", "rapier3d",
+)  # fmt: skip
 
 COMPUTING = ("numba", "scipy", "pandas", "xarray", "h5py", "matplotlib", "plotly", "jinja2", "PIL", *ENGINE_PACKAGES)
 """Packages that compute, tabulate or draw; each takes a tenth of a second to a second to import."""

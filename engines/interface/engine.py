@@ -5,8 +5,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
+from engines.interface.preparation import Preparation, sample_lane
 from engines.interface.presets import Capabilities, Formulation, Preset
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
+from reference_lcp.chain.trajectory import State
 from reference_lcp.refusal import ParameterError, checked_choice
 
 if TYPE_CHECKING:
@@ -39,6 +41,8 @@ class Engine(ABC):
 
     name: ClassVar[str]
     capabilities: ClassVar[Capabilities]
+    preparation: ClassVar[Preparation | None] = None
+    """What `prepare` does, where its first use on a machine takes long: compiling, above all."""
 
     @abstractmethod
     def version(self) -> str:
@@ -79,6 +83,17 @@ class Engine(ABC):
         presets = by_formulation[Formulation(formulation)]
         checked_choice(f"preset of {self.name}", preset, list(presets))
         return presets[preset]
+
+    def prepare(self, cells: int, formulation: str, preset: str) -> None:
+        """Do what `preparation` names, for chains of this length: build one, and take a step.
+
+        Workers of engines that name a preparation call this before their first batch of a variant.
+        """
+        simulation = self.build([sample_lane(cells)], formulation, preset)
+        try:
+            simulation.advance(State.at_rest(1, cells), 0, 1)
+        finally:
+            simulation.close()
 
     def build(self, lanes: Sequence[Lane], formulation: str = "joint", preset: str = "tuned") -> Simulation:
         """Build every lane in the engine.

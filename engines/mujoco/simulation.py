@@ -8,6 +8,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from engines.mujoco.coordinates import absolute_coordinates, joint_coordinates
 from engines.mujoco.loop import SteppedModels
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane, common_cells
@@ -55,8 +56,8 @@ class MuJoCoSimulation:
         return [
             Trajectory(
                 lane.times(start, steps),
-                self._absolute(record["qpos"][index]) * units.length,
-                self._absolute(record["qvel"][index]) * units.velocity,
+                absolute_coordinates(record["qpos"][index], self._joints) * units.length,
+                absolute_coordinates(record["qvel"][index], self._joints) * units.velocity,
                 record["qfrc_constraint"][index, :, 1 :: self._joints] * units.force,
                 self._normal_force(index, record, start, steps),
                 None if end is None else end[index],
@@ -119,7 +120,10 @@ class MuJoCoSimulation:
 
     def _state(self, qpos: FloatArray, qvel: FloatArray) -> State:
         """Give the state of all lanes of joint coordinates and velocities, shape (lanes, nq)."""
-        position, velocity = self._absolute(qpos) * self._length, self._absolute(qvel) * self._velocity
+        position, velocity = (
+            absolute_coordinates(qpos, self._joints) * self._length,
+            absolute_coordinates(qvel, self._joints) * self._velocity,
+        )
         if not self._opens:
             return State(position, velocity)
         across = (qpos[:, 3 :: self._joints] * self._length, qvel[:, 3 :: self._joints] * self._velocity)
@@ -127,7 +131,7 @@ class MuJoCoSimulation:
 
     def _checked(self, name: str, values: FloatArray, units: FloatArray) -> FloatArray:
         """Give the joint coordinates of a state, or refuse those at which MuJoCo would stop without a message."""
-        coordinates = self._joint_coordinates(values / units)
+        coordinates = joint_coordinates(values / units, self._joints)
         excess = np.abs(coordinates) / LARGEST_COORDINATE
         if np.any(excess > 1):
             largest = float(np.max(np.abs(values)))
@@ -142,18 +146,6 @@ class MuJoCoSimulation:
             return given
         measured = record["sensordata"][index, :, ::3] * self._units[index].force
         return np.where(lane.chain.friction_bound > 0, measured, given)
-
-    def _joint_coordinates(self, absolute: FloatArray) -> FloatArray:
-        """Turn (u, v) into (u_1, v_1 - u_1, ..., u_2, ...), the order of MuJoCo's joints; velocities likewise."""
-        outer, inner = np.split(absolute, 2, axis=-1)
-        coordinates = np.zeros((*outer.shape, self._joints))
-        coordinates[..., 0], coordinates[..., 1] = outer, inner - outer
-        return coordinates.reshape(*outer.shape[:-1], -1)
-
-    def _absolute(self, coordinates: FloatArray) -> FloatArray:
-        """Turn (u_1, v_1 - u_1, ..., u_2, ...) into (u, v); velocities likewise."""
-        outer, relative = coordinates[..., 0 :: self._joints], coordinates[..., 1 :: self._joints]
-        return np.concatenate([outer, outer + relative], axis=-1)
 
 
 class ModulatedJointSimulation(MuJoCoSimulation):

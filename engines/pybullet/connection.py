@@ -1,12 +1,11 @@
 """A connection to Bullet, and the import of its package."""
 
-import contextlib
 import functools
 import importlib
-import os
 import sys
-from collections.abc import Iterator
 from typing import Any
+
+from engines.shared.silence import silent_standard_error
 
 
 class Connection:
@@ -46,20 +45,5 @@ class Connection:
 @functools.cache
 def import_pybullet() -> Any:
     """Import PyBullet, which reports its build time to the standard error stream when it is loaded."""
-    with _silent_standard_error():
+    with silent_standard_error():
         return importlib.import_module("pybullet")
-
-
-@contextlib.contextmanager
-def _silent_standard_error() -> Iterator[None]:
-    """Send what compiled code writes to file descriptor 2 nowhere."""
-    sys.stderr.flush()
-    original = os.dup(2)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        os.dup2(nowhere, 2)
-        yield
-    finally:
-        os.dup2(original, 2)
-        os.close(nowhere)
-        os.close(original)

@@ -53,11 +53,13 @@ class WorkerDied(RuntimeError):
         Why.
     by_engine
         Whether the engine is the cause: it crashed, or did not come to an end.
+    preparing
+        Whether it was preparing the engine, see `Engine.prepare`: no task of the variant can be run.
     """
 
-    def __init__(self, reason: str, *, by_engine: bool = False):
+    def __init__(self, reason: str, *, by_engine: bool = False, preparing: bool = False):
         super().__init__(reason)
-        self.by_engine = by_engine
+        self.by_engine, self.preparing = by_engine, preparing
 
 
 Run = TypeVar("Run")
@@ -145,22 +147,33 @@ class BatchQueue:
         self._again: deque[Batch] = deque()
         self._second_chance: set[Task] = set()
         self._failures: dict[str, list[str]] = {}
+        self._unprepared: dict[str, str] = {}
 
     def next(self) -> Batch | None:
         """Take the next batch, those that are run again first; ``None`` without any."""
         return self._again.popleft() if self._again else next(self._batches, None)
 
     def skip_reason(self, batch: Batch) -> str | None:
-        """Give the reason to skip a batch: its variant has failed at `MOST_FAILURES` points; ``None`` without one."""
-        seen = self._failures.get(str(batch[0].variant), [])
+        """Give the reason to skip a batch; ``None`` without one.
+
+        Its variant has failed at `MOST_FAILURES` points, or could not be prepared.
+        """
+        variant = str(batch[0].variant)
+        if variant in self._unprepared:
+            return self._unprepared[variant]
+        seen = self._failures.get(variant, [])
         return None if len(seen) < MOST_FAILURES else f"not run: {len(seen)} points before, {seen[-1]}"
 
     def died(self, batch: Batch, death: WorkerDied) -> list[Result]:
         """Queue the tasks of a batch one by one; one that was alone is blocked: gives its result.
 
-        A task whose process was killed, from outside or for want of memory, has a second chance.
+        A task whose process was killed, from outside or for want of memory, has a second chance. All are blocked where
+        their variant could not be prepared: on another day, or after a look at the machine, it may be.
         """
         alone, reason = len(batch) == 1, str(death)
+        if death.preparing:
+            self._unprepared[str(batch[0].variant)] = reason
+            return [Result.blocked(reason)] * len(batch)
         if alone and (reason != KILLED or batch[0] in self._second_chance):
             self._failures.setdefault(str(batch[0].variant), []).append(reason)
             return [Result.blocked(reason, by_engine=death.by_engine)]

@@ -46,10 +46,10 @@ def results_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]], 
             raise
         if len(items) > 1:
             return [results_together([item], attempt)[0] for item in items]
-        return [Result.blocked(_reason(problem), by_engine=not isinstance(problem, CIRCUMSTANCES))]
+        return [Result.blocked(reason_of(problem), by_engine=not isinstance(problem, CIRCUMSTANCES))]
 
 
-def _reason(problem: BaseException) -> str:
+def reason_of(problem: BaseException) -> str:
     """Give the reason that an exception is."""
     if isinstance(problem, TrajectoryFault):
         return str(problem)

@@ -11,8 +11,10 @@ from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
 
+from reference_lcp.compilation import say_in_terminal
 from scenarios.execution.batch import Batch
 from scenarios.execution.executor import KILLED, WorkerDied
+from scenarios.execution.preparation import KEPT_SECONDS, Preparing
 from scenarios.execution.worker import BEGUN, limit_reached, reason_of_death
 from scenarios.execution.worker_template import END_SECONDS, START_SECONDS, WorkerTemplate
 from scenarios.tasks.result import Result
@@ -51,6 +53,7 @@ class LocalWorker:
         self._crash_log = crash_log
         self._news = news
         self._limit = math.inf
+        self._preparing: Preparing | None = None
         self._begun = self._silent = False
         self._reply: list[Result] | str | None = None
         self._size = 0
@@ -63,9 +66,9 @@ class LocalWorker:
         return not self._ended(0.0)
 
     def run(self, batch: Batch, identity: str, limit: float) -> None:
-        """Start on a batch, see `scenarios.execution.worker.run_within`, that may take `limit` seconds."""
+        """Start on a batch, see `scenarios.execution.worker.serve`, that may take `limit` seconds."""
         self.busy, self._size, self._limit = True, len(batch), limit
-        self._begun, self._silent, self._reply = False, False, None
+        self._begun, self._silent, self._reply, self._preparing = False, False, None, None
         self.deadline = time.monotonic() + START_SECONDS
         message = pickle.dumps((batch, identity, limit))
         self._thread = Thread(target=self._exchange, args=(message,), daemon=True)
@@ -111,21 +114,32 @@ class LocalWorker:
         """Send a batch and wait for the reply, in a thread: a worker may be stopped in the middle of a message."""
         with suppress(Exception):  # it has died, or its engine has written into the connection
             self._connection.send_bytes(message)
-            while (reply := self._connection.recv()) == BEGUN:
-                self._begun, self.deadline = True, time.monotonic() + self._limit + GRACE_SECONDS
-                self._news.put(None)
+            while (reply := self._connection.recv()) == BEGUN or isinstance(reply, Preparing):
+                self._note(reply)
             self._reply = reply
         self._silent = True
         self._news.put(None)
 
+    def _note(self, begun: Preparing | str) -> None:
+        """Let the limit of what has begun count, and say it if an engine has to prepare itself for long."""
+        self._preparing = begun if isinstance(begun, Preparing) else None
+        limit = self._limit if self._preparing is None else self._preparing.limit
+        self._begun, self.deadline = True, time.monotonic() + limit + GRACE_SECONDS
+        self._news.put(None)
+        if self._preparing is not None and not self._connection.poll(KEPT_SECONDS):
+            say_in_terminal(self._preparing.notice)
+
     def _death(self) -> WorkerDied:
         """End it, and say why its batch has no results."""
-        late = time.monotonic() > self.deadline
+        late, preparing = time.monotonic() > self.deadline, self._preparing
+        limit = self._limit if preparing is None else preparing.limit
         self.end()
         crash_log = self._crash_log.read_text(errors="replace") if self._crash_log.exists() else ""
-        reason = reason_of_death(crash_log, self._limit)
+        reason = reason_of_death(crash_log, limit)
         if reason is None and late and self._begun:
-            reason = limit_reached(self._limit)
+            reason = limit_reached(limit)
+        if reason is not None and preparing is not None:
+            return WorkerDied(f"{preparing.what}: {reason}", preparing=True)
         if reason is not None:
             return WorkerDied(reason, by_engine=True)
         return WorkerDied(f"no worker process started within {START_SECONDS:g} s" if late else KILLED)

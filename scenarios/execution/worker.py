@@ -5,19 +5,21 @@ import os
 import pickle
 import re
 import signal
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 from engines.out_of_process.crash_log import FATAL, place_of_crash
-from scenarios.execution.batch import Batch, run_batch
+from scenarios.execution.batch import run_batch
 from scenarios.execution.failures import WORKER_MARK
 from scenarios.execution.identity import identity_of, mismatch_reason
+from scenarios.execution.preparation import Preparations, Preparing
 from scenarios.tasks.result import Result
 
 BEGUN = "begun"
-"""Message of a worker that begins a batch: from then on the time limit counts."""
+"""Message of a worker that begins with a batch: from then on the time limit counts."""
 
 
 def serve(descriptor: int, crash_log: str) -> None:
@@ -26,43 +28,70 @@ def serve(descriptor: int, crash_log: str) -> None:
     Parameters
     ----------
     descriptor
-        Of the connection, through which pickled arguments of `run_within` come: batch, identity, time limit [s].
-        `BEGUN` goes back for each, then the results, or the reason why the batch could not be read.
+        Of the connection, through which batches come, pickled with the identity of their variant, see `identity_of`,
+        and the time limit [s]. `BEGUN` goes back for each; `Preparing`, and `BEGUN` again, where its engine is prepared
+        first; then the results, or the reason why there are none.
     crash_log
         File into which the process writes where it was when it crashed or passed the time limit.
     """
     os.environ[WORKER_MARK] = "1"
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    connection, own = Connection(descriptor), os.getpid()
+    connection = Connection(descriptor)
     with Path(crash_log).open("w") as file, suppress(EOFError, OSError):  # the client has gone
         faulthandler.enable(file, all_threads=False)
+        _Server(connection, file).run()
+
+
+class _Server:
+    """The worker's end of the connection."""
+
+    def __init__(self, connection: Connection, crash_log: IO[str]):
+        self._connection, self._crash_log = connection, crash_log
+        self._process = os.getpid()
+        self._preparations = Preparations(self._prepare)
+
+    def run(self) -> None:
+        """Reply to one batch after the other."""
         while True:
-            message = connection.recv_bytes()
-            connection.send(BEGUN)
-            reply = _reply(message, file)
-            if os.getpid() != own:  # an engine has forked, and this is the copy
-                os._exit(0)
-            connection.send(reply)
+            message = self._connection.recv_bytes()
+            self._send(BEGUN)
+            self._send(self._reply(message))
+
+    def _send(self, message: Any) -> None:
+        if os.getpid() != self._process:  # an engine has forked, and this is the copy
+            os._exit(0)
+        self._connection.send(message)
+
+    def _reply(self, message: bytes) -> list[Result] | str:
+        try:
+            batch, identity, limit = pickle.loads(message)
+        except Exception as problem:  # such as a drive whose class this process cannot import
+            return f"the task cannot be read in a worker process: {type(problem).__name__}: {problem}"
+        with _ended_after(limit, self._crash_log):
+            reason = mismatch_reason(identity_of(batch[0].variant), identity)
+        if reason is None:
+            reason = self._preparations.problem(batch[0].variant, batch[0].ratios.cells)
+        if reason is not None:
+            return reason
+        self._send(BEGUN)
+        with _ended_after(limit, self._crash_log):
+            return run_batch(batch)
+
+    def _prepare(self, preparing: Preparing, prepare: Callable[[], None]) -> None:
+        self._send(preparing)
+        with _ended_after(preparing.limit, self._crash_log):
+            prepare()
 
 
-def _reply(message: bytes, crash_log: IO[str]) -> list[Result] | str:
-    try:
-        batch, identity, limit = pickle.loads(message)
-    except Exception as problem:  # such as a drive whose class this process cannot import
-        return f"the task cannot be read in a worker process: {type(problem).__name__}: {problem}"
-    return run_within(batch, identity, limit, crash_log)
+@contextmanager
+def _ended_after(limit: float, crash_log: IO[str]) -> Iterator[None]:
+    """End the process after `limit` seconds, and write down where it was.
 
-
-def run_within(batch: Batch, identity: str, limit: float, crash_log: IO[str]) -> list[Result]:
-    """Run a batch, or end the process after `limit` seconds and write down where it was.
-
-    The limit holds inside compiled code too, whether or not it lets other threads of Python run. Where the variant has
-    another identity here than at the client, see `identity_of`, every task is blocked.
+    The limit holds inside compiled code too, whether or not it lets other threads of Python run.
     """
     faulthandler.dump_traceback_later(limit, exit=True, file=crash_log)
     try:
-        reason = mismatch_reason(identity_of(batch[0].variant), identity)
-        return run_batch(batch) if reason is None else [Result.blocked(reason)] * len(batch)
+        yield
     finally:
         faulthandler.cancel_dump_traceback_later()
 

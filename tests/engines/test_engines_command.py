@@ -42,7 +42,7 @@ def test_each_formulation_has_a_line_of_its_own(
     monkeypatch.setenv("COLUMNS", "200")
     assert run_command(app, []) == 0
     lines = capsys.readouterr().out.splitlines()
-    (mujoco,) = (number for number, line in enumerate(lines) if line.startswith(" mujoco"))
+    (mujoco,) = (number for number, line in enumerate(lines) if line.startswith(" mujoco "))
     assert "joint: tuned, default" in lines[mujoco]
     assert lines[mujoco + 1].split() == ["contact:", "tuned,", "default"]
 

@@ -20,7 +20,9 @@ from tests.engines.scheme_oracle import (
     unstable_lane,
 )
 
-NAMES = [name for name in ("dart", "pymunk", "box2d", "pinocchio") if engine(name).unavailable_reason() is None]
+NAMES = [
+    name for name in ("dart", "pymunk", "box2d", "pinocchio", "rapier") if engine(name).unavailable_reason() is None
+]
 
 every_coordinate = pytest.mark.parametrize("coordinates", list(ChainCoordinates))
 

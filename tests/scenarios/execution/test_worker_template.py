@@ -31,7 +31,10 @@ END_SECONDS = 5.0
 CLOCK_SECONDS = 0.05
 """By how much the clocks of processor time may differ."""
 
-PACKAGES = {"mujoco", "pybullet", "exudyn", "pydrake", "siconos", "ode", "Box2D", "dartpy", "pinocchio", "pymunk"}
+PACKAGES = {
+    "mujoco", "warp", "pybullet", "exudyn", "pydrake", "siconos", "ode", "Box2D", "dartpy", "pinocchio", "pymunk",
+    "rapier3d",
+}  # fmt: skip
 """Packages of the engines."""
 
 

@@ -1,0 +1,54 @@
+"""MuJoCo Warp: MuJoCo's equations in single precision, all lanes of a batch as worlds of one model."""
+
+from typing import ClassVar
+
+from engines.interface.preparation import Preparation
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from engines.mujoco.contact import contact_model
+from engines.mujoco.joint import joint_model
+from engines.mujoco_warp.contact import CONTACT_DEFAULT, CONTACT_TUNED, light_units, pressed_harder
+from engines.mujoco_warp.joint import JOINT_DEFAULT, JOINT_TUNED
+from engines.mujoco_warp.simulation import WarpSimulation
+from engines.shared.units import Units
+from engines.shared.wheel_engine import WheelEngine
+from reference_lcp.chain.simulation import Lane, Simulation
+
+
+class MuJoCoWarp(WheelEngine):
+    """MuJoCo Warp on the processor, one thread, its step recorded as a graph."""
+
+    name: ClassVar[str] = "mujoco-warp"
+    module: ClassVar[str] = "mujoco_warp"
+    # Half a minute of a processor, for contacts half as long; ten times as much where it is busy with other things.
+    preparation: ClassVar[Preparation | None] = Preparation("compiles its kernels", 300.0)
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        title="MuJoCo Warp",
+        optional=True,
+        package="mujoco-warp",
+        licence="Apache-2.0",
+        friction_law=FrictionLaw.REGULARISED,
+        presets={
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+        },
+        batch_lanes=64,
+        precision="single",
+        # Positions and velocities are rounded by 2^-24 of themselves in every step: of one period of 400 steps,
+        # this adds up to 1e-6 of the displacement scale or somewhat more, at a resonance to 9e-6.
+        residual=1e-5,
+        notes=(
+            "MuJoCo's laws, in single precision: by default friction is a soft constraint with a time constant. The "
+            "no-slip sweep of the tuned presets removes the softness; then a motion equals equation (5) to some 1e-6 "
+            "of its size."
+        ),
+    )
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        if formulation is Formulation.JOINT:
+            pressed, compiled = lanes, joint_model
+            units = [Units.named(preset["units"], lane) for lane in lanes]
+        else:
+            pressed, compiled = tuple(pressed_harder(lane, preset) for lane in lanes), contact_model
+            units = [light_units(lane, preset) for lane in pressed]
+        models = [compiled(lane, unit, preset) for lane, unit in zip(pressed, units, strict=True)]
+        return WarpSimulation(lanes, pressed, units, models)

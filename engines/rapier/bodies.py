@@ -1,0 +1,107 @@
+"""Lanes of Rapier, whatever holds their masses together: bodies, how they are set, loaded and read, and units."""
+
+from abc import abstractmethod
+from typing import Any
+
+import numpy as np
+
+from engines.interface.presets import Option, Preset
+from engines.shared.force_loop import ExplicitForcesLane, Step
+from engines.shared.units import Units
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.validation import FloatArray
+
+TUNED_OPTIONS = {
+    "units": Option("lane", "SI", "Numbers of order one, and a step so long that motors and contacts are hard."),
+    "num_solver_iterations": Option(1, 4, "Iterations are substeps; one of them is the step of equation (5)."),
+    "normalized_max_linear_velocity": Option(1e30, 400.0, "No motion is cut off, however large."),
+    "can_sleep": Option(False, True, "Every step of half a unit of time or more would stop the bodies."),
+}
+"""Options of the tuned presets of both formulations."""
+
+DEFAULT_OPTIONS = {
+    "units": Option("SI", "SI", "The numbers of the chain as they are."),
+    "num_solver_iterations": Option(4, 4, "Rapier's own: four substeps, over which forces are constant."),
+    "normalized_max_linear_velocity": Option(400.0, 400.0, "Rapier's own, in m/s."),
+    "can_sleep": Option(True, True, "Rapier's own; forces keep bodies awake in steps of less than half a second."),
+}
+"""Options of the default presets of both formulations."""
+
+FOUR_SUBSTEPS = (
+    "forces stay as they were over four substeps: positions move by 5/8 of what a force makes in a step of the "
+    "reference, an error of first order"
+)
+"""Known deviation of the default presets."""
+
+
+class RapierLane(ExplicitForcesLane):
+    """One chain; a run makes its world anew, for contacts keep their last impulses."""
+
+    FREE_INNER = (True, False, False)
+    """Directions in which inner masses move."""
+
+    def __init__(self, lane: Lane, preset: Preset):
+        """Take the lane's parameters in the units of the preset."""
+        super().__init__(lane, Units.named(preset["units"], lane))
+        self._preset = preset
+        # Where bodies are across the motion, shape (2n, 2), and the forces on them along z, shape (2n,).
+        self._places = np.zeros((2 * lane.chain.cells, 2))
+        self._pressing = np.zeros(2 * lane.chain.cells)
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone, with bodies at rest kept awake; see `NativeStepping`."""
+        world, _ = self._new_world(np.zeros(4 * self._chain.cells), can_sleep=False)
+        step = world.step
+        for _ in range(steps):
+            step()
+
+    @abstractmethod
+    def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
+        """Add what makes friction between the masses of each cell, given by their handles."""
+
+    def _begin(self, motion: FloatArray) -> Step:
+        self._world, handles = self._new_world(motion, can_sleep=self._preset["can_sleep"])
+        self._bodies = bodies = [self._world.rigid_bodies[handle] for handle in handles]
+        loads = [(body.reset_forces, body.add_force) for body in bodies]
+        advance = self._world.step
+
+        def step(force: FloatArray) -> None:
+            # Forces stay until they are taken off.
+            for (reset, push), along, across in zip(loads, force.tolist(), self._pressing.tolist(), strict=True):
+                reset(True)
+                push((along, 0.0, across), True)
+            advance()
+            motion[:] = [body.translation.x for body in bodies] + [body.linvel.x for body in bodies]
+
+        return step
+
+    def _new_world(self, motion: FloatArray, *, can_sleep: bool) -> tuple[Any, list[Any]]:
+        """Make the world with this motion; give it and the handles of its bodies, outer masses first."""
+        import rapier3d
+
+        world = rapier3d.PhysicsWorld()
+        # What is given here is the world's own, and must not be assigned back.
+        parameters = world.integration_parameters
+        parameters.dt = self._time_step
+        for name in ("num_solver_iterations", "normalized_max_linear_velocity"):
+            setattr(parameters, name, self._preset[name])
+        cells, masses = self._chain.cells, np.concatenate([self._chain.outer_mass, self._chain.inner_mass])
+        free = [(True, False, False)] * cells + [self.FREE_INNER] * cells
+        positions, velocities = motion.reshape(2, -1).tolist()
+        handles = [
+            # Every call gives another builder, and leaves the one before as it was.
+            world.add_body(
+                rapier3d.RigidBody.dynamic()
+                .translation((position, y, z))
+                .linvel((velocity, 0.0, 0.0))
+                .additional_mass(mass)
+                .enabled_translations(directions)
+                .enabled_rotations((False, False, False))
+                .can_sleep(can_sleep)
+            )
+            for position, velocity, (y, z), mass, directions in zip(
+                positions, velocities, self._places.tolist(), masses.tolist(), free, strict=True
+            )
+        ]
+        self._hold(world, handles[:cells], handles[cells:])
+        return world, handles

@@ -1,0 +1,146 @@
+"""Rapier's contact formulation: in every cell a sphere, the inner mass, pressed on a plate, the outer one.
+
+Bodies do not turn, and a sphere touches in one point: a box does in four, which round four times as often.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from engines.interface.presets import NormalForce, Option, Preset
+from engines.rapier.bodies import DEFAULT_OPTIONS, FOUR_SUBSTEPS, TUNED_OPTIONS, RapierLane
+from engines.rapier.law import contact_substeps
+from engines.shared.box_geometry import PressedBoxes
+from engines.shared.force_loop import Step
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import FloatArray
+
+FRICTION_MODEL = Option(
+    "COULOMB", "SIMPLIFIED", "Reports friction; bodies that do not turn move the same to single precision."
+)
+
+CONTACT_TUNED = Preset(
+    "Spheres pressed on plates; springs, dashpots and drive as forces at the start of the step.",
+    {
+        **TUNED_OPTIONS,
+        "friction_model": FRICTION_MODEL,
+        "friction_in_bias_pass": Option(
+            True, False, "Friction is found before positions move, and not after them with that of the step before."
+        ),
+        "warmstart_coefficient": Option(0.0, 1.0, "No memory of the last impulses."),
+        "contact_recycling": Option(
+            False, True, "Friction found before positions move aims at where recycled points were, and reverses late."
+        ),
+    },
+    shares_scheme=True,
+    normal_force=NormalForce.MODULATED,
+)
+
+CONTACT_DEFAULT = Preset(
+    "The same spheres and forces in SI units, with the four substeps a step that Rapier takes by itself.",
+    {
+        **DEFAULT_OPTIONS,
+        "friction_model": FRICTION_MODEL,
+        "friction_in_bias_pass": Option(False, False, "Rapier's own."),
+        "warmstart_coefficient": Option(1.0, 1.0, "Rapier's own: substeps start from the last impulses."),
+        "contact_recycling": Option(True, True, "Rapier's own."),
+    },
+    known_deviation=FOUR_SUBSTEPS,
+    law=contact_substeps,
+    # Positions move by the friction of the substep before, which a state does not hold: a run starts with that of its
+    # own first step, which is another one by the change of friction in a step, 1e-2 of h² μ λ_N / m.
+    split_tolerance=1e-6,
+    normal_force=NormalForce.MODULATED,
+)
+
+CLEARANCE = 4.0
+"""What cells stand further apart than spheres need, over the distance from which Rapier sees contacts."""
+
+
+class RapierContactLane(RapierLane):
+    """One chain with a sphere on a plate in every cell, side by side."""
+
+    # Friction acts in the plane of a contact. A contact that could not slide in y either has none at all.
+    FREE_INNER = (True, True, True)
+
+    def __init__(self, lane: Lane, preset: Preset):
+        """Take the lane's parameters in the units of the preset."""
+        import rapier3d
+
+        super().__init__(lane, preset)
+        self._sizes = PressedBoxes.of(lane, self._units)
+        apart = self._sizes.spacing + CLEARANCE * rapier3d.IntegrationParameters().prediction_distance()
+        cells = lane.chain.cells
+        self._places[:, 0] = np.tile(apart * np.arange(cells), 2)
+        self._places[:, 1] = np.repeat([-self._sizes.box, self._sizes.box], cells)
+        self._pressing[cells:] = -self._chain.normal_force
+
+    def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
+        from rapier3d import Collider, FrictionModel
+
+        parameters = world.integration_parameters
+        parameters.friction_model = getattr(FrictionModel, self._preset["friction_model"])
+        for name in ("friction_in_bias_pass", "warmstart_coefficient", "contact_recycling"):
+            setattr(parameters, name, self._preset[name])
+        radius, plate = self._sizes.box, self._sizes.plate
+        self._colliders = []
+        for below, above, friction in zip(outer, inner, self._chain.friction_coefficient.tolist(), strict=True):
+            # Rapier takes the mean of the coefficients of the two.
+            shapes = [(below, Collider.cuboid(plate, radius, radius)), (above, Collider.ball(radius))]
+            self._colliders.append(
+                [
+                    world.add_collider(shape.density(0.0).friction(friction).restitution(0.0), body)
+                    for body, shape in shapes
+                ]
+            )
+
+    def _begin(self, motion: FloatArray) -> Step:
+        step = super()._begin(motion)
+        return self._begun_twice(step, motion) if self._preset["warmstart_coefficient"] else step
+
+    def _begun_twice(self, step: Step, motion: FloatArray) -> Step:
+        """Take the first step, put bodies back, and go on: contacts then start as if they had acted before."""
+        start, acted = motion.copy(), False
+
+        def stepping(force: FloatArray) -> None:
+            nonlocal acted
+            if not acted:
+                step(force)
+                self._put(start)
+                acted = True
+            step(force)
+
+        return stepping
+
+    def _put(self, motion: FloatArray) -> None:
+        """Give the bodies this motion; contacts remember their impulses."""
+        positions, velocities = motion.reshape(2, -1).tolist()
+        for body, *place, velocity in zip(self._bodies, positions, *self._places.T.tolist(), velocities, strict=True):
+            body.translation, body.linvel = tuple(place), (velocity, 0.0, 0.0)
+
+    def _set_normal_load(self, normal_load: FloatArray) -> None:
+        self._pressing[normal_load.size :] = -normal_load
+
+    def _contacts(self) -> FloatArray:
+        """Read friction impulse, as it acts on the inner mass, and normal impulse of every cell, shape (2, n)."""
+        impulses = np.zeros((2, self._chain.cells))
+        pair_of = self._world.narrow_phase.contact_pair
+        for cell, colliders in enumerate(self._colliders):
+            pair = pair_of(*colliders)
+            for manifold in [] if pair is None else pair.manifolds:
+                for point in manifold.points:
+                    impulses[0, cell] += point.tangent_impulse[1]
+                    impulses[1, cell] += point.impulse
+        return impulses
+
+    def _contact_forces(
+        self, read: FloatArray, motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        forces = read / self._time_step * self._units.force
+        return forces[:, 0], forces[:, 1]
+
+    def _state(self, motions: FloatArray) -> State:
+        end = super()._state(motions)
+        self._sizes.check_reach(end, self._units)
+        return end

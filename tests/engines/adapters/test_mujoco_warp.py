@@ -1,0 +1,233 @@
+"""MuJoCo Warp: what only its graph, its worlds, its single precision and its solver do."""
+
+import dataclasses
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from engines.interface.tolerances import ROUND_OFF, SINGLE
+from engines.mujoco_warp import MuJoCoWarp
+from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.preload import Preload
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from tests.engines.scheme_oracle import (
+    AMPLITUDE,
+    STEPS,
+    built_with,
+    lane_of,
+    random_state,
+    scheme,
+    uneven_lane,
+    unstable_lane,
+    with_coefficients,
+)
+
+pytestmark = pytest.mark.skipif(MuJoCoWarp().unavailable_reason() is not None, reason="MuJoCo Warp is not installed")
+
+ROUNDINGS = 10 * np.sqrt(STEPS) * SINGLE
+"""Three standard deviations of the roundings of a period, for motions of some six displacement scales."""
+
+both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
+every_preset = pytest.mark.parametrize(
+    ("formulation", "preset"),
+    [("joint", "tuned"), ("joint", "default"), ("contact", "tuned"), ("contact", "default")],
+)
+
+
+def run(lane: Lane, state: State, steps: int = STEPS, formulation: str = "joint", **options: object) -> Trajectory:
+    return built_with(MuJoCoWarp(), lane, formulation, **options).run(state, 0, steps)[0]
+
+
+def distance(lane: Lane, state: State, motion: Trajectory) -> float:
+    """Largest distance from the scheme over the largest displacement."""
+    expected = scheme(lane, state, motion.steps)[0]
+    return float(np.max(np.abs(motion.positions - expected)) / np.max(np.abs(expected)))
+
+
+def assert_same_bits(first: Trajectory, second: Trajectory) -> None:
+    for name in ("positions", "velocities", "friction", "normal_force"):
+        assert np.array_equal(getattr(first, name), getattr(second, name)), f"{name} differ"
+
+
+@every_preset
+def test_the_graph_of_a_step_computes_what_its_kernels_compute_one_by_one(formulation: str, preset: str) -> None:
+    """A graph leaves Python out, and nothing else."""
+    simulation = MuJoCoWarp().build([lane_of(), uneven_lane()], formulation, preset)
+    recorded = simulation.run(random_state(2), 0, 50)
+    simulation._worlds.launch = simulation._worlds.eager_step
+    for graph, eager in zip(recorded, simulation.run(random_state(2), 0, 50), strict=True):
+        assert_same_bits(graph, eager)
+
+
+def lanes_of_all_kinds() -> list[Lane]:
+    """Lanes that differ in time step, frequency, friction, units and coefficient; the first has no dashpots."""
+    heavy = Chain.from_ratios(friction_ratio=0.3, outer_mass=20.0, chain_stiffness=3e3, base_amplitude=0.1)
+    return [
+        lane_of(0.3, 0.6, damping_ratio=0.0),
+        lane_of(0.1, 0.9, 2 * STEPS),
+        lane_of(0.0, 1.3),
+        Lane.periodic(heavy, HarmonicBase.from_ratio(heavy, 0.9, 0.1), 3 * STEPS),
+        uneven_lane(),
+        with_coefficients([0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]),
+    ]
+
+
+@every_preset
+def test_worlds_of_other_time_steps_and_chains_move_as_each_alone(formulation: str, preset: str) -> None:
+    """More steps than are recorded at once, too."""
+    lanes, states = lanes_of_all_kinds(), random_state(6)
+    together = MuJoCoWarp().build(lanes, formulation, preset).run(states, 7, 200)
+    for index, lane in enumerate(lanes):
+        alone = MuJoCoWarp().build([lane], formulation, preset).run(states.subset([index]), 7, 200)[0]
+        assert_same_bits(alone, together[index])
+
+
+@both_formulations
+def test_worlds_of_other_time_steps_and_chains_equal_the_scheme_to_single_precision(formulation: str) -> None:
+    lanes, states = lanes_of_all_kinds(), random_state(6)
+    for index, motion in enumerate(MuJoCoWarp().build(lanes, formulation).run(states, 0, STEPS)):
+        apart = distance(lanes[index], states.subset([index]), motion)
+        # more than single precision cannot be: a finer result would be another engine's
+        assert SINGLE / 10 < apart < ROUNDINGS, f"lane {index} is off by {apart:.1g}"
+
+
+@both_formulations
+@pytest.mark.parametrize("ratio", [1e-6, 1e-4, 1e-3, 1e-2, 10.0])
+def test_light_and_heavy_inner_masses_move_by_the_scheme(ratio: float, formulation: str) -> None:
+    """Friction beside a heavy outer mass: a contact of a small mass, in units of a large one, has none."""
+    chain = Chain.from_ratios(mass_ratio=ratio, stiffness_ratio=ratio, friction_ratio=0.3 * ratio)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.8), STEPS)
+    motion = MuJoCoWarp().build([lane], formulation).run(State.at_rest(1, 7), 0, STEPS)[0]
+    assert distance(lane, State.at_rest(1, 7), motion) < ROUNDINGS
+
+
+def test_a_world_whose_bounds_change_in_time_leaves_those_of_the_others_alone() -> None:
+    constant, state = uneven_lane(), random_state(2)
+    preload = Preload(modulation=0.5, angular_frequency=2 * lane_of().drive.angular_frequency)
+    modulated = dataclasses.replace(lane_of(), preload=preload)
+    together = MuJoCoWarp().build([modulated, constant]).run(state, 3, 200)
+    for index, lane in enumerate([modulated, constant]):
+        assert_same_bits(MuJoCoWarp().build([lane]).run(state.subset([index]), 3, 200)[0], together[index])
+    bound = lane_of().chain.friction_coefficient * modulated.preloads(3, 200)
+    assert np.max(np.abs(together[0].friction) / bound) == pytest.approx(1, abs=ROUND_OFF["single"])
+
+
+def test_a_solver_that_ends_before_it_has_converged_is_off_without_a_word(capfd: pytest.CaptureFixture[str]) -> None:
+    """MuJoCo Warp would print it, on standard output; three iterations do not find which contacts stick, five do."""
+    lane, state = uneven_lane(), random_state()
+    alone = {"units": "SI", "noslip_iterations": 0}
+    many, five, three = (run(lane, state, iterations=count, **alone).positions for count in (100, 5, 3))
+    assert np.max(np.abs(five - many)) < ROUNDINGS * AMPLITUDE
+    assert np.max(np.abs(three - many)) > 0.01 * AMPLITUDE
+    assert capfd.readouterr() == ("", "")
+
+
+def test_the_sweep_without_softness_makes_up_for_a_solver_that_has_not_converged() -> None:
+    lane, state = uneven_lane(), random_state()
+    assert distance(lane, state, run(lane, state, units="SI", iterations=1, noslip_iterations=0)) > 0.01
+    assert distance(lane, state, run(lane, state, units="SI", iterations=1, noslip_iterations=1)) < ROUNDINGS
+
+
+def test_in_units_of_the_lane_the_solver_takes_anything_for_converged() -> None:
+    """Its tolerance of 1e-6 is in the units of the model; in these, accelerations of the chain are smaller."""
+    lane, state = uneven_lane(), random_state()
+    one, hundred = (run(lane, state, iterations=count, noslip_iterations=0).positions for count in (1, 100))
+    assert np.array_equal(one, hundred)
+    assert distance(lane, state, run(lane, state, iterations=100, noslip_iterations=0)) > 0.01
+
+
+@both_formulations
+def test_a_stuck_contact_does_not_creep(formulation: str) -> None:
+    lane = lane_of(5.0, 0.3)
+    motion = MuJoCoWarp().build([lane], formulation).run(State.at_rest(1, 7), 0, 3 * STEPS)[0]
+    assert np.max(np.abs(motion.relative_velocity)) <= 4 * SINGLE * np.max(np.abs(motion.velocities))
+
+
+@both_formulations
+def test_a_default_contact_creeps_and_a_finer_step_does_not_help(formulation: str) -> None:
+    creep = []
+    for steps in (STEPS, 4 * STEPS):
+        lane = lane_of(5.0, 0.6, steps)
+        motion = MuJoCoWarp().build([lane], formulation, "default").run(State.at_rest(1, 7), 0, 2 * steps)[0]
+        creep.append(np.max(np.abs(motion.relative_velocity)) / (AMPLITUDE * lane.drive.angular_frequency))
+    assert creep[0] > 0.01
+    assert creep[1] == pytest.approx(creep[0], rel=0.1)
+
+
+@pytest.mark.parametrize("coefficient", [0.001, 0.1, 3.0, [0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]])
+def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: object) -> None:
+    lane, state = with_coefficients(coefficient), random_state()
+    motion = run(lane, state, formulation="contact")
+    assert distance(lane, state, motion) < ROUNDINGS
+    given = np.broadcast_to(lane.chain.normal_force, (STEPS, 7))
+    np.testing.assert_allclose(motion.normal_force, given, rtol=ROUND_OFF["single"])
+
+
+def test_friction_raises_the_normal_force_by_the_square_of_the_coefficient() -> None:
+    """Of a slip a hundred times as fast as the chain's; the preset's small coefficient makes it vanish otherwise."""
+    lane, state = lane_of(), random_state(size=100.0)
+    excess = [
+        np.max(run(lane, state, 50, "contact", coefficient=coefficient).normal_force / lane.chain.normal_force - 1)
+        for coefficient in (0.1, 0.01)
+    ]
+    assert excess[0] > 0.01
+    assert excess[0] == pytest.approx(100 * excess[1], rel=0.05)
+
+
+@both_formulations
+@pytest.mark.parametrize(("mass", "stiffness", "length"), [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)])
+def test_units_do_not_matter(mass: float, stiffness: float, length: float, formulation: str) -> None:
+    chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
+    lane, state = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS), State.at_rest(1, 7)
+    assert distance(lane, state, run(lane, state, formulation=formulation)) < ROUNDINGS
+
+
+@both_formulations
+def test_a_state_is_rounded_once_and_then_passed_on_to_the_bit(formulation: str) -> None:
+    """What comes out is in single precision, and goes in again as it is."""
+    simulation = MuJoCoWarp().build([lane_of()], formulation)
+    whole = simulation.run(random_state(), 0, STEPS)[0]
+    state = random_state()
+    for step in range(0, STEPS, 10):
+        state = simulation.advance(state, step, 10)
+    assert np.array_equal(state.positions[0], whole.positions[-1])
+    assert np.array_equal(state.velocities[0], whole.velocities[-1])
+
+
+@every_preset
+def test_a_diverged_world_stays_finite_and_leaves_the_others_and_later_runs_alone(
+    formulation: str, preset: str
+) -> None:
+    simulation = MuJoCoWarp().build([unstable_lane(), lane_of()], formulation, preset)
+    before = simulation.run(random_state(2), 0, 30)
+    diverged, calm = simulation.run(random_state(2), 0, 1000)
+    assert np.max(np.abs(diverged.positions)) > 1e6 * AMPLITUDE
+    assert np.all(np.isfinite(diverged.positions))
+    alone = MuJoCoWarp().build([lane_of()], formulation, preset).run(random_state(2).subset([1]), 0, 1000)[0]
+    assert_same_bits(calm, alone)
+    for first, second in zip(before, simulation.run(random_state(2), 0, 30), strict=True):
+        assert_same_bits(first, second)
+
+
+def test_it_is_silent_and_writes_nothing_where_it_runs(tmp_path: Path) -> None:
+    """Warp tells what it loads on standard output, and on standard error that there is no graphics card."""
+    program = (
+        "import sys; from engines.mujoco_warp import MuJoCoWarp; assert 'warp' not in sys.modules\n"
+        "from tests.engines.scheme_oracle import unstable_lane; from reference_lcp.chain.trajectory import State\n"
+        "for formulation in ('joint', 'contact'):\n"
+        "    for preset in ('tuned', 'default'):\n"
+        "        MuJoCoWarp().build([unstable_lane()], formulation, preset).advance(State.at_rest(1, 7), 0, 400)\n"
+    )
+    path = os.pathsep.join(filter(None, [str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH")]))
+    done = subprocess.run(
+        [sys.executable, "-B", "-W", "error", "-c", program], cwd=tmp_path, env={**os.environ, "PYTHONPATH": path},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,301 @@
+"""Rapier: what only its substeps, its motors, its passes over contacts, sleep and single precision do."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from engines.interface.law_engine import law_of
+from engines.interface.registry import engine
+from engines.interface.tolerances import FRICTION_TOLERANCE, ROUND_OFF, SINGLE
+from engines.rapier import Rapier
+from engines.rapier.contact import RapierContactLane
+from engines.rapier.law import SINGLE_PRECISION_PERIOD
+from reference_lcp.chain.harmonic import HarmonicBase, HarmonicForce, StillBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from tests.engines.scheme_oracle import (
+    AMPLITUDE,
+    STEPS,
+    built_with,
+    lane_of,
+    random_state,
+    scheme,
+    uneven_lane,
+    unstable_lane,
+    with_coefficients,
+)
+
+pytestmark = pytest.mark.skipif(Rapier().unavailable_reason() is not None, reason="Rapier is not installed")
+
+ROUNDINGS = 10 * np.sqrt(STEPS) * SINGLE
+"""Three standard deviations of the roundings of a period, for motions of some six displacement scales."""
+
+FORMULATIONS = ("joint", "contact")
+
+
+def run(lane: Lane, state: State, steps: int = STEPS, formulation: str = "joint", **options: object) -> Trajectory:
+    return built_with(Rapier(), lane, formulation, **options).run(state, 0, steps)[0]
+
+
+def distance(lane: Lane, state: State, motion: Trajectory) -> float:
+    """Largest distance from the scheme over the largest displacement."""
+    expected = scheme(lane, state, motion.steps)[0]
+    return float(np.max(np.abs(motion.positions - expected)) / np.max(np.abs(expected)))
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_motion_of_uneven_cells_equals_the_scheme_to_single_precision(formulation: str) -> None:
+    lane, state = uneven_lane(), random_state()
+    motion = run(lane, state, formulation=formulation)
+    assert distance(lane, state, motion) < ROUNDINGS
+    # more than single precision cannot be: a finer result would be another engine's
+    assert distance(lane, state, motion) > SINGLE / 10
+
+
+@pytest.mark.parametrize("iterations", [1, 2, 4, 8])
+def test_iterations_of_the_solver_are_substeps_under_one_force(iterations: int) -> None:
+    """From rest, n substeps under a force F lead to F dt² / m · n (n + 1) / (2 n²): Euler's step has the factor 1."""
+    chain = Chain.from_ratios(friction_ratio=0.0)
+    lane = Lane.periodic(chain, HarmonicForce(3.0, 20.0), STEPS)
+    start = STEPS // 4
+    (force,) = lane.loads(start, 1)
+    motion = built_with(Rapier(), lane, num_solver_iterations=iterations).run(State.at_rest(1, 7), start, 1)[0]
+    euler = force * lane.time_step**2 / chain.outer_mass[0]
+    part = (iterations + 1) / (2 * iterations)
+    assert force != 0
+    assert motion.positions[0, 0] == pytest.approx(part * euler, rel=10 * SINGLE)
+    assert motion.velocities[0, 0] == pytest.approx(euler / lane.time_step, rel=10 * SINGLE)
+
+
+@pytest.mark.parametrize(("warm", "missing"), [(0.0, 1.0), (1.0, 0.0)])
+def test_contacts_as_they_come_move_by_the_friction_that_they_start_from(warm: float, missing: float) -> None:
+    """Rapier finds friction after positions have moved: by none in a new world, but for contacts that start warm."""
+    lane = lane_of(0.3)
+    sliding = State(np.zeros((1, 14)), np.repeat([[0.0, 1.0]], 7, axis=1))
+    motion = run(lane, sliding, 1, "contact", friction_in_bias_pass=False, warmstart_coefficient=warm)
+    positions, velocities, friction = scheme(lane, sliding, 1)
+    assert np.all(friction[0] == -lane.chain.friction_bound)
+    without = lane.time_step**2 * friction[0] / lane.chain.inner_mass
+    np.testing.assert_allclose(motion.inner_positions[0], positions[0, 7:] - missing * without, rtol=10 * SINGLE)
+    np.testing.assert_allclose(motion.velocities[0, 7:], velocities[0, 7:], rtol=10 * SINGLE)
+    assert np.min(np.abs(without / positions[0, 7:])) > 1000 * SINGLE
+
+
+def test_recycled_points_of_contact_pull_back_to_where_they_were() -> None:
+    lane, state = lane_of(), random_state()
+    assert distance(lane, state, run(lane, state, formulation="contact", contact_recycling=True)) > 100 * ROUNDINGS
+
+
+def test_contact_that_can_slide_in_one_direction_only_has_no_friction(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rapier solves both directions of a contact's plane at once, and gives up in silence where one has no mass."""
+    lane, state = lane_of(), random_state()
+    monkeypatch.setattr(RapierContactLane, "FREE_INNER", (True, False, True))
+    motion = run(lane, state, 50, "contact")
+    frictionless = scheme(lane_of(0.0), state, 50)[0]
+    assert np.all(motion.friction == 0)
+    assert np.max(np.abs(motion.positions - frictionless)) < ROUNDINGS * np.max(np.abs(frictionless))
+
+
+def test_the_simplified_friction_moves_the_same_and_reports_none() -> None:
+    lane, state = lane_of(), random_state()
+    motion = run(lane, state, formulation="contact", friction_model="SIMPLIFIED")
+    assert distance(lane, state, motion) < ROUNDINGS
+    assert np.all(motion.friction == 0)
+
+
+@pytest.mark.parametrize(("factor", "creeps"), [(1e9, False), (1e3, True)])
+def test_motors_creep_unless_they_are_hard(factor: float, creeps: bool) -> None:
+    lane = lane_of(5.0, 0.3)
+    motion = run(lane, State.at_rest(1, 7), 3 * STEPS, **{"motor factor": factor})
+    speed = np.max(np.abs(motion.velocities))
+    assert (np.max(np.abs(motion.relative_velocity)) > 4 * SINGLE * speed) == creeps
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_friction_of_a_stuck_contact_is_what_it_takes_and_does_not_creep(formulation: str) -> None:
+    lane = lane_of(5.0, 0.3)
+    motion = run(lane, State.at_rest(1, 7), 3 * STEPS, formulation)
+    expected = scheme(lane, State.at_rest(1, 7), 3 * STEPS)[2]
+    speed = np.max(np.abs(motion.velocities))
+    assert np.max(np.abs(motion.relative_velocity)) <= 4 * SINGLE * speed
+    assert np.max(np.abs(motion.friction - expected)) <= FRICTION_TOLERANCE["single"] * np.max(np.abs(expected))
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize(("mass", "stiffness", "length"), [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)])
+def test_units_do_not_matter(mass: float, stiffness: float, length: float, formulation: str) -> None:
+    chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
+    lane, state = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS), State.at_rest(1, 7)
+    assert distance(lane, state, run(lane, state, formulation=formulation)) < ROUNDINGS
+
+
+def test_motion_far_above_the_displacement_scale_is_not_cut_off() -> None:
+    """Rapier stops bodies from being faster than 400 units."""
+    lane, state = lane_of(), random_state(size=1e7)
+    assert distance(lane, state, run(lane, state, 50)) < ROUNDINGS
+    assert distance(lane, state, run(lane, state, 50, normalized_max_linear_velocity=400.0)) > 0.1
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_slow_chains_sleep_in_long_steps_only(formulation: str) -> None:
+    """Forces keep bodies awake, unless a step alone is as long as the time after which Rapier stops a slow one."""
+    lane, state = dataclasses.replace(lane_of(), drive=StillBase(1e-5)), random_state(size=1e-3)
+    short = run(lane, state, 3 * STEPS, formulation, can_sleep=True, units="SI")
+    awake = run(lane, state, 3 * STEPS, formulation, units="SI")
+    assert short.time[-1] > 0.5
+    assert np.max(np.abs(short.velocities)) < 0.05
+    assert np.array_equal(short.positions, awake.positions)
+    # in the lane's own units a step is as long as one or two of their time
+    asleep = run(lane, state, STEPS, formulation, can_sleep=True)
+    assert distance(lane, state, asleep) > 0.1
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_law_of_the_default_is_not_claimed_for_steps_in_which_masses_fall_asleep(formulation: str) -> None:
+    law = law_of(Rapier().preset(formulation, "default"))
+    chain = Chain.from_ratios(friction_ratio=0.3, chain_stiffness=1e-4)
+    slow = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, AMPLITUDE), STEPS)
+    assert law is not None
+    assert slow.time_step > 0.5
+    assert "to sleep; allowed: below 0.5 s" in str(law.unmodelled_reason(slow))
+    assert law.unmodelled_reason(lane_of()) is None
+    motions = [engine(name).build([slow], formulation, "default").advance(random_state(), 0, STEPS).positions
+               for name in ("rapier", "rapier@law")]  # fmt: skip
+    assert np.max(np.abs(motions[0] - motions[1])) > 0.1 * AMPLITUDE
+
+
+def default_lane(length: float, mass: float = 1.0, stiffness: float = 1e3) -> Lane:
+    """Give the canonical chain in other units."""
+    chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
+    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, length), STEPS)
+
+
+def off_the_law(lane: Lane, formulation: str, **without: float) -> float:
+    """Distance of the default from its law after two periods from rest, over U0; some constants are replaced."""
+    law = law_of(Rapier().preset(formulation, "default"))
+    assert law is not None
+    constants = {symbol: dataclasses.replace(law.constants[symbol], value=value) for symbol, value in without.items()}
+    law = dataclasses.replace(law, constants={**law.constants, **constants})
+    own, model = (
+        each.advance(State.at_rest(1, 7), 0, 2 * STEPS).positions
+        for each in (Rapier().build([lane], formulation, "default"), law.build([lane]))
+    )
+    return float(np.max(np.abs(own - model))) / lane.drive.displacement_scale(lane.chain)
+
+
+def unclaimed(lane: Lane, formulation: str) -> str | None:
+    law = law_of(Rapier().preset(formulation, "default"))
+    assert law is not None
+    return law.unmodelled_reason(lane)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("length", [1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 1.0])
+def test_law_of_the_default_holds_for_motions_of_any_smallness_in_si_units(length: float, formulation: str) -> None:
+    """A sphere touches exactly, in whatever size: no absolute length of Rapier's has a part in the motion."""
+    lane = default_lane(length)
+    assert off_the_law(lane, formulation) < SINGLE_PRECISION_PERIOD
+    assert (unclaimed(lane, formulation) is None) == (formulation == "joint" or length < 1.0)
+
+
+def test_motors_of_the_default_yield_in_heavy_and_stiff_chains_as_their_law_says() -> None:
+    """A stuck contact slips at its friction over the motor's damping, which is the same number in every chain."""
+    heavy = default_lane(AMPLITUDE, 1e6, 1e9)
+    assert off_the_law(heavy, "joint") < SINGLE_PRECISION_PERIOD
+    assert off_the_law(heavy, "joint", **{"1/c": 0.0}) > 10 * SINGLE_PRECISION_PERIOD
+    # contacts have no motor
+    assert off_the_law(heavy, "contact") < SINGLE_PRECISION_PERIOD
+
+
+def test_default_cuts_velocities_off_as_the_law_of_motors_says_and_that_of_contacts_does_not_claim() -> None:
+    """At 400 m/s; of a contact, the velocity across that its pressing force makes in a substep is a part of it."""
+    fast = default_lane(100.0)
+    assert off_the_law(fast, "joint") < SINGLE_PRECISION_PERIOD
+    assert off_the_law(fast, "joint", **{"1/v_max": 0.0}) > 0.1
+    assert off_the_law(fast, "contact") > 0.1
+    assert unclaimed(fast, "joint") is None
+    assert str(unclaimed(fast, "contact")).endswith("m/s; allowed: below 400 m/s")
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_a_state_is_rounded_once_and_then_passed_on_to_the_bit(formulation: str) -> None:
+    """What comes out is in single precision, and goes in again as it is."""
+    simulation = Rapier().build([lane_of()], formulation)
+    whole = simulation.run(random_state(), 0, STEPS)[0]
+    state = random_state()
+    for step in range(0, STEPS, 10):
+        state = simulation.advance(state, step, 10)
+    assert np.array_equal(state.positions[0], whole.positions[-1])
+    assert np.array_equal(state.velocities[0], whole.velocities[-1])
+
+
+def test_friction_of_all_substeps_explains_the_momentum_of_inner_masses() -> None:
+    """Of contacts; motors report the last substep, which differs where one starts or stops within a step."""
+    lane = lane_of()
+    motion = Rapier().build([lane], "contact", "default").run(random_state(), 0, STEPS)[0]
+    stiffness, damping = lane.chain.stiffness_matrix[7:], lane.chain.damping_matrix[7:]
+    force = -motion.positions[:-1] @ stiffness.T - motion.velocities[:-1] @ damping.T
+    gained = np.diff(motion.velocities[:, 7:], axis=0) * lane.chain.inner_mass / lane.time_step
+    rounding = 10 * SINGLE * np.max(np.abs(motion.velocities)) * np.max(lane.chain.inner_mass) / lane.time_step
+    np.testing.assert_allclose(motion.friction[1:], gained - force, rtol=0, atol=rounding)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_an_unstable_motion_is_silent_and_shows(formulation: str) -> None:
+    simulation = Rapier().build([unstable_lane()], "joint")
+    end = simulation.advance(State.at_rest(1, 7), 0, 400)
+    assert np.max(np.abs(end.positions)) > 1e6 * AMPLITUDE
+
+
+@pytest.mark.parametrize("coefficient", [0.001, 0.1, 3.0, [0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]])
+def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: object) -> None:
+    lane, state = with_coefficients(coefficient), random_state()
+    assert distance(lane, state, run(lane, state, formulation="contact")) < ROUNDINGS
+
+
+@pytest.mark.parametrize("preset", ["tuned", "default"])
+def test_a_pressed_sphere_neither_bounces_nor_sinks_nor_is_pushed_out(preset: str) -> None:
+    """Over thirty periods every contact is there in every step, with the force that presses it."""
+    lane = lane_of(0.3, 0.9)
+    simulation = Rapier().build([lane], "contact", preset)
+    state = simulation.advance(random_state(), 0, 30 * STEPS)
+    motion = simulation.run(state, 0, STEPS)[0]
+    given = np.broadcast_to(lane.chain.normal_force, (STEPS, 7))
+    np.testing.assert_allclose(motion.normal_force, given, rtol=ROUND_OFF["single"])
+
+
+def test_a_sphere_that_leaves_its_plate_is_reported() -> None:
+    away = State(np.concatenate([np.zeros(7), np.full(7, 1e6 * AMPLITUDE)])[None], np.zeros((1, 14)))
+    with pytest.raises(RuntimeError, match="its plate ends at"):
+        Rapier().build([lane_of(0.0)], "contact").advance(away, 0, 1)
+
+
+def test_a_chain_at_rest_without_a_drive_stays_there() -> None:
+    """Motors and contacts push nothing by themselves."""
+    lane = dataclasses.replace(lane_of(), drive=StillBase(AMPLITUDE))
+    for formulation in FORMULATIONS:
+        for preset in ("tuned", "default"):
+            end = Rapier().build([lane], formulation, preset).advance(State.at_rest(1, 7), 0, STEPS)
+            assert np.all(end.positions == 0)
+            assert np.all(end.velocities == 0)
+
+
+def test_a_builder_is_left_as_it_was_and_a_force_stays() -> None:
+    """Of Rapier itself, where it would mislead an adapter without a message."""
+    import rapier3d
+
+    builder = rapier3d.RigidBody.dynamic()
+    heavier = builder.additional_mass(2.0)
+    world = rapier3d.PhysicsWorld()
+    world.integration_parameters.dt = 1.0 / 64
+    light, heavy = (world.rigid_bodies[world.add_body(each)] for each in (builder, heavier))
+    for body in (light, heavy):
+        body.add_force((2.0, 0.0, 0.0), True)
+    for steps in (1, 2):
+        world.step()
+        assert (light.linvel.x, heavy.linvel.x) == (0.0, steps / 64)
+    heavy.reset_forces(True)
+    world.step()
+    assert heavy.linvel.x == 2 / 64
