@@ -16,6 +16,7 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.refusal import ParameterError
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
     STEPS,
@@ -105,6 +106,22 @@ def test_light_and_heavy_inner_masses_move_by_the_scheme(ratio: float, formulati
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.8), STEPS)
     motion = MuJoCoWarp().build([lane], formulation).run(State.at_rest(1, 7), 0, STEPS)[0]
     assert distance(lane, State.at_rest(1, 7), motion) < ROUNDINGS
+
+
+@pytest.mark.parametrize(("formulation", "largest", "allowed"), [("joint", 100.0, 2e-5), ("contact", 20.0, ROUNDINGS)])
+def test_inner_masses_beside_which_single_precision_loses_the_outer_are_refused(
+    formulation: str, largest: float, allowed: float
+) -> None:
+    """At the limit a period is still that of the scheme."""
+
+    def lane(ratio: float) -> Lane:
+        chain = Chain.from_ratios(mass_ratio=ratio, friction_ratio=0.3)
+        return Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), STEPS)
+
+    motion = MuJoCoWarp().build([lane(largest)], formulation).run(State.at_rest(1, 7), 0, STEPS)[0]
+    assert distance(lane(largest), State.at_rest(1, 7), motion) < allowed
+    with pytest.raises(ParameterError, match=rf"= {2 * largest:g}; allowed: at most {largest:g} in MuJoCo Warp"):
+        MuJoCoWarp().build([lane(0.5), lane(2 * largest)], formulation)
 
 
 def test_a_world_whose_bounds_change_in_time_leaves_those_of_the_others_alone() -> None:
