@@ -77,7 +77,7 @@ class _Server:
         with _ended_after(limit, self._crash_log):
             return run_batch(batch)
 
-    def _prepare(self, preparing: Preparing, prepare: Callable[[], None]) -> None:
+    def _prepare(self, preparing: Preparing, prepare: Callable[[], object]) -> None:
         self._send(preparing)
         with _ended_after(preparing.limit, self._crash_log):
             prepare()

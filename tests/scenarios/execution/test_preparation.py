@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from engines.interface.variant import Variant
+from reference_lcp.stepping.sequential import SequentialSimulation
+from scenarios.execution.preparation import LAW_LIMIT, Preparations
 from tests.scenarios.execution.test_local_processes import LIMIT, SCRIPT
 
 BATCH_SECONDS = 5.0
@@ -78,3 +81,27 @@ def test_points_whose_engine_could_not_be_prepared_are_run_again(run, tmp_path) 
     for attempt in (1, 2):
         run("faulty-compiler", RATIOS[:1])
         assert times_prepared(tmp_path) == attempt
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_the_model_of_a_law_is_compiled_once_for_each_length_and_never_blocks_a_point(fails, monkeypatch) -> None:
+    begun, compiled = [], []
+
+    def within(beginning, prepare) -> None:
+        begun.append((beginning.what, beginning.limit))
+        prepare()
+
+    def advance(self, state, start, steps):
+        compiled.append((state.positions.shape, steps))
+        if fails:
+            raise RuntimeError("no law")
+        return state
+
+    monkeypatch.setattr(SequentialSimulation, "advance", advance)
+    preparations = Preparations(within)
+    for cells in (2, 7, 2):
+        assert preparations.problem(Variant.parse("mujoco:joint:default"), cells) is None
+    assert begun == 2 * [("the law of MuJoCo is compiled", LAW_LIMIT)]
+    assert compiled == [((1, 4), 1), ((1, 14), 1)]
+    assert preparations.problem(Variant("mujoco"), 7) is None, "the reference's step is compiled already"
+    assert len(begun) == 2
