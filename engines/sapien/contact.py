@@ -1,0 +1,139 @@
+"""SAPIEN's contact formulation: in every cell a sphere, the inner mass, pressed on a plate, the outer one.
+
+Both are pressed, against each other, and touch without a gap: a mass that is pressed alone sinks in, or is held up, for
+some steps after the start, with another normal force in each.
+"""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from engines.interface.presets import NormalForce, Option, Preset
+from engines.sapien.law import temporal_gauss_seidel
+from engines.sapien.scene import SOLVER_ITERATIONS, VELOCITY_ITERATIONS, SapienLane, import_sapien
+from engines.shared.box_geometry import PressedBoxes
+from engines.shared.force_loop import Step
+from engines.shared.units import Units
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import FloatArray
+
+LIGHT = 2.0**-20
+"""Unit of mass over the lane's: an impulse of friction is then some 100 units, and not 1e-4."""
+
+INERTIA = 1e30
+"""Of every body, in units: bodies do not turn, and yet a smaller one would yield under forces beside its centre."""
+
+SHARED_OPTIONS = {
+    "units": Option("light", "SI", "Where four contacts are solved together, each may pass its bound by 1e-5 units."),
+    "inertia": Option(INERTIA, None, "A locked rotation still yields to a force beside the centre, within a step."),
+    "solver_position_iterations": SOLVER_ITERATIONS,
+    "solver_velocity_iterations": VELOCITY_ITERATIONS,
+}
+"""What both presets set."""
+
+CONTACT_TUNED = Preset(
+    "Spheres pressed on plates; springs, dashpots and drive as forces at the start of the step.",
+    {
+        **SHARED_OPTIONS,
+        "enable_tgs": Option(False, True, "Projected Gauss–Seidel finds friction before masses move."),
+    },
+    shares_scheme=True,
+    # A stuck contact is drawn back to where it began to stick, from wherever roundings have brought it since; a run that
+    # begins takes where it is.
+    split_tolerance=1e-5,
+    normal_force=NormalForce.MODULATED,
+)
+
+CONTACT_DEFAULT = Preset(
+    "The same spheres and forces with the solver that SAPIEN takes by itself.",
+    {
+        **SHARED_OPTIONS,
+        "enable_tgs": Option(True, True, "SAPIEN's own solver, the temporal Gauss–Seidel: ten substeps a step."),
+    },
+    known_deviation=(
+        "a contact that comes to rest in a step still slips in its first substeps, of which each takes 63 % of the "
+        "slip, and is drawn back in the last ones"
+    ),
+    law=temporal_gauss_seidel,
+    split_tolerance=1e-4,
+    normal_force=NormalForce.MODULATED,
+)
+
+
+class SapienContactLane(SapienLane):
+    """One chain with a sphere on a plate in every cell, side by side."""
+
+    def __init__(self, lane: Lane, preset: Preset):
+        """Take the lane's parameters in light units."""
+        units = Units.of(lane)
+        super().__init__(lane, preset, dataclasses.replace(units, mass=LIGHT * units.mass))
+        self._sizes = PressedBoxes.of(lane, self._units)
+        # Forces on all bodies in the next step; those along the motion are the loop's.
+        self._pushing = np.zeros((2 * lane.chain.cells, 3))
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone."""
+        system, _ = self._new_bodies(np.zeros(4 * self._chain.cells))
+        for _ in range(steps):
+            system.step()
+
+    def _begin(self, motion: FloatArray) -> Step:
+        self._system, bodies = self._new_bodies(motion)
+        self._set_normal_load(self._chain.normal_force)
+        size, pushes, still = len(bodies), [body.add_force_torque for body in bodies], np.zeros(3)
+        advance, read, forces = self._system.step, self._system.pack, self._pushing
+
+        def step(force: FloatArray) -> None:
+            forces[:, 0] = force
+            for push, body_force in zip(pushes, forces, strict=True):
+                push(body_force, still)
+            advance()
+            # Of every body its orientation, place, velocity and rotation: 4, 3, 3 and 3 numbers.
+            rows = np.frombuffer(read(), np.float32).reshape(size, 13)
+            motion[:size] = rows[:, 4]
+            motion[size:] = rows[:, 7]
+
+        return step
+
+    def _new_bodies(self, motion: FloatArray) -> tuple[Any, list[Any]]:
+        """Make the scene with this motion; give its system and the bodies, outer masses first."""
+        sapien, (scene, system) = import_sapien(), self._new_scene()
+        cells, box, spacing = self._chain.cells, self._sizes.box, self._sizes.spacing
+        positions, velocities = motion.reshape(2, -1)
+        masses = np.concatenate([self._chain.outer_mass, self._chain.inner_mass])
+        bodies = []
+        for index, mass in enumerate(masses):
+            cell, inner = index % cells, index >= cells
+            body = sapien.physx.PhysxRigidDynamicComponent()
+            body.attach(self._shape(cell, inner))
+            body.set_mass(mass)
+            body.set_inertia(np.full(3, self._preset["inertia"]))
+            # Friction acts in the plane of a contact, and the row is held along it by the outer masses.
+            body.set_locked_motion_axes([False, not inner, False, True, True, True])
+            body.set_angular_damping(0.0)
+            entity = sapien.Entity()
+            entity.add_component(body)
+            entity.set_pose(sapien.Pose([positions[index], cell * spacing, box if inner else -box]))
+            scene.add_entity(entity)
+            body.set_linear_velocity([velocities[index], 0.0, 0.0])
+            bodies.append(body)
+        return system, bodies
+
+    def _shape(self, cell: int, inner: bool) -> Any:
+        """Give the sphere or the plate of a cell."""
+        physx, box = import_sapien().physx, self._sizes.box
+        friction = self._chain.friction_coefficient[cell]
+        material = physx.PhysxMaterial(friction, friction, 0.0)
+        if inner:
+            return physx.PhysxCollisionShapeSphere(box, material)
+        return physx.PhysxCollisionShapeBox([self._sizes.plate, box, box], material)
+
+    def _set_normal_load(self, normal_load: FloatArray) -> None:
+        self._pushing[:, 2] = np.concatenate([normal_load, -normal_load])
+
+    def _state(self, motions: FloatArray) -> State:
+        end = super()._state(motions)
+        self._sizes.check_reach(end, self._units)
+        return end

@@ -1,0 +1,127 @@
+"""SAPIEN's joint formulation: in every cell a drive of bounded force that holds the slip velocity at zero."""
+
+from typing import Any
+
+import numpy as np
+
+from engines.interface.presets import NormalForce, Option, Preset
+from engines.sapien.law import damped_links
+from engines.sapien.scene import SOLVER_ITERATIONS, VELOCITY_ITERATIONS, SapienLane, import_sapien
+from engines.shared.coordinates import ChainCoordinates
+from engines.shared.force_loop import Step
+from engines.shared.units import Units
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.validation import FloatArray
+
+OWN_OPTIONS = {
+    "joint friction": Option(0.0, 0.05, "A dimensionless one of PhysX's, which is no bound of a force."),
+    "drive damping": Option(1e20, 0.0, "A smaller one lets stuck contacts creep."),
+    "max velocity": Option(1e30, 100.0, "No motion is cut off, however large."),
+}
+"""What both presets set of joints."""
+
+JOINT_TUNED = Preset(
+    "Drives of bounded force in one articulation; springs, dashpots and load as forces at the start of the step.",
+    {
+        "units": Option("lane", "SI", "Numbers of order one: single precision ends at 1e-38."),
+        "enable_tgs": Option(False, True, "The temporal solver moves masses ten times a step, and rounds each time."),
+        "solver_position_iterations": Option(1, 10, "Drives stop a joint at once."),
+        "solver_velocity_iterations": VELOCITY_ITERATIONS,
+        "linear damping": Option(0.0, 0.05, "PhysX slows every link down, against the ground."),
+        **OWN_OPTIONS,
+    },
+    shares_scheme=True,
+    normal_force=NormalForce.MODULATED,
+)
+
+JOINT_DEFAULT = Preset(
+    "The same drives and forces in SI units, with the solver and the damping of links that SAPIEN takes by itself.",
+    {
+        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "enable_tgs": Option(True, True, "SAPIEN's own solver, the temporal Gauss–Seidel."),
+        "solver_position_iterations": SOLVER_ITERATIONS,
+        "solver_velocity_iterations": VELOCITY_ITERATIONS,
+        "linear damping": Option(0.05, 0.05, "PhysX's own; it slows every link down, against the ground."),
+        **OWN_OPTIONS,
+    },
+    known_deviation="every mass is slowed down against the ground, by 5 % of its velocity in a second",
+    law=damped_links,
+    normal_force=NormalForce.MODULATED,
+)
+
+
+class SapienJointLane(SapienLane):
+    """One chain as one articulation: outer masses slide on its root, inner ones on the outer ones."""
+
+    coordinates = ChainCoordinates.CELLS
+
+    def __init__(self, lane: Lane, preset: Preset):
+        """Take the lane's parameters in the units of the preset."""
+        super().__init__(lane, preset, Units.named(preset["units"], lane))
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone."""
+        system, _ = self._new_articulation()
+        for _ in range(steps):
+            system.step()
+
+    def _begin(self, motion: FloatArray) -> Step:
+        self._system, articulation = self._new_articulation()
+        # Links are in an order of PhysX's own.
+        names = [joint.name for joint in articulation.get_active_joints()]
+        order = np.array([names.index(str(index)) for index in range(len(names))])
+        for values, put in zip(motion.reshape(2, -1), (articulation.set_qpos, articulation.set_qvel), strict=True):
+            put(values[np.argsort(order)])
+        joints = articulation.get_active_joints()
+        self._drives = [joints[index] for index in order[self._chain.cells :]]
+        advance, load, size = self._system.step, articulation.set_qf, len(names)
+        native = np.empty(size)
+
+        def step(force: FloatArray) -> None:
+            native[order] = force
+            load(native)
+            advance()
+            motion[:size] = articulation.qpos[order]
+            motion[size:] = articulation.qvel[order]
+
+        return step
+
+    def _new_articulation(self) -> tuple[Any, Any]:
+        """Make the articulation at rest, in a scene of its own; gives the scene's system too."""
+        sapien, (scene, system) = import_sapien(), self._new_scene()
+        builder, cells = scene.create_articulation_builder(), self._chain.cells
+        links = [builder.create_link_builder()]
+        masses = [1.0, *self._chain.outer_mass, *self._chain.inner_mass]
+        here, inertia = sapien.Pose(), np.ones(3)
+        links[0].set_mass_and_inertia(masses[0], here, inertia)
+        for index, mass in enumerate(masses[1:]):
+            # The root carries the outer masses, and these the inner ones.
+            link = builder.create_link_builder(links[max(0, index + 1 - cells)])
+            link.set_joint_name(str(index))
+            link.set_joint_properties("prismatic", [[-np.inf, np.inf]], here, here, 0.0, 0.0)
+            link.set_mass_and_inertia(mass, here, inertia)
+            links.append(link)
+        articulation = builder.build(fix_root_link=True)
+        self._set_joints(articulation)
+        return system, articulation
+
+    def _set_joints(self, articulation: Any) -> None:
+        """Set what the presets say of links and joints."""
+        preset, cells = self._preset, self._chain.cells
+        for link in articulation.get_links():
+            link.set_linear_damping(preset["linear damping"])
+        for joint in articulation.get_active_joints():
+            # What set_joint_properties takes as friction and damping has no part in the motion.
+            joint.set_friction(preset["joint friction"])
+            joint.set_armature(np.zeros(1))
+            joint.set_max_velocity(preset["max velocity"])
+            cell = int(joint.name) - cells
+            if cell >= 0:
+                self._bound(joint, self._chain.friction_bound[cell])
+
+    def _set_normal_load(self, normal_load: FloatArray) -> None:
+        for drive, bound in zip(self._drives, self._chain.friction_coefficient * normal_load, strict=True):
+            self._bound(drive, bound)
+
+    def _bound(self, drive: Any, bound: float) -> None:
+        drive.set_drive_properties(0.0, self._preset["drive damping"], bound, "force")

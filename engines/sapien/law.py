@@ -1,0 +1,92 @@
+"""The laws of SAPIEN's presets: damped links, and the substeps of the temporal Gauss–Seidel solver."""
+
+import functools
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from engines.interface.law import Constant, Law
+from engines.interface.presets import Preset
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
+from reference_lcp.stepping.sequential import LaneModel
+from reference_lcp.validation import FloatArray
+
+SINGLE_PRECISION_PERIOD = 4e-5
+"""Of U0: positions and velocities, of some U0 and U0 ω, are rounded by 2^-24 in each of 4,000 substeps. Roundings add
+up as the root of their number: three standard deviations for motions of up to three U0."""
+
+PRECISION = "single precision: every substep rounds by 2^-24"
+
+
+def damped_links(preset: Preset) -> Law:
+    """Give the law of an articulation, whose links are slowed down; its drives are exact."""
+    return Law(
+        formula="equation (5) with the force −k m v of the start of the step on every mass",
+        constants={"k": Constant(preset["linear damping"], "1/s", "linear damping of links")},
+        model=_damped_links,
+        period_bound=SINGLE_PRECISION_PERIOD,
+        bound_reason=PRECISION,
+        modulated=True,
+    )
+
+
+def _damped_links(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
+    chain, h = lane.chain, lane.time_step
+    mass = chain.mass_matrix
+    step = LinearStep.of(chain, h, mass, (1 - h * constants["k"]) * mass - h * chain.damping_matrix, (1.0, 0.0))
+    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(chain.cells))
+
+
+def temporal_gauss_seidel(preset: Preset) -> Law:
+    """Give the law of the temporal Gauss–Seidel solver, with the forces of a step at its start."""
+    substeps, corrections = preset["solver_position_iterations"], preset["solver_velocity_iterations"]
+    # PhysX's own: 0.8, or less where there are many substeps.
+    relaxation = min(0.8, 2 / math.sqrt(substeps))
+    return Law(
+        formula=(
+            "q̇ ← q̇ + Δt M⁻¹ (f(t) e_1 − C q̇ − K q); then with h = Δt/{n} and e the slip since a contact began to stick "
+            "{n} times p ← clip(p − c m (w + c e / h), ± Δt μ λ_N), q ← q + h q̇, and {k} times p alone; e ← 0 where p was "
+            "cut off at last"
+        ).format(n=substeps, k=corrections),
+        constants={"c": Constant(relaxation, "", "relaxation: PhysX takes min(0.8, 2/√n)")},
+        model=functools.partial(_TemporalLane, substeps=substeps, corrections=corrections),
+        period_bound=SINGLE_PRECISION_PERIOD,
+        bound_reason=PRECISION,
+        modulated=True,
+    )
+
+
+class _TemporalLane(LaneModel):
+    """One chain whose friction is looked for while masses move; a run begins with contacts that never stuck."""
+
+    def __init__(self, lane: Lane, constants: Mapping[str, float], substeps: int, corrections: int):
+        chain = lane.chain
+        self.lane = lane
+        self._force = -np.hstack([chain.stiffness_matrix, chain.damping_matrix])
+        self._numbers = lane.time_step, substeps, corrections, constants["c"]
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state` at step index `start`."""
+        lane, size = self.lane, 2 * self.lane.chain.cells
+        record = np.empty((steps, 5 * lane.chain.cells))
+        self._integrate(state, start, steps, record)
+        columns = record[:, :size], record[:, size : 2 * size], record[:, 2 * size :]
+        return Trajectory(lane.times(start, steps), *columns, lane.preloads(start, steps))
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does, and keep the end only."""
+        return self._integrate(state, start, steps, np.empty((0, 5 * self.lane.chain.cells)))
+
+    def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
+        from engines.sapien.law_kernel import advance  # numba is imported once something moves
+
+        lane, chain = self.lane, self.lane.chain
+        motion = np.concatenate([state.positions[0], state.velocities[0]])
+        bounds = np.ascontiguousarray(chain.friction_coefficient * lane.preloads(start, steps))
+        masses = np.concatenate([chain.outer_mass, chain.inner_mass])
+        advance(motion, lane.loads(start, steps), bounds, self._force, masses, self._numbers, record)
+        position, velocity = np.split(motion[None], 2, axis=1)
+        return State(position, velocity)
