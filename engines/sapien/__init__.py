@@ -1,4 +1,4 @@
-"""SAPIEN, which is PhysX 5 on the processor: drives of bounded force in an articulation, or spheres pressed on plates."""
+"""SAPIEN, which is PhysX 5: drives of bounded force in an articulation, or spheres pressed on plates."""
 
 from typing import ClassVar
 
@@ -29,9 +29,9 @@ class Sapien(WheelEngine):
         # where ten substeps make one. No mixing of iterates removes it.
         residual=2e-5,
         notes=(
-            "Coulomb's law, in single precision: a motion repeats to some 1e-6 of its size, and no closer. Of PhysX's two "
-            "solvers of contacts, the projected Gauss–Seidel takes the reference's step; the temporal one, which is "
-            "SAPIEN's own, moves masses while it still looks for their friction."
+            "Coulomb's law, in single precision: a motion repeats to some 1e-6 of its size, and no closer. Of PhysX's "
+            "two solvers of contacts, the projected Gauss–Seidel takes the reference's step; the temporal one, "
+            "which is SAPIEN's own, moves masses while it still looks for their friction."
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: SapienJointLane, Formulation.CONTACT: SapienContactLane}

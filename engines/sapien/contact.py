@@ -40,8 +40,8 @@ CONTACT_TUNED = Preset(
         "enable_tgs": Option(False, True, "Projected Gauss–Seidel finds friction before masses move."),
     },
     shares_scheme=True,
-    # A stuck contact is drawn back to where it began to stick, from wherever roundings have brought it since; a run that
-    # begins takes where it is.
+    # A stuck contact is drawn back to where it began to stick, from wherever roundings have brought it since; a run
+    # that begins takes where it is.
     split_tolerance=1e-5,
     normal_force=NormalForce.MODULATED,
 )
@@ -62,13 +62,20 @@ CONTACT_DEFAULT = Preset(
 )
 
 
+def _units(name: str, lane: Lane) -> Units:
+    """Give units by name: ``"light"`` ones are the lane's, with a smaller unit of mass."""
+    if name != "light":
+        return Units.named(name, lane)
+    units = Units.of(lane)
+    return dataclasses.replace(units, mass=LIGHT * units.mass)
+
+
 class SapienContactLane(SapienLane):
     """One chain with a sphere on a plate in every cell, side by side."""
 
     def __init__(self, lane: Lane, preset: Preset):
-        """Take the lane's parameters in light units."""
-        units = Units.of(lane)
-        super().__init__(lane, preset, dataclasses.replace(units, mass=LIGHT * units.mass))
+        """Take the lane's parameters in the units of the preset."""
+        super().__init__(lane, preset, _units(preset["units"], lane))
         self._sizes = PressedBoxes.of(lane, self._units)
         # Forces on all bodies in the next step; those along the motion are the loop's.
         self._pushing = np.zeros((2 * lane.chain.cells, 3))

@@ -16,7 +16,8 @@ from reference_lcp.validation import FloatArray
 OWN_OPTIONS = {
     "joint friction": Option(0.0, 0.05, "A dimensionless one of PhysX's, which is no bound of a force."),
     "drive damping": Option(1e20, 0.0, "A smaller one lets stuck contacts creep."),
-    "max velocity": Option(1e30, 100.0, "No motion is cut off, however large."),
+    "max joint velocity": Option(1e30, 100.0, "No motion is cut off, however large."),
+    "max linear velocity": Option(1e30, 10.0, "Neither is that of a link, which SAPIEN cuts off at 10 m/s."),
 }
 """What both presets set of joints."""
 
@@ -81,8 +82,11 @@ class SapienJointLane(SapienLane):
             native[order] = force
             load(native)
             advance()
-            motion[:size] = articulation.qpos[order]
-            motion[size:] = articulation.qvel[order]
+            position, velocity = articulation.qpos, articulation.qvel
+            # A motion that has diverged stays where its numbers were finite last.
+            if np.isfinite(position).all():
+                motion[:size] = position[order]
+                motion[size:] = velocity[order]
 
         return step
 
@@ -110,11 +114,12 @@ class SapienJointLane(SapienLane):
         preset, cells = self._preset, self._chain.cells
         for link in articulation.get_links():
             link.set_linear_damping(preset["linear damping"])
+            link.set_max_linear_velocity(preset["max linear velocity"])
         for joint in articulation.get_active_joints():
             # What set_joint_properties takes as friction and damping has no part in the motion.
             joint.set_friction(preset["joint friction"])
             joint.set_armature(np.zeros(1))
-            joint.set_max_velocity(preset["max velocity"])
+            joint.set_max_velocity(preset["max joint velocity"])
             cell = int(joint.name) - cells
             if cell >= 0:
                 self._bound(joint, self._chain.friction_bound[cell])

@@ -18,6 +18,12 @@ SINGLE_PRECISION_PERIOD = 4e-5
 """Of U0: positions and velocities, of some U0 and U0 ω, are rounded by 2^-24 in each of 4,000 substeps. Roundings add
 up as the root of their number: three standard deviations for motions of up to three U0."""
 
+DRAWN_BACK_PERIOD = 3e-4
+"""Of U0: a contact that sticks at the edge of its bound is drawn back to where it began to, and what draws it is as
+uncertain as positions are, by 2^-24 of them over a substep: that alone may decide whether it slips in a step. It then
+gains or lacks up to 7e-6 U0 of velocity over a step, some sixty steps of which are as far as it goes in half a period.
+"""
+
 PRECISION = "single precision: every substep rounds by 2^-24"
 
 
@@ -47,14 +53,14 @@ def temporal_gauss_seidel(preset: Preset) -> Law:
     relaxation = min(0.8, 2 / math.sqrt(substeps))
     return Law(
         formula=(
-            "q̇ ← q̇ + Δt M⁻¹ (f(t) e_1 − C q̇ − K q); then with h = Δt/{n} and e the slip since a contact began to stick "
-            "{n} times p ← clip(p − c m (w + c e / h), ± Δt μ λ_N), q ← q + h q̇, and {k} times p alone; e ← 0 where p was "
-            "cut off at last"
-        ).format(n=substeps, k=corrections),
-        constants={"c": Constant(relaxation, "", "relaxation: PhysX takes min(0.8, 2/√n)")},
+            "q̇ ← q̇ + Δt M⁻¹ (f(t) e_1 − C q̇ − K q); then with e the slip since a contact began to stick, and "
+            f"h = Δt/{substeps}, {substeps} times p ← clip(p − c m (w + c e / h), ± Δt μ λ_N), q ← q + h q̇, "
+            f"and {corrections} times p alone; e ← 0 where p was cut off at last"
+        ),
+        constants={"c": Constant(relaxation, "", "relaxation: PhysX takes min(0.8, 2/√n)", visible_error=1.0)},
         model=functools.partial(_TemporalLane, substeps=substeps, corrections=corrections),
-        period_bound=SINGLE_PRECISION_PERIOD,
-        bound_reason=PRECISION,
+        period_bound=DRAWN_BACK_PERIOD,
+        bound_reason="single precision: at the edge of its bound it decides whether a contact slips in a step",
         modulated=True,
     )
 

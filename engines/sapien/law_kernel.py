@@ -37,9 +37,7 @@ def advance(motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _rub(
-    velocity: Any, impulse: Any, stuck: Any, bounds: Any, drawing_back: Any, masses: Any, relaxation: Any
-) -> None:
+def _rub(velocity: Any, impulse: Any, stuck: Any, bounds: Any, drawing_back: Any, masses: Any, relaxation: Any) -> None:
     """Bring the impulse of every cell nearer to that which stops it and draws it back, within its bound."""
     cells = impulse.size
     for cell in range(cells):

@@ -59,13 +59,14 @@ class SapienLane(ExplicitForcesLane):
         self, read: FloatArray, motions: FloatArray, given: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         cells, units = self._chain.cells, self._units
-        velocities = self.coordinates.absolute(motions[:, 2 * cells :])[:, cells:]
+        outer, inner = np.split(self.coordinates.absolute(motions[:, 2 * cells :]), 2, axis=1)
+        rate = self._chain.inner_mass / self._time_step
         # The force of the coordinates of inner masses is the force on these, whatever carries them.
-        gained = np.diff(velocities, axis=0) * self._chain.inner_mass / self._time_step
-        friction = gained - motions[:-1] @ self._forces[cells:].T
+        force = motions[:-1] @ self._forces[cells:].T
+        friction = rate * np.diff(inner, axis=0) - force
         bound = self._chain.friction_coefficient * given / units.force
-        fastest = np.maximum(np.abs(velocities[:-1]), np.abs(velocities[1:]))
-        rounding = ROUNDINGS * SINGLE * fastest * self._chain.inner_mass / self._time_step
+        speed = np.maximum(np.abs(outer), np.abs(inner))
+        rounding = ROUNDINGS * SINGLE * (rate * (speed[:-1] + speed[1:]) + np.abs(force))
         at_bound = np.abs(friction) > bound - rounding
         return np.where(at_bound, np.copysign(bound, friction), friction) * units.force, given
 

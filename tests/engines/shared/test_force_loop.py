@@ -21,7 +21,9 @@ from tests.engines.scheme_oracle import (
 )
 
 NAMES = [
-    name for name in ("dart", "pymunk", "box2d", "pinocchio", "rapier") if engine(name).unavailable_reason() is None
+    name
+    for name in ("dart", "pymunk", "box2d", "pinocchio", "rapier", "sapien")
+    if engine(name).unavailable_reason() is None
 ]
 
 every_coordinate = pytest.mark.parametrize("coordinates", list(ChainCoordinates))

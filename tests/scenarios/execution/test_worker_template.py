@@ -33,7 +33,7 @@ CLOCK_SECONDS = 0.05
 
 PACKAGES = {
     "mujoco", "warp", "pybullet", "exudyn", "pydrake", "siconos", "ode", "Box2D", "dartpy", "pinocchio", "pymunk",
-    "rapier3d",
+    "rapier3d", "sapien",
 }  # fmt: skip
 """Packages of the engines."""
 

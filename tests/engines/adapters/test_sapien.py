@@ -1,0 +1,278 @@
+"""SAPIEN: what only its two solvers, its articulations, its hidden damping and friction, and single precision do."""
+
+import dataclasses
+import gc
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from engines.interface.law_engine import law_of
+from engines.interface.presets import Option, Preset
+from engines.interface.tolerances import FRICTION_TOLERANCE, ROUND_OFF, SINGLE
+from engines.sapien import Sapien
+from engines.sapien.contact import SapienContactLane
+from engines.sapien.law import DRAWN_BACK_PERIOD, SINGLE_PRECISION_PERIOD, temporal_gauss_seidel
+from reference_lcp.chain.harmonic import HarmonicBase, StillBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.validation import FloatArray
+from tests.engines.scheme_oracle import (
+    AMPLITUDE,
+    STEPS,
+    built_with,
+    lane_of,
+    random_state,
+    scheme,
+    uneven_lane,
+    unstable_lane,
+    with_coefficients,
+)
+
+pytestmark = pytest.mark.skipif(Sapien().unavailable_reason() is not None, reason="SAPIEN is not installed")
+
+ROUNDINGS = 10 * np.sqrt(STEPS) * SINGLE
+"""Three standard deviations of the roundings of a period, for motions of some six displacement scales."""
+
+FORMULATIONS = ("joint", "contact")
+
+TUNED_SPLIT = 2 * ROUNDINGS
+"""Of U0: a state in coordinates of cells is rounded when it is turned into absolute ones and back."""
+
+DEFAULT_PERIOD = {"joint": SINGLE_PRECISION_PERIOD, "contact": DRAWN_BACK_PERIOD}
+
+
+def run(lane: Lane, state: State, steps: int = STEPS, formulation: str = "joint", **options: object) -> Trajectory:
+    return built_with(Sapien(), lane, formulation, **options).run(state, 0, steps)[0]
+
+
+def distance(lane: Lane, state: State, motion: Trajectory) -> float:
+    """Largest distance from the scheme over the largest displacement."""
+    expected = scheme(lane, state, motion.steps)[0]
+    return float(np.max(np.abs(motion.positions - expected)) / np.max(np.abs(expected)))
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_motion_of_uneven_cells_equals_the_scheme_to_single_precision(formulation: str) -> None:
+    lane, state = uneven_lane(), random_state()
+    motion = run(lane, state, formulation=formulation)
+    assert distance(lane, state, motion) < ROUNDINGS
+    # more than single precision cannot be: a finer result would be another engine's
+    assert distance(lane, state, motion) > SINGLE / 10
+
+
+def test_links_are_slowed_down_unless_told_not_to_be() -> None:
+    lane, state = lane_of(), random_state()
+    assert distance(lane, state, run(lane, state, units="SI", **{"linear damping": 0.05})) > 100 * ROUNDINGS
+
+
+def test_joints_have_a_friction_of_their_own_unless_told_not_to_have_it() -> None:
+    lane, state = lane_of(), random_state()
+    assert distance(lane, state, run(lane, state, **{"joint friction": 0.05})) > 0.1
+
+
+def test_friction_given_with_the_other_properties_of_a_joint_is_not_the_friction_that_it_has() -> None:
+    """Of SAPIEN itself, where it would mislead an adapter without a message."""
+    from engines.sapien.scene import import_sapien
+
+    sapien = import_sapien()
+    scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
+    builder = scene.create_articulation_builder()
+    link = builder.create_link_builder(builder.create_link_builder())
+    link.set_joint_properties("prismatic", [[-1.0, 1.0]], sapien.Pose(), sapien.Pose(), 0.0, 0.0)
+    (joint,) = builder.build(fix_root_link=True).get_active_joints()
+    assert joint.get_friction() == np.float32(0.05)
+
+
+def test_a_drive_that_is_not_hard_lets_stuck_contacts_creep() -> None:
+    lane = lane_of(5.0, 0.3)
+    hard, soft = (run(lane, State.at_rest(1, 7), STEPS, **{"drive damping": value}) for value in (1e20, 1.0))
+    speed = np.max(np.abs(hard.velocities))
+    assert np.max(np.abs(hard.relative_velocity)) <= 4 * SINGLE * speed
+    assert np.max(np.abs(soft.relative_velocity)) > 1e-4 * speed
+
+
+@pytest.mark.parametrize(("limit", "velocity"), [("max joint velocity", 100.0), ("max linear velocity", 10.0)])
+def test_motion_far_above_the_displacement_scale_is_not_cut_off(limit: str, velocity: float) -> None:
+    lane, state = lane_of(), random_state(size=1e7)
+    assert distance(lane, state, run(lane, state, 50)) < ROUNDINGS
+    assert distance(lane, state, run(lane, state, 50, **{limit: velocity})) > 0.1
+
+
+@pytest.mark.parametrize("iterations", [(1, 0), (1, 1), (4, 1), (10, 1), (10, 4)])
+def test_iterations_of_the_temporal_solver_are_substeps_that_relax_friction(iterations: tuple[int, int]) -> None:
+    """With one substep, a contact that comes to rest keeps a fifth of its slip; that makes 1e-3 U0 a period."""
+    lane, state = lane_of(), random_state()
+    position, velocity = iterations
+    options = {"solver_position_iterations": position, "solver_velocity_iterations": velocity}
+    preset = Preset("", {name: Option(value, None, "") for name, value in options.items()})
+    motion = run(lane, state, formulation="contact", enable_tgs=True, **options)
+    predicted = temporal_gauss_seidel(preset).build([lane]).run(state, 0, STEPS)[0]
+    law = np.max(np.abs(motion.positions - predicted.positions)) / AMPLITUDE
+    assert law < SINGLE_PRECISION_PERIOD
+    assert distance(lane, state, motion) * 3.3 > 5 * law
+
+
+def test_contacts_that_are_solved_in_fours_pass_their_bound_by_an_absolute_impulse() -> None:
+    """By 1e-5 units of impulse: in SI units, small chains then have more friction than they should."""
+    chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=1e-3, chain_stiffness=1.0, base_amplitude=AMPLITUDE)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, AMPLITUDE), STEPS)
+    law = law_of(Sapien().preset("contact", "default"))
+    assert law is not None
+    predicted = law.build([lane]).run(State.at_rest(1, 7), 0, STEPS)[0].positions
+    light, si = (
+        np.max(
+            np.abs(run(lane, State.at_rest(1, 7), STEPS, "contact", enable_tgs=True, units=units).positions - predicted)
+        )
+        for units in ("light", "SI")
+    )
+    assert np.max(chain.friction_bound) * lane.time_step < 1e-5
+    assert light < DRAWN_BACK_PERIOD * AMPLITUDE
+    assert si > 0.1 * AMPLITUDE
+
+
+@pytest.mark.parametrize("tgs", [False, True])
+def test_a_rotation_that_is_locked_still_yields_unless_it_is_heavy(tgs: bool) -> None:
+    lane, state = lane_of(), random_state()
+    heavy, yielding = (
+        distance(lane, state, run(lane, state, formulation="contact", enable_tgs=tgs, inertia=value))
+        for value in (1e30, 1e6)
+    )
+    assert yielding > 10 * heavy
+
+
+def normal_impulses(lane: Lane, steps: int, *, tgs: bool) -> FloatArray:
+    """Give what PhysX itself reports after every step, over the pressing force's, shape (steps, n)."""
+    preset = Sapien().preset("contact", "default" if tgs else "tuned")
+    model = SapienContactLane(lane, preset)
+    given = model._chain.normal_force * model._time_step
+    rows = []
+    motion, step = model._started(random_state(), 0, steps)
+    for load in model._loads(0, steps, motion):
+        force = model._forces @ motion
+        force[0] += load
+        step(force)
+        contacts = model._system.get_contacts()
+        rows.append([sum(point.impulse[2] for point in contact.points) for contact in contacts])
+    return np.array(rows) / given
+
+
+@pytest.mark.parametrize("tgs", [False, True])
+def test_a_pressed_sphere_neither_sinks_nor_is_pushed_out(tgs: bool) -> None:
+    impulses = normal_impulses(lane_of(), STEPS, tgs=tgs)
+    assert impulses.shape == (STEPS, 7)
+    np.testing.assert_allclose(impulses, 1.0, rtol=ROUND_OFF["single"])
+
+
+def test_a_sphere_that_is_pressed_alone_sinks_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    def press_inner_alone(self: SapienContactLane, normal_load: FloatArray) -> None:
+        self._pushing[normal_load.size :, 2] = -normal_load
+
+    monkeypatch.setattr(SapienContactLane, "_set_normal_load", press_inner_alone)
+    assert np.min(normal_impulses(lane_of(), 50, tgs=False)) < 0.9
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_friction_of_a_stuck_contact_is_what_it_takes_and_does_not_creep(formulation: str) -> None:
+    lane = lane_of(5.0, 0.3)
+    motion = run(lane, State.at_rest(1, 7), 3 * STEPS, formulation)
+    expected = scheme(lane, State.at_rest(1, 7), 3 * STEPS)[2]
+    speed = np.max(np.abs(motion.velocities))
+    drawn_back = 4 * STEPS if formulation == "contact" else 4
+    assert np.max(np.abs(motion.relative_velocity)) <= drawn_back * SINGLE * speed
+    assert np.max(np.abs(motion.friction - expected)) <= FRICTION_TOLERANCE["single"] * np.max(np.abs(expected))
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_friction_of_a_sliding_contact_is_its_bound_although_it_is_read_from_momentum(formulation: str) -> None:
+    lane, state = lane_of(0.01), random_state()
+    motion, expected = run(lane, state, formulation=formulation), scheme(lane, state, STEPS)[2]
+    bound = lane.chain.friction_bound[0]
+    sliding = np.isclose(np.abs(expected), bound, rtol=ROUND_OFF["double"])
+    assert np.mean(sliding) > 0.9
+    np.testing.assert_allclose(motion.friction[sliding], expected[sliding], rtol=ROUND_OFF["double"])
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize(("mass", "stiffness", "length"), [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)])
+def test_units_do_not_matter(mass: float, stiffness: float, length: float, formulation: str) -> None:
+    chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
+    lane, state = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS), State.at_rest(1, 7)
+    assert distance(lane, state, run(lane, state, formulation=formulation)) < ROUNDINGS
+
+
+@pytest.mark.parametrize("coefficient", [0.001, 0.1, 3.0, [0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]])
+def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: object) -> None:
+    lane, state = with_coefficients(coefficient), random_state()
+    assert distance(lane, state, run(lane, state, formulation="contact")) < ROUNDINGS
+
+
+def test_state_of_a_joint_is_passed_on_to_its_roundings() -> None:
+    simulation, state = Sapien().build([lane_of()], "joint"), random_state()
+    whole = simulation.run(state, 0, STEPS)[0]
+    for step in range(0, STEPS, 10):
+        state = simulation.advance(state, step, 10)
+    assert np.max(np.abs(state.positions[0] - whole.positions[-1])) <= TUNED_SPLIT * AMPLITUDE
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_heavy_stiff_and_small_chains_step_by_the_law_of_the_default(formulation: str) -> None:
+    law = law_of(Sapien().preset(formulation, "default"))
+    assert law is not None
+    for mass, stiffness, length in ((1e6, 1e9, AMPLITUDE), (1e-3, 1.0, 1e-6), (1.0, 1e3, 1.0)):
+        chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
+        lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, length), STEPS)
+        own, predicted = (
+            each.advance(State.at_rest(1, 7), 0, STEPS).positions
+            for each in (Sapien().build([lane], formulation, "default"), law.build([lane]))
+        )
+        assert np.max(np.abs(own - predicted)) < DEFAULT_PERIOD[formulation] * length
+
+
+def test_an_unstable_motion_is_silent_and_shows(capfd: pytest.CaptureFixture[str]) -> None:
+    simulation = Sapien().build([unstable_lane()], "joint")
+    end = simulation.advance(State.at_rest(1, 7), 0, 400)
+    assert np.max(np.abs(end.positions)) > 1e6 * AMPLITUDE
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_sphere_that_leaves_its_plate_is_reported() -> None:
+    away = State(np.concatenate([np.zeros(7), np.full(7, 1e6 * AMPLITUDE)])[None], np.zeros((1, 14)))
+    with pytest.raises(RuntimeError, match="its plate ends at"):
+        Sapien().build([lane_of(0.0)], "contact").advance(away, 0, 1)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("preset", ["tuned", "default"])
+def test_a_chain_at_rest_without_a_drive_stays_there(formulation: str, preset: str) -> None:
+    """Drives and contacts push nothing by themselves."""
+    lane = dataclasses.replace(lane_of(), drive=StillBase(AMPLITUDE))
+    end = Sapien().build([lane], formulation, preset).advance(State.at_rest(1, 7), 0, STEPS)
+    assert np.all(end.positions == 0)
+    assert np.all(end.velocities == 0)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_lanes_outlive_what_python_collects(formulation: str) -> None:
+    """Bodies do not keep their scene: without it the process ends."""
+    model = Sapien().lane_models[formulation](lane_of(), Sapien().preset(formulation, "tuned"))
+    motion = model._motion(random_state())
+    step = model._begin(motion)
+    gc.collect()
+    step(np.zeros(14))
+    assert np.all(np.isfinite(motion))
+
+
+def test_nothing_is_written_and_no_warning_given_from_import_to_step() -> None:
+    """Of Vulkan, of graphics cards, of anything else."""
+    program = (
+        "from engines.sapien import Sapien; from engines.contract.lanes import lane_of, random_state\n"
+        "for formulation in ('joint', 'contact'):\n"
+        "    Sapien().build([lane_of(0.3, 0.6)], formulation).run(random_state(1), 0, 5)\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-W", "error", "-c", program], capture_output=True, check=False, timeout=120
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, b"", b"")
