@@ -59,6 +59,7 @@ class SapienJointLane(SapienLane):
     def __init__(self, lane: Lane, preset: Preset):
         """Take the lane's parameters in the units of the preset."""
         super().__init__(lane, preset, Units.named(preset["units"], lane))
+        self._drag = preset["linear damping"]
 
     def native_steps(self, steps: int) -> None:
         """Take steps of the engine alone."""

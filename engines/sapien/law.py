@@ -18,10 +18,10 @@ SINGLE_PRECISION_PERIOD = 4e-5
 """Of U0: positions and velocities, of some U0 and U0 ω, are rounded by 2^-24 in each of 4,000 substeps. Roundings add
 up as the root of their number: three standard deviations for motions of up to three U0."""
 
-DRAWN_BACK_PERIOD = 3e-4
+DRAWN_BACK_PERIOD = 6e-4
 """Of U0: a contact that sticks at the edge of its bound is drawn back to where it began to, and what draws it is as
 uncertain as positions are, by 2^-24 of them over a substep: that alone may decide whether it slips in a step. It then
-gains or lacks up to 7e-6 U0 of velocity over a step, some sixty steps of which are as far as it goes in half a period.
+gains or lacks 7e-6 U0 a step of velocity, which carries it on for up to 400 / 2π steps, or somewhat more at a resonance.
 """
 
 PRECISION = "single precision: every substep rounds by 2^-24"

@@ -33,6 +33,8 @@ class SapienLane(ExplicitForcesLane):
         """Take the lane's parameters in `units`."""
         super().__init__(lane, units)
         self._preset = preset
+        # Force on a mass over its mass and velocity, by which PhysX slows it down.
+        self._drag = 0.0
 
     def _new_scene(self) -> tuple[Any, Any]:
         """Make an empty scene, kept until the next one is made; gives it, and the system that steps it."""
@@ -62,7 +64,7 @@ class SapienLane(ExplicitForcesLane):
         outer, inner = np.split(self.coordinates.absolute(motions[:, 2 * cells :]), 2, axis=1)
         rate = self._chain.inner_mass / self._time_step
         # The force of the coordinates of inner masses is the force on these, whatever carries them.
-        force = motions[:-1] @ self._forces[cells:].T
+        force = motions[:-1] @ self._forces[cells:].T - self._drag * self._chain.inner_mass * inner[:-1]
         friction = rate * np.diff(inner, axis=0) - force
         bound = self._chain.friction_coefficient * given / units.force
         speed = np.maximum(np.abs(outer), np.abs(inner))

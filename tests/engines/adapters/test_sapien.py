@@ -195,6 +195,18 @@ def test_friction_of_a_sliding_contact_is_its_bound_although_it_is_read_from_mom
     np.testing.assert_allclose(motion.friction[sliding], expected[sliding], rtol=ROUND_OFF["double"])
 
 
+def test_drag_of_links_is_not_read_as_friction() -> None:
+    """Stuck and sliding contacts of the default: without the drag, ten times as far from the law's friction."""
+    law = law_of(Sapien().preset("joint", "default"))
+    assert law is not None
+    for lane in (lane_of(), lane_of(5.0, 0.3)):
+        own, predicted = (
+            each.run(random_state(), 0, STEPS)[0].friction
+            for each in (Sapien().build([lane], "joint", "default"), law.build([lane]))
+        )
+        assert np.max(np.abs(own - predicted)) < FRICTION_TOLERANCE["single"] * np.max(np.abs(predicted))
+
+
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 @pytest.mark.parametrize(("mass", "stiffness", "length"), [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)])
 def test_units_do_not_matter(mass: float, stiffness: float, length: float, formulation: str) -> None:
