@@ -21,7 +21,7 @@ up as the root of their number: three standard deviations for motions of up to t
 DRAWN_BACK_PERIOD = 6e-4
 """Of U0: a contact that sticks at the edge of its bound is drawn back to where it began to, and what draws it is as
 uncertain as positions are, by 2^-24 of them over a substep: that alone may decide whether it slips in a step. It then
-gains or lacks 7e-6 U0 a step of velocity, which carries it on for up to 400 / 2π steps, or somewhat more at a resonance.
+gains or lacks 7e-6 U0 a step of velocity, which carries it on for up to 400 / 2π steps, more at a resonance.
 """
 
 PRECISION = "single precision: every substep rounds by 2^-24"
