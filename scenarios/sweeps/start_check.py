@@ -3,8 +3,8 @@
 The search for an engine's steady state begins at that of its law, or beside the reference's, see
 `scenarios.execution.law_start`. Friction under a given normal force has one steady state; an engine whose step is not
 monotone may have several, and the search would find the one that the model predicts. A sample of every variant is
-therefore searched from harmonic balance as well. Where one point of it ends elsewhere, all points of the variant are
-searched both ways, and those that differ are undecided.
+therefore searched from harmonic balance as well. Where one point of it ends elsewhere, all points of the variant that
+have a steady state are searched both ways, and those that differ are undecided.
 """
 
 import cmath
