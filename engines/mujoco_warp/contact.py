@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from engines.interface.presets import Option, Preset
+from engines.interface.presets import NormalForce, Option, Preset
+from engines.mujoco import contact as mujoco_contact
 from engines.mujoco.contact import contact_units
-from engines.mujoco.model import DEFAULT_OPTIONS
 from engines.mujoco_warp.law import pyramidal_contact
 from engines.mujoco_warp.model import TUNED_OPTIONS
 from engines.shared.units import Units, power_of_two
@@ -29,21 +29,12 @@ CONTACT_TUNED = Preset(
     shares_scheme=True,
 )
 
-CONTACT_DEFAULT = Preset(
-    "The same sphere and plate in SI units, with MuJoCo's own cone, solver and contact damping.",
-    {
-        **DEFAULT_OPTIONS,
-        "solreffriction": Option((0.0, 0.0), (0.0, 0.0), "MuJoCo's own: the damping of solref, for friction too."),
-        "normal time constant": Option(
-            0.02, 0.02, "MuJoCo's own damping 2 / 0.02 s; the stiffness beside it is needed to make N = λ_N."
-        ),
-    },
-    known_deviation=(
-        "friction is a soft constraint with a time constant, whatever the time step, so that a stuck contact creeps; "
-        "the edges of the pyramidal cone let friction press, and keep it below the bound"
-    ),
+CONTACT_DEFAULT = replace(
+    mujoco_contact.CONTACT_DEFAULT,
     law=pyramidal_contact,
     split_tolerance=1e-6,
+    normal_force=NormalForce.CONSTANT,
+    modulated_options={},
 )
 
 

@@ -1,7 +1,9 @@
 """MuJoCo Warp's joint formulation: MuJoCo's own model, the dry friction of a slide joint."""
 
+from dataclasses import replace
+
 from engines.interface.presets import NormalForce, Option, Preset
-from engines.mujoco.model import DEFAULT_OPTIONS
+from engines.mujoco import joint as mujoco_joint
 from engines.mujoco_warp.law import joint_friction
 from engines.mujoco_warp.model import TUNED_OPTIONS
 
@@ -18,19 +20,4 @@ JOINT_TUNED = Preset(
     normal_force=NormalForce.MODULATED,
 )
 
-JOINT_DEFAULT = Preset(
-    "A joint's frictionloss in SI units, and MuJoCo's own options.",
-    {
-        **DEFAULT_OPTIONS,
-        "solref_friction": Option(
-            (0.02, 1.0), (0.02, 1.0), "MuJoCo's own: a time constant of 0.02 s, whatever the time step."
-        ),
-    },
-    known_deviation=(
-        "friction is a soft constraint with a time constant, whatever the time step: a stuck contact comes to rest "
-        "with one of 10.6 ms and creeps, and a finer step does not help"
-    ),
-    law=joint_friction,
-    split_tolerance=1e-6,
-    normal_force=NormalForce.MODULATED,
-)
+JOINT_DEFAULT = replace(mujoco_joint.JOINT_DEFAULT, law=joint_friction, split_tolerance=1e-6)

@@ -6,6 +6,7 @@ import numpy as np
 
 from engines.interface.engine import Engine
 from engines.interface.presets import Formulation, Option, Preset
+from engines.interface.tolerances import SINGLE
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation
@@ -15,6 +16,10 @@ AMPLITUDE = 0.01
 STEPS = 400
 ROUND_OFF = 1e-12
 """Largest difference from the scheme over U0: both do the same arithmetic, in another order."""
+
+ROUNDINGS = 10 * np.sqrt(STEPS) * SINGLE
+"""Of engines in single precision, over the largest displacement: three standard deviations of the roundings of a
+period, for motions of some six displacement scales."""
 
 
 def lane_of(friction_ratio: object = 0.3, frequency_ratio: float = 0.6, steps: int = STEPS, **ratios: object) -> Lane:
@@ -102,3 +107,9 @@ def with_coefficients(coefficient: object) -> Lane:
     bound = lane.chain.friction_bound
     chain = dataclasses.replace(lane.chain, friction_coefficient=coefficients, normal_force=bound / coefficients)
     return dataclasses.replace(lane, chain=chain)
+
+
+def distance(lane: Lane, state: State, motion: Trajectory) -> float:
+    """Largest distance from the scheme over the largest displacement."""
+    expected = scheme(lane, state, motion.steps)[0]
+    return float(np.max(np.abs(motion.positions - expected)) / np.max(np.abs(expected)))

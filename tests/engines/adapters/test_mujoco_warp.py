@@ -19,20 +19,18 @@ from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.refusal import ParameterError
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
+    ROUNDINGS,
     STEPS,
     built_with,
+    distance,
     lane_of,
     random_state,
-    scheme,
     uneven_lane,
     unstable_lane,
     with_coefficients,
 )
 
 pytestmark = pytest.mark.skipif(MuJoCoWarp().unavailable_reason() is not None, reason="MuJoCo Warp is not installed")
-
-ROUNDINGS = 10 * np.sqrt(STEPS) * SINGLE
-"""Three standard deviations of the roundings of a period, for motions of some six displacement scales."""
 
 both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
 every_preset = pytest.mark.parametrize(
@@ -43,12 +41,6 @@ every_preset = pytest.mark.parametrize(
 
 def run(lane: Lane, state: State, steps: int = STEPS, formulation: str = "joint", **options: object) -> Trajectory:
     return built_with(MuJoCoWarp(), lane, formulation, **options).run(state, 0, steps)[0]
-
-
-def distance(lane: Lane, state: State, motion: Trajectory) -> float:
-    """Largest distance from the scheme over the largest displacement."""
-    expected = scheme(lane, state, motion.steps)[0]
-    return float(np.max(np.abs(motion.positions - expected)) / np.max(np.abs(expected)))
 
 
 def assert_same_bits(first: Trajectory, second: Trajectory) -> None:

@@ -17,8 +17,10 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
+    ROUNDINGS,
     STEPS,
     built_with,
+    distance,
     lane_of,
     random_state,
     scheme,
@@ -29,20 +31,11 @@ from tests.engines.scheme_oracle import (
 
 pytestmark = pytest.mark.skipif(Rapier().unavailable_reason() is not None, reason="Rapier is not installed")
 
-ROUNDINGS = 10 * np.sqrt(STEPS) * SINGLE
-"""Three standard deviations of the roundings of a period, for motions of some six displacement scales."""
-
 FORMULATIONS = ("joint", "contact")
 
 
 def run(lane: Lane, state: State, steps: int = STEPS, formulation: str = "joint", **options: object) -> Trajectory:
     return built_with(Rapier(), lane, formulation, **options).run(state, 0, steps)[0]
-
-
-def distance(lane: Lane, state: State, motion: Trajectory) -> float:
-    """Largest distance from the scheme over the largest displacement."""
-    expected = scheme(lane, state, motion.steps)[0]
-    return float(np.max(np.abs(motion.positions - expected)) / np.max(np.abs(expected)))
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
