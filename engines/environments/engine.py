@@ -26,6 +26,7 @@ class VersionedEngine(Engine):
     def __init__(self, requirement: Requirement):
         self._adapter = requirement.adapter
         self.name = requirement.name  # type: ignore[misc]
+        self.preparation = self._adapter.preparation  # type: ignore[misc]
         known = self._adapter.capabilities
         title = f"{known.title} {requirement.version}".strip()
         self.capabilities = replace(known, title=title, optional=known.optional or bool(requirement.version))  # type: ignore[misc]

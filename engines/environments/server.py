@@ -36,7 +36,9 @@ sys.meta_path.insert(0, PackagesOfTheSuite)
 
 @cache
 def _adapter() -> Any:
-    return getattr(importlib.import_module(SERVED["module"]), SERVED["class"])()
+    adapter = getattr(importlib.import_module(SERVED["module"]), SERVED["class"])()
+    adapter.served = True
+    return adapter
 
 
 def versions() -> dict[str, str]:

@@ -30,6 +30,12 @@ class WheelEngine(Engine):
     versions: ClassVar[str] = ""
     """Versions of the package that the adapter takes, as pip has them, such as ``>=3.3.7,<5``; any without this."""
 
+    apart: ClassVar[bool] = False
+    """The package does not fit beside the suite: the engine is used in an environment of its own alone."""
+
+    served: bool = False
+    """This adapter runs in an environment of its own; see `engines.environments.server`."""
+
     environment_packages: ClassVar[tuple[str, ...]] = ()
     """What the adapter needs besides where the engine has an environment of its own, as pip has it."""
 
@@ -43,6 +49,8 @@ class WheelEngine(Engine):
     def unavailable_reason(self) -> str | None:
         """Reason why the engine cannot be used here: its package is missing or too old; ``None`` if it can."""
         package = self.capabilities.package
+        if self.apart and not self.served:
+            return f"it needs an environment of its own; {self._remedy}"
         if importlib.util.find_spec(self.module) is None:
             return f"the package {package} is not installed; {self._remedy}"
         if not self.takes(self.version()):
@@ -60,6 +68,8 @@ class WheelEngine(Engine):
     @property
     def _remedy(self) -> str:
         """The command that installs the package: engines that are optional come with an extra of the suite."""
+        if self.apart:
+            return f"python -m engines install {self.name}"
         named = "'multibody-xval[engines]'" if self.capabilities.optional else self.capabilities.package
         return f"pip install {named}"
 

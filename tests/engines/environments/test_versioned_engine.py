@@ -13,10 +13,14 @@ from engines.environments.engine import engine_of_its_own_environment
 from engines.environments.environment import Environment
 from engines.environments.installation import Plan, install
 from engines.environments.requirement import Requirement
+from engines.interface.engine import EngineNotInstalled
+from engines.interface.preparation import Preparation
+from engines.interface.presets import Formulation, Preset
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
 from engines.shared.wheel_engine import WheelEngine
+from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State
 from reference_lcp.refusal import ParameterError
 from tests.engines.scheme_oracle import lane_of, random_state
@@ -104,6 +108,33 @@ def test_an_engine_that_is_not_beside_the_suite_runs_in_its_environment() -> Non
     own = engine_of_its_own_environment(Absent())
     assert own is not None
     assert (own.name, own.version(), own.unavailable_reason()) == ("absent", "3.99.0", None)
+    folder.unlink()
+
+
+class Apart(WheelEngine):
+    """MuJoCo, as an adapter that must not run beside the suite."""
+
+    name = "apart"
+    module = "mujoco"
+    apart = True
+    capabilities = MuJoCo.capabilities
+    preparation = Preparation("compiles", 1.0)
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        return MuJoCo().build(lanes, str(formulation))
+
+
+def test_an_engine_that_does_not_fit_beside_the_suite_runs_in_its_environment_alone() -> None:
+    with pytest.raises(EngineNotInstalled, match=r"an environment of its own; python -m engines install apart$"):
+        Apart().build([lane_of()])
+    folder = Environment("apart").folder
+    folder.symlink_to(Environment(OWN.engine).folder)
+    own = engine_of_its_own_environment(Apart())
+    assert own is not None
+    assert own.preparation == Apart.preparation
+    state = random_state()
+    moved, expected = (each.build([lane_of()]).run(state, 0, 5)[0].positions for each in (own, MuJoCo()))
+    assert np.array_equal(moved, expected)
     folder.unlink()
 
 
