@@ -18,6 +18,7 @@ def own_springs(preset: Preset) -> Law:
         formula="(M + h C + h² K) q̇⁺ = M q̇ − h K q + h f(t) e_1 + W p; Coulomb's law",
         model=_own_springs,
         period_bound=SINGLE_PRECISION_PERIOD,
+        bound_growth=0.5,
         bound_reason="single precision: a spring of 64 U0 is rounded to 4e-6 U0",
         modulated=preset.represents(NormalForce.MODULATED),
     )

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from engines.interface.tolerances import STEPS
 from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
 
@@ -52,7 +53,10 @@ class Law:
         The numbers in it by their symbols, from the preset's own options.
     period_bound
         Largest difference of positions from the engine after one period from the same state, over the displacement
-        scale, as long as nothing is wrong.
+        scale, as long as nothing is wrong, at `STEPS` steps a period; see `bound_at`.
+    bound_growth
+        Power of the number of steps with which that difference grows: a half where every step rounds by as much as a
+        longer one, for roundings add up as the root of their number.
     bound_reason
         Where that difference comes from.
     modulated
@@ -65,9 +69,14 @@ class Law:
     model: Callable[[Lane, Mapping[str, float]], LaneModel]
     constants: Mapping[str, Constant] = field(default_factory=dict)
     period_bound: float = ROUND_OFF_PERIOD
+    bound_growth: float = 0.0
     bound_reason: str = "round-off in double precision"
     modulated: bool = False
     unmodelled_reason: Callable[[Lane], str | None] = lambda _: None
+
+    def bound_at(self, steps: int) -> float:
+        """Give `period_bound` for a period of so many steps."""
+        return self.period_bound * max(1.0, steps / STEPS) ** self.bound_growth
 
     def build(self, lanes: Sequence[Lane]) -> SequentialSimulation:
         """Build every lane.

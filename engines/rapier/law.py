@@ -58,6 +58,7 @@ def _substeps(preset: Preset, formula: str, *, friction_first: bool) -> Law:
         formula=FORMULA.format(count=count) + formula,
         model=functools.partial(_SubsteppedLane, substeps=count, friction_first=friction_first),
         period_bound=SINGLE_PRECISION_PERIOD,
+        bound_growth=0.5,
         bound_reason="single precision: every substep rounds by 2^-24",
         modulated=True,
         unmodelled_reason=_sleep,

@@ -34,6 +34,7 @@ def damped_links(preset: Preset) -> Law:
         constants={"k": Constant(preset["linear damping"], "1/s", "linear damping of links")},
         model=_damped_links,
         period_bound=SINGLE_PRECISION_PERIOD,
+        bound_growth=0.5,
         bound_reason=PRECISION,
         modulated=True,
     )

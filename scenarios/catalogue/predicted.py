@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 
-from engines.interface.law_engine import law_of
 from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
 from scenarios.verdicts.finding import Finding
-from scenarios.verdicts.prediction import needs_prediction, with_predictions
+from scenarios.verdicts.prediction import LawPeriod, needs_prediction, with_predictions
 
 
 def run_with_predictions(scenario: Scenario, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
@@ -19,11 +18,13 @@ def run_with_predictions(scenario: Scenario, variants: Sequence[Variant], evalua
     judged: list[Finding] = []
     for variant in dict.fromkeys(finding.variant for finding in findings):
         own = [finding for finding in findings if finding.variant == variant]
-        law = law_of(variant.preset) if variant in laws else None
-        if law is not None:
+        if variant in laws:
             tasks = scenario.period_tasks(variant)
-            periods = dict(zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True))
+            results = evaluator.evaluate(list(tasks.values()))
+            periods = {
+                case: LawPeriod.of(task, result) for (case, task), result in zip(tasks.items(), results, strict=True)
+            }
             of_law = [finding for finding in predicted if finding.variant == laws[variant]]
-            own = with_predictions(own, of_law, periods, law)
+            own = with_predictions(own, of_law, periods)
         judged += own
     return judged

@@ -6,12 +6,11 @@ of engine and law from the same state; of an edge that disagrees, the edge of th
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import pandas as pd
 
-from engines.interface.law_engine import law_of
 from engines.interface.variant import Variant
 from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.refined_edges import RefinedEdges, largest_amplification, refined_edges
@@ -30,7 +29,7 @@ from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.verdicts.finding import Finding
 from scenarios.verdicts.pointwise import PointResults, baseline, point_findings, point_resolution
-from scenarios.verdicts.prediction import needs_prediction, with_predictions
+from scenarios.verdicts.prediction import LawPeriod, needs_prediction, with_predictions
 from scenarios.verdicts.verdict import Comparison, Verdict
 
 
@@ -53,21 +52,21 @@ def predicted(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> pd.
 
 def _law_results(
     sweep: Sweep, points: Sequence[tuple[GridPoint, Variant]], evaluator: GivesResults
-) -> list[tuple[Result, Result]]:
+) -> list[tuple[Result, LawPeriod]]:
     """Give the steady state of the law at each point, and the period of engine and law."""
     steady = evaluator.evaluate([sweep.task(law, case, eta) for (_, case, eta), law in points])
-    periods = evaluator.evaluate([LawPeriodTask.of(sweep.task(*point)) for point, _ in points])
+    tasks = [LawPeriodTask.of(sweep.task(*point)) for point, _ in points]
+    periods = map(LawPeriod.of, tasks, evaluator.evaluate(tasks))
     return list(zip(steady, periods, strict=True))
 
 
 def _predicted_point(
-    point: Point, known: PointResults, law: Variant, own: Result, period: Result
+    point: Point, known: PointResults, law: Variant, own: Result, period: LawPeriod
 ) -> tuple[Finding, ...]:
     """Give the findings of a point with what its law says."""
     of_law = replace(known, variant=law, result=own, others=())
     label = point.findings[0].case
-    judged = _with_law(
-        point.variant,
+    judged = with_predictions(
         _with_resolution(point.findings, known),
         _with_resolution(point_findings(of_law, label), of_law),
         {label: period},
@@ -86,14 +85,6 @@ def _with_resolution(findings: Iterable[Finding], known: PointResults) -> list[F
         )
         for finding in findings
     ]
-
-
-def _with_law(
-    variant: Variant, findings: Iterable[Finding], of_law: Sequence[Finding], periods: Mapping[str, Result]
-) -> tuple[Finding, ...]:
-    law = law_of(variant.preset)
-    assert law is not None, "only variants with a law are predicted"
-    return tuple(with_predictions(findings, of_law, periods, law))
 
 
 def predicted_edges(
@@ -121,7 +112,12 @@ def predicted_edges(
     tasks = [
         LawPeriodTask.of(sweep.task(edge.variant, edge.case, eta)) for edge, eta in zip(open_edges, places, strict=True)
     ]
-    periods = dict(zip(open_edges, evaluator.evaluate(tasks), strict=True))
+    results = evaluator.evaluate(tasks)
+    periods = {
+        edge: LawPeriod.of(task, result)
+        for edge, task, result in zip(open_edges, tasks, results, strict=True)
+        if result.status is not ResultStatus.MISSING
+    }
     return tuple(_predicted_edge(edge, of_laws, periods[edge]) if edge in periods else edge for edge in edges)
 
 
@@ -149,11 +145,11 @@ def _place(sweep: Sweep, edge: BandEdge, refined: RefinedEdges) -> float:
     return refined.crossings[(against, edge.case), edge.edge].frequency_ratio
 
 
-def _predicted_edge(edge: BandEdge, of_laws: RefinedEdges, period: Result) -> BandEdge:
+def _predicted_edge(edge: BandEdge, of_laws: RefinedEdges, period: LawPeriod) -> BandEdge:
     """Give an edge with what its law says; as it is where the law's curve is not evaluated so far."""
     law = edge.variant.law
     assert law is not None, "only variants with a law are predicted"
-    if (law, edge.case) in of_laws.incomplete or period.status is ResultStatus.MISSING:
+    if (law, edge.case) in of_laws.incomplete:
         return edge
     crossing = of_laws.crossings.get(((law, edge.case), edge.edge))
     own = edge.finding
@@ -162,7 +158,7 @@ def _predicted_edge(edge: BandEdge, of_laws: RefinedEdges, period: Result) -> Ba
     width = 0.0 if crossing is None else crossing.width + crossing.residual_db * per_db
     comparison = Comparison(Verdict.AGREE, "of the law", resolution=width)
     of_law = replace(own, variant=law, value=value, comparison=comparison)
-    [finding] = _with_law(edge.variant, [own], [of_law], {own.case: period})
+    [finding] = with_predictions([own], [of_law], {own.case: period})
     prediction = finding.prediction
     if prediction is not None and crossing is None and edge.frequency_ratio is None:
         prediction = replace(prediction, difference=0.0)  # neither has it on the grid

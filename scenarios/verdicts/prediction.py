@@ -7,12 +7,15 @@ state that is not certified is as its law predicts where the law has none either
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
-from engines.interface.law import ROUND_OFF_PERIOD, Law
+from engines.interface.law import ROUND_OFF_PERIOD
+from engines.interface.law_engine import law_of
 from reference_lcp.accuracy.resolution import amplitude_in_db
+from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.verdicts.finding import Finding, Prediction
 from scenarios.verdicts.judge import metric_difference
@@ -23,8 +26,32 @@ PERIODS_OF_ERROR = 400
 catalogue have 320 periods, and a steady state is searched for in as many."""
 
 
+@dataclass(frozen=True)
+class LawPeriod:
+    """How far an engine is from its law after a period from the same state, over the displacement scale.
+
+    Parameters
+    ----------
+    distance
+        Largest difference of positions; NaN, which no bound allows, where there is none.
+    bound
+        Largest one that the law allows.
+    """
+
+    distance: float
+    bound: float
+
+    @classmethod
+    def of(cls, task: LawPeriodTask, result: Result) -> Self:
+        """Give what a task's result says, beside the bound of the law for its number of steps."""
+        law = law_of(task.variant.preset)
+        assert law is not None, "only variants with a law are compared with one"
+        distance = result.series["distance"][0] if result.status is ResultStatus.FINISHED else math.nan
+        return cls(distance, law.bound_at(task.lane()[1]))
+
+
 def with_predictions(
-    findings: Iterable[Finding], predicted: Sequence[Finding], periods: Mapping[str, Result], law: Law
+    findings: Iterable[Finding], predicted: Sequence[Finding], periods: Mapping[str, LawPeriod]
 ) -> list[Finding]:
     """Give the findings of a variant, its disagreements with what its law says of them.
 
@@ -36,18 +63,15 @@ def with_predictions(
         Of its law, in the same cases.
     periods
         By case, a period of engine and law from the same state; a case that has none of its own takes the worst.
-    law
-        The law.
     """
     laws = {(finding.case, finding.metric): finding for finding in predicted}
-    distances = {case: _distance(period) for case, period in periods.items()}
-    worst = float(np.max(list(distances.values()), initial=0.0))
-    largest = max((min(distance, law.period_bound) for distance in distances.values() if distance >= 0), default=0.0)
+    worst = max(periods.values(), key=_badness, default=LawPeriod(0.0, ROUND_OFF_PERIOD))
+    largest = max((min(each.distance, each.bound) for each in periods.values() if each.distance >= 0), default=0.0)
     return [
         replace(
             finding,
             prediction=_prediction(
-                finding, laws[finding.case, finding.metric], distances.get(finding.case, worst), largest, law
+                finding, laws[finding.case, finding.metric], periods.get(finding.case, worst), largest
             ),
         )
         if needs_prediction(finding) and (finding.case, finding.metric) in laws
@@ -61,7 +85,12 @@ def needs_prediction(finding: Finding) -> bool:
     return finding.comparison.verdict in (Verdict.DISAGREE, Verdict.TOO_COARSE) or not finding.comparison.certified
 
 
-def _prediction(finding: Finding, own: Finding, distance: float, largest: float, law: Law) -> Prediction:
+def _badness(period: LawPeriod) -> float:
+    """Give a number that is larger the less a period is as the law allows."""
+    return math.inf if math.isnan(period.distance) else period.distance / period.bound
+
+
+def _prediction(finding: Finding, own: Finding, period: LawPeriod, largest: float) -> Prediction:
     """Compare a number with that of the law, from which the engine is so far after a period.
 
     What distances add up to is taken from the `largest` of all cases that have one, as far as the law allows it: where
@@ -75,8 +104,8 @@ def _prediction(finding: Finding, own: Finding, distance: float, largest: float,
         value=own.value,
         difference=0.0 if nothing else metric_difference(finding.metric, finding.value, own.value),
         allowed=0.0 if nothing else left_open,
-        distance=distance,
-        period_bound=law.period_bound,
+        distance=period.distance,
+        period_bound=period.bound,
         certified=certified,
     )
 
@@ -93,8 +122,3 @@ def _added_up(distance: float, finding: Finding) -> float:
     if finding.metric.unit == "dB":
         return amplitude_in_db(error, finding.value)
     return error * finding.comparison.per_amplitude
-
-
-def _distance(period: Result) -> float:
-    """Give the distance of engine and law after a period; NaN, which no bound allows, where there is none."""
-    return period.series["distance"][0] if period.status is ResultStatus.FINISHED else math.nan

@@ -9,13 +9,12 @@ from scenarios.catalogue import CATALOGUE
 from scenarios.tasks.result import Result
 from scenarios.verdicts.failure import failures, silent, unexplained
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Prediction
-from scenarios.verdicts.prediction import with_predictions
+from scenarios.verdicts.prediction import LawPeriod, with_predictions
 from scenarios.verdicts.steady_case import RESOLVED_DB, is_resolved
 from scenarios.verdicts.verdict import Comparison, Verdict
 from tests.scenarios.conftest import WRONG, InProcess
 
 OWN_SCHEME = Variant("drake")
-LAW = OWN_SCHEME.preset.stated_law()
 
 
 def finding(verdict: Verdict, certified: bool = True, prediction: Prediction | None = None, variant=OWN_SCHEME):
@@ -72,10 +71,10 @@ def test_a_law_without_a_steady_state_predicts_one_that_is_not_certified() -> No
     (own,), (of_law,) = (
         Finding.without_numbers(variant, "case", [TRANSMITTANCE], gap) for variant in (OWN_SCHEME, law)
     )
-    period = {"case": Result(status="finished", series={"distance": (0.0,), "reference": (1.0,)})}
-    (judged,) = with_predictions([own], [of_law], period, LAW)
+    period = {"case": LawPeriod(0.0, 1.0)}
+    (judged,) = with_predictions([own], [of_law], period)
     assert silent([judged]) == unexplained([judged]) == []
-    (judged,) = with_predictions([own], [finding(Verdict.AGREE, variant=law)], period, LAW)
+    (judged,) = with_predictions([own], [finding(Verdict.AGREE, variant=law)], period)
     assert silent([judged]) == [judged]
 
 

@@ -5,14 +5,16 @@ import math
 import pytest
 
 from engines.interface.law_engine import law_of
+from engines.interface.tolerances import STEPS
 from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.catalogue.steady.unit_cell import UnitCell
 from scenarios.execution.store import opened_store
+from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.result import Result
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding
-from scenarios.verdicts.prediction import PERIODS_OF_ERROR, with_predictions
+from scenarios.verdicts.prediction import PERIODS_OF_ERROR, LawPeriod, with_predictions
 from scenarios.verdicts.verdict import Comparison, Verdict
 from tests.scenarios.in_process import evaluator, press_harder
 
@@ -54,8 +56,9 @@ def finding(variant: Variant, value: float, resolution: float = 0.0) -> Finding:
     return Finding(variant, "case", TRANSMITTANCE, value, -20.0, comparison)
 
 
-def period(distance: float) -> Result:
-    return Result(status="finished", series={"distance": (distance,), "reference": (1.0,)})
+def period(distance: float) -> LawPeriod:
+    assert LAW is not None
+    return LawPeriod(distance, LAW.period_bound)
 
 
 @pytest.mark.parametrize(
@@ -65,7 +68,7 @@ def period(distance: float) -> Result:
         (1e-9, {"case": period(0.0)}, True),
         (28.0, {"case": period(0.0)}, False),  # another number
         (0.0, {"case": period(1.0)}, False),  # the same number from other steps
-        (0.0, {"case": Result.blocked("no law here")}, False),
+        (0.0, {"case": period(math.nan)}, False),
         (0.0, {"another": period(1.0)}, False),  # a case without a period of its own takes the worst
         (math.nan, {"case": period(0.0)}, False),
     ],
@@ -73,8 +76,7 @@ def period(distance: float) -> Result:
 def test_a_law_predicts_a_number_and_a_period(left, periods, holds) -> None:
     law = LAWFUL.law
     assert law is not None
-    assert LAW is not None
-    judged = with_predictions([finding(LAWFUL, -10.0)], [finding(law, -10.0 - left)], periods, LAW)
+    judged = with_predictions([finding(LAWFUL, -10.0)], [finding(law, -10.0 - left)], periods)
     assert judged[0].as_predicted is holds
 
 
@@ -83,9 +85,30 @@ def test_a_distance_that_the_law_allows_leaves_a_number_what_it_makes_in_many_pe
     assert law is not None
     assert LAW is not None
     distance = LAW.period_bound / 10
-    judged = with_predictions([finding(LAWFUL, 0.0)], [finding(law, 0.0)], {"case": period(distance)}, LAW)
+    judged = with_predictions([finding(LAWFUL, 0.0)], [finding(law, 0.0)], {"case": period(distance)})
     assert judged[0].prediction is not None
     assert judged[0].prediction.allowed == pytest.approx(20 * math.log10(1 + PERIODS_OF_ERROR * distance))
+
+
+@pytest.mark.parametrize(("text", "growth"), [("rapier:contact:default", 2.0), ("mujoco:joint:default", 1.0)])
+def test_roundings_of_four_times_the_steps_add_up_to_twice_as_much_where_each_rounds_by_the_same(text, growth) -> None:
+    variant = Variant.recorded(text)
+    ended = Result(status="finished", series={"distance": (1e-5,), "reference": (1.0,)})
+    coarse, fine = (
+        LawPeriod.of(
+            LawPeriodTask(variant=variant, friction_ratio=0.3, frequency_ratio=0.9, steps_per_period=steps), ended
+        )
+        for steps in (STEPS, 4 * STEPS)
+    )
+    law = law_of(variant.preset)
+    assert law is not None
+    assert coarse == LawPeriod(1e-5, law.period_bound)
+    assert fine.bound == pytest.approx(growth * coarse.bound)
+
+
+def test_a_period_that_has_not_ended_has_no_distance() -> None:
+    task = LawPeriodTask(variant=LAWFUL, friction_ratio=0.3, frequency_ratio=0.9)
+    assert math.isnan(LawPeriod.of(task, Result.blocked("no law here")).distance)
 
 
 def test_a_preset_without_a_law_is_excused_by_no_text() -> None:
@@ -105,17 +128,16 @@ def test_what_distances_add_up_to_is_that_of_the_worst_case_and_the_bound_holds_
         ({"case": period(0.0), "another": period(far)}, True),
         ({"case": period(0.0), "another": period(4 * LAW.period_bound)}, True),
         ({"case": period(2 * LAW.period_bound), "another": period(0.0)}, False),
-        ({"case": period(far), "another": Result.blocked("no law there")}, True),
-        ({"case": Result.blocked("no law here"), "another": period(far)}, False),
+        ({"case": period(far), "another": period(math.nan)}, True),
+        ({"case": period(math.nan), "another": period(far)}, False),
     ):
-        assert with_predictions(own, of_law, periods, LAW)[0].as_predicted is holds
+        assert with_predictions(own, of_law, periods)[0].as_predicted is holds
 
 
 def test_an_edge_that_neither_engine_nor_law_has_is_as_predicted() -> None:
     law = LAWFUL.law
     assert law is not None
-    assert LAW is not None
     nowhere = Comparison(Verdict.DISAGREE, "no edge nearby")
     own, of_law = (Finding(variant, "case", TRANSMITTANCE, math.nan, 0.6, nowhere) for variant in (LAWFUL, law))
-    assert with_predictions([own], [of_law], {"case": period(0.0)}, LAW)[0].as_predicted
-    assert not with_predictions([own], [finding(law, 0.6)], {"case": period(0.0)}, LAW)[0].as_predicted
+    assert with_predictions([own], [of_law], {"case": period(0.0)})[0].as_predicted
+    assert not with_predictions([own], [finding(law, 0.6)], {"case": period(0.0)})[0].as_predicted
