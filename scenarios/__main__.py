@@ -171,6 +171,10 @@ def cost_command(
     seconds: Annotated[
         float, typer.Option(help="Length of a measurement of steady states that is aimed at; there are two a row.")
     ] = COST_SECONDS,
+    lanes: Annotated[
+        list[int] | None,
+        typer.Option(help="Time steps alone, in a batch of so many chains; may be repeated.", metavar="N"),
+    ] = None,
 ) -> None:
     """Time steps and steady states of each variant, with one and with two worker processes, beside the reference.
 
@@ -180,11 +184,14 @@ def cost_command(
     Example: python -m scenarios run cost --engine mujoco:joint
     """
     check_out(out, TABLE_ENDINGS, [])
-    from scenarios.cli.cost import checked_seconds, perform
+    from scenarios.cli.cost import checked_lanes, checked_seconds, perform, perform_batches
     from scenarios.cli.evaluation import chosen_variants
 
     checked_seconds(seconds)
-    perform(chosen_variants(chosen), seconds, out)
+    if lanes:
+        perform_batches(chosen_variants(chosen), checked_lanes(lanes), out)
+    else:
+        perform(chosen_variants(chosen), seconds, out)
 
 
 def _print_catalogue() -> None:

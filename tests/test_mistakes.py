@@ -68,6 +68,8 @@ COMMAND_LINES = [
     ("scenarios run all --out verdicts.pdf", r"ending '.pdf'; allowed: .md"),
     ("scenarios run figure3 --no-ask", r"--store"),
     ("scenarios run cost --seconds 0", r"seconds = 0.*> 0"),
+    ("scenarios run cost --lanes 0", r"lanes = 0.*>= 1"),
+    ("scenarios run cost --lanes 64 --lanes 70000", r"lanes = 70000.*1 to 65536"),
     ("reports compare a.sqlite b.sqlite", r"a.sqlite"),
     ("reports compare other.sqlite other.sqlite --db 1e5", r"threshold of transmittance = 100000 dB; .*<= 1000"),
     ("reference_lcp --base-amplitude 1e308", r"base_amplitude = 1e\+308.*1e-24 to 1e\+24"),

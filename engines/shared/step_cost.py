@@ -21,12 +21,14 @@ SAMPLES = 7
 
 @dataclass(frozen=True)
 class StepCost:
-    """Seconds a step and lane of seven cells, on one core, in a batch of as many lanes as the engine takes at best.
+    """Seconds a step and lane of seven cells, on one core.
 
     Parameters
     ----------
     variant
         What was measured.
+    lanes
+        Of the batch.
     advance, run
         By the adapter: the end of a period only, and with every step recorded.
     bare
@@ -35,6 +37,7 @@ class StepCost:
     """
 
     variant: Variant
+    lanes: int
     advance: float
     run: float
     bare: float
@@ -45,20 +48,29 @@ class StepCost:
         return self.advance / self.bare
 
 
-def step_cost(variant: Variant, samples: int = SAMPLES) -> StepCost:
+def step_cost(variant: Variant, samples: int = SAMPLES, lanes: int | None = None) -> StepCost:
     """Measure one variant at (0.3, 0.9) of figure 3, in a batch of equal lanes, as the suite runs engines.
+
+    Parameters
+    ----------
+    variant
+        What is measured.
+    samples
+        See `SAMPLES`.
+    lanes
+        Of the batch, at least 1; as many as the engine takes at best unless given.
 
     Raises
     ------
     ParameterError
-        If `samples` is not at least 1.
+        If `samples` or `lanes` is not at least 1.
     EngineNotInstalled
         If the engine cannot be used on this machine.
     """
     checked_count("samples", samples)
     chain = Chain.from_ratios(friction_ratio=0.3)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), STEPS)
-    lanes = variant.batch_lanes
+    lanes = checked_count("lanes", variant.batch_lanes if lanes is None else lanes)
     simulation = variant.build([lane] * lanes)
     try:
         start = State.at_rest(lanes, chain.cells)
@@ -77,7 +89,7 @@ def step_cost(variant: Variant, samples: int = SAMPLES) -> StepCost:
                 best[name] = min(best[name], timeit.timeit(act, number=1) / taken[name])
     finally:
         simulation.close()
-    return StepCost(variant, best["advance"], best["run"], best["bare"] if bare is not None else math.nan)
+    return StepCost(variant, lanes, best["advance"], best["run"], best["bare"] if bare is not None else math.nan)
 
 
 def native_stepping(simulation: Simulation) -> NativeStepping | None:

@@ -117,6 +117,15 @@ def _timed(batches: Sequence[Batch], workers: int) -> tuple[float, list[Result]]
 CostRow = tuple[Cost, Cost]
 """A cost, and that of the reference."""
 
+STEP_COLUMNS: tuple[Column[StepCost], ...] = (
+    Column("variant", lambda row: str(row.variant), "engine:formulation:preset"),
+    Column("lanes", lambda row: row.lanes),
+    Column("advance [µs]", lambda row: 1e6 * row.advance, pattern="{:.3g}"),
+    Column("run [µs]", lambda row: 1e6 * row.run, pattern="{:.3g}"),
+    Column("bare [µs]", lambda row: 1e6 * row.bare, pattern="{:.3g}"),
+)
+"""Of a step of one chain of seven, in batches of several sizes."""
+
 COST_COLUMNS: tuple[Column[CostRow], ...] = (
     Column("variant", lambda row: str(row[0].step.variant), "engine:formulation:preset"),
     Column("advance [µs]", lambda row: 1e6 * row[0].step.advance, pattern="{:.2f}"),

@@ -18,6 +18,17 @@ def test_experiments_are_listed_with_their_questions(capsys) -> None:
     assert "cost" in printed
 
 
+def test_cost_of_a_step_is_shared_by_the_lanes_of_a_batch(tmp_path: Path) -> None:
+    out = tmp_path / "batches.csv"
+    lanes = [f"--lanes={count}" for count in (1, 16)]
+    assert run_command(app, ["run", "cost", "--engine", "reference:joint:tuned", *lanes, "--out", str(out)]) == 0
+    with out.open() as file:
+        alone, shared = csv.DictReader(file)
+    assert (alone["lanes"], shared["lanes"]) == ("1", "16")
+    # Without a kernel of its own for many chains, each would cost what one costs: here it is a tenth.
+    assert 0 < float(shared["advance [µs]"]) < float(alone["advance [µs]"])
+
+
 def test_cost_is_that_of_steps_and_of_steady_states_beside_the_reference(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
