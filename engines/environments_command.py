@@ -7,6 +7,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from engines.environments.content import edited_fault
 from engines.environments.environment import Environment, environments, environments_folder
 from engines.environments.installation import Plan, install, remove
 from engines.environments.process import tried_versions
@@ -22,7 +23,7 @@ def install_engine(name: str, python: str | None) -> None:
     requirement = _requirement(name)
     environment = requirement.environment
     record = environment.record()
-    if record is None or environment.fault() is not None:
+    if record is None or environment.fault() is not None or edited_fault(environment) is not None:
         plan = Plan.of(requirement, python)
         print(visible(str(plan)), flush=True)
         record = install(plan)
@@ -52,7 +53,7 @@ def check_environments(names: Sequence[str]) -> bool:
     """Compare environments with what was installed, import their engines, and say of each what is wrong with it."""
     whole = True
     for environment in _named(names):
-        fault = environment.fault() or _import_fault(environment)
+        fault = environment.fault() or edited_fault(environment) or _import_fault(environment)
         print(visible(f"{environment.name} {fault}; {environment.remedy}" if fault else f"{environment.name} is whole"))
         whole = whole and fault is None
     return whole

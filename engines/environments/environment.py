@@ -98,8 +98,11 @@ class Environment:
 
     def packages(self) -> dict[str, str]:
         """Give the versions of the packages that are there now, by name in lower case, with hyphens."""
-        present = metadata.distributions(path=[str(folder) for folder in self._package_folders()])
-        return {canonicalize_name(each.name): each.version for each in present}
+        return {canonicalize_name(each.name): each.version for each in self.distributions()}
+
+    def distributions(self) -> list[metadata.Distribution]:
+        """Give the packages that are there now."""
+        return list(metadata.distributions(path=[str(folder) for folder in self._package_folders()]))
 
     def _package_folders(self) -> list[Path]:
         return list(self.folder.glob("lib/python*/site-packages"))

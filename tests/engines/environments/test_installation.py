@@ -13,9 +13,11 @@ import pytest
 
 from engines.__main__ import app
 from engines.environments import installation, uv
+from engines.environments.content import edited_fault
 from engines.environments.environment import Environment
 from engines.environments.installation import Plan, install
 from engines.environments.requirement import Requirement
+from engines.environments_command import check_environments
 from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
 from reference_lcp.console import run_command
@@ -194,6 +196,21 @@ def test_an_environment_that_somebody_changed_is_refused_until_it_is_made_anew(
     assert changes in capsys.readouterr().out
     assert run_command(app, ["install", NAME]) == 0
     assert Variant.parse(NAME).title == "MuJoCo 3.98.0"
+
+
+@pytest.mark.parametrize("edit", ["mujoco/__init__.py", "mujoco-3.97.0.dist-info/WHEEL"])
+def test_a_file_that_somebody_edited_or_removed_is_found_by_a_check(folder: Path, edit: str, capsys) -> None:
+    install(Plan.of(Requirement.of(MuJoCo(), "3.97.0")))
+    environment = Environment("mujoco@3.97.0")
+    assert edited_fault(environment) is None
+    (site,) = environment.folder.glob("lib/python*/site-packages")
+    (site / edit).unlink()
+    if edit.endswith(".py"):
+        (site / edit).write_text("import time\n")
+    assert environment.fault() is None
+    assert not check_environments([environment.name])
+    cleaned = f"uv cache clean mujoco; {environment.remedy}"
+    assert capsys.readouterr().out == f"{environment.name} has files that were edited: {edit}; {cleaned}\n"
 
 
 def test_two_processes_do_not_make_the_same_environment(folder: Path) -> None:
