@@ -33,9 +33,9 @@ from scenarios.tasks.task import SteadyStateTask
 
 tasks = [
     SteadyStateTask(variant=Variant(name), friction_ratio=0.3, frequency_ratio=0.9, ratios=ChainRatios(cells=2))
-    for name in ("faulty-sound", "faulty-version")
+    for name in sys.argv[2:]
 ]
-with DaskExecutor(sys.argv[1]) as executor:
+with DaskExecutor(sys.argv[1], 5.0) as executor:
     found = {b[0].variant.engine: (str(r[0].status), r[0].reason) for b, r in executor.run([task] for task in tasks)}
 print(json.dumps(found))
 """
@@ -98,12 +98,23 @@ def test_cluster_and_local_processes_give_the_same_table(scheduler, tmp_path) ->
 def test_engine_of_another_version_on_the_cluster_is_blocked_with_both_named(scheduler, install, tmp_path) -> None:
     script = tmp_path / "ask.py"
     script.write_text(CLIENT)
-    reasons = json.loads(install("faulty").run(str(script), scheduler))
+    reasons = json.loads(install("faulty").run(str(script), scheduler, "faulty-sound", "faulty-version"))
     assert reasons["faulty-sound"] == ["converged", ""]
     status, reason = reasons["faulty-version"]
     assert status == "blocked"
     assert reason.startswith("not the same in the worker: faulty-version 9.9.9, Python ")
     assert "; expected: faulty-version 1.0.0, Python " in reason
+
+
+def test_an_engine_prepares_itself_on_the_cluster_in_no_tasks_time(scheduler, install, tmp_path) -> None:
+    """One takes 6 s, where a batch may take 5; the other does not end within the 2 s that it names."""
+    script = tmp_path / "ask.py"
+    script.write_text(CLIENT)
+    reasons = json.loads(install("faulty").run(str(script), scheduler, "faulty-slowly-ready", "faulty-never-ready"))
+    assert reasons["faulty-slowly-ready"] == ["converged", ""]
+    status, reason = reasons["faulty-never-ready"]
+    assert status == "blocked"
+    assert reason.startswith("Sound compiles nothing: stopped at the time limit of 2 s, in prepare")
 
 
 def test_nobody_at_the_address_is_an_error_that_names_it(monkeypatch) -> None:
