@@ -7,12 +7,10 @@ import numpy as np
 
 from engines.interface.preparation import Preparation
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.mujoco.contact import contact_model
-from engines.mujoco.joint import joint_model
-from engines.mujoco_warp.contact import CONTACT_DEFAULT, CONTACT_TUNED, light_units, pressed_harder
+from engines.mujoco.worlds_simulation import worlds_simulation
+from engines.mujoco_warp.contact import CONTACT_DEFAULT, CONTACT_TUNED
 from engines.mujoco_warp.joint import JOINT_DEFAULT, JOINT_TUNED
-from engines.mujoco_warp.simulation import WarpSimulation
-from engines.shared.units import Units
+from engines.mujoco_warp.worlds import WarpWorlds
 from engines.shared.wheel_engine import WheelEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.refusal import ParameterError
@@ -57,14 +55,7 @@ class MuJoCoWarp(WheelEngine):
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         _check_masses(lanes, LARGEST_MASS_RATIO[formulation])
-        if formulation is Formulation.JOINT:
-            pressed, compiled = lanes, joint_model
-            units = [Units.named(preset["units"], lane) for lane in lanes]
-        else:
-            pressed, compiled = tuple(pressed_harder(lane, preset) for lane in lanes), contact_model
-            units = [light_units(lane, preset) for lane in pressed]
-        models = [compiled(lane, unit, preset) for lane, unit in zip(pressed, units, strict=True)]
-        return WarpSimulation(lanes, pressed, units, models)
+        return worlds_simulation(lanes, formulation, preset, WarpWorlds)
 
 
 def _check_masses(lanes: Sequence[Lane], largest: float) -> None:

@@ -3,16 +3,14 @@
 import functools
 import importlib
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from engines.mujoco.worlds import CHUNK, Rows, Worlds
 from engines.mujoco_warp.model import batched_model
 from engines.shared.silence import silent_standard_error
 from reference_lcp.validation import FloatArray
-
-CHUNK = 128
-"""Steps whose loads and records are held at once: some 40 MB for a thousand worlds of seven cells."""
 
 DEVICE = "cpu"
 """The processor: a graphics card may be there, and is not needed."""
@@ -21,16 +19,7 @@ ROWS_OF_A_CONTACT = 4
 """Most constraints that a contact makes: the edges of its pyramid."""
 
 
-class Rows(NamedTuple):
-    """What is read of every step, shape (steps, worlds, ...), in the units of each world."""
-
-    qpos: FloatArray
-    qvel: FloatArray
-    qfrc_constraint: FloatArray
-    sensordata: FloatArray
-
-
-class Worlds:
+class WarpWorlds(Worlds):
     """Worlds of one structure that take their steps together.
 
     A step is recorded once as a graph: launched kernel by kernel from Python it takes a hundred times as long. The
@@ -44,39 +33,12 @@ class Worlds:
         The bounds of friction in joints change from step to step.
     """
 
-    def __init__(self, models: Sequence[Any], *, modulated: bool):
+    def __init__(self, models: Sequence[Any], modulated: bool):
         self._models, self._modulated = models, modulated
         with import_warp()[0].ScopedDevice(DEVICE):
             self._allocate()
         self.eager_step()  # compiles what this machine has not kept
         self.launch = self._captured(self.eager_step)
-
-    def set(self, qpos: FloatArray, qvel: FloatArray) -> None:
-        """Give every world a state, shape (worlds, nq) each."""
-        self._data.qpos.assign(qpos)
-        self._data.qvel.assign(qvel)
-        self._data.qacc_warmstart.zero_()
-        self._last = Rows(qpos, qvel, *(np.zeros(values.shape) for values in self._values[2:]))
-
-    def steps(self, loads: FloatArray, bounds: FloatArray) -> Rows:
-        """Take a step for each row of loads, at most `CHUNK`.
-
-        Parameters
-        ----------
-        loads
-            Control of each step and world, shape (steps, worlds).
-        bounds
-            Bound of friction in each step, world and cell, shape (steps, worlds, n); used where it is modulated.
-        """
-        self._controls.numpy()[: len(loads), :, 0] = loads
-        self._bounds.numpy()[: len(loads)] = bounds
-        self._step.zero_()
-        for _ in range(len(loads)):
-            self.launch()
-        rows = Rows(*(record.numpy()[: len(loads)].astype(np.float64) for record in self._record))
-        self._repeat_last_finite(rows)
-        self._last = Rows(*(values[-1] for values in rows))
-        return rows
 
     def eager_step(self) -> None:
         """Load, take and record a step, kernel by kernel."""
@@ -100,6 +62,23 @@ class Worlds:
         for _ in range(steps):
             launch()
 
+    @property
+    def _sensors(self) -> int:
+        return int(self._models[0].nsensordata)
+
+    def _set(self, qpos: FloatArray, qvel: FloatArray) -> None:
+        self._data.qpos.assign(qpos)
+        self._data.qvel.assign(qvel)
+        self._data.qacc_warmstart.zero_()
+
+    def _steps(self, loads: FloatArray, bounds: FloatArray) -> Rows:
+        self._controls.numpy()[: len(loads), :, 0] = loads
+        self._bounds.numpy()[: len(loads)] = bounds
+        self._step.zero_()
+        for _ in range(len(loads)):
+            self.launch()
+        return Rows(*(record.numpy()[: len(loads)].astype(np.float64) for record in self._record))
+
     def _allocate(self) -> None:
         """Put models, states, loads and records into Warp's memory."""
         warp, mujoco_warp = import_warp()
@@ -119,14 +98,6 @@ class Worlds:
         with warp.ScopedDevice(DEVICE), warp.ScopedCapture(DEVICE) as capture:
             steps()
         return functools.partial(warp.capture_launch, capture.graph)
-
-    def _repeat_last_finite(self, rows: Rows) -> None:
-        """Let a world that has diverged stay where its numbers were finite last."""
-        finite = np.all([np.all(np.isfinite(values), axis=2) for values in rows], axis=0)
-        for world in np.flatnonzero(~np.all(finite, axis=0)):
-            first = int(np.argmin(finite[:, world]))
-            for values, last in zip(rows, self._last, strict=True):
-                values[first:, world] = values[first - 1, world] if first > 0 else last[world]
 
 
 @functools.cache

@@ -1,20 +1,24 @@
-"""Lanes of MuJoCo Warp, whatever their formulation, as the worlds of one model."""
+"""Lanes as the worlds of one model, whatever their formulation, in copies of MuJoCo that advance all at once."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from engines.interface.presets import Formulation, Preset
+from engines.mujoco.contact import contact_model
 from engines.mujoco.coordinates import absolute_coordinates, joint_coordinates
-from engines.mujoco_warp.worlds import CHUNK, Rows, Worlds
+from engines.mujoco.joint import joint_model
+from engines.mujoco.pressed_contact import light_units, pressed_harder
+from engines.mujoco.worlds import CHUNK, Rows, Worlds
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray, checked_count
 
 
-class WarpSimulation:
+class WorldsSimulation:
     """Lanes as the worlds of one model, each with its own numbers, time step and units.
 
     Parameters
@@ -29,16 +33,25 @@ class WarpSimulation:
         A compiled `mujoco.MjModel` a lane, all of one structure: in each cell, the joints of the outer mass and of
         the inner one relative to it come first. Where contacts have sensors, these give the contact force, its normal
         part first.
+    new_worlds
+        Makes the worlds of models, told whether bounds of friction change from step to step.
     """
 
-    def __init__(self, lanes: Sequence[Lane], pressed: Sequence[Lane], units: Sequence[Units], models: Sequence[Any]):
-        """Make the worlds, and record what a step does as a graph."""
+    def __init__(
+        self,
+        lanes: Sequence[Lane],
+        pressed: Sequence[Lane],
+        units: Sequence[Units],
+        models: Sequence[Any],
+        new_worlds: Callable[[Sequence[Any], bool], Worlds],
+    ):
         self.lanes, self._pressed = tuple(lanes), tuple(pressed)
         self._units, self._models = tuple(units), tuple(models)
         self._joints = models[0].nq // common_cells(lanes)
         self._length = np.array([[unit.length] for unit in units])
         self._velocity = np.array([[unit.velocity] for unit in units])
-        self._worlds = Worlds(models, modulated=any(lane.preload is not None for lane in lanes))
+        self._new_worlds = new_worlds
+        self._worlds = new_worlds(models, any(lane.preload is not None for lane in lanes))
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         """Advance every lane; see `Simulation.run`.
@@ -72,14 +85,15 @@ class WarpSimulation:
             [self._pressed[lane] for lane in lanes],
             [self._units[lane] for lane in lanes],
             [self._models[lane] for lane in lanes],
+            self._new_worlds,
         )
 
     def native_steps(self, steps: int) -> None:
-        """Take steps of MuJoCo Warp alone; see `NativeStepping`."""
+        """Take steps of the engine alone; see `NativeStepping`."""
         self._worlds.native_steps(steps)
 
     def close(self) -> None:
-        """Nothing to do: memory is all that MuJoCo Warp holds, and it goes with the last reference."""
+        """Nothing to do: memory is all that it holds, and it goes with the last reference."""
         return
 
     def _chunks(self, state: State, start: int, steps: int) -> Iterator[Rows]:
@@ -108,7 +122,7 @@ class WarpSimulation:
         return np.stack(bounds, axis=1)
 
     def _friction(self, index: int, rows: Rows) -> FloatArray:
-        """λ_T on the inner masses; where a cell has none, MuJoCo Warp's Newton leaves round-off of its neighbours."""
+        """λ_T on the inner masses; where a cell has none, Newton leaves round-off of its neighbours."""
         rubs = self.lanes[index].chain.friction_bound > 0
         return np.where(rubs, rows.qfrc_constraint[:, index, 1 :: self._joints] * self._units[index].force, 0.0)
 
@@ -121,3 +135,20 @@ class WarpSimulation:
         rubs = lane.chain.friction_bound > 0
         share = np.divide(lane.chain.normal_force, pressed.chain.normal_force, where=rubs, out=np.ones(rubs.size))
         return np.where(rubs, rows.sensordata[:, index, ::3] * units.force * share, given)
+
+
+def worlds_simulation(
+    lanes: tuple[Lane, ...],
+    formulation: Formulation,
+    preset: Preset,
+    new_worlds: Callable[[Sequence[Any], bool], Worlds],
+) -> WorldsSimulation:
+    """Compile MuJoCo's models of the lanes, and make worlds of them."""
+    if formulation is Formulation.JOINT:
+        pressed, compiled = lanes, joint_model
+        units = [Units.named(preset["units"], lane) for lane in lanes]
+    else:
+        pressed, compiled = tuple(pressed_harder(lane, preset) for lane in lanes), contact_model
+        units = [light_units(lane, preset) for lane in pressed]
+    models = [compiled(lane, unit, preset) for lane, unit in zip(pressed, units, strict=True)]
+    return WorldsSimulation(lanes, pressed, units, models, new_worlds)
