@@ -85,15 +85,16 @@ class Engine(ABC):
         return presets[preset]
 
     def prepare(self, cells: int, formulation: str, preset: str) -> None:
-        """Do what `preparation` names, for chains of this length: build one, and take a step.
+        """Do what `preparation` names, for chains of this length: build its batches, and take a step of each.
 
         Workers of engines that name a preparation call this before their first batch of a variant.
         """
-        simulation = self.build([sample_lane(cells)], formulation, preset)
-        try:
-            simulation.advance(State.at_rest(1, cells), 0, 1)
-        finally:
-            simulation.close()
+        for lanes in self.preparation.batches if self.preparation else (1,):
+            simulation = self.build([sample_lane(cells)] * lanes, formulation, preset)
+            try:
+                simulation.advance(State.at_rest(lanes, cells), 0, 1)
+            finally:
+                simulation.close()
 
     def build(self, lanes: Sequence[Lane], formulation: str = "joint", preset: str = "tuned") -> Simulation:
         """Build every lane in the engine.

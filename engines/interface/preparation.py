@@ -20,10 +20,13 @@ class Preparation:
         What it does, for a reader, such as ``compiles its kernels``.
     limit
         Seconds after which it is given up.
+    batches
+        Numbers of lanes that are built, where what it does depends on that.
     """
 
     what: str
     limit: float
+    batches: tuple[int, ...] = (1,)
 
 
 def sample_lane(cells: int) -> Lane:
