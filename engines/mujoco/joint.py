@@ -51,6 +51,8 @@ def joint_model(lane: Lane, units: Units, preset: Preset) -> Any:
     for cell in range(chain.cells):
         joint = add_masses(spec, chain, cell)[1].joints[0]
         joint.frictionloss = chain.friction_bound[cell]
+        if "solimp_friction" in preset.options:
+            joint.solimp_friction[:2] = preset["solimp_friction"]
         solref = np.array(preset["solref_friction"])
         # A direct solref, negative, is divided by d_width: this makes the reference acceleration -ġ_T / dt.
         joint.solref_friction = solref if solref[0] > 0 else solref * joint.solimp_friction[1] / time_step

@@ -50,6 +50,8 @@ def new_spec(time_step: float, preset: Preset) -> Any:
     option.solver = getattr(mujoco.mjtSolver, f"mjSOL_{preset['solver'].upper()}")
     option.iterations = preset["iterations"]
     option.noslip_iterations = preset["noslip_iterations"]
+    if "tolerance" in preset.options:
+        option.tolerance = preset["tolerance"]
     option.cone = getattr(mujoco.mjtCone, f"mjCONE_{preset['cone'].upper()}")
     option.jacobian = getattr(mujoco.mjtJacobian, f"mjJAC_{preset['jacobian'].upper()}")
     option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{preset['integrator'].upper()}")
