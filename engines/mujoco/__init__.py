@@ -3,8 +3,16 @@
 from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.mujoco.contact import CONTACT_DEFAULT, CONTACT_TUNED, contact_model, contact_units, lifting_model
+from engines.mujoco.contact import (
+    CONTACT_DEFAULT,
+    CONTACT_NEWTON,
+    CONTACT_TUNED,
+    contact_model,
+    contact_units,
+    lifting_model,
+)
 from engines.mujoco.joint import JOINT_DEFAULT, JOINT_TUNED, joint_model
+from engines.mujoco.pressed_contact import pressed_harder
 from engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
 from engines.shared.units import Units
 from engines.shared.wheel_engine import WheelEngine
@@ -24,7 +32,7 @@ class MuJoCo(WheelEngine):
         friction_law=FrictionLaw.REGULARISED,
         presets={
             Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
-            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "newton": CONTACT_NEWTON, "default": CONTACT_DEFAULT},
         },
         notes=(
             "Friction is a convex regularisation of Coulomb's law with a time constant: by default, in joint and "
@@ -37,12 +45,12 @@ class MuJoCo(WheelEngine):
         modulated = any(lane.preload is not None for lane in lanes)
         options = preset.modulated() if modulated else preset
         if formulation is Formulation.JOINT:
+            pressed, compiled = lanes, joint_model
             units = [Units.named(preset["units"], lane) for lane in lanes]
-            compiled = joint_model
         else:
-            units = [contact_units(lane, preset) for lane in lanes]
+            pressed = tuple(pressed_harder(lane, preset) for lane in lanes)
+            units = [contact_units(lane, preset) for lane in pressed]
             compiled = lifting_model if modulated else contact_model
-        models = [compiled(lane, unit, options) for lane, unit in zip(lanes, units, strict=True)]
-        if modulated and formulation is Formulation.JOINT:
-            return ModulatedJointSimulation(lanes, units, models)
-        return MuJoCoSimulation(lanes, units, models)
+        models = [compiled(lane, unit, options) for lane, unit in zip(pressed, units, strict=True)]
+        kind = ModulatedJointSimulation if modulated and formulation is Formulation.JOINT else MuJoCoSimulation
+        return kind(lanes, pressed, units, models)

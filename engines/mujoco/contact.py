@@ -56,6 +56,21 @@ CONTACT_TUNED = Preset(
     modulated_residual_slip_compliance=1e-4,
 )
 
+CONTACT_NEWTON = Preset(
+    "MuJoCo's own solver under a normal force that friction hardly changes, and a sweep without softness.",
+    {
+        **CONTACT_TUNED.options,
+        "solver": Option("Newton", "Newton", "The sweep after it decides what friction is."),
+        "iterations": Option(5, 100, "The normal forces are found in the first ones."),
+        "solimp": Option((1e-4, 1e-4), (0.9, 0.95), "MuJoCo's softest: friction hardly raises the normal force."),
+        "coefficient": Option(
+            0.01, None, "Contacts are pressed with F / 0.01: what friction adds to the normal force goes with μ²."
+        ),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+)
+
 CONTACT_DEFAULT = Preset(
     "The same sphere and plate in SI units, with MuJoCo's own cone, solver and contact damping.",
     {

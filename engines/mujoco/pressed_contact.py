@@ -11,6 +11,7 @@ from engines.interface.presets import Preset
 from engines.mujoco.contact import contact_units
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
+from reference_lcp.validation import FloatArray
 
 
 def light_units(lane: Lane, preset: Preset) -> Units:
@@ -20,6 +21,12 @@ def light_units(lane: Lane, preset: Preset) -> Units:
         return units
     stopped = 1 / (1 / chain.outer_mass + 1 / chain.inner_mass)
     return replace(units, mass=power_of_two(float(np.exp(np.mean(np.log(stopped))))))
+
+
+def normal_share(lane: Lane, pressed: Lane) -> FloatArray:
+    """Give λ_N of each cell over that with which its contact is pressed, shape (n,); one where it does not rub."""
+    rubs, given = lane.chain.friction_bound > 0, lane.chain.normal_force
+    return np.divide(given, pressed.chain.normal_force, where=rubs, out=np.ones(rubs.size))
 
 
 def pressed_harder(lane: Lane, preset: Preset) -> Lane:

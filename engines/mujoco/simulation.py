@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from engines.mujoco.coordinates import absolute_coordinates, joint_coordinates
 from engines.mujoco.loop import SteppedModels
+from engines.mujoco.pressed_contact import normal_share
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
@@ -27,6 +28,8 @@ class MuJoCoSimulation:
     ----------
     lanes
         The lanes.
+    pressed
+        The lanes as the models have them: some press contacts harder, with a smaller coefficient of friction.
     units
         The units of each lane's model.
     models
@@ -35,8 +38,8 @@ class MuJoCoSimulation:
         pushes it on its plate. Where contacts have sensors, these give the contact force, its normal part first.
     """
 
-    def __init__(self, lanes: Sequence[Lane], units: Sequence[Units], models: Sequence[Any]):
-        self.lanes = tuple(lanes)
+    def __init__(self, lanes: Sequence[Lane], pressed: Sequence[Lane], units: Sequence[Units], models: Sequence[Any]):
+        self.lanes, self._pressed = tuple(lanes), tuple(pressed)
         self._models = tuple(models)
         self._units = tuple(units)
         self._joints = self._models[0].nq // common_cells(lanes)
@@ -75,6 +78,7 @@ class MuJoCoSimulation:
         """Give the lanes of these indices; they share the models."""
         return type(self)(
             [self.lanes[lane] for lane in lanes],
+            [self._pressed[lane] for lane in lanes],
             [self._units[lane] for lane in lanes],
             [self._models[lane] for lane in lanes],
         )
@@ -144,7 +148,8 @@ class MuJoCoSimulation:
         given = lane.preloads(start, steps)
         if "sensordata" not in record:
             return given
-        measured = record["sensordata"][index, :, ::3] * self._units[index].force
+        share = normal_share(lane, self._pressed[index])
+        measured = record["sensordata"][index, :, ::3] * self._units[index].force * share
         return np.where(lane.chain.friction_bound > 0, measured, given)
 
 

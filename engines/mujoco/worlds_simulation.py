@@ -10,7 +10,7 @@ from engines.interface.presets import Formulation, Preset
 from engines.mujoco.contact import contact_model
 from engines.mujoco.coordinates import absolute_coordinates, joint_coordinates
 from engines.mujoco.joint import joint_model
-from engines.mujoco.pressed_contact import light_units, pressed_harder
+from engines.mujoco.pressed_contact import light_units, normal_share, pressed_harder
 from engines.mujoco.worlds import CHUNK, Rows, Worlds
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane, common_cells
@@ -133,8 +133,7 @@ class WorldsSimulation:
         if rows.sensordata.shape[-1] == 0:
             return given
         rubs = lane.chain.friction_bound > 0
-        share = np.divide(lane.chain.normal_force, pressed.chain.normal_force, where=rubs, out=np.ones(rubs.size))
-        return np.where(rubs, rows.sensordata[:, index, ::3] * units.force * share, given)
+        return np.where(rubs, rows.sensordata[:, index, ::3] * units.force * normal_share(lane, pressed), given)
 
 
 def worlds_simulation(
