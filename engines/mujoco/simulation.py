@@ -8,9 +8,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.mujoco.coordinates import absolute_coordinates, joint_coordinates
 from engines.mujoco.loop import SteppedModels
 from engines.mujoco.pressed_contact import normal_share
+from engines.shared.cell_joints import absolute_coordinates, joint_coordinates
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from engines.interface.presets import Formulation, Preset
 from engines.mujoco.contact import contact_model
-from engines.mujoco.coordinates import absolute_coordinates, joint_coordinates
 from engines.mujoco.joint import joint_model
 from engines.mujoco.pressed_contact import light_units, normal_share, pressed_harder
 from engines.mujoco.worlds import CHUNK, Rows, Worlds
+from engines.shared.cell_joints import absolute_coordinates, joint_coordinates
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory

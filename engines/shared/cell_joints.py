@@ -1,4 +1,4 @@
-"""The order of MuJoCo's joints: in each cell outer mass, inner mass relative to it, and others that stay at zero."""
+"""Joints cell by cell: outer mass, inner mass relative to it, and others that stay at zero."""
 
 import numpy as np
 
