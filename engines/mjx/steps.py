@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from mujoco import mjx
 
-from engines.mujoco.worlds import CHUNK
+from engines.shared.worlds import CHUNK
 
 LEAST_BOUND = 1e-300
 """In place of a bound of friction that is zero, for which MJX welds the joint."""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from engines.mjx.model import batched_model, size_of
-from engines.mujoco.worlds import CHUNK, Rows, Worlds
+from engines.shared.worlds import CHUNK, Rows, Worlds
 from reference_lcp.validation import FloatArray
 
 ONE_THREAD = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
@@ -36,7 +36,7 @@ class MJXWorlds(Worlds):
 
     def __init__(self, models: Sequence[Any], modulated: bool):
         self._compiled = import_mjx()
-        self._worlds, self._sensors_of_a_world = len(models), int(models[0].nsensordata)
+        self._worlds, self._columns = len(models), (int(models[0].nv), int(models[0].nsensordata))
         self._model, self._blank = batched_model(models)
         self._set(*np.zeros((2, len(models), models[0].nv)))
         self._steps(np.zeros((0, len(models))), np.zeros((0, len(models), models[0].nv // 2)))  # compiles them
@@ -47,15 +47,15 @@ class MJXWorlds(Worlds):
         state[0].block_until_ready()
 
     @property
-    def _sensors(self) -> int:
-        return self._sensors_of_a_world
+    def _force_columns(self) -> tuple[int, int]:
+        return self._columns
 
-    def _set(self, qpos: FloatArray, qvel: FloatArray) -> None:
-        self._state = (self._filled(qpos), self._filled(qvel), self._filled(np.zeros(qvel.shape)))
+    def _set(self, positions: FloatArray, velocities: FloatArray) -> None:
+        self._state = (self._filled(positions), self._filled(velocities), self._filled(np.zeros(velocities.shape)))
 
-    def _steps(self, loads: FloatArray, bounds: FloatArray) -> Rows:
+    def _steps(self, loads: FloatArray, pressing: FloatArray) -> Rows:
         self._state, record = self._compiled.recorded_steps(
-            self._model, self._blank, self._state, self._chunk(loads), self._chunk(bounds), len(loads)
+            self._model, self._blank, self._state, self._chunk(loads), self._chunk(pressing), len(loads)
         )
         return Rows(*(np.array(values[: len(loads), : self._worlds]) for values in record))
 

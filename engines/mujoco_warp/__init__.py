@@ -10,7 +10,7 @@ from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Pr
 from engines.mujoco.worlds_simulation import worlds_simulation
 from engines.mujoco_warp.contact import CONTACT_DEFAULT, CONTACT_TUNED
 from engines.mujoco_warp.joint import JOINT_DEFAULT, JOINT_TUNED
-from engines.mujoco_warp.worlds import WarpWorlds
+from engines.mujoco_warp.worlds import MuJoCoWarpWorlds
 from engines.shared.wheel_engine import WheelEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.refusal import ParameterError
@@ -55,7 +55,7 @@ class MuJoCoWarp(WheelEngine):
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         _check_masses(lanes, LARGEST_MASS_RATIO[formulation])
-        return worlds_simulation(lanes, formulation, preset, WarpWorlds)
+        return worlds_simulation(lanes, formulation, preset, MuJoCoWarpWorlds)
 
 
 def _check_masses(lanes: Sequence[Lane], largest: float) -> None:

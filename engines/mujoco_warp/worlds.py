@@ -1,29 +1,20 @@
-"""The worlds of one batch in MuJoCo Warp's memory, and the graph of their step."""
+"""The worlds of one batch in MuJoCo Warp's memory."""
 
-import functools
 import importlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
-from engines.mujoco.worlds import CHUNK, Rows, Worlds
 from engines.mujoco_warp.model import batched_model
-from engines.shared.silence import silent_standard_error
+from engines.shared.warp_worlds import WarpWorlds, import_warp
+from engines.shared.worlds import Rows
 from reference_lcp.validation import FloatArray
-
-DEVICE = "cpu"
-"""The processor: a graphics card may be there, and is not needed."""
 
 ROWS_OF_A_CONTACT = 4
 """Most constraints that a contact makes: the edges of its pyramid."""
 
 
-class WarpWorlds(Worlds):
-    """Worlds of one structure that take their steps together.
-
-    A step is recorded once as a graph: launched kernel by kernel from Python it takes a hundred times as long. The
-    graph holds no numbers of its own: it finds its loads, and where its record goes, by a counter of steps.
+class MuJoCoWarpWorlds(WarpWorlds):
+    """Models of MuJoCo as worlds.
 
     Parameters
     ----------
@@ -35,76 +26,34 @@ class WarpWorlds(Worlds):
 
     def __init__(self, models: Sequence[Any], modulated: bool):
         self._models, self._modulated = models, modulated
-        with import_warp()[0].ScopedDevice(DEVICE):
-            self._allocate()
-        self.eager_step()  # compiles what this machine has not kept
-        self.launch = self._captured(self.eager_step)
+        super().__init__(len(models), models[0].nbody // 2)
 
-    def eager_step(self) -> None:
-        """Load, take and record a step, kernel by kernel."""
-        from engines.mujoco_warp import kernels
-
-        warp, mujoco_warp = import_warp()
-        with warp.ScopedDevice(DEVICE):
-            warp.launch(kernels.load, self._data.ctrl.shape, [self._step, self._controls, self._data.ctrl])
-            if self._modulated:
-                frictionloss = self._model.dof_frictionloss
-                warp.launch(kernels.bound, self._bounds.shape[1:], [self._step, self._bounds, frictionloss])
-            mujoco_warp.step(self._model, self._data)
-            for values, record in zip(self._values, self._record, strict=True):
-                warp.launch(kernels.record, values.shape, [self._step, values, record])
-            warp.launch(kernels.count, 1, [self._step])
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of MuJoCo Warp alone, as a graph, from where the worlds are."""
-        _, mujoco_warp = import_warp()
-        launch = self._captured(lambda: mujoco_warp.step(self._model, self._data))
-        for _ in range(steps):
-            launch()
-
-    @property
-    def _sensors(self) -> int:
-        return int(self._models[0].nsensordata)
-
-    def _set(self, qpos: FloatArray, qvel: FloatArray) -> None:
-        self._data.qpos.assign(qpos)
-        self._data.qvel.assign(qvel)
-        self._data.qacc_warmstart.zero_()
-
-    def _steps(self, loads: FloatArray, bounds: FloatArray) -> Rows:
-        self._controls.numpy()[: len(loads), :, 0] = loads
-        self._bounds.numpy()[: len(loads)] = bounds
-        self._step.zero_()
-        for _ in range(len(loads)):
-            self.launch()
-        return Rows(*(record.numpy()[: len(loads)].astype(np.float64) for record in self._record))
-
-    def _allocate(self) -> None:
-        """Put models, states, loads and records into Warp's memory."""
-        warp, mujoco_warp = import_warp()
-        model, size = self._models[0], len(self._models)
+    def _allocate(self) -> Rows:
+        model, engine = self._models[0], import_mujoco_warp()
         rows = model.nv + ROWS_OF_A_CONTACT * model.npair
         self._model = batched_model(self._models)
-        self._data = mujoco_warp.make_data(model, nworld=size, nconmax=model.npair, njmax=rows)
-        self._step = warp.zeros(1, dtype=int)
-        self._controls = warp.zeros((CHUNK, size, 1), dtype=float)
-        self._bounds = warp.zeros((CHUNK, size, model.nbody // 2), dtype=float)
-        self._values = [getattr(self._data, name) for name in Rows._fields]
-        self._record = [warp.zeros((CHUNK, *values.shape), dtype=float) for values in self._values]
+        self._data = engine.make_data(model, nworld=len(self._models), nconmax=model.npair, njmax=rows)
+        return Rows(self._data.qpos, self._data.qvel, self._data.qfrc_constraint, self._data.sensordata)
 
-    def _captured(self, steps: Callable[[], None]) -> Callable[[], None]:
-        """Record what is launched as a graph; give the function that launches it again."""
-        warp, _ = import_warp()
-        with warp.ScopedDevice(DEVICE), warp.ScopedCapture(DEVICE) as capture:
-            steps()
-        return functools.partial(warp.capture_launch, capture.graph)
+    def _set(self, positions: FloatArray, velocities: FloatArray) -> None:
+        self._data.qpos.assign(positions)
+        self._data.qvel.assign(velocities)
+        self._data.qacc_warmstart.zero_()
+
+    def _set_forces(self) -> None:
+        from engines.mujoco_warp import kernels
+
+        warp = import_warp()
+        warp.launch(kernels.load, len(self._models), [self._step, self._loads, self._data.ctrl])
+        if self._modulated:
+            bounds = self._pressing
+            warp.launch(kernels.bound, bounds.shape[1:], [self._step, bounds, self._model.dof_frictionloss])
+
+    def _advance(self) -> None:
+        import_mujoco_warp().step(self._model, self._data)
 
 
-@functools.cache
-def import_warp() -> tuple[Any, Any]:
-    """Import Warp and MuJoCo Warp; Warp does not tell what it compiles, nor that there is no graphics card."""
-    warp = importlib.import_module("warp")
-    warp.config.log_level = warp.LOG_ERROR
-    with silent_standard_error():
-        warp.init()
-    return warp, importlib.import_module("mujoco_warp")
+def import_mujoco_warp() -> Any:
+    """Import MuJoCo Warp, once Warp is silent."""
+    import_warp()
+    return importlib.import_module("mujoco_warp")

@@ -1,4 +1,4 @@
-"""Worlds that take their steps together: copies of MuJoCo that advance all lanes of a batch at once."""
+"""Worlds that take their steps together, in engines that advance all lanes of a batch at once."""
 
 from abc import ABC, abstractmethod
 from typing import NamedTuple
@@ -14,31 +14,33 @@ CHUNK = 128
 class Rows(NamedTuple):
     """What is read of every step, shape (steps, worlds, ...), in the units of each world."""
 
-    qpos: FloatArray
-    qvel: FloatArray
-    qfrc_constraint: FloatArray
-    sensordata: FloatArray
+    positions: FloatArray
+    velocities: FloatArray
+    friction: FloatArray
+    normal_force: FloatArray
 
 
 class Worlds(ABC):
     """Worlds of one structure; adapters say how they take a state, and their steps."""
 
-    def set(self, qpos: FloatArray, qvel: FloatArray) -> None:
-        """Give every world a state, shape (worlds, nq) each."""
-        self._set(qpos, qvel)
-        self._last = Rows(qpos, qvel, np.zeros(qpos.shape), np.zeros((len(qpos), self._sensors)))
+    def set(self, positions: FloatArray, velocities: FloatArray) -> None:
+        """Give every world a state in the engine's coordinates, shape (worlds, coordinates) each."""
+        self._set(positions, velocities)
+        no_forces = (np.zeros((len(positions), columns)) for columns in self._force_columns)
+        self._last = Rows(positions, velocities, *no_forces)
 
-    def steps(self, loads: FloatArray, bounds: FloatArray) -> Rows:
+    def steps(self, loads: FloatArray, pressing: FloatArray) -> Rows:
         """Take a step for each row of loads, at most `CHUNK`.
 
         Parameters
         ----------
         loads
-            Control of each step and world, shape (steps, worlds).
-        bounds
-            Bound of friction in each step, world and cell, shape (steps, worlds, n); used where it is modulated.
+            Force on cell 1 in each step and world, shape (steps, worlds).
+        pressing
+            What bounds friction in each step, world and cell, shape (steps, worlds, n): a force of friction in joints,
+            a normal force in contacts.
         """
-        rows = self._steps(loads, bounds)
+        rows = self._steps(loads, pressing)
         self._repeat_last_finite(rows)
         self._last = Rows(*(values[-1] for values in rows))
         return rows
@@ -49,15 +51,15 @@ class Worlds(ABC):
 
     @property
     @abstractmethod
-    def _sensors(self) -> int:
-        """Numbers that the sensors of a world give."""
+    def _force_columns(self) -> tuple[int, int]:
+        """Numbers that are read of a world for friction, and for normal forces."""
 
     @abstractmethod
-    def _set(self, qpos: FloatArray, qvel: FloatArray) -> None:
-        """Put a state into every world."""
+    def _set(self, positions: FloatArray, velocities: FloatArray) -> None:
+        """Put a state into every world, and forget what came before."""
 
     @abstractmethod
-    def _steps(self, loads: FloatArray, bounds: FloatArray) -> Rows:
+    def _steps(self, loads: FloatArray, pressing: FloatArray) -> Rows:
         """Take the steps, and give what was recorded as arrays that may be written to."""
 
     def _repeat_last_finite(self, rows: Rows) -> None:

@@ -1,0 +1,107 @@
+"""Worlds in the memory of Warp that take their steps together, and the graph of their step."""
+
+import functools
+import importlib
+from abc import abstractmethod
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from engines.shared.silence import silent_standard_error
+from engines.shared.worlds import CHUNK, Rows, Worlds
+from reference_lcp.validation import FloatArray
+
+DEVICE = "cpu"
+"""The processor: a graphics card may be there, and is not needed."""
+
+
+class WarpWorlds(Worlds):
+    """Worlds of one structure that take their steps together.
+
+    A step is recorded once as a graph: launched kernel by kernel from Python it takes a hundred times as long. The
+    graph holds no numbers of its own: it finds its loads, and where its record goes, by a counter of steps.
+
+    Parameters
+    ----------
+    size
+        How many worlds there are.
+    cells
+        Cells in each.
+    """
+
+    def __init__(self, size: int, cells: int):
+        warp = import_warp()
+        with warp.ScopedDevice(DEVICE):
+            self._step = warp.zeros(1, dtype=int)
+            self._loads = warp.zeros((CHUNK, size), dtype=float)
+            self._pressing = warp.zeros((CHUNK, size, cells), dtype=float)
+            self._values = self._allocate()
+            self._record = [warp.zeros((CHUNK, *values.shape), dtype=float) for values in self._values]
+        self.eager_step()  # compiles what this machine has not kept
+        self.launch = self._captured(self.eager_step)
+
+    @abstractmethod
+    def _allocate(self) -> Any:
+        """Put models and states into Warp's memory; give the `Rows` of one step, arrays of shape (worlds, ...)."""
+
+    @abstractmethod
+    def _set_forces(self) -> None:
+        """Launch what takes the loads of this step to the engine."""
+
+    @abstractmethod
+    def _advance(self) -> None:
+        """Launch one step of the engine alone."""
+
+    def _read_forces(self) -> None:
+        """Launch what takes forces of this step to where they are recorded from, where the engine has none there."""
+        return
+
+    def eager_step(self) -> None:
+        """Load, take and record a step, kernel by kernel."""
+        from engines.shared import warp_kernels as kernels
+
+        warp = import_warp()
+        with warp.ScopedDevice(DEVICE):
+            self._set_forces()
+            self._advance()
+            self._read_forces()
+            for values, record in zip(self._values, self._record, strict=True):
+                warp.launch(kernels.record, values.shape, [self._step, values, record])
+            warp.launch(kernels.count, 1, [self._step])
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone, as a graph, from where the worlds are."""
+        launch = self._captured(self._advance)
+        for _ in range(steps):
+            launch()
+
+    @property
+    def _force_columns(self) -> tuple[int, int]:
+        friction, normal_force = (values.shape[-1] for values in self._values[2:])
+        return friction, normal_force
+
+    def _steps(self, loads: FloatArray, pressing: FloatArray) -> Rows:
+        self._loads.numpy()[: len(loads)] = loads
+        self._pressing.numpy()[: len(loads)] = pressing
+        self._step.zero_()
+        for _ in range(len(loads)):
+            self.launch()
+        return Rows(*(record.numpy()[: len(loads)].astype(np.float64) for record in self._record))
+
+    def _captured(self, steps: Callable[[], None]) -> Callable[[], None]:
+        """Record what is launched as a graph; give the function that launches it again."""
+        warp = import_warp()
+        with warp.ScopedDevice(DEVICE), warp.ScopedCapture(DEVICE) as capture:
+            steps()
+        return functools.partial(warp.capture_launch, capture.graph)
+
+
+@functools.cache
+def import_warp() -> Any:
+    """Import Warp, which does not tell what it compiles, nor that there is no graphics card."""
+    warp = importlib.import_module("warp")
+    warp.config.log_level = warp.LOG_ERROR
+    with silent_standard_error():
+        warp.init()
+    return warp

@@ -1,0 +1,108 @@
+"""Lanes as worlds of engines that advance all lanes of a batch at once."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.shared.cell_joints import absolute_coordinates, joint_coordinates
+from engines.shared.units import Units
+from engines.shared.worlds import CHUNK, Rows, Worlds
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.validation import FloatArray, checked_count
+
+
+class WorldsSimulation(ABC):
+    """Lanes as worlds, each with its own numbers and units.
+
+    Parameters
+    ----------
+    lanes
+        The lanes.
+    units
+        The units of each.
+    joints
+        Coordinates of a cell: those of the outer mass and of the inner one relative to it come first.
+    worlds
+        The worlds.
+    """
+
+    def __init__(self, lanes: Sequence[Lane], units: Sequence[Units], joints: int, worlds: Worlds):
+        self.lanes, self._units = tuple(lanes), tuple(units)
+        self._joints, self._worlds = joints, worlds
+        self._length = np.array([[unit.length] for unit in units])
+        self._velocity = np.array([[unit.velocity] for unit in units])
+
+    def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
+        """Advance every lane; see `Simulation.run`.
+
+        The last finite row of a lane that diverges is repeated.
+        """
+        chunks = list(self._chunks(state, start, steps))
+        rows = Rows(*(np.concatenate(parts) for parts in zip(*chunks, strict=True)))
+        return [
+            Trajectory(
+                lane.times(start, steps),
+                absolute_coordinates(rows.positions[:, index], self._joints) * units.length,
+                absolute_coordinates(rows.velocities[:, index], self._joints) * units.velocity,
+                self._friction(index, rows.friction[:, index]),
+                self._normal_force(index, rows.normal_force[:, index], lane.preloads(start, steps)),
+            )
+            for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
+        ]
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance every lane, keep the final state; see `Simulation.advance`."""
+        for chunk in self._chunks(state, start, steps):
+            last = chunk
+        ends = (absolute_coordinates(rows[-1], self._joints) for rows in (last.positions, last.velocities))
+        position, velocity = ends
+        return State(position * self._length, velocity * self._velocity)
+
+    @abstractmethod
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
+        """Give the lanes of these indices."""
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone; see `NativeStepping`."""
+        self._worlds.native_steps(steps)
+
+    def close(self) -> None:
+        """Nothing to do: memory is all that the engine holds, and it goes with the last reference."""
+        return
+
+    def _chunks(self, state: State, start: int, steps: int) -> Iterator[Rows]:
+        """Set the state, and give the rows of `steps` steps, some at a time."""
+        checked_count("steps", steps)
+        state.check_fits(len(self.lanes), self.lanes[0].chain.cells)
+        self._worlds.set(
+            joint_coordinates(state.positions / self._length, self._joints),
+            joint_coordinates(state.velocities / self._velocity, self._joints),
+        )
+        for first in range(start, start + steps, CHUNK):
+            length = min(CHUNK, start + steps - first)
+            yield self._worlds.steps(self._loads(first, length), self._pressing(first, length))
+
+    def _loads(self, start: int, steps: int) -> FloatArray:
+        """Give the force on cell 1 in every step, shape (steps, lanes)."""
+        loads = [lane.loads(start, steps) / units.force for lane, units in zip(self.lanes, self._units, strict=True)]
+        return np.stack(loads, axis=1)
+
+    def _pressing(self, start: int, steps: int) -> FloatArray:
+        """Give what bounds the friction of every contact in every step, shape (steps, lanes, n): here μ λ_N."""
+        bounds = [
+            lane.chain.friction_coefficient * lane.preloads(start, steps) / units.force
+            for lane, units in zip(self.lanes, self._units, strict=True)
+        ]
+        return np.stack(bounds, axis=1)
+
+    @abstractmethod
+    def _friction(self, index: int, rows: FloatArray) -> FloatArray:
+        """Give λ_T on the inner masses of a lane."""
+
+    @abstractmethod
+    def _normal_force(self, index: int, rows: FloatArray, given: FloatArray) -> FloatArray:
+        """Give λ_N of a lane, of which `given` is what presses its contacts."""
