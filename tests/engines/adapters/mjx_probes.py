@@ -12,8 +12,8 @@ from engines.mjx.joint import JOINT_TUNED
 from engines.mjx.worlds import MJXWorlds
 from engines.mujoco.contact import contact_model
 from engines.mujoco.pressed_contact import light_units, pressed_harder
-from engines.shared.worlds import Rows
 from engines.mujoco_warp.contact import CONTACT_TUNED
+from engines.shared.worlds import Rows
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 

@@ -1,0 +1,48 @@
+"""Newton's SolverSteel: articulations in single precision, all lanes of a batch as worlds of one model."""
+
+from typing import ClassVar
+
+from engines.interface.preparation import Preparation
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from engines.newton.contact import CONTACT_DEFAULT, CONTACT_TUNED
+from engines.newton.joint import JOINT_DEFAULT, JOINT_TUNED
+from engines.newton.simulation import NewtonLane, NewtonSimulation
+from engines.shared.wheel_engine import WheelEngine
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.stepping.sequential import SequentialSimulation
+
+
+class Newton(WheelEngine):
+    """Newton on the processor, one thread, its step recorded as a graph."""
+
+    name: ClassVar[str] = "newton"
+    module: ClassVar[str] = "newton"
+    # SolverSteel and its options may change from one version to the next, without notice.
+    versions: ClassVar[str] = ">=1.8,<1.9"
+    # Half a minute of a processor.
+    preparation: ClassVar[Preparation | None] = Preparation("compiles its kernels", 300.0)
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        title="Newton (SolverSteel)",
+        optional=True,
+        package="newton",
+        licence="Apache-2.0",
+        friction_law=FrictionLaw.COULOMB,
+        presets={
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+        },
+        batch_lanes=64,
+        precision="single",
+        # Positions and velocities are rounded by 2^-24 of themselves in every step: of one period of 400 steps,
+        # this adds up to 1e-6 of the displacement scale or somewhat more, more at a resonance.
+        residual=1e-5,
+        notes=(
+            "Coulomb's law, in single precision, by the experimental one of Newton's solvers. On a processor it has no "
+            "dry friction of joints; a velocity drive of bounded effort is one."
+        ),
+    )
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        if preset["units"] == "SI":
+            return SequentialSimulation([NewtonLane(lane, formulation, preset) for lane in lanes])
+        return NewtonSimulation(lanes, formulation, preset)

@@ -1,0 +1,83 @@
+"""The law of SolverSteel's friction anchors, which draw a contact back to where it was taken to stick."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from engines.interface.law import Constant, Law
+from engines.interface.presets import Preset
+from engines.shared.box_geometry import BOX
+from engines.shared.units import power_of_two
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.stepping.sequential import LaneModel
+from reference_lcp.validation import FloatArray
+
+LEAST_SLIP = 1e-5
+"""Of a step, over the radius of the smaller body, from which SolverSteel takes it for slip."""
+
+SATURATION = 0.95
+"""Of its bound, from which SolverSteel takes friction for that of slip."""
+
+ANCHORED_PERIOD = 7e-5
+"""Of U0: positions and velocities are rounded by 2^-24 in each of 400 steps, which makes three standard deviations of
+3e-5 for motions of up to eight U0. Where single precision decides whether a contact lets go of its anchor, that moves
+it by the least slip of a sphere of four U0, 4e-5."""
+
+SMALLEST_RADIUS = 1e-4
+"""Radius [m] of a body below which SolverSteel takes it to be as large."""
+
+
+def friction_anchors(preset: Preset) -> Law:
+    """Give the law of spheres on planes in SI units, with friction that remembers where contacts stick."""
+    return Law(
+        formula=(
+            "q̇ ← q̇ + Δt M⁻¹ (f(t) e_1 − C q̇ − K q + W λ_T), with λ_T by Coulomb's law for the slip w + β e/Δt; "
+            "q ← q + Δt q̇; e ← 0 where λ_N = 0, or |λ_T| ≥ s μ λ_N and w opposes it by more than ε R/Δt, with R the "
+            "radius of the sphere; else e ← e + Δt w"
+        ),
+        constants={
+            # What is drawn back is small itself; chains in which it is larger are among the tests of the adapter.
+            "β": Constant(preset["friction_anchor_beta"], "", "friction_anchor_beta", visible_error=10.0),
+            "s": Constant(SATURATION, "", "where SolverSteel takes friction for that of slip", visible_error=0.1),
+            "ε": Constant(LEAST_SLIP, "", "where SolverSteel takes a motion for slip", visible_error=1.0),
+        },
+        model=_AnchoredLane,
+        period_bound=ANCHORED_PERIOD,
+        bound_reason="single precision: it may decide whether a contact lets go of its anchor",
+        modulated=True,
+    )
+
+
+class _AnchoredLane(LaneModel):
+    """One chain whose contacts are drawn back; a run begins with contacts that have not slipped."""
+
+    def __init__(self, lane: Lane, constants: Mapping[str, float]):
+        chain = lane.chain
+        self.lane = lane
+        self._force = -np.hstack([chain.stiffness_matrix, chain.damping_matrix])
+        radius = max(SMALLEST_RADIUS, BOX * power_of_two(lane.drive.displacement_scale(chain)))
+        self._numbers = lane.time_step, constants["β"], constants["s"], constants["ε"] * radius / lane.time_step
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state` at step index `start`."""
+        lane, size = self.lane, 2 * self.lane.chain.cells
+        record = np.empty((steps, 5 * lane.chain.cells))
+        self._integrate(state, start, steps, record)
+        columns = record[:, :size], record[:, size : 2 * size], record[:, 2 * size :]
+        return Trajectory(lane.times(start, steps), *columns, lane.preloads(start, steps))
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does, and keep the end only."""
+        return self._integrate(state, start, steps, np.empty((0, 5 * self.lane.chain.cells)))
+
+    def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
+        from engines.newton.law_kernel import advance  # numba is imported once something moves
+
+        lane, chain = self.lane, self.lane.chain
+        motion = np.concatenate([state.positions[0], state.velocities[0]])
+        bounds = np.ascontiguousarray(chain.friction_coefficient * lane.preloads(start, steps))
+        masses = np.concatenate([chain.outer_mass, chain.inner_mass])
+        advance(motion, lane.loads(start, steps), bounds, self._force, masses, self._numbers, record)
+        position, velocity = np.split(motion[None], 2, axis=1)
+        return State(position, velocity)
