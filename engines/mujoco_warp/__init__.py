@@ -1,9 +1,6 @@
 """MuJoCo Warp: MuJoCo's equations in single precision, all lanes of a batch as worlds of one model."""
 
-from collections.abc import Sequence
 from typing import ClassVar
-
-import numpy as np
 
 from engines.interface.preparation import Preparation
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
@@ -11,9 +8,9 @@ from engines.mujoco.worlds_simulation import worlds_simulation
 from engines.mujoco_warp.contact import CONTACT_DEFAULT, CONTACT_TUNED
 from engines.mujoco_warp.joint import JOINT_DEFAULT, JOINT_TUNED
 from engines.mujoco_warp.worlds import MuJoCoWarpWorlds
+from engines.shared.mass_ratio import check_mass_ratio
 from engines.shared.wheel_engine import WheelEngine
 from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.refusal import ParameterError
 
 LARGEST_MASS_RATIO = {Formulation.JOINT: 100.0, Formulation.CONTACT: 20.0}
 """Largest inner mass over the outer one of a cell.
@@ -54,14 +51,5 @@ class MuJoCoWarp(WheelEngine):
     )
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        _check_masses(lanes, LARGEST_MASS_RATIO[formulation])
+        check_mass_ratio(lanes, LARGEST_MASS_RATIO[formulation], self.capabilities.title)
         return worlds_simulation(lanes, formulation, preset, MuJoCoWarpWorlds)
-
-
-def _check_masses(lanes: Sequence[Lane], largest: float) -> None:
-    """Refuse chains whose outer masses single precision loses."""
-    ratio = max(float(np.max(lane.chain.inner_mass / lane.chain.outer_mass)) for lane in lanes)
-    if ratio > largest:
-        raise ParameterError(
-            f"inner mass over outer mass = {ratio:g}; allowed: at most {largest:g} in MuJoCo Warp, of single precision"
-        )

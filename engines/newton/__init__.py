@@ -7,9 +7,17 @@ from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Pr
 from engines.newton.contact import CONTACT_DEFAULT, CONTACT_TUNED
 from engines.newton.joint import JOINT_DEFAULT, JOINT_TUNED
 from engines.newton.simulation import NewtonLane, NewtonSimulation
+from engines.shared.mass_ratio import check_mass_ratio
 from engines.shared.wheel_engine import WheelEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.stepping.sequential import SequentialSimulation
+
+LARGEST_MASS_RATIO = 1000.0
+"""Largest inner mass over the outer one of a cell.
+
+The inner body hangs in the outer one, so that in single precision the outer mass is lost beside the inner: a period is
+off by 4e-6 of the motion at 100, 3e-5 at 1,000, a tenth at 10,000.
+"""
 
 
 class Newton(WheelEngine):
@@ -43,6 +51,7 @@ class Newton(WheelEngine):
     )
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        check_mass_ratio(lanes, LARGEST_MASS_RATIO, self.capabilities.title)
         if preset["units"] == "SI":
             return SequentialSimulation([NewtonLane(lane, formulation, preset) for lane in lanes])
         return NewtonSimulation(lanes, formulation, preset)
