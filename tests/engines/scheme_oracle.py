@@ -113,3 +113,21 @@ def distance(lane: Lane, state: State, motion: Trajectory) -> float:
     """Largest distance from the scheme over the largest displacement."""
     expected = scheme(lane, state, motion.steps)[0]
     return float(np.max(np.abs(motion.positions - expected)) / np.max(np.abs(expected)))
+
+
+def lanes_of_all_kinds() -> list[Lane]:
+    """Lanes that differ in time step, frequency, friction, units and coefficient; the first has no dashpots."""
+    heavy = Chain.from_ratios(friction_ratio=0.3, outer_mass=20.0, chain_stiffness=3e3, base_amplitude=0.1)
+    return [
+        lane_of(0.3, 0.6, damping_ratio=0.0),
+        lane_of(0.1, 0.9, 2 * STEPS),
+        lane_of(0.0, 1.3),
+        Lane.periodic(heavy, HarmonicBase.from_ratio(heavy, 0.9, 0.1), 3 * STEPS),
+        uneven_lane(),
+        with_coefficients([0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]),
+    ]
+
+
+def assert_same_bits(first: Trajectory, second: Trajectory) -> None:
+    for name in ("positions", "velocities", "friction", "normal_force"):
+        assert np.array_equal(getattr(first, name), getattr(second, name)), f"{name} differ"

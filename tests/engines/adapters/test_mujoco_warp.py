@@ -1,9 +1,6 @@
 """MuJoCo Warp: what only its graph, its worlds, its single precision and its solver do."""
 
 import dataclasses
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -21,14 +18,17 @@ from tests.engines.scheme_oracle import (
     AMPLITUDE,
     ROUNDINGS,
     STEPS,
+    assert_same_bits,
     built_with,
     distance,
     lane_of,
+    lanes_of_all_kinds,
     random_state,
     uneven_lane,
     unstable_lane,
     with_coefficients,
 )
+from tests.quiet_python import python_in
 
 pytestmark = pytest.mark.skipif(MuJoCoWarp().unavailable_reason() is not None, reason="MuJoCo Warp is not installed")
 
@@ -43,11 +43,6 @@ def run(lane: Lane, state: State, steps: int = STEPS, formulation: str = "joint"
     return built_with(MuJoCoWarp(), lane, formulation, **options).run(state, 0, steps)[0]
 
 
-def assert_same_bits(first: Trajectory, second: Trajectory) -> None:
-    for name in ("positions", "velocities", "friction", "normal_force"):
-        assert np.array_equal(getattr(first, name), getattr(second, name)), f"{name} differ"
-
-
 @every_preset
 def test_the_graph_of_a_step_computes_what_its_kernels_compute_one_by_one(formulation: str, preset: str) -> None:
     """A graph leaves Python out, and nothing else."""
@@ -56,19 +51,6 @@ def test_the_graph_of_a_step_computes_what_its_kernels_compute_one_by_one(formul
     simulation._worlds.launch = simulation._worlds.eager_step
     for graph, eager in zip(recorded, simulation.run(random_state(2), 0, 50), strict=True):
         assert_same_bits(graph, eager)
-
-
-def lanes_of_all_kinds() -> list[Lane]:
-    """Lanes that differ in time step, frequency, friction, units and coefficient; the first has no dashpots."""
-    heavy = Chain.from_ratios(friction_ratio=0.3, outer_mass=20.0, chain_stiffness=3e3, base_amplitude=0.1)
-    return [
-        lane_of(0.3, 0.6, damping_ratio=0.0),
-        lane_of(0.1, 0.9, 2 * STEPS),
-        lane_of(0.0, 1.3),
-        Lane.periodic(heavy, HarmonicBase.from_ratio(heavy, 0.9, 0.1), 3 * STEPS),
-        uneven_lane(),
-        with_coefficients([0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]),
-    ]
 
 
 @every_preset
@@ -233,10 +215,6 @@ def test_it_is_silent_and_writes_nothing_where_it_runs(tmp_path: Path) -> None:
         "    for preset in ('tuned', 'default'):\n"
         "        MuJoCoWarp().build([unstable_lane()], formulation, preset).advance(State.at_rest(1, 7), 0, 400)\n"
     )
-    path = os.pathsep.join(filter(None, [str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH")]))
-    done = subprocess.run(
-        [sys.executable, "-B", "-W", "error", "-c", program], cwd=tmp_path, env={**os.environ, "PYTHONPATH": path},
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+    done = python_in(tmp_path, program)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert list(tmp_path.iterdir()) == []

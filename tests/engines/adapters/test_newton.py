@@ -1,0 +1,303 @@
+"""Newton: what only its graph, its worlds, its single precision, its drives and its friction anchors do."""
+
+import dataclasses
+import functools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from engines.interface.law import Law
+from engines.interface.law_engine import law_of
+from engines.interface.presets import Formulation
+from engines.interface.tolerances import ROUND_OFF, SINGLE
+from engines.newton import Newton
+from engines.newton.joint import JointWorlds
+from engines.newton.law import ANCHORED_PERIOD
+from engines.newton.simulation import NewtonSimulation
+from engines.newton.worlds import import_newton
+from engines.shared.warp_worlds import import_warp
+from reference_lcp.chain.harmonic import HarmonicBase, StillBase
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.preload import Preload
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.refusal import ParameterError
+from tests.engines.scheme_oracle import (
+    AMPLITUDE,
+    ROUNDINGS,
+    STEPS,
+    assert_same_bits,
+    built_with,
+    distance,
+    lane_of,
+    lanes_of_all_kinds,
+    random_state,
+    uneven_lane,
+    unstable_lane,
+    with_coefficients,
+)
+from tests.quiet_python import python_in
+
+pytestmark = pytest.mark.skipif(Newton().unavailable_reason() is not None, reason="Newton is not installed")
+
+both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
+every_preset = pytest.mark.parametrize(
+    ("formulation", "preset"),
+    [("joint", "tuned"), ("joint", "default"), ("contact", "tuned"), ("contact", "default")],
+)
+
+
+def run(lane: Lane, state: State, steps: int = STEPS, formulation: str = "joint", **options: object) -> Trajectory:
+    return built_with(Newton(), lane, formulation, **options).run(state, 0, steps)[0]
+
+
+def chain_of(mass: float, stiffness: float, length: float, frequency_ratio: float = 0.9) -> Lane:
+    chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
+    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio, length), STEPS)
+
+
+def anchored() -> Law:
+    law = law_of(Newton().preset("contact", "default"))
+    assert law is not None
+    return law
+
+
+def from_law(lane: Lane, law: Law, motion: Trajectory) -> float:
+    """Largest distance of a motion from rest from the law's, over the displacement scale."""
+    predicted = law.build([lane]).run(State.at_rest(1, 7), 0, motion.steps)[0].positions
+    return float(np.max(np.abs(motion.positions - predicted))) / lane.drive.displacement_scale(lane.chain)
+
+
+@every_preset
+def test_the_graph_of_a_step_computes_what_its_kernels_compute_one_by_one(formulation: str, preset: str) -> None:
+    """A graph leaves Python out, and nothing else."""
+    simulation = NewtonSimulation([uneven_lane()], Formulation(formulation), Newton().preset(formulation, preset))
+    (graph,) = simulation.run(random_state(), 0, 50)
+    simulation._worlds.launch = simulation._worlds.eager_step
+    (eager,) = simulation.run(random_state(), 0, 50)
+    assert_same_bits(graph, eager)
+
+
+@every_preset
+def test_worlds_of_other_time_steps_and_chains_move_as_each_alone(formulation: str, preset: str) -> None:
+    """More steps than are recorded at once, too."""
+    lanes, states = lanes_of_all_kinds(), random_state(6)
+    together = Newton().build(lanes, formulation, preset).run(states, 7, 200)
+    for index, lane in enumerate(lanes):
+        alone = Newton().build([lane], formulation, preset).run(states.subset([index]), 7, 200)[0]
+        assert_same_bits(alone, together[index])
+
+
+@both_formulations
+def test_worlds_of_other_time_steps_and_chains_equal_the_scheme_to_single_precision(formulation: str) -> None:
+    lanes, states = lanes_of_all_kinds(), random_state(6)
+    for index, motion in enumerate(Newton().build(lanes, formulation).run(states, 0, STEPS)):
+        apart = distance(lanes[index], states.subset([index]), motion)
+        # more than single precision cannot be: a finer result would be another engine's
+        assert SINGLE / 10 < apart < ROUNDINGS, f"lane {index} is off by {apart:.1g}"
+
+
+@both_formulations
+@pytest.mark.parametrize("ratio", [1e-6, 1e-4, 1e-2, 10.0, 100.0])
+def test_light_and_heavy_inner_masses_move_by_the_scheme(ratio: float, formulation: str) -> None:
+    chain = Chain.from_ratios(mass_ratio=ratio, stiffness_ratio=min(ratio, 1.0), friction_ratio=0.3 * min(ratio, 1.0))
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.8), STEPS)
+    motion = Newton().build([lane], formulation).run(State.at_rest(1, 7), 0, STEPS)[0]
+    assert distance(lane, State.at_rest(1, 7), motion) < ROUNDINGS
+
+
+@every_preset
+def test_inner_masses_beside_which_single_precision_loses_the_outer_are_refused(formulation: str, preset: str) -> None:
+    """At the limit a period is still that of the scheme to 5e-5."""
+
+    def lane(ratio: float) -> Lane:
+        chain = Chain.from_ratios(mass_ratio=ratio, friction_ratio=0.3)
+        return Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), STEPS)
+
+    motion = Newton().build([lane(1000.0)], formulation, preset).run(State.at_rest(1, 7), 0, STEPS)[0]
+    assert distance(lane(1000.0), State.at_rest(1, 7), motion) < 5e-5
+    with pytest.raises(ParameterError, match=r"= 2000; allowed: at most 1000 in Newton \(SolverSteel\)"):
+        Newton().build([lane(0.5), lane(2000.0)], formulation, preset)
+
+
+@pytest.mark.parametrize(("formulation", "cells"), [("joint", 40), ("contact", 12)])
+def test_chains_with_more_constraints_than_the_solver_has_room_for_by_itself(
+    formulation: str, cells: int, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """It has room for 32, of all cells; what does not fit is left out, which it says on standard output."""
+    chain = Chain.from_ratios(cells=cells, friction_ratio=0.3)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), STEPS)
+    state = State(*AMPLITUDE * np.random.default_rng(4).normal(size=(2, 1, 2 * cells)))
+    assert distance(lane, state, Newton().build([lane], formulation).run(state, 0, STEPS)[0]) < ROUNDINGS
+    assert capfd.readouterr() == ("", "")
+    solvers = import_newton().solvers
+    own = {"articulation_constraint_max": 32}
+    short = functools.partial(_with_options, solvers.SolverSteel, own)
+    monkeypatch.setattr(solvers, "SolverSteel", short)
+    assert distance(lane, state, Newton().build([lane], formulation).run(state, 0, STEPS)[0]) > 0.01
+    assert "constraint-row overflow" in capfd.readouterr().out
+
+
+def _with_options(solver: Any, own: dict[str, Any], model: Any, **options: Any) -> Any:
+    return solver(model, **{**options, **own})
+
+
+class AugmentedWorlds(JointWorlds):
+    """Drives as SolverSteel has them by itself; they have no rows to read."""
+
+    def _allocate_forces(self) -> tuple[Any, Any]:
+        self._effort_limits = self._by_world(self._model.joint_effort_limit)
+        zeros, size = import_warp().zeros, len(self._chains)
+        return zeros((size, self._chains[0].cells), dtype=float), zeros((size, 0), dtype=float)
+
+    def _read_forces(self) -> None:
+        return
+
+
+def test_a_drive_that_is_no_row_locks_its_joint_whatever_its_effort_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """SolverSteel's own mode of drives: it bounds the part of the damping that is not in the mass matrix."""
+    monkeypatch.setattr("engines.newton.simulation.JointWorlds", AugmentedWorlds)
+    lane, state = lane_of(), State.at_rest(1, 7)
+    rows, locked = (run(lane, state, drive_mode=mode) for mode in ("rows", "augmented"))
+    assert distance(lane, state, rows) < ROUNDINGS
+    assert distance(lane, state, locked) > 0.1
+    assert np.max(np.abs(locked.relative_velocity)) < 1e-3 * np.max(np.abs(rows.relative_velocity))
+
+
+def test_the_dry_friction_of_joints_is_there_on_graphics_cards_only() -> None:
+    newton = import_newton()
+    builder = newton.ModelBuilder()
+    link = builder.add_link(mass=1.0, inertia=import_warp().mat33(*np.eye(3).ravel()))
+    builder.add_articulation([builder.add_joint_prismatic(-1, link, friction=1.0)])
+    with pytest.raises(NotImplementedError, match="enable_joint_friction=True; these features require CUDA"):
+        newton.solvers.SolverSteel(builder.finalize(device="cpu"), enable_joint_friction=True)
+
+
+def test_a_drive_that_is_not_hard_lets_stuck_contacts_creep() -> None:
+    lane = lane_of(5.0, 0.3)
+    hard, soft = (run(lane, State.at_rest(1, 7), target_kd=value) for value in (1e20, 10.0))
+    speed = np.max(np.abs(hard.velocities))
+    assert np.max(np.abs(hard.relative_velocity)) <= 4 * SINGLE * speed
+    assert np.max(np.abs(soft.relative_velocity)) > 1e-4 * speed
+
+
+def test_a_world_whose_bounds_change_in_time_leaves_those_of_the_others_alone() -> None:
+    """Down to zero, which Newton takes for no limit."""
+    constant, state = uneven_lane(), random_state(2)
+    preload = Preload(modulation=1.0, angular_frequency=STEPS / 4 * lane_of().drive.angular_frequency)
+    modulated = dataclasses.replace(lane_of(), preload=preload)
+    assert np.min(modulated.preloads(0, 4)) == 0
+    together = Newton().build([modulated, constant]).run(state, 0, 200)
+    for index, lane in enumerate([modulated, constant]):
+        assert_same_bits(Newton().build([lane]).run(state.subset([index]), 0, 200)[0], together[index])
+    bound = lane_of().chain.friction_coefficient * modulated.preloads(0, 200)
+    round_off = ROUND_OFF["single"] * lane_of().chain.friction_bound
+    assert np.all(np.abs(together[0].friction) <= bound + round_off)
+
+
+@both_formulations
+def test_a_stuck_contact_does_not_creep(formulation: str) -> None:
+    lane = lane_of(5.0, 0.3)
+    motion = Newton().build([lane], formulation).run(State.at_rest(1, 7), 0, 3 * STEPS)[0]
+    assert np.max(np.abs(motion.relative_velocity)) <= 4 * SINGLE * np.max(np.abs(motion.velocities))
+
+
+@pytest.mark.parametrize("coefficient", [0.001, 0.1, 3.0, [0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]])
+def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: object) -> None:
+    lane, state = with_coefficients(coefficient), random_state()
+    motion = run(lane, state, formulation="contact")
+    assert distance(lane, state, motion) < ROUNDINGS
+    given = np.broadcast_to(lane.chain.normal_force, (STEPS, 7))
+    np.testing.assert_allclose(motion.normal_force, given, rtol=ROUND_OFF["single"])
+
+
+@both_formulations
+@pytest.mark.parametrize(("mass", "stiffness", "length"), [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)])
+def test_units_do_not_matter(mass: float, stiffness: float, length: float, formulation: str) -> None:
+    lane, state = chain_of(mass, stiffness, length, 0.6), State.at_rest(1, 7)
+    assert distance(lane, state, run(lane, state, formulation=formulation)) < ROUNDINGS
+
+
+@pytest.mark.parametrize(("symbol", "factor"), [("β", 1.01), ("ε", 1.1), ("s", 1.1)])
+def test_anchors_draw_contacts_back_as_the_law_says(symbol: str, factor: float) -> None:
+    """In a chain of a micrometre, whose spheres SolverSteel takes to be larger than they are: more counts as stick."""
+    lane, law = chain_of(1e-3, 1.0, 1e-6), anchored()
+    motion = Newton().build([lane], "contact", "default").run(State.at_rest(1, 7), 0, STEPS)[0]
+    assert from_law(lane, law, motion) < ANCHORED_PERIOD / 10
+    assert distance(lane, State.at_rest(1, 7), motion) > 10 * ANCHORED_PERIOD
+    constant = law.constants[symbol]
+    wrong = {**law.constants, symbol: dataclasses.replace(constant, value=factor * constant.value)}
+    assert from_law(lane, dataclasses.replace(law, constants=wrong), motion) > ANCHORED_PERIOD / 2
+
+
+@pytest.mark.parametrize(
+    ("mass", "stiffness", "length"),
+    [(1e-15, 1e6, 1e-9), (1e-3, 1e15, 1e-6), (1e-3, 1.0, 1e-6), (1.0, 1e3, 1.0), (1e5, 1e8, AMPLITUDE)],
+)
+def test_small_large_and_heavy_chains_step_by_the_law_of_the_default(
+    mass: float, stiffness: float, length: float
+) -> None:
+    """Some so small that SolverSteel takes no motion of theirs for slip."""
+    lane = chain_of(mass, stiffness, length)
+    assert anchored().unmodelled_reason(lane) is None
+    motion = Newton().build([lane], "contact", "default").run(State.at_rest(1, 7), 0, STEPS)[0]
+    assert from_law(lane, anchored(), motion) < ANCHORED_PERIOD
+
+
+def test_contacts_of_heavy_masses_sink_in_and_the_law_does_not_claim_them() -> None:
+    lane = chain_of(1e7, 1e10, AMPLITUDE)
+    assert anchored().unmodelled_reason(lane) == "contacts of 1e+07 kg sink in; allowed: at most 100000 kg"
+    motion = Newton().build([lane], "contact", "default").run(State.at_rest(1, 7), 0, STEPS)[0]
+    assert np.max(np.abs(motion.normal_force / lane.chain.normal_force - 1)) > 0.1
+
+
+@both_formulations
+def test_a_state_is_rounded_once_and_then_passed_on_to_the_bit(formulation: str) -> None:
+    """What comes out is in single precision, and goes in again as it is."""
+    simulation = Newton().build([lane_of()], formulation)
+    whole = simulation.run(random_state(), 0, STEPS)[0]
+    state = random_state()
+    for step in range(0, STEPS, 10):
+        state = simulation.advance(state, step, 10)
+    assert np.array_equal(state.positions[0], whole.positions[-1])
+    assert np.array_equal(state.velocities[0], whole.velocities[-1])
+
+
+@every_preset
+def test_a_chain_at_rest_without_a_drive_stays_there(formulation: str, preset: str) -> None:
+    """Drives, contacts and anchors push nothing by themselves."""
+    lane = dataclasses.replace(lane_of(), drive=StillBase(AMPLITUDE))
+    end = Newton().build([lane], formulation, preset).advance(State.at_rest(1, 7), 0, STEPS)
+    assert np.all(end.positions == 0)
+    assert np.all(end.velocities == 0)
+
+
+@every_preset
+def test_a_diverged_world_stays_finite_and_leaves_the_others_and_later_runs_alone(
+    formulation: str, preset: str
+) -> None:
+    simulation = Newton().build([unstable_lane(), lane_of()], formulation, preset)
+    before = simulation.run(random_state(2), 0, 30)
+    diverged, calm = simulation.run(random_state(2), 0, 1000)
+    assert np.max(np.abs(diverged.positions)) > 1e6 * AMPLITUDE
+    assert np.all(np.isfinite(diverged.positions))
+    alone = Newton().build([lane_of()], formulation, preset).run(random_state(2).subset([1]), 0, 1000)[0]
+    assert_same_bits(calm, alone)
+    for first, second in zip(before, simulation.run(random_state(2), 0, 30), strict=True):
+        assert_same_bits(first, second)
+
+
+def test_it_is_silent_and_writes_nothing_where_it_runs(tmp_path: Path) -> None:
+    """Warp tells what it loads on standard output, and on standard error that there is no graphics card."""
+    program = (
+        "import sys; from engines.newton import Newton; assert 'warp' not in sys.modules\n"
+        "from tests.engines.scheme_oracle import unstable_lane; from reference_lcp.chain.trajectory import State\n"
+        "for formulation in ('joint', 'contact'):\n"
+        "    for preset in ('tuned', 'default'):\n"
+        "        Newton().build([unstable_lane()], formulation, preset).advance(State.at_rest(1, 7), 0, 400)\n"
+    )
+    done = python_in(tmp_path, program)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert list(tmp_path.iterdir()) == []
