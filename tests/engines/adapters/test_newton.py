@@ -16,7 +16,7 @@ from engines.newton import Newton
 from engines.newton.joint import JointWorlds
 from engines.newton.law import ANCHORED_PERIOD
 from engines.newton.simulation import NewtonSimulation
-from engines.newton.worlds import import_newton
+from engines.newton.worlds import NewtonWorlds, import_newton
 from engines.shared.warp_worlds import import_warp
 from reference_lcp.chain.harmonic import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
@@ -34,6 +34,7 @@ from tests.engines.scheme_oracle import (
     lane_of,
     lanes_of_all_kinds,
     random_state,
+    scheme,
     uneven_lane,
     unstable_lane,
     with_coefficients,
@@ -173,6 +174,42 @@ def test_the_dry_friction_of_joints_is_there_on_graphics_cards_only() -> None:
     builder.add_articulation([builder.add_joint_prismatic(-1, link, friction=1.0)])
     with pytest.raises(NotImplementedError, match="enable_joint_friction=True; these features require CUDA"):
         newton.solvers.SolverSteel(builder.finalize(device="cpu"), enable_joint_friction=True)
+
+
+class KaminoWorlds(JointWorlds):
+    """Joints with a dry friction of their own, stepped by SolverKamino, of the first chain's bounds."""
+
+    def _add_inner(self, builder: Any, outer: int, inner: int, cell: int) -> int:
+        bound = float(self._chains[0].friction_bound[cell])
+        return builder.add_joint_prismatic(outer, inner, axis=import_newton().Axis.X, friction=bound)
+
+    def _allocate_forces(self) -> tuple[Any, Any]:
+        self._kamino = import_newton().solvers.SolverKamino(self._model)
+        zeros, size = import_warp().zeros, len(self._chains)
+        return zeros((size, self._chains[0].cells), dtype=float), zeros((size, 0), dtype=float)
+
+    def _set_forces(self) -> None:
+        NewtonWorlds._set_forces(self)
+
+    def _take_step(self) -> None:
+        after = self._after
+        self._kamino.step(self._before, after, self._control, None, self._time_step)
+        import_newton().eval_ik(self._model, after, after.joint_q, after.joint_qd)
+
+    def _read_forces(self) -> None:
+        return
+
+
+@pytest.mark.slow
+def test_kamino_takes_the_step_of_the_scheme_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its step takes 48 ms on a processor, and so a tenth of a period of one cell is all that is asked here."""
+    monkeypatch.setattr("engines.newton.simulation.JointWorlds", KaminoWorlds)
+    chain = Chain.from_ratios(cells=1, friction_ratio=0.3, base_amplitude=AMPLITUDE)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, AMPLITUDE), STEPS)
+    state = State(AMPLITUDE * np.array([[1.0, -0.5]]), AMPLITUDE * np.array([[20.0, -30.0]]))
+    slips = scheme(lane, state, 40)[2] / chain.friction_bound
+    assert 0 < np.sum(np.abs(slips) == 1) < slips.size
+    assert distance(lane, state, run(lane, state, 40, units="SI")) < ROUNDINGS
 
 
 def test_a_drive_that_is_not_hard_lets_stuck_contacts_creep() -> None:

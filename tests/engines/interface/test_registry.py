@@ -20,7 +20,9 @@ def test_every_engine_that_comes_with_the_suite_is_installed() -> None:
     assert missing <= WITHOUT_WHEEL
 
 
-FURTHER = ("box2d", "dart", "drake", "mjx", "mujoco-warp", "ode", "pinocchio", "pymunk", "rapier", "sapien", "siconos")
+FURTHER = (
+    "box2d", "dart", "drake", "mjx", "mujoco-warp", "newton", "ode", "pinocchio", "pymunk", "rapier", "sapien", "siconos",
+)  # fmt: skip
 
 
 def test_further_engines_are_those_that_are_not_usual() -> None:

@@ -32,7 +32,7 @@ CLOCK_SECONDS = 0.05
 """By how much the clocks of processor time may differ."""
 
 PACKAGES = {
-    "mujoco", "warp", "jax", "pybullet", "exudyn", "pydrake", "siconos", "ode", "Box2D", "dartpy", "pinocchio",
+    "mujoco", "warp", "newton", "jax", "pybullet", "exudyn", "pydrake", "siconos", "ode", "Box2D", "dartpy", "pinocchio",
     "pymunk", "rapier3d", "sapien",
 }  # fmt: skip
 """Packages of the engines."""
