@@ -283,6 +283,26 @@ def test_small_large_and_heavy_chains_step_by_the_law_of_the_default(
     assert from_law(lane, anchored(), motion) < ANCHORED_PERIOD
 
 
+def test_a_run_forgets_where_contacts_stuck_in_the_one_before() -> None:
+    """Else they would be drawn back from where the next run puts them."""
+    lane, rest = lane_of(5.0, 0.3), State.at_rest(1, 7)
+    moved = State(np.repeat([0.0, 0.1 * AMPLITUDE], 7)[None], rest.velocities)
+    simulation = Newton().build([lane], "contact", "default")
+    simulation.advance(rest, 0, 50)
+    fresh = Newton().build([lane], "contact", "default").run(moved, 0, 50)[0]
+    assert_same_bits(simulation.run(moved, 0, 50)[0], fresh)
+
+
+def test_a_contact_that_is_not_pressed_lets_go_of_its_anchor() -> None:
+    """In a chain of a micrometre, every fourth step without a normal force."""
+    lane = chain_of(1e-3, 1.0, 1e-6)
+    fast = Preload(modulation=1.0, angular_frequency=np.pi / 2 / lane.time_step)
+    pressed = dataclasses.replace(lane, preload=fast)
+    assert np.sum(pressed.preloads(0, STEPS)[:, 0] == 0) == STEPS // 4
+    motion = Newton().build([pressed], "contact", "default").run(State.at_rest(1, 7), 0, STEPS)[0]
+    assert from_law(pressed, anchored(), motion) < ANCHORED_PERIOD / 10
+
+
 def test_contacts_of_heavy_masses_sink_in_and_the_law_does_not_claim_them() -> None:
     lane = chain_of(1e7, 1e10, AMPLITUDE)
     assert anchored().unmodelled_reason(lane) == "contacts of 1e+07 kg sink in; allowed: at most 100000 kg"

@@ -32,8 +32,8 @@ CLOCK_SECONDS = 0.05
 """By how much the clocks of processor time may differ."""
 
 PACKAGES = {
-    "mujoco", "warp", "newton", "jax", "pybullet", "exudyn", "pydrake", "siconos", "ode", "Box2D", "dartpy", "pinocchio",
-    "pymunk", "rapier3d", "sapien",
+    "mujoco", "warp", "newton", "jax", "pybullet", "exudyn", "pydrake", "siconos", "ode", "Box2D", "dartpy",
+    "pinocchio", "pymunk", "rapier3d", "sapien",
 }  # fmt: skip
 """Packages of the engines."""
 
