@@ -70,8 +70,19 @@ def _units(name: str, lane: Lane) -> Units:
     return dataclasses.replace(units, mass=LIGHT * units.mass)
 
 
+SINGLE = 2.0**-24
+"""Largest rounding of one operation, as a part of its result."""
+
+ROUNDINGS = 8
+"""Of a velocity in a step: two in storing it before and after, the others in adding impulses."""
+
+
 class SapienContactLane(SapienLane):
-    """One chain with a sphere on a plate in every cell, side by side."""
+    """One chain with a sphere on a plate in every cell, side by side.
+
+    SAPIEN tells impulses of contacts, of which friction may lie anywhere within four: it is read from the momentum of
+    the inner masses.
+    """
 
     def __init__(self, lane: Lane, preset: Preset):
         """Take the lane's parameters in the units of the preset."""
@@ -144,3 +155,21 @@ class SapienContactLane(SapienLane):
         end = super()._state(motions)
         self._sizes.check_reach(end, self._units)
         return end
+
+    def _contacts(self) -> FloatArray:
+        """Read nothing: friction is in the motion."""
+        return np.empty(0)
+
+    def _contact_forces(
+        self, read: FloatArray, motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        cells, units = self._chain.cells, self._units
+        outer, inner = np.split(motions[:, 2 * cells :], 2, axis=1)
+        rate = self._chain.inner_mass / self._time_step
+        force = motions[:-1] @ self._forces[cells:].T
+        friction = rate * np.diff(inner, axis=0) - force
+        bound = self._chain.friction_coefficient * given / units.force
+        speed = np.maximum(np.abs(outer), np.abs(inner))
+        rounding = ROUNDINGS * SINGLE * (rate * (speed[:-1] + speed[1:]) + np.abs(force))
+        at_bound = np.abs(friction) > bound - rounding
+        return np.where(at_bound, np.copysign(bound, friction), friction) * units.force, given

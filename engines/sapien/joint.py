@@ -7,8 +7,9 @@ import numpy as np
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.sapien.law import damped_links
 from engines.sapien.scene import SOLVER_ITERATIONS, VELOCITY_ITERATIONS, SapienLane, import_sapien
-from engines.shared.coordinates import ChainCoordinates
+from engines.shared.carried_coordinates import CarriedCoordinates
 from engines.shared.force_loop import Step
+from engines.shared.joint_force import friction_of_joints
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
@@ -52,14 +53,14 @@ JOINT_DEFAULT = Preset(
 
 
 class SapienJointLane(SapienLane):
-    """One chain as one articulation: outer masses slide on its root, inner ones on the outer ones."""
+    """One chain as one articulation: the heavier mass of a cell slides on its root, the other one on this."""
 
-    coordinates = ChainCoordinates.CELLS
+    coordinates: CarriedCoordinates
 
     def __init__(self, lane: Lane, preset: Preset):
         """Take the lane's parameters in the units of the preset."""
+        self.coordinates = CarriedCoordinates.of_chain(lane.chain)
         super().__init__(lane, preset, Units.named(preset["units"], lane))
-        self._drag = preset["linear damping"]
 
     def native_steps(self, steps: int) -> None:
         """Take steps of the engine alone."""
@@ -76,10 +77,16 @@ class SapienJointLane(SapienLane):
             put(values[np.argsort(order)])
         joints = articulation.get_active_joints()
         self._drives = [joints[index] for index in order[self._chain.cells :]]
+        # The root is the first link, and has no joint that moves.
+        self._forces_of_links, self._carried = (
+            articulation.get_link_incoming_joint_forces,
+            order[self._chain.cells :] + 1,
+        )
         advance, load, size = self._system.step, articulation.set_qf, len(names)
         native = np.empty(size)
 
         def step(force: FloatArray) -> None:
+            self._applied = force
             native[order] = force
             load(native)
             advance()
@@ -91,16 +98,29 @@ class SapienJointLane(SapienLane):
 
         return step
 
+    def _contacts(self) -> FloatArray:
+        """Read what acts along the joints of carried masses, and give what was applied with it, shape (3n,)."""
+        return np.concatenate([self._forces_of_links()[self._carried, 0], self._applied])
+
+    def _contact_forces(
+        self, read: FloatArray, motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        bound = self._chain.friction_coefficient * given / self._units.force
+        along, applied = np.split(read, [self._chain.cells], axis=1)
+        friction = friction_of_joints(along, applied, bound, self._chain)
+        return self.coordinates.sign * friction * self._units.force, given
+
     def _new_articulation(self) -> tuple[Any, Any]:
         """Make the articulation at rest, in a scene of its own; gives the scene's system too."""
         sapien, (scene, system) = import_sapien(), self._new_scene()
         builder, cells = scene.create_articulation_builder(), self._chain.cells
         links = [builder.create_link_builder()]
-        masses = [1.0, *self._chain.outer_mass, *self._chain.inner_mass]
+        own = np.concatenate([self._chain.outer_mass, self._chain.inner_mass])
+        masses = [1.0, *self.coordinates.exchanged(own)]
         here, inertia = sapien.Pose(), np.ones(3)
         links[0].set_mass_and_inertia(masses[0], here, inertia)
         for index, mass in enumerate(masses[1:]):
-            # The root carries the outer masses, and these the inner ones.
+            # The root carries the heavier masses of all cells, and these the others.
             link = builder.create_link_builder(links[max(0, index + 1 - cells)])
             link.set_joint_name(str(index))
             link.set_joint_properties("prismatic", [[-np.inf, np.inf]], here, here, 0.0, 0.0)

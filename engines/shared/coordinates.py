@@ -19,6 +19,11 @@ class ChainCoordinates(Enum):
     PAIRS = "(u_1, v_1 - u_1, u_2, ...): the same, cell by cell"
     ROW = "(u_i - u_(i-1), v_i - u_i): every outer mass has its joint on its left neighbour"
 
+    @property
+    def loaded(self) -> int:
+        """Coordinate on which a force on the first outer mass acts, and it alone."""
+        return 0
+
     def of(self, absolute: FloatArray) -> FloatArray:
         """Turn (u, v) into these coordinates, shape (..., 2n)."""
         outer, inner = np.split(absolute, 2, axis=-1)
@@ -47,8 +52,19 @@ class ChainCoordinates(Enum):
 
         The force of a joint acts on its own mass and back on the one that carries it.
         """
-        # Columns are the absolute positions for one unit of each coordinate.
-        absolute = self.absolute(np.eye(2 * chain.cells)).T
-        stiffness = absolute.T @ chain.stiffness_matrix @ absolute
-        damping = absolute.T @ chain.damping_matrix @ absolute
-        return -np.hstack([stiffness, damping])
+        return generalised_force_matrix(chain, self.absolute(np.eye(2 * chain.cells)).T)
+
+
+def generalised_force_matrix(chain: Chain, absolute: FloatArray) -> FloatArray:
+    """Give the matrix that turns coordinates and velocities into generalised forces, shape (2n, 4n).
+
+    Parameters
+    ----------
+    chain
+        The chain.
+    absolute
+        Absolute positions for one unit of each coordinate, one in a column, shape (2n, 2n).
+    """
+    stiffness = absolute.T @ chain.stiffness_matrix @ absolute
+    damping = absolute.T @ chain.damping_matrix @ absolute
+    return -np.hstack([stiffness, damping])

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from engines.shared.carried_coordinates import CarriedCoordinates
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
@@ -42,7 +43,7 @@ class ExplicitForcesLane(LaneModel):
         In which the engine computes.
     """
 
-    coordinates: ChainCoordinates = ChainCoordinates.ABSOLUTE
+    coordinates: ChainCoordinates | CarriedCoordinates = ChainCoordinates.ABSOLUTE
 
     def __init__(self, lane: Lane, units: Units):
         """Take the lane's parameters in `units`."""
@@ -53,6 +54,8 @@ class ExplicitForcesLane(LaneModel):
         self._forces = np.ascontiguousarray(self._force_matrix())
         # Of what the loop hands to a step; an engine that wants something in proportion changes both.
         self._force_unit = units.force
+        # Coordinates on which the force on cell 1 acts.
+        self._loaded = self.coordinates.loaded
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state`; see `LaneModel.run`.
@@ -62,12 +65,13 @@ class ExplicitForcesLane(LaneModel):
         motion, step = self._started(state, start, steps)
         # A matrix's own product goes round the dispatch of np.dot.
         product, force, contacts = self._forces.dot, np.empty(motion.size // 2), self._contacts
+        loaded = self._loaded
         motions = np.empty((steps + 1, motion.size))
         motions[0] = motion
         read, gaps = [], []
         for row, load in zip(motions[1:], self._loads(start, steps, motion), strict=False):
             product(motion, force)
-            force[0] += load
+            force[loaded] += load
             step(force)
             row[:] = motion
             read.append(contacts())
@@ -83,10 +87,10 @@ class ExplicitForcesLane(LaneModel):
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance as `run` does, without reading the contacts."""
         motion, step = self._started(state, start, steps)
-        product, force = self._forces.dot, np.empty(motion.size // 2)
+        product, force, loaded = self._forces.dot, np.empty(motion.size // 2), self._loaded
         for load in self._loads(start, steps, motion):
             product(motion, force)
-            force[0] += load
+            force[loaded] += load
             step(force)
         end, internal_state = self._state(motion[None]), self._internal_state()
         return end if internal_state is None else replace(end, internal_state=internal_state[None])

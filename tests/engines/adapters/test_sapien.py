@@ -179,7 +179,7 @@ def test_friction_of_a_stuck_contact_is_what_it_takes_and_does_not_creep(formula
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
-def test_friction_of_a_sliding_contact_is_its_bound_although_it_is_read_from_momentum(formulation: str) -> None:
+def test_friction_of_a_sliding_contact_is_its_bound(formulation: str) -> None:
     lane, state = lane_of(0.01), random_state()
     motion, expected = run(lane, state, formulation=formulation), scheme(lane, state, STEPS)[2]
     bound = lane.chain.friction_bound[0]
