@@ -63,8 +63,13 @@ def install_engine(
         str | None,
         typer.Option(help="Version or path of a Python of this machine; the one that runs the suite without it."),
     ] = None,
+    agreed: Annotated[
+        bool, typer.Option("--yes", help="Agree to the terms of an engine that is not free software; asked without.")
+    ] = False,
 ) -> None:
     """Install an engine, or a version of one, into an environment of its own; its size is said before.
+
+    Of an engine that is not free software, the licence is said before anything is downloaded, and asked about.
 
     A version is what it begins with: mujoco@3 is the newest one of MuJoCo 3. Environments lie in the user's cache, or
     where MULTIBODY_XVAL_ENVIRONMENTS says.
@@ -75,7 +80,7 @@ def install_engine(
     """
     from engines.environments_command import install_engine as install
 
-    install(name, python)
+    install(name, python, agreed=agreed)
 
 
 environments = typer.Typer()
@@ -161,6 +166,7 @@ def described(name: str) -> dict[str, Any]:
         "title": abilities.title,
         "package": abilities.package,
         "licence": abilities.licence,
+        "terms": abilities.terms,
         "version": described_engine.version() if missing is None else None,
         "python": described_engine.python() if missing is None else None,
         "friction_law": str(abilities.friction_law),

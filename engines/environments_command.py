@@ -1,7 +1,9 @@
 """``python -m engines install`` and ``environments``: engines in environments of their own."""
 
+import sys
 from collections.abc import Sequence
 
+import typer
 from rich import box
 from rich.console import Console
 from rich.markup import escape
@@ -18,17 +20,51 @@ from reference_lcp.refusal import ParameterError
 from reference_lcp.visible import visible
 
 
-def install_engine(name: str, python: str | None) -> None:
-    """Say what an engine needs, and install it; nothing is done where it is installed and whole."""
+def install_engine(name: str, python: str | None, *, agreed: bool = False) -> None:
+    """Say what an engine needs, and install it; nothing is done where it is installed and whole.
+
+    Parameters
+    ----------
+    name
+        The engine, and after an ``@`` the version.
+    python
+        Version or path of a Python of this machine; the one that runs the suite without it.
+    agreed
+        The user agrees to the terms of an engine that is not free software; asked for in a terminal without it.
+
+    Raises
+    ------
+    ParameterError
+        If it cannot be installed, or its terms are not agreed to.
+    """
     requirement = _requirement(name)
     environment = requirement.environment
     record = environment.record()
     if record is None or environment.fault() is not None or edited_fault(environment) is not None:
         plan = Plan.of(requirement, python)
         print(visible(str(plan)), flush=True)
+        if requirement.adapter.capabilities.terms and not agreed:
+            _agree_to_terms(requirement)
         record = install(plan)
         print(f"made in {record.seconds:g} s")
     print(f"{environment.name} is installed: Python {record.python}, {record.megabytes:g} MB in {environment.folder}")
+
+
+def _agree_to_terms(requirement: Requirement) -> None:
+    """Let the user agree to the terms of an engine, which hold from its download on.
+
+    Raises
+    ------
+    ParameterError
+        If that is declined, or there is nobody to ask.
+    """
+    known = requirement.adapter.capabilities
+    own = f"{requirement.name} is not free software ({known.licence}); who downloads it agrees to {known.terms}"
+    if not sys.stdin.isatty():
+        raise ParameterError(f"{own}; allowed: with --yes, which agrees to that")
+    print(own)
+    if not typer.confirm("Do you agree?"):
+        raise ParameterError(f"{requirement.name} is not installed: its terms were not agreed to")
 
 
 def list_environments() -> None:

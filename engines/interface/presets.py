@@ -158,6 +158,8 @@ class Capabilities:
         The distribution that holds the engine, by its name for pip.
     licence
         Licence of the engine.
+    terms
+        Where the terms stand that its user agrees to, if it is not free software: they are said before it is installed.
     friction_law
         How it represents Coulomb friction.
     presets
@@ -187,3 +189,4 @@ class Capabilities:
     deterministic: bool = True
     notes: str = ""
     optional: bool = False
+    terms: str = ""

@@ -1,0 +1,44 @@
+"""ovphysx, which is PhysX 5: the friction of an articulation's joints, all lanes of a batch in one scene."""
+
+from typing import ClassVar
+
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from engines.ovphysx.joint import JOINT_DEFAULT, JOINT_TUNED
+from engines.ovphysx.simulation import OvphysxSimulation
+from engines.shared.wheel_engine import WheelEngine
+from reference_lcp.chain.simulation import Lane, Simulation
+
+
+class Ovphysx(WheelEngine):
+    """ovphysx on the processor, one thread, in an environment of its own."""
+
+    name: ClassVar[str] = "ovphysx"
+    module: ClassVar[str] = "ovphysx"
+    versions: ClassVar[str] = ">=0.7,<0.8"
+    # It takes packaging before 24 only, which would hold back other packages beside the suite.
+    apart: ClassVar[bool] = True
+    environment_packages: ClassVar[tuple[str, ...]] = ("ovstage", "physx-usd-schemas", "newton-usd-schemas")
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        title="ovphysx (PhysX)",
+        optional=True,
+        package="ovphysx",
+        licence="LicenseRef-NVIDIA-Omniverse",
+        terms="https://www.nvidia.com/en-us/agreements/enterprise-software/product-specific-terms-for-omniverse",
+        friction_law=FrictionLaw.COULOMB,
+        presets={Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT}},
+        batch_lanes=64,
+        precision="single",
+        # Positions and velocities are rounded by 2^-24 of themselves in every step, and roundings add up as the root of
+        # their number: 1e-6 of the displacement scale or somewhat more over a period of 400 steps, and somewhat more
+        # where 32 substeps make one. No mixing of iterates removes it.
+        residual=2e-5,
+        notes=(
+            "Coulomb's law, in single precision: a motion repeats to some 1e-6 of its size, and no closer. Joints have "
+            "a static and a dynamic friction in newtons, and tell it. What PhysX calls position iterations of its "
+            "temporal solver are substeps over which forces do not change: with the 32 that an articulation has by "
+            "itself, springs act late by half a step."
+        ),
+    )
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        return OvphysxSimulation(lanes, preset)

@@ -1,0 +1,46 @@
+"""ovphysx's joint formulation: in every cell the static and dynamic friction of an articulation's joint."""
+
+from engines.interface.presets import NormalForce, Option, Preset
+from engines.ovphysx.law import temporal_substeps
+
+SHARED_OPTIONS = {
+    "units": Option("lane", "SI", "Its time step is the unit of time: all lanes of a scene have one."),
+    "friction": Option(
+        ("F", "F", 0.0), (0.0, 0.0, 0.0), "Static and dynamic friction, and none in proportion to velocity."
+    ),
+    "sleepThreshold": Option(0.0, 5e-5, "Nothing falls asleep, however slow its units make it."),
+    "NUM_THREADS": Option(0, 8, "Its own threads wait for work at the cost of thirty steps of a chain."),
+}
+"""What both presets set."""
+
+JOINT_TUNED = Preset(
+    "Friction of joints in one articulation; springs, dashpots and load as forces at the start of the step.",
+    {
+        **SHARED_OPTIONS,
+        "solverType": Option("PGS", "TGS", "Projected Gauss–Seidel finds friction before masses move."),
+        "solverPositionIterationCount": Option(4, 32, "One leaves 1e-4 of a slip, the next 1e-4 of that."),
+        "solverVelocityIterationCount": Option(1, 1, "PhysX's own."),
+        "cfmScale": Option(0.025, 0.025, "Softness of links, which this solver does not heed."),
+    },
+    shares_scheme=True,
+    normal_force=NormalForce.MODULATED,
+)
+
+JOINT_DEFAULT = Preset(
+    "The same joints and forces with the solver and the iterations that PhysX takes by itself.",
+    {
+        **SHARED_OPTIONS,
+        "solverType": Option("TGS", "TGS", "PhysX's own solver, the temporal Gauss–Seidel."),
+        "solverPositionIterationCount": Option(32, 32, "An articulation's own: each is a substep."),
+        "solverVelocityIterationCount": Option(1, 1, "PhysX's own: what slips is stopped once more."),
+        "cfmScale": Option(
+            0.025, 0.025, "PhysX's own softness of links: a substep leaves a stuck contact 2 % of its slip."
+        ),
+    },
+    known_deviation=(
+        "forces of the start of a step act in 32 substeps of it, of which each moves masses, so that springs and "
+        "dashpots act late by half a step"
+    ),
+    law=temporal_substeps,
+    normal_force=NormalForce.MODULATED,
+)

@@ -1,0 +1,72 @@
+"""The law of joints in PhysX's temporal Gauss–Seidel solver: substeps under constant forces, and soft links."""
+
+import functools
+from collections.abc import Mapping
+
+import numpy as np
+
+from engines.interface.law import Constant, Law
+from engines.interface.presets import Preset
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.stepping.sequential import LaneModel
+from reference_lcp.validation import FloatArray
+
+SINGLE_PRECISION_PERIOD = 2e-4
+"""Of U0: the 32 substeps of a step add the same small change to velocities, of some U0 ω, and round it alike, by up to
+32 × 2^-24; those of 400 steps add up as the root of their number: three standard deviations for motions of up to three
+U0. What one substep makes is 2^-5 of it, and is measured so (`tests/engines/adapters/test_ovphysx.py`)."""
+
+
+def temporal_substeps(preset: Preset) -> Law:
+    """Give the law of joint friction in substeps, with the forces of a step at its start."""
+    substeps, corrections = preset["solverPositionIterationCount"], preset["solverVelocityIterationCount"]
+    return Law(
+        formula=(
+            f"with h = Δt/{substeps}, F = f(t) e_1 − C q̇ − K q of the start of the step and "
+            f"g(w) = −w / (1/m_o + 1/m_i + c max(1/m_o, 1/m_i)) of the slip velocity w: {substeps} times "
+            "q̇ ← q̇ + M⁻¹ (h F + W p) with p = clip(g, ± h μ λ_N) of what F alone makes of w, and q ← q + h q̇; "
+            f"then {corrections} times P ← clip(P + g(w), ± Δt μ λ_N) for their sum P, which moves q̇ alone"
+        ),
+        constants={"c": Constant(preset["cfmScale"], "", "cfmScale of links", too_small_to_see=True)},
+        model=functools.partial(_SubsteppedLane, substeps=substeps, corrections=corrections),
+        period_bound=SINGLE_PRECISION_PERIOD,
+        bound_reason="single precision: every substep rounds by 2^-24, all of a step alike",
+        modulated=True,
+    )
+
+
+class _SubsteppedLane(LaneModel):
+    """One chain whose friction is found in every substep, under forces of the start of the step."""
+
+    def __init__(self, lane: Lane, constants: Mapping[str, float], substeps: int, corrections: int):
+        chain = lane.chain
+        self.lane = lane
+        self._force = -np.hstack([chain.stiffness_matrix, chain.damping_matrix])
+        self._masses = np.concatenate([chain.outer_mass, chain.inner_mass])
+        inverse = 1 / chain.outer_mass, 1 / chain.inner_mass
+        self._stopping = 1 / (inverse[0] + inverse[1] + constants["c"] * np.maximum(*inverse))
+        self._numbers = lane.time_step, substeps, corrections
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state` at step index `start`."""
+        lane, size = self.lane, 2 * self.lane.chain.cells
+        record = np.empty((steps, 5 * lane.chain.cells))
+        self._integrate(state, start, steps, record)
+        columns = record[:, :size], record[:, size : 2 * size], record[:, 2 * size :]
+        return Trajectory(lane.times(start, steps), *columns, lane.preloads(start, steps))
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does, and keep the end only."""
+        return self._integrate(state, start, steps, np.empty((0, 5 * self.lane.chain.cells)))
+
+    def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
+        from engines.ovphysx.law_kernel import advance  # numba is imported once something moves
+
+        lane = self.lane
+        motion = np.concatenate([state.positions[0], state.velocities[0]])
+        bounds = np.ascontiguousarray(lane.chain.friction_coefficient * lane.preloads(start, steps))
+        loads = lane.loads(start, steps)
+        advance(motion, loads, bounds, self._force, self._masses, self._stopping, self._numbers, record)
+        position, velocity = np.split(motion[None], 2, axis=1)
+        return State(position, velocity)

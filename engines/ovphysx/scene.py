@@ -1,0 +1,117 @@
+"""An instance of PhysX that holds one scene: how it is made, set, stepped and read."""
+
+import functools
+import importlib
+import tempfile
+import weakref
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.ovphysx.stage import ARTICULATIONS
+from reference_lcp.validation import FloatArray
+
+SingleArray = NDArray[np.float32]
+
+ORDINAL = 1
+"""Of the one state of the stage that is ever read: what moves is PhysX's alone."""
+
+
+class Scene:
+    """Articulations of one structure, which take their steps together.
+
+    Parameters
+    ----------
+    text
+        The scene in USD.
+    threads
+        Threads of PhysX beside this one; the first scene of a process decides for all.
+    """
+
+    position: SingleArray
+    """Coordinates after the last step, shape (lanes, 2n); likewise `velocity`, and `joint_force`, what acts along a
+    joint: friction, and the force that was given."""
+
+    def __init__(self, text: str, threads: int):
+        physx = import_ovphysx(threads)
+        self._physx, self._stage = physx.PhysX(), _stage(text)
+        self._physx.wait_task(self._physx.attach_ovstage(self._stage, read_ordinal=ORDINAL))
+        self._physx.warmup()
+        self._physx.wait_all()
+        self._bindings: list[Any] = []
+        self._position, self._velocity = self._bound("POSITION"), self._bound("VELOCITY")
+        self._force, self._joint_force = self._bound("ACTUATION_FORCE"), self._bound("PROJECTED_JOINT_FORCE")
+        self._friction = self._bound("FRICTION_PROPERTIES")
+        self.position, self.velocity, self.joint_force = (np.zeros(self._position.shape, np.float32) for _ in range(3))
+        self.close = weakref.finalize(self, _close, self._physx, self._stage, self._bindings)
+
+    def _bound(self, quantity: str) -> Any:
+        kind = getattr(importlib.import_module("ovphysx.types").TensorType, f"ARTICULATION_DOF_{quantity}")
+        binding = self._physx.create_tensor_binding(pattern=ARTICULATIONS, tensor_type=kind, raise_if_empty=True)
+        self._bindings.append(binding)
+        return binding
+
+    def set(self, position: FloatArray, velocity: FloatArray) -> None:
+        """Give every lane a motion, shape (lanes, 2n) each."""
+        self.position[:], self.velocity[:] = position, velocity
+        self._position.write(self.position)
+        self._velocity.write(self.velocity)
+
+    def set_friction(self, bounds: FloatArray) -> None:
+        """Set the bound of the friction of what is carried, shape (lanes, n), static and dynamic."""
+        properties = np.zeros(self._friction.shape, np.float32)
+        properties[:, bounds.shape[1] :, :2] = bounds[..., None]
+        self._friction.write(properties)
+
+    def step(self, force: SingleArray, time_step: float) -> None:
+        """Take one step under generalised forces, shape (lanes, 2n), and read what comes of it."""
+        self._force.write(force)
+        self._physx.step_sync(time_step)
+        self._position.read(self.position)
+        self._velocity.read(self.velocity)
+
+    def read_joint_force(self) -> SingleArray:
+        """Read what acted along the joints in the last step, shape (lanes, 2n)."""
+        self._joint_force.read(self.joint_force)
+        return self.joint_force
+
+    def native_steps(self, steps: int, time_step: float) -> None:
+        """Take steps of PhysX alone."""
+        for _ in range(steps):
+            self._physx.step_sync(time_step)
+
+
+def _stage(text: str) -> Any:
+    """Give the stage of a text, which ovstage takes from a file only."""
+    ovstage = importlib.import_module("ovstage")
+    stage = ovstage.Stage("scene")
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "scene.usda"
+        file.write_text(text)
+        ovstage.population.open_usd(stage, str(file), ordinal=ORDINAL, domains=ovstage.PopulationDomain.ALL)
+    stage.advance_write_floor(ordinal=ORDINAL).wait()
+    return stage
+
+
+def _close(physx: Any, stage: Any, bindings: list[Any]) -> None:
+    for binding in bindings:
+        binding.destroy()
+    physx.wait_task(physx.detach_ovstage())
+    physx.destroy()
+    stage.destroy()
+
+
+@functools.cache
+def import_ovphysx(threads: int) -> Any:
+    """Import ovphysx for the processor alone, and let the stage know what PhysX adds to USD."""
+    ovphysx = importlib.import_module("ovphysx")
+    keys = importlib.import_module("ovphysx.types").GlobalConfigKey
+    ovphysx.set_global_config(keys.NUM_THREADS, threads)
+    ovphysx.set_global_config(keys.DISABLE_CONTACT_PROCESSING, True)
+    ovphysx.PhysX.set_cpu_mode(True)
+    support = importlib.import_module("ovphysx.samples.python_samples.schema_support")
+    schemas = [*support.physx_schema_paths(), ovphysx.newton_schema_root()]
+    importlib.import_module("ovstage").population.register_usd_schemas([str(path) for path in schemas])
+    return ovphysx
