@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[1]
 
 ENGINE_PACKAGES = (
     "exudyn", "mujoco", "warp", "newton", "jax", "pybullet", "pydrake", "dartpy", "pinocchio", "pymunk", "Box2D",
-    "rapier3d", "sapien",
+    "rapier3d", "sapien", "ovphysx", "ovstage",
 )  # fmt: skip
 
 COMPUTING = ("numba", "scipy", "pandas", "xarray", "h5py", "matplotlib", "plotly", "jinja2", "PIL", *ENGINE_PACKAGES)

@@ -1,4 +1,8 @@
-"""ovphysx's joint formulation: in every cell the static and dynamic friction of an articulation's joint."""
+"""ovphysx's joint formulation: in every cell the static and dynamic friction of an articulation's joint.
+
+PhysX lets no joint move faster than 100 units of length in one of time, whatever `maxJointVelocity` and the tensor of
+largest velocities say. In the units of a lane that is a hundred displacement scales in a step.
+"""
 
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.ovphysx.law import temporal_substeps

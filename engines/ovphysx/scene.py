@@ -107,7 +107,9 @@ def _close(physx: Any, stage: Any, bindings: list[Any]) -> None:
 def import_ovphysx(threads: int) -> Any:
     """Import ovphysx for the processor alone, and let the stage know what PhysX adds to USD."""
     ovphysx = importlib.import_module("ovphysx")
-    keys = importlib.import_module("ovphysx.types").GlobalConfigKey
+    types = importlib.import_module("ovphysx.types")
+    keys = types.GlobalConfigKey
+    ovphysx.set_global_config(keys.LOG_LEVEL, int(types.LogLevel.ERROR))
     ovphysx.set_global_config(keys.NUM_THREADS, threads)
     ovphysx.set_global_config(keys.DISABLE_CONTACT_PROCESSING, True)
     ovphysx.PhysX.set_cpu_mode(True)

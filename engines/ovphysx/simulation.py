@@ -10,7 +10,7 @@ from engines.interface.presets import Preset
 from engines.ovphysx.scene import Scene
 from engines.ovphysx.stage import stage_text
 from engines.shared.carried_coordinates import CarriedCoordinates
-from engines.shared.force_loop import LARGEST_MOTION, STEPS_BETWEEN_CHECKS
+from engines.shared.force_loop import LARGEST_MOTION
 from engines.shared.joint_force import friction_of_joints
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
@@ -100,12 +100,13 @@ class OvphysxSimulation:
         for step, load in enumerate(loads):
             if self._modulated:
                 scene.set_friction(bounds[step])
-            force[:] = np.matmul(self._forces, motion[..., None])[..., 0] + load[:, None] * self._loaded
-            scene.step(force * moving, self._time_step)
+            given = np.matmul(self._forces, motion[..., None])[..., 0] + load[:, None] * self._loaded
+            np.copyto(force, given, where=moving, casting="same_kind")
+            scene.step(force, self._time_step)
             np.copyto(motion, np.hstack([scene.position, scene.velocity]), where=moving)
             yield motion, force
-            if (step + 1) % STEPS_BETWEEN_CHECKS == 0:
-                self._stop_diverged(motion, moving)
+            if not np.max(np.abs(motion[moving[:, 0]]), initial=0.0) < LARGEST_MOTION:
+                self._stop_diverged(motion, force, moving)
 
     def _begin(self, state: State, steps: int) -> FloatArray:
         """Give every lane its motion, and return it, shape (lanes, 4n)."""
@@ -117,13 +118,12 @@ class OvphysxSimulation:
         self._scene.set(position, velocity)
         return np.hstack([position, velocity])
 
-    def _stop_diverged(self, motion: FloatArray, moving: NDArray[np.bool_]) -> None:
+    def _stop_diverged(self, motion: FloatArray, force: NDArray[np.float32], moving: NDArray[np.bool_]) -> None:
         """Hold lanes that have diverged, and let them rest in the scene."""
-        going_on = moving & (np.max(np.abs(motion), axis=1, keepdims=True) < LARGEST_MOTION)
-        if not np.array_equal(going_on, moving):
-            moving[:] = going_on
-            position, velocity = np.split(np.where(moving, motion, 0.0), 2, axis=1)
-            self._scene.set(position, velocity)
+        moving &= np.max(np.abs(motion), axis=1, keepdims=True) < LARGEST_MOTION
+        force[~moving[:, 0]] = 0.0
+        position, velocity = np.split(np.where(moving, motion, 0.0), 2, axis=1)
+        self._scene.set(position, velocity)
 
     def _loads(self, start: int, steps: int) -> FloatArray:
         """Give the force on cell 1 at the start of each step, shape (steps, lanes)."""

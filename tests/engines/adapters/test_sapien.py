@@ -14,6 +14,7 @@ from engines.interface.tolerances import FRICTION_TOLERANCE, ROUND_OFF, SINGLE
 from engines.sapien import Sapien
 from engines.sapien.contact import SapienContactLane
 from engines.sapien.law import DRAWN_BACK_PERIOD, SINGLE_PRECISION_PERIOD, temporal_gauss_seidel
+from engines.shared.carried_coordinates import CarriedCoordinates
 from reference_lcp.chain.harmonic import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -167,6 +168,25 @@ def test_a_sphere_that_is_pressed_alone_sinks_in(monkeypatch: pytest.MonkeyPatch
     assert np.min(normal_impulses(lane_of(), 50, tgs=False)) < 0.9
 
 
+@pytest.mark.parametrize("mass_ratio", [1e-6, 1e-3, 1e3])
+def test_neither_mass_of_a_cell_is_lost_beside_the_other(mass_ratio: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An articulation in which the lighter one carries loses it, and tells another friction."""
+    rng = np.random.default_rng(1)
+    lane = lane_of(0.3, 0.9, mass_ratio=mass_ratio * rng.uniform(0.7, 1.4, 7))
+    state, bound = State.at_rest(1, 7), lane.chain.friction_bound
+    motion, expected = run(lane, state), scheme(lane, state, STEPS)[2]
+    assert distance(lane, state, motion) < ROUNDINGS
+    assert np.max(np.abs(motion.friction - expected) / bound) < FRICTION_TOLERANCE["single"]
+    if mass_ratio == 1e3:
+        carried = CarriedCoordinates(np.zeros(7, dtype=bool))
+        monkeypatch.setattr(CarriedCoordinates, "of_chain", lambda _chain: carried)
+        lost = run(lane, state)
+        assert distance(lane, state, lost) > ROUNDINGS
+        assert np.max(np.abs(lost.friction - expected) / bound) > 10 * np.max(
+            np.abs(motion.friction - expected) / bound
+        )
+
+
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_friction_of_a_stuck_contact_is_what_it_takes_and_does_not_creep(formulation: str) -> None:
     lane = lane_of(5.0, 0.3)
@@ -189,7 +209,7 @@ def test_friction_of_a_sliding_contact_is_its_bound(formulation: str) -> None:
 
 
 def test_drag_of_links_is_not_read_as_friction() -> None:
-    """Stuck and sliding contacts of the default: without the drag, ten times as far from the law's friction."""
+    """Stuck and sliding contacts of the default."""
     law = law_of(Sapien().preset("joint", "default"))
     assert law is not None
     for lane in (lane_of(), lane_of(5.0, 0.3)):

@@ -1,11 +1,13 @@
 """Environments are whole or not there, and whatever goes wrong is one line and exit code 2."""
 
 import fcntl
+import io
 import os
 import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -53,6 +55,47 @@ def test_an_environment_is_announced_made_listed_checked_and_removed(
     assert capsys.readouterr().out == f"{NAME} is whole\n"
     assert run_command(app, ["environments", "remove", NAME]) == 0
     assert left_in(folder) == []
+
+
+TERMS = "https://example.org/terms"
+
+
+@pytest.fixture(name="unfree")
+def engine_that_is_not_free_software(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(MuJoCo, "capabilities", replace(MuJoCo.capabilities, licence="LicenseRef-X", terms=TERMS))
+
+
+@pytest.mark.usefixtures("unfree")
+def test_terms_of_an_engine_are_said_before_anything_is_downloaded_and_nobody_agrees_by_saying_nothing(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_command(app, ["install", NAME]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"error: {NAME} is not free software (LicenseRef-X); who downloads it agrees to {TERMS}; ")
+    assert line.endswith("allowed: with --yes, which agrees to that")
+    assert left_in(folder) == []
+    assert run_command(app, ["install", NAME, "--yes"]) == 0
+    assert run_command(app, ["install", NAME]) == 0, "what is installed is not asked about again"
+
+
+@pytest.mark.usefixtures("unfree")
+@pytest.mark.parametrize(("reply", "code"), [("n", 2), ("", 2), ("y", 0)])
+def test_terms_of_an_engine_are_asked_about_in_a_terminal(
+    reply: str, code: int, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    terminal = io.StringIO(f"{reply}\n")
+    terminal.isatty = lambda: True  # type: ignore[method-assign]
+    monkeypatch.setattr(sys, "stdin", terminal)
+    assert run_command(app, ["install", NAME]) == code
+    printed = capsys.readouterr()
+    assert f"(LicenseRef-X); who downloads it agrees to {TERMS}" in printed.out
+    assert ("its terms were not agreed to" in printed.err) == (code == 2)
+    assert left_in(folder) == ([] if code else [NAME])
+
+
+def test_an_engine_of_free_software_asks_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(app, ["install", NAME]) == 0
+    assert "agree" not in capsys.readouterr().out
 
 
 def test_a_version_is_the_newest_one_that_begins_so(folder: Path) -> None:

@@ -5,6 +5,7 @@ import pytest
 
 from engines.interface.registry import engine
 from engines.interface.variant import variants_of
+from engines.shared.carried_coordinates import CarriedCoordinates
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import LARGEST_MOTION, ExplicitForcesLane, Step
 from engines.shared.step_cost import native_stepping
@@ -26,7 +27,11 @@ NAMES = [
     if engine(name).unavailable_reason() is None
 ]
 
-every_coordinate = pytest.mark.parametrize("coordinates", list(ChainCoordinates))
+Coordinates = ChainCoordinates | CarriedCoordinates
+
+CARRIED = CarriedCoordinates(np.array([True, False, False, True, True, False, True]))
+
+every_coordinate = pytest.mark.parametrize("coordinates", [*ChainCoordinates, CARRIED])
 
 
 class ByHand(ExplicitForcesLane):
@@ -55,7 +60,7 @@ class ByHand(ExplicitForcesLane):
 
 
 @every_coordinate
-def test_coordinates_are_undone_for_one_row_and_for_many(coordinates: ChainCoordinates) -> None:
+def test_coordinates_are_undone_for_one_row_and_for_many(coordinates: Coordinates) -> None:
     absolute = np.random.default_rng(1).normal(size=(5, 14))
     there = coordinates.of(absolute)
     assert np.array_equal(there[2], coordinates.of(absolute[2]))
@@ -65,7 +70,7 @@ def test_coordinates_are_undone_for_one_row_and_for_many(coordinates: ChainCoord
 
 
 @every_coordinate
-def test_forces_do_the_same_work_in_every_coordinate(coordinates: ChainCoordinates) -> None:
+def test_forces_do_the_same_work_in_every_coordinate(coordinates: Coordinates) -> None:
     """f · δq is a number that knows no coordinates."""
     chain = uneven_lane().chain
     rng = np.random.default_rng(2)
@@ -74,6 +79,17 @@ def test_forces_do_the_same_work_in_every_coordinate(coordinates: ChainCoordinat
     motion = np.concatenate([coordinates.of(position), coordinates.of(velocity)])
     forces = coordinates.force_matrix(chain) @ motion
     assert forces @ coordinates.of(shift) == pytest.approx(force @ shift, rel=1e-12)
+    load = np.zeros(14)
+    load[coordinates.loaded] = 1.0
+    assert load @ coordinates.of(shift) == pytest.approx(shift[0], rel=1e-12)
+
+
+def test_the_heavier_mass_of_a_cell_carries_the_other() -> None:
+    chain = lane_of(mass_ratio=[0.5, 1.0, 2.0, 0.1, 3.0, 1.0, 10.0]).chain
+    coordinates = CarriedCoordinates.of_chain(chain)
+    carriers, carried = np.split(coordinates.exchanged(np.concatenate([chain.outer_mass, chain.inner_mass])), 2)
+    assert np.all(carriers >= carried)
+    assert coordinates.sign.tolist() == [1, 1, -1, 1, -1, 1, -1]
 
 
 @pytest.mark.parametrize("units", ["SI", "lane"])

@@ -33,7 +33,7 @@ CLOCK_SECONDS = 0.05
 
 PACKAGES = {
     "mujoco", "warp", "newton", "jax", "pybullet", "exudyn", "pydrake", "siconos", "ode", "Box2D", "dartpy",
-    "pinocchio", "pymunk", "rapier3d", "sapien",
+    "pinocchio", "pymunk", "rapier3d", "sapien", "ovphysx", "ovstage",
 }  # fmt: skip
 """Packages of the engines."""
 
