@@ -12,8 +12,7 @@ SHARED_OPTIONS = {
     "friction": Option(
         ("F", "F", 0.0), (0.0, 0.0, 0.0), "Static and dynamic friction, and none in proportion to velocity."
     ),
-    "sleepThreshold": Option(0.0, 5e-5, "Nothing falls asleep, however slow its units make it."),
-    "NUM_THREADS": Option(0, 8, "Its own threads wait for work at the cost of thirty steps of a chain."),
+    "NUM_THREADS": Option(0, 8, "Its own threads wait for work at the cost of fifty steps of a chain."),
 }
 """What both presets set."""
 
@@ -22,9 +21,9 @@ JOINT_TUNED = Preset(
     {
         **SHARED_OPTIONS,
         "solverType": Option("PGS", "TGS", "Projected Gauss–Seidel finds friction before masses move."),
-        "solverPositionIterationCount": Option(4, 32, "One leaves 1e-4 of a slip, the next 1e-4 of that."),
+        "solverPositionIterationCount": Option(4, 32, "Each leaves at most 6e-4 of a slip, two its roundings."),
         "solverVelocityIterationCount": Option(1, 1, "PhysX's own."),
-        "cfmScale": Option(0.025, 0.025, "Softness of links, which this solver does not heed."),
+        "cfmScale": Option(0.025, 0.025, "PhysX's own softness of links, which iterations make up for."),
     },
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,

@@ -33,7 +33,6 @@ ARTICULATION = """
     {{
         int physxArticulation:solverPositionIterationCount = {positions}
         int physxArticulation:solverVelocityIterationCount = {velocities}
-        float physxArticulation:sleepThreshold = {sleep}
         def PhysicsFixedJoint "fixed"
         {{
             rel physics:body1 = <{path}/ground>
@@ -48,7 +47,6 @@ LINK = """
             float physics:mass = {mass!r}
             float3 physics:diagonalInertia = (1, 1, 1)
             point3f physics:centerOfMass = (0, 0, 0)
-            float physxRigidBody:linearDamping = 0
             float physxRigidBody:cfmScale = {softness}
         }}
 """
@@ -71,7 +69,7 @@ def stage_text(lanes: Sequence[tuple[FloatArray, FloatArray]], preset: Preset) -
     lanes
         Of every lane the masses that carry, and those that they carry, shape (n,) each, in its units.
     preset
-        Solver, iterations, sleep and softness of links.
+        Solver, iterations and softness of links.
     """
     articulations = "".join(_articulation(index, *masses, preset) for index, masses in enumerate(lanes))
     return STAGE.format(solver=preset["solverType"], articulations=articulations)
@@ -91,7 +89,6 @@ def _articulation(index: int, carriers: FloatArray, carried: FloatArray, preset:
         path=path,
         positions=preset["solverPositionIterationCount"],
         velocities=preset["solverVelocityIterationCount"],
-        sleep=preset["sleepThreshold"],
         links="".join(links),
     )
 

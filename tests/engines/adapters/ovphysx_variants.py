@@ -27,7 +27,6 @@ PRESETS = {
     "default": JOINT_DEFAULT,
     "one-iteration": iterated(JOINT_TUNED, 1, 0),
     "hard-links": varied(iterated(JOINT_DEFAULT, 1, 0), cfmScale=0.0),
-    "sleeping": varied(JOINT_TUNED, sleepThreshold=5e-5),
     **{f"{position}/{velocity}": iterated(JOINT_DEFAULT, position, velocity) for position, velocity in SUBSTEPS},
 }
 
