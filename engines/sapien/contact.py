@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from engines.interface.presets import NormalForce, Option, Preset
+from engines.interface.tolerances import SINGLE
 from engines.sapien.law import temporal_gauss_seidel
 from engines.sapien.scene import SOLVER_ITERATIONS, VELOCITY_ITERATIONS, SapienLane, import_sapien
 from engines.shared.box_geometry import PressedBoxes
@@ -69,9 +70,6 @@ def _units(name: str, lane: Lane) -> Units:
     units = Units.of(lane)
     return dataclasses.replace(units, mass=LIGHT * units.mass)
 
-
-SINGLE = 2.0**-24
-"""Largest rounding of one operation, as a part of its result."""
 
 ROUNDINGS = 8
 """Of a velocity in a step: two in storing it before and after, the others in adding impulses."""

@@ -2,11 +2,9 @@
 
 import numpy as np
 
+from engines.interface.tolerances import SINGLE
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import FloatArray
-
-SINGLE = 2.0**-24
-"""Largest rounding of one operation, as a part of its result."""
 
 ROUNDINGS = 16
 """Of the forces that make up the one along a joint. Measured are 4 where a step, or each of ten substeps, has one
