@@ -31,6 +31,7 @@ def temporal_substeps(preset: Preset) -> Law:
         constants={"c": Constant(preset["cfmScale"], "", "cfmScale of links", too_small_to_see=True)},
         model=functools.partial(_SubsteppedLane, substeps=substeps, corrections=corrections),
         period_bound=SINGLE_PRECISION_PERIOD,
+        bound_growth=0.5,
         bound_reason="single precision: every substep rounds by 2^-24, all of a step alike",
         modulated=True,
     )
