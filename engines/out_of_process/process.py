@@ -36,6 +36,9 @@ ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_
 """Environment of worker processes. The suite runs them side by side, one a processor, where threads of linear algebra
 slow each other down; and a process that workers are forked from must have no other thread."""
 
+CACHE_VARIABLES = ("HOME", "XDG_CACHE_HOME")
+"""Where engines that compile keep what they have compiled; one that finds no home may end the process."""
+
 
 class EngineProcessError(RuntimeError):
     """The worker crashed, took too long, or replied with an error; the message names the engine and the cause."""
@@ -179,8 +182,8 @@ class _WorkerProcess:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=self._errors,
-                # Nothing of this environment: paths and libraries of this Python would be the wrong ones there.
-                env={"PATH": os.defpath, "LC_ALL": "C.UTF-8", **ONE_THREAD},
+                # Nothing else of this environment: paths and libraries of this Python would be the wrong ones there.
+                env={"PATH": os.defpath, "LC_ALL": "C.UTF-8", **ONE_THREAD, **_caches()},
                 cwd=tempfile.gettempdir(),
                 start_new_session=True,
             )
@@ -237,6 +240,10 @@ class _WorkerProcess:
             timer.join()
             if expired.is_set():
                 self._process.wait()
+
+
+def _caches() -> dict[str, str]:
+    return {name: os.environ[name] for name in CACHE_VARIABLES if name in os.environ}
 
 
 def _end(process: subprocess.Popen[bytes], errors: Any, owner: int) -> None:
