@@ -59,7 +59,7 @@ def pyramidal_contact(preset: Preset) -> Law:
             "d_max": Constant(LARGEST_IMPEDANCE, "", "solimp, MuJoCo's own: of one deeper than the width"),
             "δ": Constant(WIDTH, "m", "solimp, MuJoCo's own"),
         },
-        model=_PyramidalContactLane,
+        model=_pyramidal_contact,
         period_bound=NEWTON_PERIOD,
         bound_reason=NEWTON_REASON,
     )
@@ -72,16 +72,30 @@ def _joint_friction(lane: Lane, constants: Mapping[str, float]) -> LinearImplici
     return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells, softness * step.coupling.diagonal()))
 
 
-class _PyramidalContactLane(LinearImplicitLane):
-    """The joint's step with friction of two edges, of which one lets go at half of the bound."""
+def _pyramidal_contact(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
+    step = _step(lane, 2 / (constants["d_max"] * constants["τ"]))
+    # MuJoCo takes the inverse mass of a body as a mean over three axes: an outer mass slides along one of them.
+    inverse_mass = (1 / lane.chain.outer_mass + 2 / lane.chain.inner_mass) / 3
+    return PyramidalContactLane(lane, step, inverse_mass, constants)
 
-    def __init__(self, lane: Lane, constants: Mapping[str, float]):
+
+class PyramidalContactLane(LinearImplicitLane):
+    """A step with friction of two edges, of which one lets go at half of the bound.
+
+    Parameters
+    ----------
+    lane, step
+        The chain, and the step in which friction is solved.
+    inverse_mass
+        What a contact's softness is a part of [1/kg], shape (n,).
+    constants
+        Those of `solimp`.
+    """
+
+    def __init__(self, lane: Lane, step: LinearStep, inverse_mass: FloatArray, constants: Mapping[str, float]):
         chain = lane.chain
-        step = _step(lane, 2 / (constants["d_max"] * constants["τ"]))
         impedance = _impedance(DEPTH * power_of_two(lane.drive.displacement_scale(chain)), constants)
         self._coefficient = np.maximum(chain.friction_coefficient, LEAST_COEFFICIENT)
-        # MuJoCo takes the inverse mass of a body as a mean over three axes: an outer mass slides along one of them.
-        inverse_mass = (1 / chain.outer_mass + 2 / chain.inner_mass) / 3
         compliance = (1 + self._coefficient**2) * (1 - impedance) / impedance * inverse_mass
         friction = ScalarFriction.coulomb(chain.cells, compliance, 1 / (2 * compliance), bound_share=0.5)
         super().__init__(lane, step, friction)
