@@ -1,0 +1,50 @@
+"""Genesis: MuJoCo's formulation, written again, in which the normal force of a contact need not feel its friction."""
+
+from typing import ClassVar
+
+from engines.genesis.contact import CONTACT_DEFAULT, CONTACT_TUNED, ContactSimulation, share_a_scene
+from engines.genesis.joint import JOINT_DEFAULT, JOINT_TUNED, JointSimulation
+from engines.genesis.simulation import GenesisLane
+from engines.interface.preparation import Preparation
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from engines.shared.wheel_engine import WheelEngine
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.stepping.sequential import SequentialSimulation
+
+
+class Genesis(WheelEngine):
+    """Genesis on the processor, one thread, in double precision."""
+
+    name: ClassVar[str] = "genesis"
+    module: ClassVar[str] = "genesis"
+    versions: ClassVar[str] = ">=1.4.5,<1.5"
+    apart: ClassVar[bool] = True
+    # Genesis imports PyTorch, and does not ask for it.
+    environment_packages: ClassVar[tuple[str, ...]] = ("torch>=2.8",)
+    # Half a minute of a processor a formulation; ten times as much where it is busy with other things.
+    preparation: ClassVar[Preparation | None] = Preparation("compiles its kernels", 600.0)
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        title="Genesis",
+        optional=True,
+        package="genesis-world",
+        licence="Apache-2.0",
+        friction_law=FrictionLaw.REGULARISED,
+        presets={
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
+            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+        },
+        batch_lanes=64,
+        notes=(
+            "MuJoCo's laws with half of its time constant: by default friction is a soft constraint, and a stuck "
+            "contact creeps. Unlike MuJoCo, Genesis can bound the friction of a contact by the normal force that the "
+            "contact has, so that friction does not press; then, and with the no-slip sweep of joints, a motion "
+            "equals equation (5)."
+        ),
+    )
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        if formulation is Formulation.JOINT:
+            return JointSimulation(lanes, preset)
+        if share_a_scene(lanes, preset):
+            return ContactSimulation(lanes, preset)
+        return SequentialSimulation([GenesisLane(ContactSimulation([lane], preset)) for lane in lanes])

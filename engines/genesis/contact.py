@@ -1,0 +1,165 @@
+"""Genesis's contact formulation: in every cell a sphere, the inner mass, that dips into a plate, the outer one.
+
+As in MuJoCo's, the depth is fixed, and nothing moves across the plate: the normal force is what the constraint makes of
+the depth.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.genesis.law import pyramidal_contact
+from engines.genesis.scene import IMPEDANCE, PRECISION, Scene, chain_model, constraint_parameters
+from engines.genesis.simulation import GenesisSimulation
+from engines.interface.presets import Option, Preset
+from engines.mujoco.contact import PLATE, RADIUS
+from engines.mujoco.model import DEPTH
+from engines.shared.units import Units, power_of_two
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray
+
+LEAST_COEFFICIENT = 0.01
+"""Smallest μ: Genesis takes smaller ones, and none, for this."""
+
+FINENESS = 2.0**14
+"""Displacement scale over the unit of length: accelerations are then near one, far above the solver's tolerance."""
+
+TOUCHING = {
+    "enable_adjacent_collision": Option(True, False, "Genesis lets a body through the one that carries it."),
+    "enable_neutral_collision": Option(True, False, "And bodies through each other that touch from the start."),
+}
+"""Without these there are no contacts, and no message says so."""
+
+CONTACT_TUNED = Preset(
+    "The elliptic cone by Signorini's law: friction is bounded by the normal force, and leaves that as it is.",
+    {
+        "precision": PRECISION,
+        "units": Option("lane", "SI", "Time steps for the unit of time: a scene has one step."),
+        "integrator": Option("Euler", "approximate_implicitfast", "Velocities first, then positions."),
+        **TOUCHING,
+        "friction_cone": Option("elliptic", "pyramidal", "The edges of the pyramid change the normal force."),
+        "contact_resolution": Option("signorini", None, "Friction does not press; with the pyramid it would."),
+        "iterations": Option(100, 25, "Newton goes on to its tolerance."),
+        "tolerance": Option(1e-12, 1e-8, "Of the energy that a step of Newton gains, in units near one."),
+        "impedance": Option((0.9999, 0.9999), IMPEDANCE, "Of solimp, Genesis's hardest: with it, contacts creep less."),
+        "impratio": Option(
+            1e4, 1.0, "Friction is as much harder than the normal force; beyond, forces lose more digits than it gains."
+        ),
+        "time constant in steps": Option(
+            2 / 0.9999, None, "Of solref: the reference acceleration is -ġ_T / dt, and stops a stuck contact."
+        ),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-7,
+    # (1 - d) / d over impratio.
+    residual_slip_compliance=1e-8,
+)
+
+CONTACT_DEFAULT = Preset(
+    "The same sphere and plate in SI units, with Genesis's own cone, solver and time constant.",
+    {
+        "precision": PRECISION,
+        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "integrator": Option("approximate_implicitfast", "approximate_implicitfast", "Genesis's own."),
+        **TOUCHING,
+        "friction_cone": Option("pyramidal", "pyramidal", "Genesis's own."),
+        "iterations": Option(25, 25, "Genesis's own."),
+        "impedance": Option(IMPEDANCE, IMPEDANCE, "Genesis's own."),
+        "time constant": Option(
+            0.01, 0.01, "Genesis's own, of solref [s]; the damping ratio beside it is chosen to make N = λ_N."
+        ),
+    },
+    known_deviation=(
+        "friction is a soft constraint with a time constant, whatever the time step, so that a stuck contact creeps; "
+        "the edges of the pyramidal cone let friction press, and keep it below the bound"
+    ),
+    law=pyramidal_contact,
+    split_tolerance=1e-9,
+    batch_lanes=4,
+)
+
+
+def share_a_scene(lanes: Sequence[Lane], preset: Preset) -> bool:
+    """Whether one scene can hold these lanes.
+
+    It has one time step, one time constant of contacts, and a contact in the same cells of all environments.
+    """
+    rubbing = {tuple(lane.chain.friction_bound > 0) for lane in lanes}
+    return len(lanes) == 1 or (preset["units"] == "lane" and len(rubbing) == 1)
+
+
+class ContactSimulation(GenesisSimulation):
+    """Lanes with a sphere in a plate in every cell that rubs."""
+
+    def _units_of(self, lane: Lane) -> Units:
+        units = Units.in_steps(self._preset["units"], lane)
+        return units if self._preset["units"] == "SI" else replace(units, length=units.length / FINENESS)
+
+    def _new_scene(self, masses: FloatArray) -> Scene:
+        lane, units, own = self.lanes[0], self._units[0], self._preset["units"] == "lane"
+        self._rubs = lane.chain.friction_bound > 0
+        # In units of their own, all lanes have the same sizes.
+        scale = FINENESS if own else power_of_two(lane.drive.displacement_scale(lane.chain))
+        scene = Scene(_model(self._rubs, scale), masses, lane.time_step / units.time, self._preset)
+        if self._rubs.any():
+            self._press(scene)
+        return scene
+
+    def _press(self, scene: Scene) -> None:
+        """Choose how hard contacts are: so that they press with λ_N, or, several lanes, so that friction has its bound.
+
+        Hardness is the same in all environments, and the coefficient of friction is not.
+        """
+        rubs = self._rubs
+        coefficients = np.stack([chain.friction_coefficient for chain in self._chains])
+        given = np.stack([chain.normal_force for chain in self._chains])
+        scene.set_contact_constraints(self._constraints(np.ones(rubs.size)))
+        # The edges of a pyramid are the softer, the smaller the coefficient.
+        scene.set_coefficients(coefficients)
+        scene.native_steps(1)
+        soft = scene.normal_force()
+        hardness = np.divide(given[0], soft[0], where=rubs, out=np.ones(rubs.size))
+        if self._preset["units"] == "lane":
+            bounds = np.stack([chain.friction_bound for chain in self._chains])
+            hardness[:] = np.min((bounds / soft)[:, rubs]) / (2 * LEAST_COEFFICIENT)
+            coefficients = bounds / (hardness * soft)
+        least = np.min(coefficients[:, rubs])
+        if least < LEAST_COEFFICIENT:
+            raise ParameterError(
+                f"friction_coefficient = {least:g}; allowed: at least {LEAST_COEFFICIENT:g} in Genesis"
+            )
+        scene.set_contact_constraints(self._constraints(hardness))
+        scene.set_coefficients(coefficients)
+        # What is pressed in the lane, over what is pressed in the scene.
+        self._share = np.divide(given, hardness * soft, where=rubs, out=np.zeros(given.shape))
+
+    def _constraints(self, hardness: FloatArray) -> FloatArray:
+        """Give the parameters of contacts that press so many times as hard as with a damping ratio of one."""
+        preset = self._preset
+        time_constant = preset["time constant in steps" if preset["units"] == "lane" else "time constant"]
+        return np.stack(
+            [constraint_parameters(time_constant, float(each) ** -0.5, preset["impedance"]) for each in hardness]
+        )
+
+    def _measured_normal_force(self, given: FloatArray) -> FloatArray:
+        if not self._rubs.any():
+            return given
+        unit = np.array([[units.force] for units in self._units])
+        return np.where(self._rubs, self._scene.normal_force() * self._share * unit, given)
+
+
+def _model(rubs: NDArray[np.bool_], scale: float) -> ElementTree.Element:
+    """Give a chain with a sphere in a plate in every cell that rubs, side by side."""
+    root, bodies = chain_model(rubs.size)
+    radius = RADIUS * scale
+    for cell in np.flatnonzero(rubs).tolist():
+        outer, inner = bodies[cell]
+        outer.set("pos", f"0 {4 * radius * cell!r} 0")
+        ElementTree.SubElement(outer, "geom", type="box", size=f"{PLATE * scale!r} {radius!r} {radius!r}", friction="1")
+        height = 2 * radius - DEPTH * scale
+        ElementTree.SubElement(inner, "geom", type="sphere", size=f"{radius!r}", pos=f"0 0 {height!r}", friction="1")
+    return root
