@@ -12,7 +12,7 @@ from tests.test_help import COMMANDS
 ROOT = Path(__file__).parents[1]
 
 ENGINE_PACKAGES = (
-    "exudyn", "mujoco", "warp", "newton", "jax", "pybullet", "pydrake", "dartpy", "pinocchio", "pymunk", "Box2D",
+    "exudyn", "genesis", "mujoco", "warp", "newton", "jax", "pybullet", "pydrake", "dartpy", "pinocchio", "pymunk", "Box2D",
     "rapier3d", "sapien", "ovphysx", "ovstage",
 )  # fmt: skip
 

@@ -28,6 +28,13 @@ LEAST_COEFFICIENT = 0.01
 FINENESS = 2.0**14
 """Displacement scale over the unit of length: accelerations are then near one, far above the solver's tolerance."""
 
+SOFTNESS = 2.0**-60
+"""How hard contacts of lanes that share a scene press, over how hard they do with a damping ratio of one.
+
+The same for all lanes, so that none depends on the others; their coefficients make the bounds of friction of it. So
+soft that no coefficient comes near `LEAST_COEFFICIENT`: by Signorini's law, nothing but the product matters.
+"""
+
 TOUCHING = {
     "enable_adjacent_collision": Option(True, False, "Genesis lets a body through the one that carries it."),
     "enable_neutral_collision": Option(True, False, "And bodies through each other that touch from the start."),
@@ -110,32 +117,35 @@ class ContactSimulation(GenesisSimulation):
         return scene
 
     def _press(self, scene: Scene) -> None:
-        """Choose how hard contacts are: so that they press with λ_N, or, several lanes, so that friction has its bound.
-
-        Hardness is the same in all environments, and the coefficient of friction is not.
-        """
-        rubs = self._rubs
-        coefficients = np.stack([chain.friction_coefficient for chain in self._chains])
-        given = np.stack([chain.normal_force for chain in self._chains])
-        scene.set_contact_constraints(self._constraints(np.ones(rubs.size)))
+        """Choose how hard contacts are: in SI units they press with λ_N, in others friction has its bound."""
+        scene.set_contact_constraints(self._constraints(np.ones(self._rubs.size)))
         # The edges of a pyramid are the softer, the smaller the coefficient.
-        scene.set_coefficients(coefficients)
+        scene.set_coefficients(self._of_chains("friction_coefficient"))
         scene.native_steps(1)
-        soft = scene.normal_force()
-        hardness = np.divide(given[0], soft[0], where=rubs, out=np.ones(rubs.size))
-        if self._preset["units"] == "lane":
-            bounds = np.stack([chain.friction_bound for chain in self._chains])
-            hardness[:] = np.min((bounds / soft)[:, rubs]) / (2 * LEAST_COEFFICIENT)
-            coefficients = bounds / (hardness * soft)
-        least = np.min(coefficients[:, rubs])
+        pressed, given = np.where(self._rubs, scene.normal_force(), 1.0), self._of_chains("normal_force")
+        hardness, coefficients = self._hardness(pressed)
+        least = np.min(coefficients[:, self._rubs])
         if least < LEAST_COEFFICIENT:
-            raise ParameterError(
-                f"friction_coefficient = {least:g}; allowed: at least {LEAST_COEFFICIENT:g} in Genesis"
-            )
+            allowed = f"at least {LEAST_COEFFICIENT:g} in Genesis"
+            raise ParameterError(f"friction_coefficient = {least:g}; allowed: {allowed}")
         scene.set_contact_constraints(self._constraints(hardness))
         scene.set_coefficients(coefficients)
         # What is pressed in the lane, over what is pressed in the scene.
-        self._share = np.divide(given, hardness * soft, where=rubs, out=np.zeros(given.shape))
+        self._share = given / (hardness * pressed)
+
+    def _hardness(self, pressed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Give how many times as hard each cell is to press, shape (n,), and the coefficients, shape (lanes, n).
+
+        Hardness is the same in all environments of a scene, and the coefficient of friction is not.
+        """
+        if self._preset["units"] == "SI":
+            wanted = np.where(self._rubs, self._of_chains("normal_force"), 1.0)
+            return wanted[0] / pressed[0], self._of_chains("friction_coefficient")
+        return np.full(self._rubs.size, SOFTNESS), self._of_chains("friction_bound") / (SOFTNESS * pressed)
+
+    def _of_chains(self, name: str) -> FloatArray:
+        """Give a number of every cell of every lane, in the units of the lane, shape (lanes, n)."""
+        return np.stack([getattr(chain, name) for chain in self._chains])
 
     def _constraints(self, hardness: FloatArray) -> FloatArray:
         """Give the parameters of contacts that press so many times as hard as with a damping ratio of one."""

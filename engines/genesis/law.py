@@ -8,8 +8,9 @@ from engines.mujoco.law import LARGEST_IMPEDANCE, LEAST_IMPEDANCE, WIDTH, Pyrami
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 
-NEWTON_PERIOD = 3e-5
-"""Of U0, as MuJoCo's: Genesis's Newton stops at the same tolerance."""
+NEWTON_PERIOD = 1e-5
+"""Of U0: Genesis's Newton stops where a step of it would gain less than 1e-8, as MuJoCo's does, which makes 4e-6 U0 of
+the gentlest motion that presets are held to (see `engines.mujoco.law`); it does so in a step or two of a period."""
 
 NEWTON_REASON = "Genesis's Newton solver stops at a tolerance of 1e-8, now and then before all is solved"
 
