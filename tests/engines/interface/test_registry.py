@@ -21,9 +21,8 @@ def test_every_engine_that_comes_with_the_suite_is_installed() -> None:
 
 
 FURTHER = (
-    "box2d", "dart", "drake", "genesis", "mjx", "mujoco-warp", "newton", "ode", "ovphysx", "pinocchio", "pymunk", "rapier",
-    "sapien",
-    "siconos",
+    "box2d", "dart", "drake", "genesis", "mjx", "mujoco-warp", "newton", "ode", "ovphysx", "pinocchio", "pymunk",
+    "rapier", "sapien", "siconos",
 )  # fmt: skip
 
 
