@@ -12,8 +12,8 @@ from tests.test_help import COMMANDS
 ROOT = Path(__file__).parents[1]
 
 ENGINE_PACKAGES = (
-    "exudyn", "genesis", "mujoco", "warp", "newton", "jax", "pybullet", "pydrake", "dartpy", "pinocchio", "pymunk", "Box2D",
-    "rapier3d", "sapien", "ovphysx", "ovstage",
+    "exudyn", "genesis", "mujoco", "warp", "newton", "jax", "pybullet", "pydrake", "dartpy", "pinocchio", "pymunk",
+    "Box2D", "rapier3d", "sapien", "ovphysx", "ovstage",
 )  # fmt: skip
 
 COMPUTING = ("numba", "scipy", "pandas", "xarray", "h5py", "matplotlib", "plotly", "jinja2", "PIL", *ENGINE_PACKAGES)
