@@ -7,7 +7,6 @@ from rich.console import Console
 from rich.table import Table
 
 from engines.interface.law import Law, NotModelled
-from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from engines.shared.law_distance import LawDistance, distance_from_law
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
@@ -48,7 +47,7 @@ def _constants(law: Law) -> Table:
 def _measured(variant: Variant, law: Law) -> str:
     """Compare a period of engine and law at the points where the law claims to hold."""
     bound = f"allowed {law.period_bound:g} U0: {law.bound_reason}"
-    missing = engine(variant.engine).unavailable_reason()
+    missing = variant.unavailable_reason
     if missing is not None:
         return f"not measured here, {missing}; {bound}"
     lanes = [lane for lane in _lanes() if law.unmodelled_reason(lane) is None]

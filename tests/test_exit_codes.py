@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-import reports.cli.animation
 import scenarios.__main__
 from engines.interface.variant import Variant
 from reference_lcp.console import run_command
@@ -110,6 +109,6 @@ def test_standard_output_that_cannot_be_written_is_a_failed_run() -> None:
 
 
 def test_a_missing_engine_is_wrong_input_where_nothing_else_is_wanted(stores, monkeypatch, capsys) -> None:
-    monkeypatch.setattr(reports.cli.animation, "unavailable_reason", lambda _variant: "no wheel")
+    monkeypatch.setattr(Variant, "unavailable_reason", "no wheel")
     assert code_of("reports animate --engine mujoco") == ExitCode.WRONG_INPUT
     assert "--engine = mujoco is not installed: no wheel" in capsys.readouterr().err

@@ -16,7 +16,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     time, ``lifting`` the tuned ones whose contacts may open, ``installed`` the name of an engine.
     """
     names = _chosen(metafunc.config)
-    variants = [variant for name in names for variant in variants_of(name, optional=True)]
+    every = [variant for name in names for variant in variants_of(name, optional=True)]
+    variants = [variant for variant in every if variant.unavailable_reason is None]
     tuned = [variant for variant in variants if variant.preset_name == "tuned"]
     cases: dict[str, list[Variant]] = {
         "tested": variants,

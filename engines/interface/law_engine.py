@@ -86,6 +86,7 @@ def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
             normal_force=NormalForce.MODULATED if law.modulated else NormalForce.CONSTANT,
             modulated_options={},
             batch_lanes=None,
+            versions="",
         )
         for name, law in laws.items()
         if law is not None

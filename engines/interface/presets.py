@@ -95,6 +95,8 @@ class Preset:
         `residual_slip_compliance` where it does.
     batch_lanes
         Lanes that one simulation takes at best, where that is another number than the engine's.
+    versions
+        Versions of the engine that have what it sets, as pip has them, such as ``>=4``; any without this.
     optional
         It takes part where it is named, and not where all presets of an engine are meant.
     """
@@ -111,10 +113,17 @@ class Preset:
     modulated_options: Mapping[str, Option] = field(default_factory=dict)
     modulated_residual_slip_compliance: float = 0.0
     batch_lanes: int | None = None
+    versions: str = ""
     optional: bool = False
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value
+
+    def takes(self, version: str) -> bool:
+        """Tell whether a version of the engine has what it sets."""
+        from packaging.specifiers import SpecifierSet
+
+        return not self.versions or SpecifierSet(self.versions).contains(version, prereleases=True)
 
     def stated_law(self) -> Law | NotModelled | None:
         """Give the model of its steps, or the reason why there is none; ``None`` where it states neither."""

@@ -66,6 +66,11 @@ class Variant:
         """Give the number of lanes that one simulation takes at best."""
         return self.preset.batch_lanes or self.capabilities.batch_lanes
 
+    @property
+    def unavailable_reason(self) -> str | None:
+        """Give the reason why it cannot be used here; ``None`` if it can."""
+        return engine(self.engine).unavailable_reason_of(self.preset)
+
     def build(self, lanes: Sequence[Lane]) -> Simulation:
         """Build every lane; see `Engine.build`."""
         return engine(self.engine).build(lanes, self.formulation, self.preset_name)

@@ -13,7 +13,7 @@ from reference_lcp.refusal import ParameterError
 from reference_lcp.validation import checked_count
 from reference_lcp.visible import visible
 from scenarios.cli.evaluation import store_of_run
-from scenarios.execution.evaluator import Evaluator, unavailable_reason
+from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.local_processes import LocalExecutor
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.task import SteadyStateTask
@@ -34,7 +34,7 @@ def animate_period(
     if out.suffix not in ENDINGS:
         raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(ENDINGS)}")
     checked_output_file("--out", out)
-    missing = unavailable_reason(variant)
+    missing = variant.unavailable_reason
     if missing is not None:
         raise ParameterError(f"--engine = {chosen} is not installed: {missing}; allowed: one that is")
     period = period_of(task, time_limit)

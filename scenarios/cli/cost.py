@@ -14,7 +14,6 @@ from reference_lcp.output import write_whole
 from reference_lcp.refusal import ParameterError
 from reference_lcp.validation import checked_count, checked_scalar
 from reference_lcp.visible import visible
-from scenarios.execution.evaluator import unavailable_reason
 from scenarios.execution.limits import TIME_LIMIT
 from scenarios.studies.cost import COST_COLUMNS, STEP_COLUMNS, CostRow, cost
 from scenarios.tables import Column, Row, csv_text, full_table, markdown_lines, print_table, text_table
@@ -80,7 +79,7 @@ def _measured(variants: Sequence[Variant], measure: Callable[[Variant], Sequence
     """Measure one variant after the other, with a bar on the way; those that are missing are named."""
     rows: list[Row] = []
     for variant in track(variants, "cost", console=Console(stderr=True), transient=True):
-        missing = unavailable_reason(variant)
+        missing = variant.unavailable_reason
         if missing is not None:
             print(visible(f"{variant}: {missing}"), file=sys.stderr)
         else:

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 from typing import TypeVar
 
-from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from scenarios.execution.batch import batches_of
 from scenarios.execution.closing import Closing
@@ -58,7 +57,8 @@ class Evaluator(Closing):
         self._retry_blocked = retry_blocked
         self._executor = executor
         self._results: dict[Task, Result] = {}
-        self._unavailable = cache(unavailable_reason)  # looked up once a variant: 100,000 points take no time
+        # Looked up once a variant: 100,000 points take no time.
+        self._unavailable = cache(lambda variant: variant.unavailable_reason)
         self.progress: Progress = _no_progress
         self.recalled: Progress = _no_progress
 
@@ -160,8 +160,3 @@ class StoredResults(Evaluator):
 
     def _recalled(self, stored: _Stored | None) -> _Stored | Result | None:
         return stored or Result.missing()
-
-
-def unavailable_reason(variant: Variant) -> str | None:
-    """Give the reason why a variant's engine cannot be used here; ``None`` if it can."""
-    return engine(variant.engine).unavailable_reason()
