@@ -14,6 +14,8 @@ from engines.mujoco.contact import (
 from engines.mujoco.joint import JOINT_DEFAULT, JOINT_TUNED, joint_model
 from engines.mujoco.pressed_contact import pressed_harder
 from engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
+from engines.mujoco.yielding_simulation import yielding_simulation
+from engines.mujoco.yielding_spring import YIELD
 from engines.shared.units import Units
 from engines.shared.wheel_engine import WheelEngine
 from reference_lcp.chain.simulation import Lane, Simulation
@@ -31,7 +33,7 @@ class MuJoCo(WheelEngine):
         licence="Apache-2.0",
         friction_law=FrictionLaw.REGULARISED,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
+            Formulation.JOINT: {"tuned": JOINT_TUNED, "yield": YIELD, "default": JOINT_DEFAULT},
             Formulation.CONTACT: {"tuned": CONTACT_TUNED, "newton": CONTACT_NEWTON, "default": CONTACT_DEFAULT},
         },
         notes=(
@@ -42,6 +44,8 @@ class MuJoCo(WheelEngine):
     )
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        if "spring_phase" in preset.options:
+            return yielding_simulation(lanes, preset)
         modulated = any(lane.preload is not None for lane in lanes)
         options = preset.modulated() if modulated else preset
         if formulation is Formulation.JOINT:

@@ -64,7 +64,7 @@ def add_masses(spec: Any, chain: Chain, cell: int, across: float = 0.0) -> tuple
     """Add an outer mass that slides in the world, and on it an inner one with its spring and its dashpot."""
     outer = _add_slider(spec.worldbody, f"outer {cell}", chain.outer_mass[cell], across)
     inner = _add_slider(outer, f"inner {cell}", chain.inner_mass[cell])
-    _set_spring(inner.joints[0], chain.inner_stiffness[cell], chain.inner_damping[cell])
+    set_spring(inner.joints[0], chain.inner_stiffness[cell], chain.inner_damping[cell])
     return outer, inner
 
 
@@ -91,13 +91,13 @@ def add_chain(spec: Any, chain: Chain) -> None:
 def _add_chain_spring(spec: Any, cell: int, stiffness: float, damping: float) -> None:
     """Add a tendon between neighbouring outer masses, or from the world to the first."""
     tendon = spec.add_tendon(springlength=[0, 0])
-    _set_spring(tendon, stiffness, damping)
+    set_spring(tendon, stiffness, damping)
     if cell > 0:
         tendon.wrap_joint(f"outer {cell - 1}", -1)
     tendon.wrap_joint(f"outer {cell}", 1)
 
 
-def _set_spring(element: Any, stiffness: float, damping: float) -> None:
+def set_spring(element: Any, stiffness: float, damping: float) -> None:
     """Set spring and dashpot of a joint or a tendon: numbers, or since 3.8 the coefficients of polynomials."""
     for name, value in (("stiffness", stiffness), ("damping", damping)):
         setattr(element, name, value if np.ndim(getattr(element, name)) == 0 else [value, 0, 0])

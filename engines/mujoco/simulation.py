@@ -2,7 +2,7 @@
 
 import contextlib
 import importlib.util
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Self
 
 import numpy as np
@@ -55,13 +55,13 @@ class MuJoCoSimulation:
         A lane that diverges stops about 1e10 displacement scales away, and its last row is repeated.
         """
         record = self._rollout(state, start, steps, self._recorded)
-        end = self._state(record["qpos"][:, -1], record["qvel"][:, -1]).internal_state
+        end = self._state(lambda name: record[name][:, -1]).internal_state
         return [
             Trajectory(
                 lane.times(start, steps),
                 absolute_coordinates(record["qpos"][index], self._joints) * units.length,
                 absolute_coordinates(record["qvel"][index], self._joints) * units.velocity,
-                record["qfrc_constraint"][index, :, 1 :: self._joints] * units.force,
+                self._friction(index, record),
                 self._normal_force(index, record, start, steps),
                 None if end is None else end[index],
                 record["qpos"][index, :, 3 :: self._joints] * units.length if self._opens else None,
@@ -72,7 +72,7 @@ class MuJoCoSimulation:
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state; see `Simulation.advance`."""
         self._rollout(state, start, steps, ())
-        return self._state(self._batch.bind("qpos"), self._batch.bind("qvel"))
+        return self._state(self._batch.bind)
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
         """Give the lanes of these indices; they share the models."""
@@ -101,12 +101,17 @@ class MuJoCoSimulation:
         qpos, qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
         qpos[:] = self._checked("positions", state.positions, self._length)
         qvel[:] = self._checked("velocities", state.velocities, self._velocity)
-        if self._opens:
-            gap, speed = state.normal_state(self.lanes[0].chain.cells)
-            qpos[:, 3 :: self._joints], qvel[:, 3 :: self._joints] = gap / self._length, speed / self._velocity
+        self._set_internal_state(state, start)
         self._batch.bind("qacc_warmstart")[:] = 0
         with _no_warning_file():
             return self._rolled(self._controls(start, steps), start, record)
+
+    def _set_internal_state(self, state: State, start: int) -> None:
+        """Set what a state holds besides: gaps and their rates."""
+        if self._opens:
+            gap, speed = state.normal_state(self.lanes[0].chain.cells)
+            self._batch.bind("qpos")[:, 3 :: self._joints] = gap / self._length
+            self._batch.bind("qvel")[:, 3 :: self._joints] = speed / self._velocity
 
     def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
         """Take a step for each control, shape (lanes, steps, nu)."""
@@ -122,8 +127,9 @@ class MuJoCoSimulation:
             controls.append(np.hstack(columns) / units.force)
         return np.stack(controls)
 
-    def _state(self, qpos: FloatArray, qvel: FloatArray) -> State:
-        """Give the state of all lanes of joint coordinates and velocities, shape (lanes, nq)."""
+    def _state(self, part: Callable[[str], FloatArray]) -> State:
+        """Give the state of all lanes, whose parts, shape (lanes, size), are given by their names in MuJoCo."""
+        qpos, qvel = part("qpos"), part("qvel")
         position, velocity = (
             absolute_coordinates(qpos, self._joints) * self._length,
             absolute_coordinates(qvel, self._joints) * self._velocity,
@@ -141,6 +147,10 @@ class MuJoCoSimulation:
             largest = float(np.max(np.abs(values)))
             raise ParameterError(f"initial {name} reach {largest:g}; allowed by MuJoCo: {largest / excess.max():g}")
         return coordinates
+
+    def _friction(self, index: int, record: Mapping[str, FloatArray]) -> FloatArray:
+        """λ_T on the inner masses, shape (steps, n)."""
+        return record["qfrc_constraint"][index, :, 1 :: self._joints] * self._units[index].force
 
     def _normal_force(self, index: int, record: Mapping[str, FloatArray], start: int, steps: int) -> FloatArray:
         """λ_N as the sensors of the contacts measured it; cells without friction have no contact."""
