@@ -8,14 +8,19 @@ import pytest
 from engines.interface.engine import EngineNotInstalled
 from engines.interface.law_engine import law_of
 from engines.interface.presets import Formulation
+from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
+from engines.mujoco.yielding_law import YieldingLane
 from engines.mujoco.yielding_state import yield_stiffness
 from reference_lcp.chain.harmonic import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.refusal import ParameterError
+from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
+from reference_lcp.stepping.sequential import SequentialSimulation
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, built_with, lane_of, random_state
 
 YIELD = MuJoCo().capabilities.presets[Formulation.JOINT]["yield"]
@@ -54,6 +59,15 @@ def stiffness_of(lane: Lane) -> float:
     return float(yield_stiffness(lane.chain, lane.time_step, YIELD["spring_phase"])[0])
 
 
+def reduced_mass(lane: Lane) -> float:
+    return 1 / float(1 / lane.chain.outer_mass[0] + 1 / lane.chain.inner_mass[0])
+
+
+def orbit_of(lane: Lane, phase: float) -> PeriodicOrbit:
+    """Give the steady state of the law."""
+    return periodic_orbits(SequentialSimulation([YieldingLane(lane, phase)]), STEPS)[0]
+
+
 def test_a_contact_without_a_history_holds_the_load_that_it_meets() -> None:
     lane = free_cell()
     motion = run_of(lane, stretched(None), STEPS)
@@ -67,7 +81,7 @@ def test_a_stuck_contact_rings_for_ever_about_what_it_holds() -> None:
     lane = free_cell()
     chain, stiffness = lane.chain, stiffness_of(lane)
     softest = float(chain.inner_stiffness[0])
-    mass = 1 / float(1 / chain.outer_mass[0] + 1 / chain.inner_mass[0])
+    mass = reduced_mass(lane)
     angle = np.arccos(1 - (stiffness + softest) * lane.time_step**2 / mass / 2)
     amplitude = softest * AMPLITUDE / 2 / (stiffness + softest)
     motion = run_of(lane, stretched(0.0), 20 * STEPS)
@@ -136,3 +150,18 @@ def test_a_version_without_springs_that_yield_is_refused(monkeypatch: pytest.Mon
         MuJoCo().build([free_cell()], "joint", "yield")
     assert MuJoCo().build([free_cell()], "joint", "tuned") is not None
     assert MuJoCo().unavailable_reason_of(dataclasses.replace(YIELD, versions=">=3.17")) is None
+
+
+def test_softer_springs_are_further_from_coulomb() -> None:
+    lane = lane_of(0.6, 1.3)
+    exact = decibel(transmittance(periodic_orbits(engine("reference").build([lane], preset="converged"), STEPS)[0]))
+    errors = [float(decibel(transmittance(orbit_of(lane, phase))) - exact) for phase in (0.3, 0.6, 1.0)]
+    assert np.abs(errors) == pytest.approx([0.231, 0.048, 0.011], abs=2e-3)
+
+
+def test_a_dashpot_that_damps_swings_a_little_would_be_as_strong_as_friction() -> None:
+    """By a hundredth of critical; it would not yield with the spring, and so act in every slip."""
+    lane = lane_of(0.6, 1.3)
+    dashpot = 2 * 0.01 * np.sqrt(stiffness_of(lane) * reduced_mass(lane))
+    fastest = float(np.max(np.abs(orbit_of(lane, YIELD["spring_phase"]).trajectory.relative_velocity)))
+    assert dashpot * fastest / lane.chain.friction_bound[0] == pytest.approx(0.87, abs=0.01)
