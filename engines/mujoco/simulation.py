@@ -17,8 +17,8 @@ from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.refusal import ParameterError
 from reference_lcp.validation import FloatArray, checked_count
 
-LARGEST_COORDINATE = 1e10
-"""MuJoCo's mjMAXVAL: beyond, it stops a simulation; in units of the lane."""
+LARGEST_NUMBER = 1e10
+"""MuJoCo's mjMAXVAL, in units of the lane: beyond, coordinates stop a simulation, and forces count as zero."""
 
 
 class MuJoCoSimulation:
@@ -124,7 +124,9 @@ class MuJoCoSimulation:
             columns = [lane.loads(start, steps)[:, None]]
             if self._opens:
                 columns.append(-lane.preloads(start, steps))
-            controls.append(np.hstack(columns) / units.force)
+            forces = np.hstack(columns)
+            _check_forces(forces, LARGEST_NUMBER * units.force)
+            controls.append(forces / units.force)
         return np.stack(controls)
 
     def _state(self, part: Callable[[str], FloatArray]) -> State:
@@ -142,7 +144,7 @@ class MuJoCoSimulation:
     def _checked(self, name: str, values: FloatArray, units: FloatArray) -> FloatArray:
         """Give the joint coordinates of a state, or refuse those at which MuJoCo would stop without a message."""
         coordinates = joint_coordinates(values / units, self._joints)
-        excess = np.abs(coordinates) / LARGEST_COORDINATE
+        excess = np.abs(coordinates) / LARGEST_NUMBER
         if np.any(excess > 1):
             largest = float(np.max(np.abs(values)))
             raise ParameterError(f"initial {name} reach {largest:g}; allowed by MuJoCo: {largest / excess.max():g}")
@@ -204,6 +206,13 @@ class _Batch:
 def _batch(models: Sequence[Any]) -> _Batch | SteppedModels:
     """Give a batch, or what does the same in versions of MuJoCo that have none."""
     return _Batch(models) if importlib.util.find_spec("mujoco.batch") else SteppedModels(models)
+
+
+def _check_forces(forces: FloatArray, allowed: float) -> None:
+    """Refuse controls for which MuJoCo would take zero without a message."""
+    largest = float(np.max(np.abs(forces), initial=0.0))
+    if largest > allowed:
+        raise ParameterError(f"forces reach {largest:g} N; allowed by MuJoCo: {allowed:g} N")
 
 
 @contextlib.contextmanager

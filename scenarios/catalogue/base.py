@@ -8,6 +8,7 @@ from engines.interface.variant import Variant
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.verdicts.finding import Finding, Metric
+from scenarios.verdicts.prediction import LawPeriod
 
 
 class Scenario(ABC):
@@ -28,9 +29,15 @@ class Scenario(ABC):
         """Give the parameters of the cases that their names leave out (numbers cell by cell, for example), in lines."""
         return []
 
-    @abstractmethod
     def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
         """Give, by case, the tasks that compare a period of a variant with its law's, from the same state."""
+        return {}
+
+    def law_periods(self, variant: Variant, evaluator: Evaluator) -> Mapping[str, LawPeriod]:
+        """Compare, by case, a variant that has a law with it from the same state: over a period, unless overridden."""
+        tasks = self.period_tasks(variant)
+        results = evaluator.evaluate(list(tasks.values()))
+        return {case: LawPeriod.of(task, result) for (case, task), result in zip(tasks.items(), results, strict=True)}
 
     @abstractmethod
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:

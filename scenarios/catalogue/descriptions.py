@@ -54,6 +54,19 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "allowed: "
             "the engine's error from three step sizes, or the reference's from the same ones if that is larger",
         ),
+        "static-hold": Description(
+            "Does a contact hold a load below its bound, or does it creep?",
+            "no slip; allowed: round-off, and the creep that the options of the preset state",
+        ),
+        "breakaway": Description(
+            "At which part of its bound does a contact slip under a load that grows slowly?",
+            f"the reference with {REFERENCE_REFINEMENT} times as many steps; allowed: two steps",
+        ),
+        "stopping-distance": Description(
+            "Where and when does a sliding block come to rest, and does it stay there?",
+            "the event-driven motion, exact to round-off: v² / (2 μ λ_N / m); no drift; allowed: the engine's error "
+            "from three step sizes, or the reference's from the same ones if that is larger",
+        ),
         "ricker-pulse": Description(
             "What of a Ricker pulse of the base, with its peak at ω_r, arrives at the end of the chain?",
             TRANSIENT_EXPECTS,

@@ -6,7 +6,7 @@ from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario
 from scenarios.execution.evaluator import Evaluator
 from scenarios.verdicts.finding import Finding
-from scenarios.verdicts.prediction import LawPeriod, needs_prediction, with_predictions
+from scenarios.verdicts.prediction import needs_prediction, with_predictions
 
 
 def run_with_predictions(scenario: Scenario, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
@@ -19,12 +19,7 @@ def run_with_predictions(scenario: Scenario, variants: Sequence[Variant], evalua
     for variant in dict.fromkeys(finding.variant for finding in findings):
         own = [finding for finding in findings if finding.variant == variant]
         if variant in laws:
-            tasks = scenario.period_tasks(variant)
-            results = evaluator.evaluate(list(tasks.values()))
-            periods = {
-                case: LawPeriod.of(task, result) for (case, task), result in zip(tasks.items(), results, strict=True)
-            }
             of_law = [finding for finding in predicted if finding.variant == laws[variant]]
-            own = with_predictions(own, of_law, periods)
+            own = with_predictions(own, of_law, scenario.law_periods(variant, evaluator))
         judged += own
     return judged

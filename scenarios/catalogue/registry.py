@@ -4,6 +4,9 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from scenarios.catalogue.base import Scenario
+from scenarios.catalogue.block.breakaway import Breakaway
+from scenarios.catalogue.block.static_hold import StaticHold
+from scenarios.catalogue.block.stopping_distance import StoppingDistance
 from scenarios.catalogue.steady.den_hartog import DenHartog
 from scenarios.catalogue.steady.figure3 import Figure3Points
 from scenarios.catalogue.steady.linear_limits import FrictionlessLimit, LockedLimit
@@ -24,6 +27,9 @@ SCENARIOS: tuple[Scenario, ...] = (
     FrictionlessLimit(),
     LockedLimit(),
     FreeDecay(),
+    StaticHold(),
+    Breakaway(),
+    StoppingDistance(),
     RickerPulseScenario(),
     SweptSineScenario(),
     FilteredNoiseScenario(),

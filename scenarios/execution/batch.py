@@ -8,6 +8,7 @@ from engines.interface.variant import Variant
 from scenarios.execution.law_period import run_law_periods
 from scenarios.execution.steady import run_steady_states
 from scenarios.execution.transient import run_transients
+from scenarios.tasks.block import BlockTask
 from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.recorded import RecordedPeriodTask
 from scenarios.tasks.result import Result
@@ -21,6 +22,7 @@ _RUN: dict[type[Task], Callable[[Any], list[Result]]] = {
     SteadyStateTask: run_steady_states,
     RecordedPeriodTask: run_steady_states,
     TransientTask: run_transients,
+    BlockTask: run_transients,
     LawPeriodTask: run_law_periods,
 }
 

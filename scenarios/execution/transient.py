@@ -75,6 +75,7 @@ class _Record:
         initial = task.initial_state()
         self._last_positions, self._last_velocities = initial.positions, initial.velocities
         self._rows: list[FloatArray] = []
+        self._slip_velocities: list[FloatArray] = []
         self._heat = _Heat()
         self._initial_energy = float(mechanical_energy(lane.chain, initial.positions, initial.velocities)[0])
         self._least_energy, self._growth = self._initial_energy, 0.0
@@ -85,18 +86,27 @@ class _Record:
         self._rows.append(run.positions[every - 1 :: every].copy())
         if self._task.recorded == "decay":
             self._add_energies(run)
+        if self._task.recorded == "slip":
+            self._slip_velocities.append(run.relative_velocity[every - 1 :: every, 0].copy())
         self._last_positions, self._last_velocities = run.positions[-1:].copy(), run.velocities[-1:].copy()
 
     def series(self) -> NamedNumbers:
         """Give what the task names, displacements over the displacement scale and energies over the initial one.
 
-        ``response``: the last outer mass at each kept row. ``decay``: see `_decay`.
+        ``response``: the last outer mass at each kept row. ``slip``: v − u of cell 1 there, and
+        ``slip_velocity`` [m/s]. ``decay``: see `_decay`.
         """
         rows = np.concatenate(self._rows)
         chain = self._lane.chain
         rows /= self._lane.drive.displacement_scale(chain)
         if self._task.recorded == "decay":
             return self._decay(rows)
+        if self._task.recorded == "slip":
+            velocities = np.concatenate(self._slip_velocities)
+            return {
+                "slip": tuple((rows[:, chain.cells] - rows[:, 0]).tolist()),
+                "slip_velocity": tuple(velocities.tolist()),
+            }
         return {"response": tuple(rows[:, chain.cells - 1].tolist())}
 
     def _decay(self, rows: FloatArray) -> NamedNumbers:

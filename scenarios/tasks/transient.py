@@ -2,7 +2,7 @@
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import PlainSerializer, PlainValidator
@@ -24,7 +24,7 @@ SHAPES = ("undeformed", "stretched", "inner masses displaced")
 scale, inner springs unstretched. ``inner masses displaced``: all of them by the displacement scale, outer ones not.
 """
 
-RECORDED = ("response", "decay")
+RECORDED = ("response", "decay", "slip")
 """What may be recorded of a motion: see `scenarios.execution.transient`."""
 
 
@@ -91,7 +91,7 @@ class TransientTask(Task):
         positions = initial_positions(self.chain, self.shape, self.base.displacement_scale(self.chain))
         return State(positions[None], np.zeros((1, positions.size)))
 
-    def refined(self, factor: int) -> "TransientTask":
+    def refined(self, factor: int) -> Self:
         """Give the task of the same motion with `factor` times as many steps; rows stay at the same times."""
         return dataclasses.replace(
             self, time_step=self.time_step / factor, steps=self.steps * factor, every=self.every * factor

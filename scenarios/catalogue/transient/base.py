@@ -9,7 +9,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 
@@ -123,6 +123,8 @@ class TransientCase:
         """As tables print it."""
         return f"μλ_N/(k_c U0) = {self.friction_ratio:g}"
 
+
+_Transient = TypeVar("_Transient", bound=TransientTask)
 
 Readings = Mapping[Metric, Steps]
 """What is compared, by step size."""
@@ -265,7 +267,7 @@ def needs_step_refinement(findings: Sequence[Finding]) -> bool:
     return any(law_of(finding.variant.preset) is None or not finding.by_far for finding in wrong)
 
 
-def with_refined_steps(coarsest: TransientTask) -> list[TransientTask]:
+def with_refined_steps(coarsest: _Transient) -> list[_Transient]:
     """Give the tasks of a motion with three step sizes, its own first."""
     return [coarsest.refined(factor) for factor in REFINEMENTS]
 

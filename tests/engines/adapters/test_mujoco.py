@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from engines.mujoco import MuJoCo
-from reference_lcp.chain.harmonic import StillBase
+from reference_lcp.chain.harmonic import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
@@ -30,6 +30,15 @@ def test_states_where_mujoco_would_stop_are_refused() -> None:
     simulation = MuJoCo().build([lane_of()])
     with pytest.raises(ParameterError, match=r"initial positions reach 1e\+12"):
         simulation.advance(State(np.full((1, 14), 1e12), np.zeros((1, 14))), 0, 1)
+
+
+def test_forces_for_which_mujoco_would_take_none_are_refused() -> None:
+    chain = Chain.from_ratios(chain_stiffness=1e12, outer_mass=1e9)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, 1.0), STEPS)
+    simulation = MuJoCo().build([lane], "joint", "default")
+    with pytest.raises(ParameterError, match=r"^forces reach .* N; allowed by MuJoCo: 1e\+10 N"):
+        simulation.advance(State.at_rest(1, 7), 0, STEPS)
+    assert np.all(np.isfinite(MuJoCo().build([lane]).advance(State.at_rest(1, 7), 0, STEPS).positions))
 
 
 def test_a_diverged_run_leaves_nothing_behind() -> None:

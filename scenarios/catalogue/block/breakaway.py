@@ -1,0 +1,120 @@
+"""Breakaway: a load that grows slowly, and the part of the bound of friction at which a block slips."""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from engines.interface.variant import Variant
+from reference_lcp.chain.shaken_table import GrowingAcceleration
+from reference_lcp.validation import FloatArray
+from scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, round_off
+from scenarios.catalogue.descriptions import DESCRIPTIONS, REFERENCE_REFINEMENT
+from scenarios.execution.evaluator import Evaluator
+from scenarios.tasks.block import BlockTask
+from scenarios.verdicts.finding import Finding, Metric
+from scenarios.verdicts.judge import Steps, judge, missing
+from scenarios.verdicts.steady_case import REFERENCE
+
+RISE_TIME = 1.0
+"""Time in which the load reaches the bound of friction [s]."""
+
+FOLLOWED = 1.25
+"""Times the rise time for which the load grows."""
+
+TIME_STEPS = (2 * TIME_STEP, TIME_STEP, TIME_STEP / 2, TIME_STEP / 4)
+"""Steps [s]: the coarsest that the carrier's own oscillation allows, and finer ones."""
+
+LEAST_SPEED = 1e-3
+"""Velocity of a slip that counts, over what friction alone would give in the rise time.
+
+From the breakaway on, the velocity grows as J t² / 2: it is reached some 45 ms later, by the exact motion too.
+"""
+
+DELAY = math.sqrt(2 * LEAST_SPEED)
+"""That time, over the rise time; an error of the velocity, over that which counts, moves it by half as much."""
+
+SPRING_LENGTH = 1e4
+"""Length of the spring at which it pulls with the bound of friction, over the way of the base: it hardly does."""
+
+FRACTION = Metric("breakaway", "", "Load at the slip over that at which the reference slips, in finer steps.")
+
+
+class Pull(NamedTuple):
+    """One case: a scale, and a step."""
+
+    scale: Scale
+    time_step: float
+
+    @property
+    def base(self) -> GrowingAcceleration:
+        """The acceleration of the base, with which m a reaches the bound after `RISE_TIME`."""
+        block = self.scale.block(1.0)
+        return GrowingAcceleration(block.bound / block.mass * RISE_TIME**2 / 6, RISE_TIME)
+
+    def task(self, variant: Variant) -> BlockTask:
+        """Give the task of a variant."""
+        base = self.base
+        return BlockTask(
+            variant=variant,
+            block=self.scale.block(SPRING_LENGTH * base.amplitude),
+            base=base,
+            time_step=self.time_step,
+            steps=round(FOLLOWED * RISE_TIME / self.time_step),
+        )
+
+    def __str__(self) -> str:
+        return f"{self.scale.title}, {1e3 * self.time_step:g} ms"
+
+
+PULLS = {str(pull): pull for scale in SCALES for step in TIME_STEPS for pull in (Pull(scale, step),)}
+
+
+class Breakaway(BlockScenario):
+    """Dry friction holds up to its bound and not beyond; a regularised one slips from the first load on."""
+
+    name = "breakaway"
+    question, expects = DESCRIPTIONS[name]
+    source = "Coulomb's law: a contact slips where the load passes μ λ_N; a tilting table's angle is arctan μ."
+    metrics = (FRACTION,)
+
+    def parameters(self) -> list[str]:
+        """Give the load, and what counts as a slip; see `Scenario.parameters`."""
+        return [
+            f"the base's acceleration grows in proportion to time, until m a = {FOLLOWED:g} μ λ_N after "
+            f"{FOLLOWED * RISE_TIME:g} s; a slip counts from {LEAST_SPEED:g} μ λ_N / m · {RISE_TIME:g} s on"
+        ]
+
+    def tasks_by_case(self, variant: Variant) -> Mapping[str, BlockTask]:
+        """Give the tasks; see `BlockScenario.tasks_by_case`."""
+        return {case: pull.task(variant) for case, pull in PULLS.items()}
+
+    def baseline(self) -> list[BlockTask]:
+        """Give the tasks of the reference in finer steps."""
+        return [pull.task(REFERENCE).refined(REFERENCE_REFINEMENT) for pull in PULLS.values()]
+
+    def judged(self, variant: Variant, case: str, task: BlockTask, evaluator: Evaluator) -> list[Finding]:
+        """Compare with the reference in finer steps: within two steps, for a slip is seen at its end."""
+        pull = PULLS[case]
+        own, fine = evaluator.evaluate([task, pull.task(REFERENCE).refined(REFERENCE_REFINEMENT)])
+        gap = missing("", [own]) or missing("reference", [fine])
+        if gap is not None:
+            return Finding.without_numbers(variant, case, self.metrics, gap)
+        times = [_slip_time(pull, np.array(result.series["slip_velocity"])) for result in (own, fine)]
+        value = times[0] / times[1]
+        late = round_off(task) / RISE_TIME / (LEAST_SPEED * _speed(pull)) * DELAY + 2 * task.time_step / RISE_TIME
+        comparison = judge(FRACTION, Steps({1: value}), 1.0, resolution=late)
+        return [Finding(variant, case, FRACTION, value, 1.0, comparison)]
+
+
+def _speed(pull: Pull) -> float:
+    """Velocity that friction alone gives in the rise time [m/s]."""
+    block = pull.scale.block(1.0)
+    return block.bound / block.mass * RISE_TIME
+
+
+def _slip_time(pull: Pull, velocity: FloatArray) -> float:
+    """Give when the slip becomes as fast as counts [s]; NaN if it never does."""
+    fast = np.flatnonzero(np.abs(velocity) > LEAST_SPEED * _speed(pull))
+    return float((fast[0] + 1) * pull.time_step) if fast.size else np.nan

@@ -1,0 +1,118 @@
+"""Static hold: a block under a constant load below the bound of friction stays where it is."""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from engines.interface.variant import Variant
+from reference_lcp.chain.harmonic import StillBase
+from reference_lcp.chain.shaken_table import Vibration
+from scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, judged_at_one_step
+from scenarios.catalogue.descriptions import DESCRIPTIONS
+from scenarios.execution.evaluator import Evaluator
+from scenarios.tasks.block import BlockTask
+from scenarios.verdicts.finding import Finding, Metric
+from scenarios.verdicts.judge import missing
+
+HOLD_TIME = 10.0
+"""How long the load lasts [s]."""
+
+LOADS = (0.1, 0.5, 0.9, 0.99)
+"""Of the bound of friction."""
+
+LENGTH = 1.0
+"""Length at which the spring pulls with the bound of friction [m]: a creep of 1 mm/s takes off a hundredth of the load
+in 10 s."""
+
+SIZE = 0.1
+"""Displacement scale [m]: that of a body one would hold."""
+
+SHARE_OF_VIBRATION = 0.002
+"""Amplitude of the vibration's acceleration times m, over the bound: with all that it makes of the carrier at first, a
+load of 0.99 stays below the bound."""
+
+VIBRATION_FREQUENCY = 2 * math.pi * 2.0
+"""ω of the vibration [rad/s]."""
+
+ROWS = 100
+"""Rows that are kept of a motion."""
+
+CREEP = Metric("creep", "µm/s", "Mean velocity of the slip in the second half of the time, as the load pulls.")
+GROWTH = Metric("growth of creep", "µm/s", "Creep in the last quarter less that in the second one.")
+SAG = Metric("sag", "µm", "Slip in the first hundredth of the time, as the load pulls.")
+
+
+READ_OVER = {CREEP: HOLD_TIME / 2, GROWTH: HOLD_TIME / 8, SAG: math.inf}
+"""Time over which two slips make a velocity [s]; of a difference of two velocities, half of it."""
+
+
+class Hold(NamedTuple):
+    """One case: a load, with or without a vibration."""
+
+    scale: Scale
+    load: float
+    shaken: bool
+
+    def task(self, variant: Variant) -> BlockTask:
+        """Give the task of a variant."""
+        block = self.scale.block(LENGTH)
+        swing = SHARE_OF_VIBRATION * block.bound / (block.mass * VIBRATION_FREQUENCY**2)
+        steps = round(HOLD_TIME / TIME_STEP)
+        return BlockTask(
+            variant=variant,
+            block=block,
+            base=Vibration(SIZE, swing, VIBRATION_FREQUENCY) if self.shaken else StillBase(SIZE),
+            slip=self.load * LENGTH,
+            time_step=TIME_STEP,
+            steps=steps,
+            every=steps // ROWS,
+        )
+
+    def __str__(self) -> str:
+        shaken = ", shaken" if self.shaken else ""
+        return f"{self.scale.title}, load {self.load:g}{shaken}"
+
+
+HOLDS = tuple(Hold(scale, load, shaken) for scale in SCALES for shaken in (False, True) for load in LOADS)
+
+
+class StaticHold(BlockScenario):
+    """Coulomb friction holds a load below its bound without any motion; regularised friction lets it creep."""
+
+    name = "static-hold"
+    question, expects = DESCRIPTIONS[name]
+    source = "Coulomb's law: |λ_T| < μ λ_N means no slip. As users ask it: google-deepmind/mujoco, issue 3328."
+    metrics = (CREEP, GROWTH, SAG)
+
+    def parameters(self) -> list[str]:
+        """Give load, vibration and steps; see `Scenario.parameters`."""
+        return [
+            f"a spring, stretched to a part of the {LENGTH:g} m at which it pulls with μ λ_N, for {HOLD_TIME:g} s in "
+            f"steps of {1e3 * TIME_STEP:g} ms",
+            f"shaken: the base vibrates with m a = {SHARE_OF_VIBRATION:g} μ λ_N at "
+            f"{VIBRATION_FREQUENCY / (2 * math.pi):g} Hz",
+        ]
+
+    def tasks_by_case(self, variant: Variant) -> Mapping[str, BlockTask]:
+        """Give the tasks; see `BlockScenario.tasks_by_case`."""
+        return {str(hold): hold.task(variant) for hold in HOLDS}
+
+    def judged(self, variant: Variant, case: str, task: BlockTask, evaluator: Evaluator) -> list[Finding]:
+        """Compare creep with none; a preset's own residual slip compliance and round-off are allowed."""
+        (result,) = evaluator.evaluate([task])
+        gap = missing("", [result])
+        if gap is not None:
+            return Finding.without_numbers(variant, case, self.metrics, gap)
+        slip = np.array([task.slip, *(SIZE * np.array(result.series["slip"]))])
+        creep = -1e6 * np.diff(slip[:: ROWS // 4]) / (HOLD_TIME / 4)
+        values = {
+            CREEP: float(np.mean(creep[2:])),
+            GROWTH: float(creep[3] - creep[1]),
+            SAG: -1e6 * float(slip[1] - slip[0]),
+        }
+        return [
+            Finding(variant, case, metric, value, 0.0, judged_at_one_step(metric, value, task, READ_OVER[metric]))
+            for metric, value in values.items()
+        ]

@@ -1,0 +1,141 @@
+"""Short questions about one block: exact answers in closed form, and engines that get them wrong."""
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from engines.interface.variant import Variant
+from engines.mujoco import MuJoCo
+from reference_lcp.chain.canonical import FRICTION_COEFFICIENT
+from reference_lcp.refusal import ParameterError
+from scenarios.catalogue.block import breakaway, static_hold, stopping_distance
+from scenarios.catalogue.block.base import STANDARD_GRAVITY, BlockScenario
+from scenarios.catalogue.block.breakaway import PULLS, Breakaway
+from scenarios.catalogue.block.static_hold import CREEP, HOLDS, StaticHold
+from scenarios.catalogue.block.stopping_distance import DISTANCE, THROWS, TIME, StoppingDistance
+from scenarios.catalogue.predicted import run_with_predictions
+from scenarios.execution.store import opened_store
+from scenarios.execution.transient import run_transients
+from scenarios.tasks.block import Block
+from scenarios.verdicts.finding import Finding
+from scenarios.verdicts.steady_case import EXACT, REFERENCE
+from scenarios.verdicts.verdict import Verdict
+from tests.scenarios.in_process import evaluator, misread_the_chain, press_harder, rub_harder
+
+MUJOCO, SOFT = Variant("mujoco"), Variant("mujoco", "joint", "default")
+GRAM, KILOGRAM = "1 g", "1 kg"
+
+needs_mujoco = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
+
+
+def findings(scenario: BlockScenario, *variants: Variant) -> list[Finding]:
+    with opened_store(None) as store, evaluator(store) as running:
+        return run_with_predictions(scenario, variants, running)
+
+
+def wrong(judged: Sequence[Finding]) -> list[Finding]:
+    return [finding for finding in judged if finding.comparison.verdict is not Verdict.AGREE]
+
+
+@pytest.fixture
+def one_scale(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(static_hold, "HOLDS", tuple(hold for hold in HOLDS if hold.scale.title == KILOGRAM))
+    monkeypatch.setattr(breakaway, "PULLS", {case: pull for case, pull in PULLS.items() if GRAM in case})
+    monkeypatch.setattr(stopping_distance, "THROWS", {case: throw for case, throw in THROWS.items() if GRAM in case})
+
+
+@pytest.mark.parametrize("throw", THROWS.values(), ids=str)
+def test_exact_block_stops_after_half_of_its_velocity_squared_over_the_deceleration(throw) -> None:
+    """v² / (2 μ λ_N / m) but for the spring, 1e-4 of the bound at the end, and the carrier, of 20 blocks."""
+    (result,) = run_transients([throw.task(EXACT)])
+    numbers = stopping_distance._numbers(throw, np.array(result.series["slip"]))
+    assert numbers[DISTANCE] == pytest.approx(1, abs=1e-3)
+    assert numbers[TIME] == pytest.approx(1 - np.sqrt(1e-3), abs=2 * throw.task(EXACT).time_step / throw.time)
+    if throw.scale.weights == 1:
+        assert throw.distance == pytest.approx(throw.velocity**2 / (2 * FRICTION_COEFFICIENT * STANDARD_GRAVITY))
+
+
+@pytest.mark.parametrize("hold", HOLDS, ids=str)
+def test_scheme_holds_every_load_below_the_bound_without_any_slip(hold) -> None:
+    """The reference's own vibration does not reach the bound either, or it would slip."""
+    (result,) = run_transients([hold.task(REFERENCE)])
+    assert np.max(np.abs(np.array(result.series["slip"]) * static_hold.SIZE - hold.load)) < 1e-13
+
+
+def test_a_load_just_above_the_bound_is_not_held() -> None:
+    hold = HOLDS[0]._replace(load=1.001)
+    (result,) = run_transients([hold.task(REFERENCE)])
+    assert result.series["slip"][-1] * static_hold.SIZE < 0.9995
+
+
+@pytest.mark.parametrize("pull", PULLS.values(), ids=str)
+def test_the_scheme_slips_when_the_inertia_of_the_block_passes_the_bound(pull) -> None:
+    """The base's acceleration passes μ λ_N / m after the rise time; the slip is fast a known time later."""
+    (result,) = run_transients([pull.task(REFERENCE)])
+    time = breakaway._slip_time(pull, np.array(result.series["slip_velocity"]))
+    # the carrier lags behind the base by 2 ζ / ω, and no less than a step is seen
+    lag = 0.2 / 80.0
+    assert time == pytest.approx(breakaway.RISE_TIME + breakaway.DELAY + lag, abs=2 * pull.time_step + lag)
+
+
+@needs_mujoco
+@pytest.mark.parametrize("scenario", [StaticHold(), Breakaway(), StoppingDistance()], ids=lambda each: each.name)
+def test_engines_that_take_the_scheme_answer_as_it_does(scenario, one_scale) -> None:
+    assert not wrong(findings(scenario, MUJOCO, REFERENCE))
+
+
+@needs_mujoco
+def test_the_soft_friction_of_mujoco_creeps_as_its_law_predicts_whatever_the_mass(one_scale) -> None:
+    creep = [finding for finding in findings(StaticHold(), SOFT) if finding.metric is CREEP]
+    assert all(finding.comparison.verdict is Verdict.DISAGREE and finding.as_predicted for finding in creep)
+    half = next(finding for finding in creep if finding.case == f"{KILOGRAM}, load 0.5")
+    # μ g / 2 over the rate 2 / (d_max τ) of the constraint, softened by (1 − d_0) / d_0: 2.72 mm/s, and the spring
+    # relaxes with it
+    rate, softness = 2 / (0.95 * 0.02), (1 - 0.9) / 0.9
+    first = softness / rate * FRICTION_COEFFICIENT * STANDARD_GRAVITY / 2 * (1 + 1 / 20)
+    relaxed = np.exp(-first / (0.5 * static_hold.LENGTH) * 0.75 * static_hold.HOLD_TIME)
+    assert half.value == pytest.approx(1e6 * first * relaxed, rel=1e-3)
+
+
+@needs_mujoco
+@pytest.mark.parametrize("factor", [0.99, 1.01])
+def test_friction_that_is_a_hundredth_off_breaks_away_elsewhere_and_stops_elsewhere(
+    factor, one_scale, monkeypatch
+) -> None:
+    rub_harder(monkeypatch, factor)
+    early = [finding for finding in wrong(findings(Breakaway(), MUJOCO)) if "0.5 ms" in finding.case]
+    assert [np.sign(finding.comparison.difference) for finding in early] == [np.sign(factor - 1)]
+    short = [finding for finding in wrong(findings(StoppingDistance(), MUJOCO)) if finding.metric is DISTANCE]
+    assert [np.sign(finding.comparison.difference) for finding in short] == 2 * [np.sign(1 - factor)]
+
+
+@needs_mujoco
+def test_a_bound_that_is_two_hundredths_too_small_does_not_hold_the_largest_load(one_scale, monkeypatch) -> None:
+    rub_harder(monkeypatch, 0.98)
+    assert {finding.case for finding in wrong(findings(StaticHold(), MUJOCO))} == {
+        f"{KILOGRAM}, load 0.99",
+        f"{KILOGRAM}, load 0.99, shaken",
+    }
+
+
+@needs_mujoco
+def test_a_block_that_is_heavier_than_it_should_be_goes_too_far(one_scale, monkeypatch) -> None:
+    misread_the_chain(monkeypatch, inner_mass=1.01)
+    assert {finding.metric for finding in wrong(findings(StoppingDistance(), MUJOCO))} >= {DISTANCE}
+
+
+@needs_mujoco
+def test_a_law_excuses_no_block_that_it_does_not_predict(one_scale, monkeypatch) -> None:
+    press_harder(monkeypatch, SOFT, 1.05)
+    stopped = [finding for finding in findings(StoppingDistance(), SOFT) if finding.metric is DISTANCE]
+    assert stopped
+    assert not any(finding.as_predicted for finding in stopped)
+
+
+@pytest.mark.parametrize("name", ["mass", "normal_force", "stiffness"])
+def test_a_block_without_mass_spring_or_with_a_pull_is_refused(name) -> None:
+    block = dataclasses.replace(Block(mass=1.0, normal_force=9.8, stiffness=5.0), **{name: -1.0})
+    with pytest.raises(ParameterError, match=r"= -\d+ is outside its range"):
+        block.chain()
