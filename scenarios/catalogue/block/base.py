@@ -140,7 +140,8 @@ def judged_at_one_step(metric: Metric, value: float, task: BlockTask, time: floa
     """
     lane, preset = task.lane(), task.variant.preset
     stated = preset if lane.preload is None else preset.modulated()
-    speed = stated.residual_slip_compliance * task.block.bound / task.block.mass * task.time_step
+    inverse_mass = float(1 / task.chain.inner_mass[0] + 1 / task.chain.outer_mass[0])
+    speed = stated.residual_slip_compliance * task.block.bound * inverse_mass * task.time_step
     if math.isinf(time):
         allowed, per_amplitude = speed * task.every * task.time_step + round_off(task), 1.0
     else:
