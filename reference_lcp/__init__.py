@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from reference_lcp.lcp.frictional_system import FrictionalSystem as FrictionalSystem
     from reference_lcp.lcp.frictional_system import simulate_system as simulate_system
     from reference_lcp.lcp.lemke import lemke as lemke
+    from reference_lcp.lcp.polyhedral_friction import PolyhedralStep as PolyhedralStep
+    from reference_lcp.lcp.polyhedral_friction import solve_polyhedral_step as solve_polyhedral_step
     from reference_lcp.lcp.time_step import FrictionalStep as FrictionalStep
     from reference_lcp.observables.stick_slip import Mode as Mode
     from reference_lcp.observables.stick_slip import dissipated_energy as dissipated_energy
@@ -55,6 +57,7 @@ _NAMES = {
     "chain.transient": ["FilteredNoise", "RickerPulse", "SweptSine"],
     "lcp.frictional_system": ["FrictionalSystem", "simulate_system"],
     "lcp.lemke": ["lemke"],
+    "lcp.polyhedral_friction": ["PolyhedralStep", "solve_polyhedral_step"],
     "lcp.time_step": ["FrictionalStep"],
     "observables.stick_slip": ["Mode", "dissipated_energy", "stuck_fraction", "transitions"],
     "observables.transmittance": ["decibel", "transmittance"],

@@ -10,6 +10,7 @@ from engines.interface.presets import NormalForce, Option, Preset
 from engines.shared.box_geometry import PressedBoxes
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import ExplicitForcesLane, Step
+from engines.shared.tangents import tangents_of_the_world
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
@@ -32,6 +33,8 @@ CONTACT_TUNED = Preset(
     split_tolerance=1e-6,
     residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE / 4,
     normal_force=NormalForce.LIFTING,
+    turns=True,
+    turned_bound=tangents_of_the_world,
 )
 
 CONTACT_DEFAULT = Preset(
@@ -45,6 +48,8 @@ CONTACT_DEFAULT = Preset(
     split_tolerance=1e-6,
     residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE / 4,
     normal_force=NormalForce.LIFTING,
+    turns=True,
+    turned_bound=tangents_of_the_world,
 )
 
 CONTACT_SPHERE = Preset(
@@ -57,6 +62,7 @@ CONTACT_SPHERE = Preset(
     split_tolerance=1e-5,
     residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE,
     normal_force=NormalForce.LIFTING,
+    turns=True,
 )
 
 DEPTH = 2.0**-40
@@ -131,11 +137,14 @@ class DartContactLane(ExplicitForcesLane):
             return np.zeros((2, self._chain.cells))
         forces = np.array([contact.force for contact in contacts])
         points = np.array([contact.point for contact in contacts])
-        cells = np.rint(points[:, 2] / self._sizes.spacing).astype(np.intp)
+        # A row that is turned has one cell, wherever its points are.
+        places = points[:, 2] * (self.lane.direction == 0)
+        cells = np.rint(places / self._sizes.spacing).astype(np.intp)
         # The force on either mass; the one that points up is on the inner.
         forces *= np.where(forces[:, 1:2] > 0, 1.0, -1.0)
-        count = self._chain.cells
-        return np.array([np.bincount(cells, forces[:, axis], count) for axis in (0, 1)])
+        count, (x, z) = self._chain.cells, self.lane.axis
+        along = x * forces[:, 0] + z * forces[:, 2] if z else forces[:, 0]
+        return np.array([np.bincount(cells, part, count) for part in (along, forces[:, 1])])
 
     def _set_normal_load(self, normal_load: FloatArray) -> None:
         for degree, value in zip(self._aside, np.where(self._rubbing, -normal_load, 0.0).tolist(), strict=True):
@@ -166,7 +175,8 @@ class DartContactLane(ExplicitForcesLane):
         import dartpy
 
         world = new_world(self._time_step, self._preset["deactivation"])
-        sizes, chain, skeletons = self._sizes, self._chain, []
+        sizes, chain, skeletons, (x, z) = self._sizes, self._chain, [], self.lane.axis
+        turned = np.array([[x, 0.0, -z], [0.0, 1.0, 0.0], [z, 0.0, x]])
         depth = DEPTH * sizes.box
         for cell in range(chain.cells):
             skeleton = dartpy.dynamics.Skeleton()
@@ -176,9 +186,15 @@ class DartContactLane(ExplicitForcesLane):
             above, body = skeleton.createTranslationalJoint2DAndBodyNodePair(plate)
             below.setAxis([1.0, 0.0, 0.0])
             for joint, place in ((below, [0.0, 0.0, cell * sizes.spacing]), (above, [0.0, 2 * sizes.box - depth, 0.0])):
-                frame = dartpy.math.Isometry3()
-                frame.set_translation(place)
-                joint.setTransformFromParentBodyNode(frame)
+                before, after = dartpy.math.Isometry3(), dartpy.math.Isometry3()
+                before.set_translation(place)
+                # Frames turn the axes and leave the bodies: with axes of its own a joint in the plane moves a body
+                # along them under forces along the old ones.
+                if self.lane.direction:
+                    before.set_rotation(turned)
+                    after.set_rotation(turned)
+                joint.setTransformFromParentBodyNode(before)
+                joint.setTransformFromChildBodyNode(after)
             plate.setMass(chain.outer_mass[cell])
             body.setMass(chain.inner_mass[cell])
             if self._rubbing[cell]:
@@ -192,9 +208,10 @@ class DartContactLane(ExplicitForcesLane):
         from dartpy import dynamics
 
         edge, length = 2 * self._sizes.box, 2 * self._sizes.plate
+        width = length if self.lane.direction else edge
         box = self._preset["shape"] == "box"
         shape = dynamics.BoxShape([edge, edge, edge]) if box else dynamics.SphereShape(self._sizes.box)
-        for owner, solid in ((plate, dynamics.BoxShape([length, edge, edge])), (body, shape)):
+        for owner, solid in ((plate, dynamics.BoxShape([length, edge, width])), (body, shape)):
             node = owner.createShapeNode(solid)
             node.createCollisionAspect()
             surface = node.createDynamicsAspect()

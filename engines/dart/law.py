@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
+from engines.shared.tangents import tangents_of_the_world
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 
@@ -34,7 +35,10 @@ def soft_sphere(preset: Preset) -> Law:
     source = "DART's constraint force mixing of a point of contact, which Python cannot set"
     compliance = Constant(preset.residual_slip_compliance, "", source, too_small_to_see=True)
     return Law(
-        formula="equation (5), with Coulomb's law softened by the part ε of (Wᵀ M⁻¹ W)_ii",
+        formula=(
+            "equation (5), with Coulomb's law softened by the part ε of (Wᵀ M⁻¹ W)_ii; in a row that is turned by α "
+            "the bound is (|cos α| + |sin α|) μ λ_N"
+        ),
         constants={"ε": compliance},
         model=_soft_sphere,
         period_bound=SPHERE_PERIOD,
@@ -49,8 +53,10 @@ def _own_springs(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLa
 
 
 def _soft_sphere(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
-    return _softened(lane, LinearStep.explicit(lane.chain, lane.time_step), constants["ε"])
+    step, bound = LinearStep.explicit(lane.chain, lane.time_step), tangents_of_the_world(lane)
+    return _softened(lane, step, constants["ε"], bound_share=bound)
 
 
-def _softened(lane: Lane, step: LinearStep, part: float) -> LinearImplicitLane:
-    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells, part * step.coupling.diagonal()))
+def _softened(lane: Lane, step: LinearStep, part: float, bound_share: float = 1.0) -> LinearImplicitLane:
+    compliance = part * step.coupling.diagonal()
+    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells, compliance, bound_share=bound_share))

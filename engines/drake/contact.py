@@ -59,6 +59,7 @@ CONTACT_TUNED = Preset(
     law=lagged_contact,
     split_tolerance=1e-12,
     stick_margin=SMOOTH_LAW_MARGIN,
+    turns=True,
 )
 
 CONTACT_SIMILAR = Preset(
@@ -77,6 +78,7 @@ CONTACT_SIMILAR = Preset(
     law=similar_contact,
     split_tolerance=1e-12,
     stick_margin=SMOOTH_LAW_MARGIN,
+    turns=True,
 )
 
 CONTACT_SAP = Preset(
@@ -94,6 +96,7 @@ CONTACT_SAP = Preset(
     law=sap_contact,
     split_tolerance=1e-12,
     stick_margin=SMOOTH_LAW_MARGIN,
+    turns=True,
 )
 
 CONTACT_DEFAULT = Preset(
@@ -113,6 +116,7 @@ CONTACT_DEFAULT = Preset(
     law=lagged_contact,
     split_tolerance=1e-12,
     stick_margin=SMOOTH_LAW_MARGIN,
+    turns=True,
 )
 
 RADIUS = 4.0
@@ -157,10 +161,8 @@ class DrakeContactLane(DrakeLane):
         planes, spheres = [], []
         outer = plant.world_body()
         for cell in range(chain.cells):
-            outer = add_slider(
-                plant, f"outer {cell}", outer, chain.outer_mass[cell], chain.chain_stiffness[cell],
-                chain.chain_damping[cell],
-            )  # fmt: skip
+            spring = chain.chain_stiffness[cell], chain.chain_damping[cell]
+            outer = add_slider(plant, f"outer {cell}", outer, chain.outer_mass[cell], spring, self.lane.axis)
             inner = self._add_inner(plant, outer, cell)
             if chain.friction_bound[cell] > 0:
                 planes.append(self._add_plane(plant, outer, cell))
@@ -172,9 +174,8 @@ class DrakeContactLane(DrakeLane):
         from pydrake.multibody.tree import PrismaticJoint
 
         chain = self._chain
-        carriage = add_slider(
-            plant, f"inner {cell}", outer, 0.0, chain.inner_stiffness[cell], chain.inner_damping[cell]
-        )
+        spring = chain.inner_stiffness[cell], chain.inner_damping[cell]
+        carriage = add_slider(plant, f"inner {cell}", outer, 0.0, spring, self.lane.axis)
         inner = add_mass(plant, f"sphere {cell}", chain.inner_mass[cell])
         upwards = [0.0, 0.0, 1.0]
         plant.AddJoint(PrismaticJoint(f"across {cell}", carriage.body_frame(), inner.body_frame(), upwards))

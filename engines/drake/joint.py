@@ -56,14 +56,10 @@ class DrakeJointLane(DrakeLane):
         set_options(plant, self._preset)
         parent = plant.world_body()
         for cell in range(chain.cells):
-            parent = add_slider(
-                plant, f"outer {cell}", parent, chain.outer_mass[cell], chain.chain_stiffness[cell],
-                chain.chain_damping[cell],
-            )  # fmt: skip
-            add_slider(
-                plant, f"inner {cell}", parent, chain.inner_mass[cell], chain.inner_stiffness[cell],
-                chain.inner_damping[cell],
-            )  # fmt: skip
+            spring = chain.chain_stiffness[cell], chain.chain_damping[cell]
+            parent = add_slider(plant, f"outer {cell}", parent, chain.outer_mass[cell], spring)
+            inner_spring = chain.inner_stiffness[cell], chain.inner_damping[cell]
+            add_slider(plant, f"inner {cell}", parent, chain.inner_mass[cell], inner_spring)
         for cell in self._rubbing.tolist():
             self._add_actuator(plant, cell)
         plant.Finalize()

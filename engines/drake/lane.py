@@ -137,13 +137,22 @@ def add_mass(plant: Any, name: str, mass: float) -> Any:
     return plant.AddRigidBody(name, SpatialInertia(mass, [0.0, 0.0, 0.0], UnitInertia.SolidSphere(1.0)))
 
 
-def add_slider(plant: Any, name: str, parent: Any, mass: float, stiffness: float, damping: float) -> Any:
-    """Add a mass that slides along x relative to its parent, held by a spring and a dashpot; its joint has its name."""
+ALONG_X = (1.0, 0.0)
+"""Axis of a row that is not turned."""
+
+
+def add_slider(
+    plant: Any, name: str, parent: Any, mass: float, spring: tuple[float, float], axis: tuple[float, float] = ALONG_X
+) -> Any:
+    """Add a mass that slides along the row relative to its parent; its joint has its name.
+
+    It is held by a spring and a dashpot, `spring` being their stiffness and damping.
+    """
     from pydrake.multibody.tree import PrismaticJoint, PrismaticSpring
 
     body = add_mass(plant, name, mass)
-    along = [1.0, 0.0, 0.0]
-    joint = plant.AddJoint(PrismaticJoint(name, parent.body_frame(), body.body_frame(), along, damping=damping))
+    stiffness, damping = spring
+    joint = plant.AddJoint(PrismaticJoint(name, parent.body_frame(), body.body_frame(), [*axis, 0.0], damping=damping))
     plant.AddForceElement(PrismaticSpring(joint=joint, nominal_position=0.0, stiffness=stiffness))
     return body
 

@@ -99,6 +99,11 @@ class Preset:
         Versions of the engine that have what it sets, as pip has them, such as ``>=4``; any without this.
     optional
         It takes part where it is named, and not where all presets of an engine are meant.
+    turns
+        The row may have any direction in the plane of the contacts.
+    turned_bound
+        Gives the bound of sliding friction over μ λ_N in a lane that is turned, at a slip velocity [m/s], where it is
+        not 1 as Coulomb's law has it, and nothing else but this is another.
     """
 
     description: str
@@ -115,6 +120,8 @@ class Preset:
     batch_lanes: int | None = None
     versions: str = ""
     optional: bool = False
+    turns: bool = False
+    turned_bound: Callable[[Lane, float], float] | None = None
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value
@@ -144,7 +151,12 @@ class Preset:
         return order.index(needed) <= order.index(self.normal_force)
 
     def unsupported_reason(self, lane: Lane, name: str) -> str | None:
-        """Say why a lane's normal force cannot be represented by what has this name; ``None`` if it can."""
+        """Say why a lane cannot be represented by what has this name: its direction, its normal force.
+
+        ``None`` if it can.
+        """
+        if lane.direction and not self.turns:
+            return f"direction = {lane.direction:g}: {name} cannot turn its row in the plane of contacts; allowed: 0"
         if lane.preload is None or self.represents(NormalForce.of(lane)):
             return None
         allowed = {

@@ -42,6 +42,7 @@ CONTACT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.LIFTING,
+    turns=True,
     modulated_options={
         "solimp": Option(
             (0.9999, 0.9999), (0.9, 0.95), "MuJoCo's hardest: a sphere sinks in by a thousandth of N δt² / m or so."
@@ -87,6 +88,7 @@ CONTACT_DEFAULT = Preset(
     law=pyramidal_contact,
     split_tolerance=1e-9,
     normal_force=NormalForce.LIFTING,
+    turns=True,
     modulated_options={
         "solimp": Option((0.9, 0.95), (0.9, 0.95), "MuJoCo's own: contacts are soft."),
         "solref": Option((0.02, 1.0), (0.02, 1.0), "MuJoCo's own: a landing takes 0.02 s, whatever the time step."),
@@ -139,8 +141,8 @@ def contact_model(lane: Lane, units: Units, preset: Preset) -> Any:
     scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
     spec = new_spec(time_step, preset)
     for cell in range(chain.cells):
-        outer, inner = _add_masses(spec, chain, cell, scale)
-        _add_geometry(outer, inner, cell, scale, DEPTH)
+        outer, inner = _add_masses(spec, lane, chain, cell, scale)
+        _add_geometry(outer, inner, lane, cell, scale, DEPTH)
         pair = _add_contact(spec, chain, cell, preset, time_step)
         # In its direct form, negative, a solref holds stiffness and damping; this is the damping of a time constant.
         pair.solref = [-1.0, -2 * units.time / preset["normal time constant"]]
@@ -160,9 +162,9 @@ def lifting_model(lane: Lane, units: Units, preset: Preset) -> Any:
     scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
     spec = new_spec(time_step, preset)
     for cell in range(chain.cells):
-        outer, inner = _add_masses(spec, chain, cell, scale)
+        outer, inner = _add_masses(spec, lane, chain, cell, scale)
         inner.add_joint(name=f"above {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
-        _add_geometry(outer, inner, cell, scale, TOUCH)
+        _add_geometry(outer, inner, lane, cell, scale, TOUCH)
         pair = _add_contact(spec, chain, cell, preset, time_step)
         stiffness, damping = preset["solref"]
         # MuJoCo divides a direct solref by powers of d_width; a positive one is a time constant and a damping ratio.
@@ -175,24 +177,29 @@ def lifting_model(lane: Lane, units: Units, preset: Preset) -> Any:
     return spec.compile()
 
 
-def _add_masses(spec: Any, chain: Chain, cell: int, scale: float) -> tuple[Any, Any]:
+def _add_masses(spec: Any, lane: Lane, chain: Chain, cell: int, scale: float) -> tuple[Any, Any]:
     """Add the masses of a cell, side by side with the others; the inner one is free in the plane."""
     import mujoco
 
-    outer, inner = add_masses(spec, chain, cell, 4 * RADIUS * scale * cell)
+    along, aside = lane.axis
+    outer, inner = add_masses(spec, chain, cell, 4 * RADIUS * scale * cell, lane.axis)
     # MuJoCo solves for friction in the plane: without inertia across it, the problem is singular.
-    inner.add_joint(name=f"across {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 1, 0])
+    inner.add_joint(name=f"across {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[-aside, along, 0])
     return outer, inner
 
 
-def _add_geometry(outer: Any, inner: Any, cell: int, scale: float, depth: float) -> None:
-    """Add a plate to the outer mass, and to the inner one a sphere that dips into it; others do not touch them."""
+def _add_geometry(outer: Any, inner: Any, lane: Lane, cell: int, scale: float, depth: float) -> None:
+    """Add a plate to the outer mass, and to the inner one a sphere that dips into it; others do not touch them.
+
+    They have the directions of the world, whatever that of the row: so have MuJoCo's tangents.
+    """
     import mujoco
 
     radius = RADIUS * scale
+    width = PLATE * scale if lane.direction else radius
     height = 2 * radius - depth * scale
     for body, name, kind, size, place in (
-        (outer, "plate", mujoco.mjtGeom.mjGEOM_BOX, [PLATE * scale, radius, radius], [0, 0, 0]),
+        (outer, "plate", mujoco.mjtGeom.mjGEOM_BOX, [PLATE * scale, width, radius], [0, 0, 0]),
         (inner, "sphere", mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0, 0], [0, 0, height]),
     ):
         body.add_geom(name=f"{name} {cell}", type=kind, size=size, pos=place, contype=0, conaffinity=0)

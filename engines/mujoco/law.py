@@ -62,7 +62,12 @@ def pyramidal_contact(preset: Preset) -> Law:
         model=_pyramidal_contact,
         period_bound=NEWTON_PERIOD,
         bound_reason=NEWTON_REASON,
+        unmodelled_reason=_unmodelled_reason,
     )
+
+
+def _unmodelled_reason(lane: Lane) -> str | None:
+    return "all edges of the pyramid carry friction in a row that is turned" if lane.direction else None
 
 
 def _joint_friction(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:

@@ -22,6 +22,7 @@ CONTACT_TUNED = Preset(
         ),
     },
     shares_scheme=True,
+    turns=True,
 )
 
 CONTACT_DEFAULT = replace(

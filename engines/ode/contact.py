@@ -2,6 +2,7 @@
 
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.ode.law import opening_contacts
+from engines.shared.tangents import tangents_of_the_world
 
 BOUNCE, APPROXIMATION = 0x004, 0x7000
 """Bits of a contact's mode: `ContactBounce`, and `ContactApprox1_1`, `_2` and `_N` of ODE 0.16 together."""
@@ -27,6 +28,8 @@ CONTACT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.LIFTING,
+    turns=True,
+    turned_bound=tangents_of_the_world,
     modulated_options={
         "surface_layer": Option(
             2.0**-20, 0.0, "After a landing spheres stay as deep as this, and take off from there."
@@ -54,4 +57,6 @@ CONTACT_DEFAULT = Preset(
     law=opening_contacts,
     split_tolerance=1e-8,
     normal_force=NormalForce.LIFTING,
+    turns=True,
+    turned_bound=tangents_of_the_world,
 )

@@ -18,8 +18,6 @@ import ode
 LOW_STOP, HIGH_STOP, VELOCITY, STOP_ERP, STOP_CFM = 0, 1, 2, 9, 10
 """Numbers of parameters in ODE 0.16; some of pyode's constants are those of an older one."""
 
-ALONG = (1.0, 0.0, 0.0)
-
 BOX = 4.0
 """Half of a box's edge, or a sphere's radius, over the displacement scale of the drive."""
 
@@ -89,6 +87,7 @@ class JointModel:
         self._bound = given["normal"] * given["coefficient"]
         self._cells = len(self._bound)
         self._has_springs = str(given.get("springs")) == "stops"
+        self._axis = (*given["axis"].tolist(), 0.0)
         self.world = ode.World()
         self.world.setCFM(float(given["cfm"]))
         self.world.setERP(float(given["erp"]))
@@ -103,6 +102,8 @@ class JointModel:
     def run(self, loads: Any, across: Any = None) -> dict[str, Any]:
         """Take a step for every load; a motion that diverges ends, and its last row is repeated."""
         self._getters = [body.getPosition for body in self._bodies] + [body.getLinearVel for body in self._bodies]
+        if self._axis[1]:
+            self._getters = [functools.partial(self._turned, get) for get in self._getters]
         coordinates = len(self._getters)
         rows = np.zeros((len(loads) + 1, coordinates + (self._measures if self._record else 0)))
         rows[0, :coordinates] = [get()[0] for get in self._getters]
@@ -110,6 +111,10 @@ class JointModel:
         rows[taken + 1 :] = rows[taken]
         position, velocity, measured = np.split(rows[1:], [coordinates // 2, coordinates], axis=1)
         return {"position": position, "velocity": velocity, **(self._named(measured) if self._record else {})}
+
+    def _turned(self, get: Any) -> tuple[float]:
+        """Give the part along the row of what a getter gives in the world."""
+        return (float(np.dot(self._axis, get())),)
 
     def modulate(self, normal_load: Any) -> None:
         """Let every step begin with setting what its motors can do at most."""
@@ -132,13 +137,13 @@ class JointModel:
         # These take a third of the time of np.dot, and of giving an array a list.
         product, force = matrix.dot, np.empty(len(pushes))
         write, buffer, place = struct.Struct(f"{rows.shape[1]}d").pack_into, memoryview(rows).cast("B"), 0
-        limit = STOP_BEYOND * float(self._given["length"])
+        limit, (x, y, _) = STOP_BEYOND * float(self._given["length"]), self._axis
         for load, now in zip(loads.tolist(), rows[:, : len(getters)]):
             product(now, force)
             forces = force.tolist()
             forces[0] += load
             for value, (push, across) in zip(forces, pushes):
-                push((value, 0.0, across))
+                push((x * value, y * value, across))
             if before is not None:
                 before()
             step(time_step)
@@ -176,9 +181,10 @@ class JointModel:
         return body
 
     def _set_state(self, position: list[float], velocity: list[float]) -> None:
-        for body, place, speed in zip(self._bodies, position, velocity):
-            body.setPosition((place, *body.getPosition()[1:]))
-            body.setLinearVel((speed, 0.0, 0.0))
+        x, y, _ = self._axis
+        for body, (aside, height), place, speed in zip(self._bodies, self._places(), position, velocity):
+            body.setPosition((x * place, aside + y * place, height))
+            body.setLinearVel((x * speed, y * speed, 0.0))
 
     def set_rubbing(self, steps: int) -> None:
         """Give inner masses the velocity that friction alone would stop in half of so many steps."""
@@ -189,7 +195,7 @@ class JointModel:
     def _slider(self, body: Any, base: Any) -> Any:
         slider = ode.SliderJoint(self.world)
         slider.attach(body, base)
-        slider.setAxis(ALONG)
+        slider.setAxis(self._axis)
         return slider
 
     def _guided(self) -> Iterator[Any]:
@@ -219,7 +225,7 @@ class JointModel:
         motor = ode.LMotor(self.world)
         motor.attach(body, base)
         motor.setNumAxes(1)
-        motor.setAxis(0, 0, ALONG)
+        motor.setAxis(0, 0, self._axis)
         return motor
 
     def _add_friction(self) -> Any:
@@ -274,7 +280,7 @@ class ContactModel(JointModel):
         for body, height, gap, rate in zip(inner, rest, *across.tolist()):
             along, aside, _ = body.getPosition()
             body.setPosition((along, aside, height + gap))
-            body.setLinearVel((body.getLinearVel()[0], 0.0, rate))
+            body.setLinearVel((*body.getLinearVel()[:2], rate))
         notes: list[Any] = []
         set_normal_load = self.before_step
 
@@ -335,7 +341,8 @@ class ContactModel(JointModel):
         self._rubbing = []
         for cell in np.flatnonzero(self._bound > 0).tolist():
             outer, inner = self._bodies[cell], self._bodies[self._cells + cell]
-            plate = ode.GeomBox(None, lengths=(2 * PLATE * self._scale, edge, edge))
+            length = 2 * PLATE * self._scale
+            plate = ode.GeomBox(None, lengths=(length, length if self._axis[1] else edge, edge))
             if str(self._given["shape"]) == "sphere":
                 slider = ode.GeomSphere(None, edge / 2)
             else:
@@ -372,8 +379,9 @@ class ContactModel(JointModel):
         """Give friction on every inner mass, then normal forces, in the last step: sums over points of contact."""
         measured = [0.0] * self._measures
         for cell, joint in self._joints:
-            friction, _, normal = joint.getFeedback()[0]
-            measured[cell] += friction
+            force = joint.getFeedback()[0]
+            normal = force[2]
+            measured[cell] += self._axis[0] * force[0] + self._axis[1] * force[1]
             measured[self._cells + cell] += normal
         return measured
 

@@ -7,7 +7,7 @@ trajectories hold the gap over a guided plate, on which m_i flies.
 """
 
 import itertools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,7 @@ CONTACT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.LIFTING,
+    turns=True,
 )
 
 CONTACT_DEFAULT = Preset(
@@ -51,6 +52,7 @@ CONTACT_DEFAULT = Preset(
     law=damped_bodies,
     split_tolerance=1e-12,
     normal_force=NormalForce.LIFTING,
+    turns=True,
 )
 
 REST_DEPTH = 1e-5
@@ -164,11 +166,17 @@ class PyBulletContactLane(LaneModel):
         force = self._forces @ now
         force[0] += load
         apply, frame, nowhere = bullet.applyExternalForce, bullet.LINK_FRAME, (0.0, 0.0, 0.0)
+        x, y = self.lane.axis
         for body, along, across in zip(bodies, force.tolist(), pressing, strict=True):
-            apply(body, -1, (along, 0.0, across), nowhere, frame, physicsClientId=client)
+            apply(body, -1, (x * along, y * along, across), nowhere, frame, physicsClientId=client)
         bullet.stepSimulation(physicsClientId=client)
         read = bullet.getBaseVelocity
-        return [read(body, physicsClientId=client)[0][0] for body in bodies]
+        return [self._along(read(body, physicsClientId=client)[0]) for body in bodies]
+
+    def _along(self, vector: Sequence[float]) -> float:
+        """Give the part along the row of a vector in the world."""
+        x, y = self.lane.axis
+        return x * vector[0] + y * vector[1] if y else vector[0]
 
     def _gaps(self, bodies: list[int]) -> FloatArray:
         """Read the gap, and its rate, as the inner mass alone would make them; shape (2, n)."""
@@ -188,7 +196,9 @@ class PyBulletContactLane(LaneModel):
             points = bullet.getContactPoints(inner, outer, physicsClientId=client)
             # A point has its normal force at 9, then twice a tangential force and the direction it acts in on
             # the outer mass.
-            friction.append(-sum(point[10] * point[11][0] + point[12] * point[13][0] for point in points))
+            friction.append(
+                -sum(point[10] * self._along(point[11]) + point[12] * self._along(point[13]) for point in points)
+            )
             normal.append(float(sum(point[9] for point in points)))
         return friction + normal
 
@@ -204,17 +214,19 @@ class PyBulletContactLane(LaneModel):
             solverResidualThreshold=preset["solverResidualThreshold"], contactSlop=REST_DEPTH, physicsClientId=client
         )
         chain, box = self._chain, BOX * self._scale
+        length = PLATE * self._scale
         plate, cube = (
-            bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=[length, box, box], physicsClientId=client)
-            for length in (PLATE * self._scale, box)
+            bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=sizes, physicsClientId=client)
+            for sizes in ([length, length if self.lane.direction else box, box], [box] * 3)
         )
         # At the static equilibrium a contact is as deep as Bullet leaves alone.
         height = box - REST_DEPTH
         positions, velocities = np.split(motion, 2)
-        bodies = []
+        bodies, (x, y) = [], self.lane.axis
         for mass in range(2 * chain.cells):
             side, cell = divmod(mass, chain.cells)
-            place = [float(positions[mass]), cell * SPACING * self._scale, height if side else -box]
+            along, aside = float(positions[mass]), cell * SPACING * self._scale
+            place = [x * along, y * along + aside, height if side else -box]
             weight = float((chain.inner_mass if side else chain.outer_mass)[cell])
             # Bullet multiplies the coefficients of the two bodies.
             friction = float(chain.friction_coefficient[cell]) if side else 1.0
@@ -229,7 +241,7 @@ class PyBulletContactLane(LaneModel):
                 bullet.resetBasePositionAndOrientation(
                     body, [along, aside, rest + rise], turned, physicsClientId=client
                 )
-            bullet.resetBaseVelocity(body, [velocity, 0.0, speed], [0.0] * 3, physicsClientId=client)
+            bullet.resetBaseVelocity(body, [x * velocity, y * velocity, speed], [0.0] * 3, physicsClientId=client)
         return bodies
 
     def _new_body(self, shape: Any, mass: float, friction: float, place: list[float]) -> int:
@@ -248,7 +260,7 @@ class PyBulletContactLane(LaneModel):
     def _check_end(self, bodies: list[int], positions: FloatArray) -> None:
         """Compare positions with Bullet's; refuse a motion in which a box has left its plate and felt no friction."""
         bullet, client = import_pybullet(), self._connection.client
-        where = [bullet.getBasePositionAndOrientation(body, physicsClientId=client)[0][0] for body in bodies]
+        where = [self._along(bullet.getBasePositionAndOrientation(body, physicsClientId=client)[0]) for body in bodies]
         if not np.allclose(positions, where, rtol=0, atol=POSITION_TOLERANCE * self._scale, equal_nan=True):
             raise RuntimeError(f"Bullet's positions {where} do not follow from its velocities: {positions.tolist()}")
         sizes = PressedBoxes(BOX * self._scale, PLATE * self._scale, SPACING * self._scale)

@@ -63,15 +63,16 @@ class RapierLane(ExplicitForcesLane):
         self._world, handles = self._new_world(motion, can_sleep=self._preset["can_sleep"])
         self._bodies = bodies = [self._world.rigid_bodies[handle] for handle in handles]
         loads = [(body.reset_forces, body.add_force) for body in bodies]
-        advance = self._world.step
+        advance, (x, y) = self._world.step, self.lane.axis
 
         def step(force: FloatArray) -> None:
             # Forces stay until they are taken off.
             for (reset, push), along, across in zip(loads, force.tolist(), self._pressing.tolist(), strict=True):
                 reset(True)
-                push((along, 0.0, across), True)
+                push((x * along, y * along, across), True)
             advance()
-            motion[:] = [body.translation.x for body in bodies] + [body.linvel.x for body in bodies]
+            vectors = [body.translation for body in bodies] + [body.linvel for body in bodies]
+            motion[:] = [x * vector.x + y * vector.y for vector in vectors] if y else [vector.x for vector in vectors]
 
         return step
 
@@ -86,20 +87,22 @@ class RapierLane(ExplicitForcesLane):
         for name in ("num_solver_iterations", "normalized_max_linear_velocity"):
             setattr(parameters, name, self._preset[name])
         cells, masses = self._chain.cells, np.concatenate([self._chain.outer_mass, self._chain.inner_mass])
-        free = [(True, False, False)] * cells + [self.FREE_INNER] * cells
+        # An outer mass slides along the row or, where that is turned, in the plane.
+        x, y = self.lane.axis
+        free = [(True, bool(y), False)] * cells + [self.FREE_INNER] * cells
         positions, velocities = motion.reshape(2, -1).tolist()
         handles = [
             # Every call gives another builder, and leaves the one before as it was.
             world.add_body(
                 rapier3d.RigidBody.dynamic()
-                .translation((position, y, z))
-                .linvel((velocity, 0.0, 0.0))
+                .translation((x * position, y * position + aside, z))
+                .linvel((x * velocity, y * velocity, 0.0))
                 .additional_mass(mass)
                 .enabled_translations(directions)
                 .enabled_rotations((False, False, False))
                 .can_sleep(can_sleep)
             )
-            for position, velocity, (y, z), mass, directions in zip(
+            for position, velocity, (aside, z), mass, directions in zip(
                 positions, velocities, self._places.tolist(), masses.tolist(), free, strict=True
             )
         ]

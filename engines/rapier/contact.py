@@ -35,6 +35,7 @@ CONTACT_TUNED = Preset(
     },
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
+    turns=True,
 )
 
 CONTACT_DEFAULT = Preset(
@@ -52,6 +53,7 @@ CONTACT_DEFAULT = Preset(
     # own first step, which is another one by the change of friction in a step, 1e-2 of h² μ λ_N / m.
     split_tolerance=1e-6,
     normal_force=NormalForce.MODULATED,
+    turns=True,
 )
 
 CLEARANCE = 4.0
@@ -87,7 +89,8 @@ class RapierContactLane(RapierLane):
         self._colliders = []
         for below, above, friction in zip(outer, inner, self._chain.friction_coefficient.tolist(), strict=True):
             # Rapier takes the mean of the coefficients of the two.
-            shapes = [(below, Collider.cuboid(plate, radius, radius)), (above, Collider.ball(radius))]
+            width = plate if self.lane.direction else radius
+            shapes = [(below, Collider.cuboid(plate, width, radius)), (above, Collider.ball(radius))]
             self._colliders.append(
                 [
                     world.add_collider(shape.density(0.0).friction(friction).restitution(0.0), body)
@@ -115,22 +118,23 @@ class RapierContactLane(RapierLane):
 
     def _put(self, motion: FloatArray) -> None:
         """Give the bodies this motion; contacts remember their impulses."""
-        positions, velocities = motion.reshape(2, -1).tolist()
-        for body, *place, velocity in zip(self._bodies, positions, *self._places.T.tolist(), velocities, strict=True):
-            body.translation, body.linvel = tuple(place), (velocity, 0.0, 0.0)
+        x, y = self.lane.axis
+        places = zip(self._bodies, *motion.reshape(2, -1).tolist(), *self._places.T.tolist(), strict=True)
+        for body, along, velocity, aside, z in places:
+            body.translation, body.linvel = (x * along, y * along + aside, z), (x * velocity, y * velocity, 0.0)
 
     def _set_normal_load(self, normal_load: FloatArray) -> None:
         self._pressing[normal_load.size :] = -normal_load
 
     def _contacts(self) -> FloatArray:
         """Read friction impulse, as it acts on the inner mass, and normal impulse of every cell, shape (2, n)."""
-        impulses = np.zeros((2, self._chain.cells))
+        impulses, (x, y) = np.zeros((2, self._chain.cells)), self.lane.axis
         pair_of = self._world.narrow_phase.contact_pair
         for cell, colliders in enumerate(self._colliders):
             pair = pair_of(*colliders)
             for manifold in [] if pair is None else pair.manifolds:
                 for point in manifold.points:
-                    impulses[0, cell] += point.tangent_impulse[1]
+                    impulses[0, cell] += x * point.tangent_impulse[1] + y * point.tangent_impulse[0]
                     impulses[1, cell] += point.impulse
         return impulses
 

@@ -36,6 +36,7 @@ class Reference(Engine):
                     "The scheme of equation (5), one Euler step a time step.",
                     shares_scheme=True,
                     normal_force=NormalForce.LIFTING,
+                    turns=True,
                 ),
                 "converged": Preset(
                     "The same scheme with a finer Euler step: the baseline for every engine.",
@@ -46,6 +47,7 @@ class Reference(Engine):
                     },
                     law=authority,
                     normal_force=NormalForce.LIFTING,
+                    turns=True,
                 ),
                 EXACT: Preset(
                     "The motion between events in closed form, without a time step; for harmonic drives or none.",
@@ -53,6 +55,7 @@ class Reference(Engine):
                     split_tolerance=SERIES_ROUND_OFF,
                     batch_lanes=1,
                     optional=True,
+                    turns=True,
                 ),
             }
         },

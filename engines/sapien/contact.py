@@ -15,6 +15,7 @@ from engines.sapien.law import temporal_gauss_seidel
 from engines.sapien.scene import SOLVER_ITERATIONS, VELOCITY_ITERATIONS, SapienLane, import_sapien
 from engines.shared.box_geometry import PressedBoxes
 from engines.shared.force_loop import Step
+from engines.shared.tangents import tangents_of_the_world
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
@@ -34,6 +35,16 @@ SHARED_OPTIONS = {
 }
 """What both presets set."""
 
+LEAST_SPEED_OF_TANGENTS = 0.01
+"""Of a slip, in the units of the scene: PhysX's projected solver has its tangents along and across faster ones."""
+
+
+def _tangents_of_a_slow_slip(lane: Lane, slip_velocity: float) -> float:
+    """Give the bound of friction over μ λ_N: two tangents, each with its own, which a slow slip finds in the world."""
+    slow = abs(slip_velocity) < LEAST_SPEED_OF_TANGENTS * _units(SHARED_OPTIONS["units"].value, lane).velocity
+    return tangents_of_the_world(lane) if slow else 1.0
+
+
 CONTACT_TUNED = Preset(
     "Spheres pressed on plates; springs, dashpots and drive as forces at the start of the step.",
     {
@@ -45,6 +56,8 @@ CONTACT_TUNED = Preset(
     # that begins takes where it is.
     split_tolerance=1e-5,
     normal_force=NormalForce.MODULATED,
+    turns=True,
+    turned_bound=_tangents_of_a_slow_slip,
 )
 
 CONTACT_DEFAULT = Preset(
@@ -60,6 +73,7 @@ CONTACT_DEFAULT = Preset(
     law=temporal_gauss_seidel,
     split_tolerance=1e-4,
     normal_force=NormalForce.MODULATED,
+    turns=True,
 )
 
 
@@ -100,16 +114,17 @@ class SapienContactLane(SapienLane):
         self._set_normal_load(self._chain.normal_force)
         size, pushes, still = len(bodies), [body.add_force_torque for body in bodies], np.zeros(3)
         advance, read, forces = self._system.step, self._system.pack, self._pushing
+        axis = np.array(self.lane.axis)
 
         def step(force: FloatArray) -> None:
-            forces[:, 0] = force
+            np.multiply.outer(force, axis, out=forces[:, :2])
             for push, body_force in zip(pushes, forces, strict=True):
                 push(body_force, still)
             advance()
             # Of every body its orientation, place, velocity and rotation: 4, 3, 3 and 3 numbers.
             rows = np.frombuffer(read(), np.float32).reshape(size, 13)
-            motion[:size] = rows[:, 4]
-            motion[size:] = rows[:, 7]
+            motion[:size] = rows[:, 4:6] @ axis
+            motion[size:] = rows[:, 7:9] @ axis
 
         return step
 
@@ -119,21 +134,22 @@ class SapienContactLane(SapienLane):
         cells, box, spacing = self._chain.cells, self._sizes.box, self._sizes.spacing
         positions, velocities = motion.reshape(2, -1)
         masses = np.concatenate([self._chain.outer_mass, self._chain.inner_mass])
-        bodies = []
+        bodies, (x, y) = [], self.lane.axis
         for index, mass in enumerate(masses):
             cell, inner = index % cells, index >= cells
             body = sapien.physx.PhysxRigidDynamicComponent()
             body.attach(self._shape(cell, inner))
             body.set_mass(mass)
             body.set_inertia(np.full(3, self._preset["inertia"]))
-            # Friction acts in the plane of a contact, and the row is held along it by the outer masses.
-            body.set_locked_motion_axes([False, not inner, False, True, True, True])
+            # Friction acts in the plane of a contact, and the row is held along it by the outer masses, if it can be.
+            body.set_locked_motion_axes([False, not (inner or y), False, True, True, True])
             body.set_angular_damping(0.0)
             entity = sapien.Entity()
             entity.add_component(body)
-            entity.set_pose(sapien.Pose([positions[index], cell * spacing, box if inner else -box]))
+            along = positions[index]
+            entity.set_pose(sapien.Pose([x * along, y * along + cell * spacing, box if inner else -box]))
             scene.add_entity(entity)
-            body.set_linear_velocity([velocities[index], 0.0, 0.0])
+            body.set_linear_velocity([x * velocities[index], y * velocities[index], 0.0])
             bodies.append(body)
         return system, bodies
 
@@ -144,7 +160,8 @@ class SapienContactLane(SapienLane):
         material = physx.PhysxMaterial(friction, friction, 0.0)
         if inner:
             return physx.PhysxCollisionShapeSphere(box, material)
-        return physx.PhysxCollisionShapeBox([self._sizes.plate, box, box], material)
+        length = self._sizes.plate
+        return physx.PhysxCollisionShapeBox([length, length if self.lane.direction else box, box], material)
 
     def _set_normal_load(self, normal_load: FloatArray) -> None:
         self._pushing[:, 2] = np.concatenate([normal_load, -normal_load])
@@ -169,5 +186,7 @@ class SapienContactLane(SapienLane):
         bound = self._chain.friction_coefficient * given / units.force
         speed = np.maximum(np.abs(outer), np.abs(inner))
         rounding = ROUNDINGS * SINGLE * (rate * (speed[:-1] + speed[1:]) + np.abs(force))
+        if self.lane.direction:  # the bound is another there, see `Preset.turned_bound`
+            return friction * units.force, given
         at_bound = np.abs(friction) > bound - rounding
         return np.where(at_bound, np.copysign(bound, friction), friction) * units.force, given

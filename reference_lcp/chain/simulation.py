@@ -29,15 +29,30 @@ class Lane:
         dt [s], > 0.
     preload
         How the normal force changes in time; ``None`` where it is constant.
+    direction
+        Angle by which the row is turned in the plane of the contacts [rad], −π/2 to π/2; Coulomb's law does not
+        depend on it. Rows of one cell are turned alone: cells stand side by side across the row.
+
+    Raises
+    ------
+    ParameterError
+        If a value is outside its range.
     """
 
     chain: Chain
     drive: Drive
     time_step: float
     preload: Preload | None = None
+    direction: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time_step", checked_scalar("time_step", self.time_step, "> 0"))
+        largest = math.pi / 2 if self.chain.cells == 1 else 0.0
+        if abs(checked_scalar("direction", self.direction)) > largest:
+            raise ParameterError(
+                f"direction = {self.direction:g} in a row of {self.chain.cells}; allowed: -pi/2 to pi/2 in a row of "
+                "one cell, 0 in others"
+            )
 
     @classmethod
     def periodic(
@@ -51,6 +66,11 @@ class Lane:
     def opens(self) -> bool:
         """Whether contacts open; then a state carries the gaps, see `State.normal_state`."""
         return self.preload is not None and self.preload.opens
+
+    @property
+    def axis(self) -> tuple[float, float]:
+        """Direction of the row in the plane of the contacts, (cos, sin) of its angle."""
+        return math.cos(self.direction), math.sin(self.direction)
 
     def preloads(self, start: int, steps: int) -> FloatArray:
         """N at the *start* of each step [N], negative where contacts are pulled open, shape (steps, n).

@@ -84,6 +84,8 @@ class BlockTask(TransientTask):
         By how much the block is moved on the carrier at first [m].
     slip_velocity
         Velocity of the block on the carrier at first [m/s].
+    direction
+        Angle by which the row is turned in the plane of the contact [rad].
     variant, base, time_step, steps, every
         As for `TransientTask`. What is recorded is the slip at the rows that are kept; ratios have no part in it.
     """
@@ -91,6 +93,7 @@ class BlockTask(TransientTask):
     block: Block
     slip: float = 0.0
     slip_velocity: float = 0.0
+    direction: Annotated[float, Field(exclude_if=lambda value: value == 0)] = 0.0
     recorded: str = "slip"
     friction_ratio: Annotated[Ratio, Field(exclude=True)] = 0.0
     ratios: Annotated[ChainRatios, Field(exclude=True)] = field(default_factory=lambda: ChainRatios(cells=1))
@@ -111,7 +114,11 @@ class BlockTask(TransientTask):
 
     def lane(self) -> Lane:
         """Build the chain under its drive; where a contact can be free across the row, it is pressed by a force."""
-        return Lane(self.chain, self.base, self.time_step, PRESSED if self._free else None)
+        return Lane(self.chain, self.base, self.time_step, PRESSED if self._free else None, self.direction)
+
+    def unsupported_reason(self) -> str | None:
+        """Give the reason why the variant cannot turn the row; ``None`` without one."""
+        return self.variant.preset.unsupported_reason(self.lane(), str(self.variant))
 
     @property
     def _free(self) -> bool:
