@@ -24,11 +24,17 @@ if TYPE_CHECKING:
     from reference_lcp.chain.transient import FilteredNoise as FilteredNoise
     from reference_lcp.chain.transient import RickerPulse as RickerPulse
     from reference_lcp.chain.transient import SweptSine as SweptSine
+    from reference_lcp.exact.event_driven_system import EventDrivenSystem as EventDrivenSystem
     from reference_lcp.lcp.frictional_system import FrictionalSystem as FrictionalSystem
     from reference_lcp.lcp.frictional_system import simulate_system as simulate_system
     from reference_lcp.lcp.lemke import lemke as lemke
+    from reference_lcp.lcp.mass_spring_system import FrictionContact as FrictionContact
+    from reference_lcp.lcp.mass_spring_system import MassSpringSystem as MassSpringSystem
+    from reference_lcp.lcp.mass_spring_system import Spring as Spring
     from reference_lcp.lcp.polyhedral_friction import PolyhedralStep as PolyhedralStep
     from reference_lcp.lcp.polyhedral_friction import solve_polyhedral_step as solve_polyhedral_step
+    from reference_lcp.lcp.signal import Harmonic as Harmonic
+    from reference_lcp.lcp.signal import Piecewise as Piecewise
     from reference_lcp.lcp.time_step import FrictionalStep as FrictionalStep
     from reference_lcp.observables.stick_slip import Mode as Mode
     from reference_lcp.observables.stick_slip import dissipated_energy as dissipated_energy
@@ -55,9 +61,12 @@ _NAMES = {
     "chain.simulation": ["Lane"],
     "chain.trajectory": ["State", "Trajectory"],
     "chain.transient": ["FilteredNoise", "RickerPulse", "SweptSine"],
+    "exact.event_driven_system": ["EventDrivenSystem"],
     "lcp.frictional_system": ["FrictionalSystem", "simulate_system"],
     "lcp.lemke": ["lemke"],
     "lcp.polyhedral_friction": ["PolyhedralStep", "solve_polyhedral_step"],
+    "lcp.mass_spring_system": ["FrictionContact", "MassSpringSystem", "Spring"],
+    "lcp.signal": ["Harmonic", "Piecewise"],
     "lcp.time_step": ["FrictionalStep"],
     "observables.stick_slip": ["Mode", "dissipated_energy", "stuck_fraction", "transitions"],
     "observables.transmittance": ["decibel", "transmittance"],

@@ -6,7 +6,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference_lcp.lcp.time_step import ContactImpulses, FrictionalStep, StepFailed, advanced, solve_step
+from reference_lcp.lcp.static_friction import solve_stick_slip_step
+from reference_lcp.lcp.time_step import ContactImpulses, FrictionalStep, StepFailed, advanced
 from reference_lcp.validation import FloatArray, checked_array, checked_count, checked_scalar
 
 
@@ -15,7 +16,7 @@ class FrictionalSystem(Protocol):
 
     M, h, the gaps and the directions may depend on time, position and velocity; all are taken at the
     start of the step. A gap is given as it is at that position, not as the step before predicted it:
-    so a curved or moving surface leaves no drift.
+    so a curved or moving surface leaves no drift. Normal forces are resolved, unless the step gives them.
     """
 
     @property
@@ -46,7 +47,8 @@ class SystemTrajectory:
     normal_force, friction
         λ_N >= 0 and λ_T [N] during the step that ends at each row, shape (steps, c).
     normal_gap, relative_velocity
-        g_N [m] and ġ_T [m/s] at the end of the step as equation (6) gives them, shape (steps, c).
+        g_N [m] and ġ_T [m/s] at the end of the step as equation (6) gives them, shape (steps, c); g_N is NaN where
+        the normal force is given.
     """
 
     time: FloatArray
@@ -108,7 +110,7 @@ def simulate_system(
 def _solved_step(step: FrictionalStep, basis: NDArray[np.bool_] | None, index: int) -> ContactImpulses:
     """Solve one step, and name it in the error where that fails."""
     try:
-        return solve_step(step, warm_start=basis)
+        return solve_stick_slip_step(step, warm_start=basis)
     except StepFailed as failure:
         raise StepFailed(f"step {index} at t = {index * step.time_step:.6g} s: {failure}") from failure
 

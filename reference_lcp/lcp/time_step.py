@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_lcp.lcp.lemke import LemkeResult, lemke
+from reference_lcp.refusal import ParameterError
 from reference_lcp.validation import FloatArray, checked_array, checked_scalar
 
 PATHS = 8
@@ -58,12 +59,16 @@ class FrictionalStep:
     relative_velocity
         ġ_T at the start of the step [m/s], shape (c,), the velocity of moving surfaces included.
     friction_coefficient
-        μ, shape (c,).
+        μ, shape (c,); of contacts in motion, where friction at rest is another.
+    static_friction_coefficient
+        μ_s >= μ of contacts at rest, shape (c,), see `reference_lcp.lcp.static_friction`; ``None`` where it is μ.
+    normal_force
+        λ_N [N] >= 0 where it is given, shape (c,); ``None`` where the step resolves it.
 
     Raises
     ------
     ParameterError
-        If a value is not finite or a shape does not fit.
+        If a value is not finite or outside its range, or a shape does not fit.
     """
 
     mass_matrix: FloatArray
@@ -78,6 +83,8 @@ class FrictionalStep:
     normal_gap: FloatArray
     relative_velocity: FloatArray
     friction_coefficient: FloatArray
+    static_friction_coefficient: FloatArray | None = None
+    normal_force: FloatArray | None = None
 
     def __post_init__(self) -> None:
         checked_scalar("time_step", self.time_step, "> 0")
@@ -98,6 +105,12 @@ class FrictionalStep:
         for name, shape in shapes.items():
             checked_array(name, getattr(self, name), shape=shape)
         checked_array("friction_coefficient", self.friction_coefficient, ">= 0")
+        if self.static_friction_coefficient is not None:
+            static = checked_array("static_friction_coefficient", self.static_friction_coefficient, shape=(contacts,))
+            if np.any(static < self.friction_coefficient):
+                raise ParameterError(f"static_friction_coefficient = {static}; allowed: >= {self.friction_coefficient}")
+        if self.normal_force is not None:
+            checked_array("normal_force", self.normal_force, ">= 0", shape=(contacts,))
 
     @property
     def contacts(self) -> int:

@@ -1,0 +1,389 @@
+"""Event-driven motion of masses, springs and friction contacts with given normal forces: exact to round-off.
+
+As `reference_lcp.exact.event_driven` for the chain, with contacts between any two bodies, forces and normal forces
+that change in time, and static friction above kinetic friction. While every contact keeps its mode,
+
+    z = (u, u̇, 1, sin ω_1 t, cos ω_1 t, …),        ż = A z,
+
+is linear, and solved by its power series over at most one span. A stretch ends where
+
+- the relative velocity of a sliding contact reaches zero;
+- the friction that holds a contact at rest reaches μ_s N(t);
+- a given force or normal force switches.
+
+The first two are roots of polynomials, of which `first_roots` misses none. At every start of a stretch the modes of
+contacts at rest are decided anew. Those that slide at once are found on the level of accelerations, by the LCP of a
+step of unit time from rest (`reference_lcp.lcp.static_friction`). Of the others, one whose friction is on its bound and
+about to pass slides too: the lowest order in time first and of these the largest excess, and the others are decided
+again. What slides must then move against its friction, or the motion is ambiguous and refused; with static above
+kinetic friction such states exist.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reference_lcp.exact.event_driven import EVENTS_PER_SPAN, FORCE_TOLERANCE, EventsAccumulate
+from reference_lcp.exact.mode_dynamics import SERIES_ORDER
+from reference_lcp.exact.polynomial_roots import first_roots
+from reference_lcp.lcp.frictional_system import SystemTrajectory
+from reference_lcp.lcp.mass_spring_system import MassSpringSystem
+from reference_lcp.lcp.signal import Harmonic
+from reference_lcp.lcp.static_friction import REST_TOLERANCE, solve_stick_slip_step
+from reference_lcp.lcp.time_step import FrictionalStep
+from reference_lcp.refusal import ParameterError
+from reference_lcp.validation import FloatArray, checked_array, checked_scalar
+
+Modes = NDArray[np.int8]
+
+LEADING_ONE = np.eye(SERIES_ORDER + 1)[0]
+"""The polynomial 1, which has no root."""
+
+
+class AmbiguousModes(RuntimeError):
+    """More than one set of sliding contacts fulfils the law of friction, or none; the message says when."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A stretch of motion in which no contact changes its mode.
+
+    Parameters
+    ----------
+    start, duration
+        Start and length [s].
+    span
+        Unit of the series' variable s = (t − start) / span [s].
+    motion
+        u and u̇ in powers of s, shape (SERIES_ORDER + 1, 2f).
+    normal_force, friction, slip
+        N, λ_T [N] and ġ_T [m/s] in powers of s, shape (SERIES_ORDER + 1, c).
+    modes
+        −1 and 1 for slip, 0 for rest, shape (c,); of a contact without normal force, the direction of its slip.
+    """
+
+    start: float
+    duration: float
+    span: float
+    motion: FloatArray
+    normal_force: FloatArray
+    friction: FloatArray
+    slip: FloatArray
+    modes: Modes
+
+    @property
+    def end(self) -> float:
+        """End [s]."""
+        return self.start + self.duration
+
+    def values(self, series: FloatArray, times: ArrayLike) -> FloatArray:
+        """Give one of the series at times [s], shape (times,), as rows."""
+        elapsed = (np.atleast_1d(np.asarray(times, dtype=np.float64)) - self.start) / self.span
+        rows: FloatArray = np.vander(elapsed, SERIES_ORDER + 1, increasing=True) @ series
+        return rows
+
+    def sliding_distance(self, start: float, end: float) -> FloatArray:
+        """∫ |ġ_T| dt of every contact over the part of the stretch between two times [m], shape (c,)."""
+        first, last = max(start, self.start), min(end, self.end)
+        if last <= first:
+            return np.zeros(self.modes.size)
+        integral = np.vstack([np.zeros(self.modes.size), self.slip[:-1] / np.arange(1, SERIES_ORDER + 1)[:, None]])
+        begin, finish = self.values(integral * self.span, [first, last])
+        return np.abs(finish - begin)
+
+
+class EventDrivenSystem:
+    """A `MassSpringSystem`, advanced from event to event.
+
+    Parameters
+    ----------
+    system
+        What moves.
+    """
+
+    def __init__(self, system: MassSpringSystem):
+        self.system = system
+        signals = [*system.force_signals.values(), *system.normal_signals]
+        pieces = [piece for signal in signals for piece in signal.pieces.values() if isinstance(piece, Harmonic)]
+        self._frequencies = sorted({piece.angular_frequency for piece in pieces if piece.amplitude})
+        self._switches = sorted({time for signal in signals for time in signal.switches})
+        scales = 1 / np.sqrt(system.masses)
+        stiffness, damping = (
+            scales[:, None] * matrix * scales for matrix in (system.stiffness_matrix, system.damping_matrix)
+        )
+        own = np.sqrt(np.linalg.norm(stiffness, 2)) + np.linalg.norm(damping, 2)
+        self._rate = float(max([own, *self._frequencies]))
+        self.inverse_mass = 1 / system.masses
+
+    def motion(self, *, position: ArrayLike, velocity: ArrayLike, times: ArrayLike) -> SystemTrajectory:
+        """Give the motion at `times`.
+
+        Parameters
+        ----------
+        position, velocity
+            u [m] and u̇ [m/s] at t = 0, shape (f,).
+        times
+            Rising, > 0 [s], shape (rows,).
+
+        Raises
+        ------
+        ParameterError
+            If an argument is outside its range, or a normal force becomes negative.
+        """
+        rows = np.atleast_1d(checked_array("times", times, "> 0"))
+        if np.any(np.diff(rows) <= 0):
+            raise ParameterError("times do not rise; allowed: rising times")
+        stretches = list(self.stretches(position=position, velocity=velocity, end=float(rows[-1])))
+        ends = np.array([stretch.end for stretch in stretches[:-1]])
+        which = np.searchsorted(ends, rows)
+
+        def read(name: str) -> FloatArray:
+            parts = [stretches[k].values(getattr(stretches[k], name), t) for k, t in zip(which, rows, strict=True)]
+            return np.concatenate(parts)
+
+        motion, f = read("motion"), self.system.freedoms
+        friction = read("friction")
+        return SystemTrajectory(
+            rows,
+            motion[:, :f],
+            motion[:, f:],
+            read("normal_force"),
+            friction,
+            np.full(friction.shape, np.nan),
+            read("slip"),
+        )
+
+    def stretches(self, *, position: ArrayLike, velocity: ArrayLike, end: float) -> Iterator[Stretch]:
+        """Give the stretches of the motion from t = 0 to `end` [s]; arguments and errors as of `motion`."""
+        f, limit = self.system.freedoms, checked_scalar("end", end, "> 0")
+        state = [checked_array("position", position, shape=(f,)), checked_array("velocity", velocity, shape=(f,))]
+        x, time, events, counted_from = np.concatenate(state), 0.0, 0, 0.0
+        span = 1 / max(self._rate, 1 / limit)
+        while time < limit:
+            until = min([limit, *(switch for switch in self._switches if switch > time)])
+            stretch = _Start(self, x, time, span).stretch(until)
+            yield stretch
+            x = stretch.values(stretch.motion, stretch.end)[0]
+            time = until if until - stretch.end <= 2 * np.spacing(until) else stretch.end
+            events += 1
+            if time - counted_from > span:
+                events, counted_from = 0, time
+            if events > EVENTS_PER_SPAN * (1 + self.system.contacts):
+                raise EventsAccumulate(f"{events} changes of mode between {counted_from:.15g} and {time:.15g} s")
+
+    def extended(self, x: FloatArray, time: float) -> FloatArray:
+        """Vector z of a state (u, u̇) at a time [s], shape (d,)."""
+        phases = [(np.sin(omega * time), np.cos(omega * time)) for omega in self._frequencies]
+        return np.concatenate([x, [1.0], np.ravel(phases)])
+
+    def signal_row(self, piece: Harmonic) -> FloatArray:
+        """The row that gives a piece of a signal from (1, sin ω_1 t, cos ω_1 t, …), shape (d − 2f,)."""
+        row = np.zeros(1 + 2 * len(self._frequencies))
+        row[0] = piece.mean
+        if piece.amplitude:
+            k = 1 + 2 * self._frequencies.index(piece.angular_frequency)
+            row[k : k + 2] = piece.amplitude * np.cos(piece.phase), piece.amplitude * np.sin(piece.phase)
+        return row
+
+    def forces(self, time: float) -> FloatArray:
+        """Rows that give h [N] from z just behind a time [s], shape (f, d)."""
+        system = self.system
+        given = np.zeros((system.freedoms, 1 + 2 * len(self._frequencies)))
+        for body, signal in system.force_signals.items():
+            given[body] = self.signal_row(signal.piece(time))
+        return np.hstack([-system.stiffness_matrix, -system.damping_matrix, given])
+
+    def normal_forces(self, time: float) -> FloatArray:
+        """Rows that give N [N] from z just behind a time [s], shape (c, d)."""
+        rows = [self.signal_row(signal.piece(time)) for signal in self.system.normal_signals]
+        f = self.system.freedoms
+        return np.hstack([np.zeros((len(rows), 2 * f)), np.reshape(rows, (len(rows), 1 + 2 * len(self._frequencies)))])
+
+    def rates(self, acceleration: FloatArray) -> FloatArray:
+        """A of ż = A z, from the rows that give the acceleration, shape (d, d)."""
+        f, d = acceleration.shape
+        rates = np.zeros((d, d))
+        rates[:f, f : 2 * f] = np.eye(f)
+        rates[f : 2 * f] = acceleration
+        for k, omega in enumerate(self._frequencies):
+            sine = 2 * f + 1 + 2 * k
+            rates[sine, sine + 1], rates[sine + 1, sine] = omega, -omega
+        return rates
+
+
+class _Start:
+    """A state at which a stretch begins, the modes of its contacts, and the series from there."""
+
+    def __init__(self, solver: EventDrivenSystem, x: FloatArray, time: float, span: float):
+        system = solver.system
+        self._solver, self._time, self._span = solver, time, span
+        self._W, self._mass_matrix, self._inverse_mass = system.directions, system.mass_matrix, solver.inverse_mass
+        self._forces, self._normal = solver.forces(time), solver.normal_forces(time)
+        self._kinetic, self._static = system.friction_coefficient, system.static_friction_coefficient
+        self._rubs = np.any(self._normal != 0, axis=1) & (self._static > 0)
+        self._z = solver.extended(x, time)
+        self._speed, self._size = self._round_off_scales()
+        slip = self._W.T @ self._velocity
+        rest = np.abs(slip) <= REST_TOLERANCE * self._speed
+        self._modes: Modes = np.where(self._rubs & rest, 0, np.where(slip < 0, -1, 1)).astype(np.int8)
+        self._bring_to_rest()
+        self._release()
+
+    def stretch(self, until: float) -> Stretch:
+        """Follow the series to the first event, or to its end, or to `until` [s]."""
+        reach = min(1.0, (until - self._time) / self._span)
+        roots = first_roots(self._event_functions() * reach ** np.arange(SERIES_ORDER + 1)[:, None])
+        part = reach * min(1.0, float(np.min(roots, initial=np.inf)))
+        f = self._W.shape[0]
+        motion, slip = self._series[:, : 2 * f], self._slip()
+        slip[:, self._modes == 0] = 0.0
+        result = Stretch(
+            self._time,
+            part * self._span,
+            self._span,
+            motion,
+            self._series @ self._normal.T,
+            self._friction,
+            slip,
+            self._modes,
+        )
+        self._check_normal_force(result)
+        return result
+
+    @property
+    def _velocity(self) -> FloatArray:
+        f = self._W.shape[0]
+        return self._z[f : 2 * f]
+
+    def _round_off_scales(self) -> tuple[float, FloatArray]:
+        """Largest velocity [m/s] that round-off compares with, and the size of the forces on every contact [N]."""
+        given = np.abs(self._forces) @ np.abs(self._z)
+        bound = self._static * (np.abs(self._normal) @ np.abs(self._z))
+        gained = self._span * np.max((given + np.abs(self._W) @ bound) * self._inverse_mass)
+        return float(np.max(np.abs(self._velocity)) + gained), np.abs(self._W.T) @ given + bound
+
+    def _bring_to_rest(self) -> None:
+        """Give the bodies of contacts at rest velocities without slip, in place; momentum is kept."""
+        W = self._W[:, self._modes == 0]
+        response = self._inverse_mass[:, None] * W
+        self._velocity[:] -= response @ np.linalg.solve(W.T @ response, W.T @ self._velocity)
+
+    def _release(self) -> None:
+        """Let those contacts slide that friction at rest cannot hold; see the module."""
+        at_rest = self._modes == 0
+        while True:
+            self._accelerate()
+            self._solve_series()
+            order, excess = self._excess()
+            leaves = (self._modes == 0) & (excess > 0)
+            if not np.any(leaves):
+                break
+            first = leaves & (order == np.min(order[leaves]))
+            contact = int(np.argmax(np.where(first, excess, -np.inf)))
+            self._modes[contact] = -1 if self._friction[0, contact] > 0 else 1
+        slip = self._modes * self._slip()
+        for contact in np.flatnonzero(at_rest & (self._modes != 0)).tolist():
+            if slip[self._leading(slip[:, contact], self._speed_tolerance), contact] < 0:
+                raise AmbiguousModes(f"contact {contact} at {self._time:.9g} s neither slides nor stays at rest")
+
+    def _accelerate(self) -> None:
+        """Let those contacts slide that begin to with an acceleration: a step of unit time from rest."""
+        rest = self._modes == 0
+        W, none = self._W[:, rest], np.zeros((self._W.shape[0], np.count_nonzero(rest)))
+        still, normal = np.zeros(none.shape[1]), np.maximum(self._normal @ self._z, 0.0)
+        step = FrictionalStep(
+            mass_matrix=self._mass_matrix,
+            force=self._forces @ self._z - self._W[:, ~rest] @ (self._modes * self._kinetic * normal)[~rest],
+            velocity=np.zeros(none.shape[0]),
+            time_step=1.0,
+            normal_directions=none,
+            tangential_directions=W,
+            tangential_directions_of_position=none,
+            normal_motion=still,
+            tangential_motion=still,
+            normal_gap=still,
+            relative_velocity=still,
+            friction_coefficient=self._kinetic[rest],
+            static_friction_coefficient=self._static[rest],
+            normal_force=normal[rest],
+        )
+        gained = solve_stick_slip_step(step).relative_velocity
+        self._modes[rest] = np.where(np.abs(gained) > self._speed_tolerance / self._span, np.sign(gained), 0)
+
+    def _solve_series(self) -> None:
+        """Give z and λ_T in powers of s, with the modes as they are."""
+        moving, W = self._modes != 0, self._W
+        friction = np.zeros_like(self._normal)
+        friction[moving] = -(self._modes * self._kinetic)[moving, None] * self._normal[moving]
+        held = W[:, ~moving]
+        free = self._inverse_mass[:, None] * (self._forces + W @ friction)
+        friction[~moving] = -np.linalg.solve(held.T @ (self._inverse_mass[:, None] * held), held.T @ free)
+        rates = self._solver.rates(self._inverse_mass[:, None] * (self._forces + W @ friction)) * self._span
+        series = [self._z]
+        for k in range(1, SERIES_ORDER + 1):
+            series.append(rates @ series[-1] / k)
+        self._series = np.array(series)
+        self._friction: FloatArray = self._series @ friction.T
+
+    def _slip(self) -> FloatArray:
+        f = self._W.shape[0]
+        slip: FloatArray = self._series[:, f : 2 * f] @ self._W
+        return slip
+
+    def _distance_from_bound(self, side: FloatArray) -> FloatArray:
+        """μ_s N less friction at rest on one side, ±1 a contact, in powers of s, shape (SERIES_ORDER + 1, c)."""
+        distance: FloatArray = self._static * (self._series @ self._normal.T) - side * self._friction
+        return distance
+
+    def _excess(self) -> tuple[NDArray[np.intp], FloatArray]:
+        """By how much the friction of every contact passes its bound, over its size, and in which order of time."""
+        beyond = -self._distance_from_bound(np.where(self._friction[0] < 0, -1.0, 1.0))
+        tolerance = FORCE_TOLERANCE * self._size
+        order = np.array(
+            [self._leading(column, limit) for column, limit in zip(beyond.T, tolerance, strict=True)], dtype=np.intp
+        )
+        value = beyond[order, np.arange(order.size)]
+        significant = np.abs(value) > tolerance
+        return order, np.where(significant, value / np.where(self._size > 0, self._size, 1.0), 0.0)
+
+    @property
+    def _speed_tolerance(self) -> float:
+        return FORCE_TOLERANCE * self._speed
+
+    @staticmethod
+    def _leading(column: FloatArray, tolerance: float) -> int:
+        """Index of the first coefficient that is not round-off; 0 if there is none."""
+        return int(np.argmax(np.abs(column) > tolerance))
+
+    def _event_functions(self) -> FloatArray:
+        """Polynomials whose first root on (0, 1] ends the modes, shape (SERIES_ORDER + 1, 2c)."""
+        contacts = self._modes.size
+        functions = np.repeat(LEADING_ONE[:, None], 2 * contacts, axis=1)
+        slip = self._modes * self._slip()
+        sides = [self._distance_from_bound(np.full(contacts, side)) for side in (1.0, -1.0)]
+        for contact in np.flatnonzero(self._rubs):
+            if self._modes[contact]:
+                functions[:, contact] = self._without_leading(slip[:, contact], self._speed_tolerance)
+                continue
+            for side, column in zip(sides, (contact, contacts + contact), strict=True):
+                functions[:, column] = self._without_leading(side[:, contact], FORCE_TOLERANCE * self._size[contact])
+        return functions
+
+    def _without_leading(self, column: FloatArray, tolerance: float) -> FloatArray:
+        """Divide out those powers of s whose coefficients are round-off; the constant one if nothing is left."""
+        order = self._leading(column, tolerance)
+        if abs(column[order]) <= tolerance:
+            return LEADING_ONE
+        return np.concatenate([column[order:], np.zeros(order)])
+
+    def _check_normal_force(self, stretch: Stretch) -> None:
+        ends = stretch.values(stretch.normal_force, [stretch.start, stretch.end])
+        negative = np.argwhere(ends < -FORCE_TOLERANCE * np.max(np.abs(stretch.normal_force), axis=0, initial=0.0))
+        if negative.size:
+            row, contact = negative[0].tolist()
+            raise ParameterError(
+                f"normal force of contact {contact} = {ends[row, contact]:g} N at {stretch.start:g} s to "
+                f"{stretch.end:g} s; allowed: >= 0"
+            )
