@@ -1,11 +1,12 @@
-"""Motions of a base that shakes what rests on it: an acceleration that grows, and a vibration."""
+"""What shakes a mass that rests on another: a base whose acceleration grows or that vibrates, and a force."""
 
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
-from reference_lcp.chain.harmonic import MovingBase
+from reference_lcp.chain.harmonic import HarmonicForce, MovingBase
+from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import LARGEST_UNIT, FloatArray, checked_scalar
 
 
@@ -89,3 +90,32 @@ class Vibration(MovingBase):
         phase = self.angular_frequency * np.asarray(time, dtype=np.float64)
         rate: FloatArray = self.swing * self.angular_frequency * np.sin(phase)
         return rate
+
+
+@dataclass(frozen=True)
+class ShakingForce(HarmonicForce):
+    """The force P0 sin ωt shakes a first cell that is all but free: no spring says how far.
+
+    Parameters
+    ----------
+    amplitude, angular_frequency
+        P0 [N] and ω [rad/s], > 0.
+    length
+        The displacement scale [m], > 0; it enters no equation of motion.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is outside its range.
+    """
+
+    kind: ClassVar[str] = "shaking force"
+    length: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        checked_scalar("length", self.length, "> 0")
+
+    def displacement_scale(self, chain: Chain) -> float:
+        """Give the length [m] that was chosen."""
+        return self.length

@@ -6,6 +6,7 @@ from types import MappingProxyType
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.block.breakaway import Breakaway
 from scenarios.catalogue.block.direction import Direction
+from scenarios.catalogue.block.published import Published
 from scenarios.catalogue.block.static_hold import StaticHold
 from scenarios.catalogue.block.stopping_distance import StoppingDistance
 from scenarios.catalogue.steady.den_hartog import DenHartog
@@ -32,6 +33,7 @@ SCENARIOS: tuple[Scenario, ...] = (
     Breakaway(),
     StoppingDistance(),
     Direction(),
+    Published(),
     RickerPulseScenario(),
     SweptSineScenario(),
     FilteredNoiseScenario(),

@@ -76,6 +76,7 @@ class _Record:
         self._last_positions, self._last_velocities = initial.positions, initial.velocities
         self._rows: list[FloatArray] = []
         self._slip_velocities: list[FloatArray] = []
+        self._slid: list[FloatArray] = []
         self._heat = _Heat()
         self._initial_energy = float(mechanical_energy(lane.chain, initial.positions, initial.velocities)[0])
         self._least_energy, self._growth = self._initial_energy, 0.0
@@ -88,13 +89,14 @@ class _Record:
             self._add_energies(run)
         if self._task.recorded == "slip":
             self._slip_velocities.append(run.relative_velocity[every - 1 :: every, 0].copy())
+            self._add_sliding_distance(run)
         self._last_positions, self._last_velocities = run.positions[-1:].copy(), run.velocities[-1:].copy()
 
     def series(self) -> NamedNumbers:
         """Give what the task names, displacements over the displacement scale and energies over the initial one.
 
         ``response``: the last outer mass at each kept row. ``slip``: v − u of cell 1 there, and
-        ``slip_velocity`` [m/s]. ``decay``: see `_decay`.
+        ``slip_velocity`` [m/s]; ``slid``, the way ∫ |v̇ − u̇| dt until there [m]. ``decay``: see `_decay`.
         """
         rows = np.concatenate(self._rows)
         chain = self._lane.chain
@@ -106,6 +108,7 @@ class _Record:
             return {
                 "slip": tuple((rows[:, chain.cells] - rows[:, 0]).tolist()),
                 "slip_velocity": tuple(velocities.tolist()),
+                "slid": tuple(np.concatenate(self._slid).tolist()),
             }
         return {"response": tuple(rows[:, chain.cells - 1].tolist())}
 
@@ -129,6 +132,15 @@ class _Record:
             "swing": tuple(slip[:, 0].tolist()),
             "energy": tuple(energies.tolist()),
         }
+
+    def _add_sliding_distance(self, run: Trajectory) -> None:
+        """Add up the way that cell 1 slides, by the trapezoidal rule over all steps, also those that are not kept."""
+        cells, every = self._lane.chain.cells, self._task.every
+        before = self._last_velocities[:1, cells] - self._last_velocities[:1, 0]
+        speed = np.abs(np.concatenate([before, run.relative_velocity[:, 0]]))
+        way = self._lane.time_step * np.cumsum((speed[1:] + speed[:-1]) / 2)
+        begun = self._slid[-1][-1] if self._slid else 0.0
+        self._slid.append(begun + way[every - 1 :: every])
 
     def _add_energies(self, run: Trajectory) -> None:
         """Add up heat, velocities taken as the mean of both ends of a step, and find energy that grows."""

@@ -40,11 +40,17 @@ class Block:
         λ_N that presses it on the carrier [N].
     stiffness
         Of the spring k_i that pulls it to its place on the carrier [N/m].
+    carrier_frequency
+        √(k_c / m_o) of the carrier on its base [rad/s].
+    carrier_damping
+        c_c / (2 √(k_c m_o)) of the carrier.
     """
 
     mass: float
     normal_force: float
     stiffness: float
+    carrier_frequency: float = CARRIER_FREQUENCY
+    carrier_damping: float = CARRIER_DAMPING
 
     @property
     def bound(self) -> float:
@@ -64,8 +70,8 @@ class Block:
             cells=1,
             outer_mass=np.asarray(carrier),
             inner_mass=np.asarray(self.mass),
-            chain_stiffness=np.asarray(carrier * CARRIER_FREQUENCY**2),
-            chain_damping=np.asarray(2 * CARRIER_DAMPING * carrier * CARRIER_FREQUENCY),
+            chain_stiffness=np.asarray(carrier * self.carrier_frequency**2),
+            chain_damping=np.asarray(2 * self.carrier_damping * carrier * self.carrier_frequency),
             inner_stiffness=np.asarray(self.stiffness),
             normal_force=np.asarray(self.normal_force),
             friction_coefficient=np.asarray(FRICTION_COEFFICIENT),
@@ -74,7 +80,7 @@ class Block:
 
 @dataclass(frozen=True, kw_only=True)
 class BlockTask(TransientTask):
-    """The motion of a block on its carrier, which begins at rest.
+    """The motion of a block on its carrier.
 
     Parameters
     ----------
@@ -86,6 +92,8 @@ class BlockTask(TransientTask):
         Velocity of the block on the carrier at first [m/s].
     direction
         Angle by which the row is turned in the plane of the contact [rad].
+    carrier_velocity
+        Velocity of the carrier at first [m/s].
     variant, base, time_step, steps, every
         As for `TransientTask`. What is recorded is the slip at the rows that are kept; ratios have no part in it.
     """
@@ -94,6 +102,7 @@ class BlockTask(TransientTask):
     slip: float = 0.0
     slip_velocity: float = 0.0
     direction: Annotated[float, Field(exclude_if=lambda value: value == 0)] = 0.0
+    carrier_velocity: float = 0.0
     recorded: str = "slip"
     friction_ratio: Annotated[Ratio, Field(exclude=True)] = 0.0
     ratios: Annotated[ChainRatios, Field(exclude=True)] = field(default_factory=lambda: ChainRatios(cells=1))
@@ -127,4 +136,5 @@ class BlockTask(TransientTask):
 
     def initial_state(self) -> State:
         """Give the state that the motion starts from, a batch of one lane."""
-        return State(np.array([[0.0, self.slip]]), np.array([[0.0, self.slip_velocity]]))
+        velocities = [self.carrier_velocity, self.carrier_velocity + self.slip_velocity]
+        return State(np.array([[0.0, self.slip]]), np.array([velocities]))

@@ -7,7 +7,7 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import PlainSerializer, PlainValidator
 
-from reference_lcp.chain.harmonic import MovingBase, StillBase
+from reference_lcp.chain.harmonic import HarmonicForce, MovingBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.record import RecordedBase
 from reference_lcp.chain.simulation import Lane
@@ -29,7 +29,9 @@ RECORDED = ("response", "decay", "slip")
 
 
 _Base = Annotated[
-    MovingBase | StillBase, PlainValidator(lambda base: base), PlainSerializer(lambda base: base.parameters())
+    MovingBase | HarmonicForce | StillBase,
+    PlainValidator(lambda base: base),
+    PlainSerializer(lambda base: base.parameters()),
 ]
 """Written with the hash of its samples where it follows a record."""
 
@@ -43,7 +45,7 @@ class TransientTask(Task):
     variant, ratios, friction_ratio
         As for `Task`; the base amplitude U0 of the friction ratio is 0.01 m.
     base
-        How the base moves.
+        How the base moves, or which force acts on the first cell.
     time_step
         dt [s], > 0, with dt ω_max <= 0.4 for the highest natural frequency of the chain.
     steps
