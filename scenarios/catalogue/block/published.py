@@ -162,12 +162,12 @@ class Case(NamedTuple):
         return self.read(motion) / self.unit
 
 
-TURN_STEPS = 100
-"""Coarsest steps of SDND100 to half a period π / ω."""
+TURN_STEPS, TURN_ROW = 100, 4
+"""Coarsest steps of SDND100 to half a period π / ω, and to a row."""
 
 SPRING = Problem(
     mass=1.0, bound=1.0, stiffness=1e4, slip=0.85e-3, scale=0.85e-3, time_step=math.pi / 100 / TURN_STEPS,
-    steps=4 * TURN_STEPS,
+    steps=4 * TURN_STEPS, every=TURN_ROW,
 )  # fmt: skip
 """SDND100 along its axis, at 45° to x and y."""
 
@@ -177,7 +177,7 @@ def _turn(number: int) -> Case:
     along = math.cos(math.pi / 4)
     return Case(
         SPRING,
-        lambda motion: along * float(motion.slip[number * TURN_STEPS - 1]),
+        lambda motion: along * float(motion.slip[number * TURN_STEPS // TURN_ROW - 1]),
         lambda task: along * round_off(task),
         abs(targets()[f"sdnd100-{number}"].value),
     )
@@ -220,11 +220,11 @@ def _wear(amplitude: float) -> Case:
     return Case(problem, _wear_power, _wear_round_off, value)
 
 
-BRAKE = Problem(mass=1.0, bound=1.0, slip_velocity=1.0, scale=0.5, time_step=0.002, steps=750)
+BRAKE = Problem(mass=1.0, bound=1.0, slip_velocity=1.0, scale=0.5, time_step=0.002, steps=750, every=10)
 """The mass from 0.1 s on, when its brake closes; without that it has moved by 0.1 m."""
 
 OSCILLATOR = Problem(
-    mass=1.0, bound=1.0, stiffness=1.0, slip=12.0, slip_velocity=6.0, scale=12.0, time_step=0.01, steps=2500
+    mass=1.0, bound=1.0, stiffness=1.0, slip=12.0, slip_velocity=6.0, scale=12.0, time_step=0.01, steps=2500, every=25
 )
 """FrictionOscillator, in its own units."""
 
