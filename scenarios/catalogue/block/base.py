@@ -85,7 +85,7 @@ class BlockScenario(Scenario):
         return []
 
     def simulated(self, task: BlockTask) -> list[BlockTask]:
-        """Give the tasks that a case needs: with its own step alone, unless overridden."""
+        """Give the tasks that a case needs, that which is judged last: with its own step alone, unless overridden."""
         return [task]
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
@@ -101,10 +101,13 @@ class BlockScenario(Scenario):
         ]
 
     def law_periods(self, variant: Variant, evaluator: Evaluator) -> Mapping[str, LawPeriod]:
-        """Compare the whole motion of every case with the law's, from the same state; see `Scenario.law_periods`."""
+        """Compare the whole motion of every case, with the step that is judged, with the law's from the same state."""
         by_law = variant.law
         assert by_law is not None, "only variants with a law are compared with one"
-        tasks, laws = self.tasks_by_case(variant), self.tasks_by_case(by_law)
+        tasks, laws = (
+            {case: self.simulated(task)[-1] for case, task in self.tasks_by_case(each).items()}
+            for each in (variant, by_law)
+        )
         evaluator.evaluate([*tasks.values(), *laws.values()])
         return {case: _distance(task, laws[case], evaluator) for case, task in tasks.items()}
 

@@ -13,6 +13,7 @@ and what reading at steps does, is measured by the exact motion of the same task
 import csv
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cache
 from importlib import resources
 from typing import NamedTuple
@@ -147,6 +148,8 @@ class Case(NamedTuple):
         The number, of a motion.
     round_off
         By how much roundings change it.
+    per_length
+        By how much it changes at most with each metre that a slip is off.
     unit
         What it is divided by.
     """
@@ -154,6 +157,7 @@ class Case(NamedTuple):
     problem: Problem
     read: Callable[[Motion], float]
     round_off: Callable[[BlockTask], float]
+    per_length: float
     unit: float
 
     def value(self, series: NamedNumbers) -> float:
@@ -179,6 +183,7 @@ def _turn(number: int) -> Case:
         SPRING,
         lambda motion: along * float(motion.slip[number * TURN_STEPS // TURN_ROW - 1]),
         lambda task: along * round_off(task),
+        along,
         abs(targets()[f"sdnd100-{number}"].value),
     )
 
@@ -188,6 +193,9 @@ WEAR_FROM, WEAR_TO, WEAR_FORCE = 4.0, 12.0, 10.0
 
 WEAR_STEP = 0.0025
 """Coarsest step of SDND104 [s]."""
+
+TURNS_A_SECOND = 4.0
+"""Ends of slips: at each of them a slip that is off changes the way."""
 
 
 WEAR_ROW = 80
@@ -217,7 +225,7 @@ def _wear(amplitude: float) -> Case:
         scale=amplitude / omega**2, time_step=WEAR_STEP, steps=round(WEAR_TO / WEAR_STEP), every=WEAR_ROW,
     )  # fmt: skip
     value = targets()[f"sdnd104-{amplitude:g}"].value or targets()["sdnd104-1.01"].value
-    return Case(problem, _wear_power, _wear_round_off, value)
+    return Case(problem, _wear_power, _wear_round_off, WEAR_FORCE * TURNS_A_SECOND, value)
 
 
 BRAKE = Problem(mass=1.0, bound=1.0, slip_velocity=1.0, scale=0.5, time_step=0.002, steps=750, every=10)
@@ -231,9 +239,9 @@ OSCILLATOR = Problem(
 CASES: Mapping[str, Case] = {
     **{f"sdnd100-{number}": _turn(number) for number in (1, 2, 3, 4)},
     **{f"sdnd104-{amplitude:g}": _wear(amplitude) for amplitude in (15.0, 1.5, 1.01, 0.99)},
-    "brake": Case(BRAKE, lambda motion: 0.1 + float(motion.slip[-1]), round_off, targets()["brake"].value),
+    "brake": Case(BRAKE, lambda motion: 0.1 + float(motion.slip[-1]), round_off, 1.0, targets()["brake"].value),
     "friction-oscillator": Case(
-        OSCILLATOR, lambda motion: float(motion.slip[-1]), round_off, targets()["friction-oscillator"].value
+        OSCILLATOR, lambda motion: float(motion.slip[-1]), round_off, 1.0, targets()["friction-oscillator"].value
     ),
 }
 
@@ -283,6 +291,8 @@ class Published(BlockScenario):
         left = abs(number.value(exact.series) - expected) + target.uncertainty / number.unit
         allowed = left + number.round_off(task) / number.unit
         comparison = judge(VALUE, own[VALUE], expected, scheme=scheme[VALUE], resolution=allowed)
+        per_amplitude = number.per_length * number.problem.scale / number.unit
+        comparison = replace(comparison, per_amplitude=per_amplitude)
         return [Finding(variant, case, VALUE, float(own[VALUE].judged), expected, comparison)]
 
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -141,6 +142,11 @@ def test_a_bound_that_is_two_hundredths_too_small_does_not_hold_the_largest_load
         f"{KILOGRAM}, load 0.99",
         f"{KILOGRAM}, load 0.99, shaken",
     }
+
+
+def test_target_sheets_have_the_answers_to_every_case() -> None:
+    header = (Path(__file__).parents[3] / "docs/targets/answers.csv").read_text().splitlines()[0]
+    assert header.split(",")[1:] == list(CASES)
 
 
 @needs_mujoco

@@ -1,0 +1,36 @@
+"""The table of engines in the index of the target sheets, from the verdicts of the scenario `published`.
+
+python docs/targets/answers.py published.csv docs/targets/answers.csv
+"""
+
+import sys
+from pathlib import Path
+
+import pandas as pd
+
+MARKS = {"agree": "", "disagree": " *"}
+"""Behind a value; any other verdict stands in its place."""
+
+
+def cell(row: pd.Series) -> str:
+    """Give a value as the table shows it."""
+    if row["verdict"] not in MARKS:
+        return str(row["verdict"])
+    size = row["value"] / row["expected"] if row["expected"] else row["value"]
+    text = "0" if abs(size) < 1e-9 else f"{size:.4g}" if row["expected"] == 0 else f"{size:.5f}"
+    return text + (" p" if row["as predicted"] is True else MARKS[row["verdict"]])
+
+
+def write(verdicts: Path, table: Path) -> None:
+    """Write a row a variant, a column a published number."""
+    rows = pd.read_csv(verdicts).query("scenario == 'published'")
+    rows["engine:formulation:preset"] = rows["engine"] + ":" + rows["formulation"] + ":" + rows["preset"]
+    rows["cell"] = rows.apply(cell, axis="columns")
+    wide = rows.pivot_table(
+        index="engine:formulation:preset", columns="case", values="cell", aggfunc="first", sort=False
+    )
+    wide.to_csv(table, lineterminator="\n")
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]), Path(sys.argv[2]))
