@@ -71,6 +71,7 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "Does the bound of friction depend on the direction in which a block slides over its contact?",
             "the event-driven motion, exact to round-off, which knows no direction; allowed: the engine's error from "
             "three step sizes, round-off, and what the options of the preset state of creep",
+        ),
         "published": Description(
             "Does a block turn, wear and stop as others have published it?",
             "the published number, to its printed digits; allowed: the engine's error from three step sizes, or the "
