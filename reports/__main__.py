@@ -1,4 +1,4 @@
-"""``python -m reports``: one page on every engine, with its figures and tables; comparisons and animations."""
+"""``python -m reports``: one page on every engine, with its figures and tables; comparisons, animations, scripts."""
 
 if __name__ == "__main__":
     from reference_lcp.interrupt import heed_interrupts
@@ -17,6 +17,7 @@ from reference_lcp.console import run_command
 from reference_lcp.refusal import ParameterError
 from reports.cli.animate import animate
 from reports.cli.compare import compare
+from reports.cli.reproduce import reproduce
 from scenarios.cli.options import Limit, Retry, Scheduler, Workers, check_retry
 from scenarios.execution.limits import TIME_LIMIT
 
@@ -27,6 +28,7 @@ the time of a report of 20,000 points with the default threshold of 700 objects.
 app = typer.Typer(name="python -m reports", add_completion=False, pretty_exceptions_enable=False)
 app.command()(compare)
 app.command()(animate)
+app.command()(reproduce)
 
 
 @app.callback(invoke_without_command=True)

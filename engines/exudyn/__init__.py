@@ -16,6 +16,7 @@ from engines.exudyn.joint import (
     BristleLane,
     RegularisedLane,
 )
+from engines.exudyn.reproducer import BRISTLE, DISC, ZONE
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.shared.wheel_engine import WheelEngine
 
@@ -41,6 +42,7 @@ class ExudynRegularised(WheelEngine):
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: RegularisedLane, Formulation.CONTACT: ContactLane}
+    reproducers: ClassVar = {Formulation.JOINT: ZONE, Formulation.CONTACT: DISC}
 
 
 class ExudynBristle(WheelEngine):
@@ -61,3 +63,4 @@ class ExudynBristle(WheelEngine):
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: BristleLane}
+    reproducers: ClassVar = {Formulation.JOINT: BRISTLE}

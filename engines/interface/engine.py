@@ -2,11 +2,12 @@
 
 import platform
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 from engines.interface.preparation import Preparation, sample_lane
 from engines.interface.presets import Capabilities, Formulation, Preset
+from engines.interface.reproducer import Reproducer
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
 from reference_lcp.chain.trajectory import State
 from reference_lcp.refusal import ParameterError, checked_choice
@@ -43,6 +44,8 @@ class Engine(ABC):
     capabilities: ClassVar[Capabilities]
     preparation: ClassVar[Preparation | None] = None
     """What `prepare` does, where its first use on a machine takes long: compiling, above all."""
+    reproducers: ClassVar[Mapping[Formulation, Reproducer]] = {}
+    """How a number of it is shown without the suite, by formulation; none is needed."""
 
     @abstractmethod
     def version(self) -> str:

@@ -13,6 +13,7 @@ from engines.mujoco.contact import (
 )
 from engines.mujoco.joint import JOINT_DEFAULT, JOINT_TUNED, joint_model
 from engines.mujoco.pressed_contact import pressed_harder
+from engines.mujoco.reproducer import CONTACT, JOINT
 from engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
 from engines.mujoco.yielding_simulation import yielding_simulation
 from engines.mujoco.yielding_spring import YIELD
@@ -42,6 +43,8 @@ class MuJoCo(WheelEngine):
             "presets removes the softness; then the motion equals equation (5) to round-off."
         ),
     )
+
+    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         if "spring_phase" in preset.options:

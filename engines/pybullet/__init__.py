@@ -7,6 +7,7 @@ from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Pr
 from engines.pybullet.connection import Connection
 from engines.pybullet.contact import CONTACT_DEFAULT, CONTACT_TUNED, PyBulletContactLane
 from engines.pybullet.joint import JOINT_DEFAULT, JOINT_TUNED, PyBulletJointLane
+from engines.pybullet.reproducer import CONTACT, JOINT
 from engines.shared.wheel_engine import WheelEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.stepping.sequential import SequentialSimulation
@@ -32,6 +33,8 @@ class PyBullet(WheelEngine):
             "computes at the start of each step; by default Bullet damps every body against the ground."
         ),
     )
+
+    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
 
     def unavailable_reason(self) -> str | None:
         """Reason why PyBullet cannot be used here, with the Pythons that it has wheels for."""

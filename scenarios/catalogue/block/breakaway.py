@@ -53,6 +53,12 @@ class Pull(NamedTuple):
         block = self.scale.block(1.0)
         return GrowingAcceleration(block.bound / block.mass * RISE_TIME**2 / 6, RISE_TIME)
 
+    @property
+    def speed(self) -> float:
+        """Velocity that friction alone gives in the rise time [m/s]."""
+        block = self.scale.block(1.0)
+        return block.bound / block.mass * RISE_TIME
+
     def task(self, variant: Variant) -> BlockTask:
         """Give the task of a variant."""
         base = self.base
@@ -101,20 +107,14 @@ class Breakaway(BlockScenario):
         gap = missing("", [own]) or missing("reference", [fine])
         if gap is not None:
             return Finding.without_numbers(variant, case, self.metrics, gap)
-        times = [_slip_time(pull, np.array(result.series["slip_velocity"])) for result in (own, fine)]
+        times = [slip_time(pull, np.array(result.series["slip_velocity"])) for result in (own, fine)]
         value = times[0] / times[1]
-        late = round_off(task) / RISE_TIME / (LEAST_SPEED * _speed(pull)) * DELAY + 2 * task.time_step / RISE_TIME
+        late = round_off(task) / RISE_TIME / (LEAST_SPEED * pull.speed) * DELAY + 2 * task.time_step / RISE_TIME
         comparison = judge(FRACTION, Steps({1: value}), 1.0, resolution=late)
         return [Finding(variant, case, FRACTION, value, 1.0, comparison)]
 
 
-def _speed(pull: Pull) -> float:
-    """Velocity that friction alone gives in the rise time [m/s]."""
-    block = pull.scale.block(1.0)
-    return block.bound / block.mass * RISE_TIME
-
-
-def _slip_time(pull: Pull, velocity: FloatArray) -> float:
+def slip_time(pull: Pull, velocity: FloatArray) -> float:
     """Give when the slip becomes as fast as counts [s]; NaN if it never does."""
-    fast = np.flatnonzero(np.abs(velocity) > LEAST_SPEED * _speed(pull))
+    fast = np.flatnonzero(np.abs(velocity) > LEAST_SPEED * pull.speed)
     return float((fast[0] + 1) * pull.time_step) if fast.size else np.nan

@@ -80,7 +80,7 @@ def test_a_load_just_above_the_bound_is_not_held() -> None:
 def test_the_scheme_slips_when_the_inertia_of_the_block_passes_the_bound(pull) -> None:
     """The base's acceleration passes μ λ_N / m after the rise time; the slip is fast a known time later."""
     (result,) = run_transients([pull.task(REFERENCE)])
-    time = breakaway._slip_time(pull, np.array(result.series["slip_velocity"]))
+    time = breakaway.slip_time(pull, np.array(result.series["slip_velocity"]))
     # the carrier lags behind the base by 2 ζ / ω, and no less than a step is seen
     lag = 0.2 / 80.0
     assert time == pytest.approx(breakaway.RISE_TIME + breakaway.DELAY + lag, abs=2 * pull.time_step + lag)

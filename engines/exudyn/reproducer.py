@@ -1,0 +1,115 @@
+"""Options of Exudyn's presets as its settings and the parameters of its connectors, in SI units."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from engines.exudyn.bristle_state import bristles_at
+from engines.exudyn.contact import INERTIA
+from engines.exudyn.joint import proportional_zone
+from engines.interface.presets import Preset
+from engines.interface.reproducer import Reproducer
+from engines.shared.units import Units
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import FloatArray
+
+LONGEST_LINE = 120
+"""Characters."""
+
+
+def zone_numbers(lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]:
+    """Give the width of the zone, and the settings of the solver."""
+    return {**_solver(lane, preset), "zone": _zones(lane, preset), "bristles": False}
+
+
+def bristle_numbers(lane: Lane, preset: Preset, start: State) -> Mapping[str, Any]:
+    """Give the bristles, each with the load that it meets at first, and the settings of the solver."""
+    chain, options = lane.chain, preset.options
+    reduced, steps = _reduced_mass(lane), preset["substeps"] / lane.time_step
+    if "stickingStiffness" in options:
+        stiffness, damping = (np.full(chain.cells, preset[name]) for name in ("stickingStiffness", "stickingDamping"))
+    else:
+        stiffness = (preset["bristle_phase"] * steps) ** 2 * reduced
+        damping = preset["bristle_damping"] * 2 * np.sqrt(stiffness * reduced)
+    slip, deflection = bristles_at(start, chain, float(lane.loads(0, 1)[0]), stiffness, damping)
+    outer, inner = np.split(start.positions[0], 2)
+    foot = inner - outer - deflection
+    return {
+        **_solver(lane, preset),
+        "bristles": True,
+        "slip": slip,
+        "foot": foot,
+        "sticking_stiffness": stiffness,
+        "sticking_damping": damping,
+    }
+
+
+def disc_numbers(lane: Lane, preset: Preset, start: State) -> Mapping[str, Any]:
+    """Give stiffness and depth of the discs, the width of the zone, and the settings of the solver."""
+    units = Units.in_steps(preset["units"], lane)
+    reduced = _reduced_mass(lane)
+    stiffness = reduced * (preset["substeps"] / lane.time_step) ** 2
+    return {
+        **_solver(lane, preset),
+        "zone": _zones(lane, preset),
+        "linear": ", useLinearProportionalZone=True" if preset["useLinearProportionalZone"] else "",
+        "stiffness": stiffness,
+        "damping": 2 * np.sqrt(stiffness * reduced),
+        "depth": lane.chain.normal_force / stiffness,
+        "slip": -np.diff(start.velocities.reshape(2, -1), axis=0)[0],
+        "radius": units.length,
+        "inertia": INERTIA * units.mass * units.length**2,
+    }
+
+
+def _zones(lane: Lane, preset: Preset) -> FloatArray:
+    return np.array([proportional_zone(lane, cell, preset) for cell in range(lane.chain.cells)])
+
+
+def _reduced_mass(lane: Lane) -> FloatArray:
+    mass: FloatArray = 1 / (1 / lane.chain.outer_mass + 1 / lane.chain.inner_mass)
+    return mass
+
+
+def _solver(lane: Lane, preset: Preset) -> Mapping[str, Any]:
+    """Give the settings that differ from Exudyn's own; forces of the units of a lane are some of newtons."""
+    force = Units.in_steps(preset["units"], lane).force
+    settings = {
+        "newton.relativeTolerance": ("relative_tolerance", 1.0),
+        "newton.absoluteTolerance": ("absolute_tolerance", force),
+        "discontinuous.maxIterations": ("discontinuous_iterations", 1),
+        "discontinuous.iterationTolerance": ("discontinuous_tolerance", force),
+    }
+    changed = {
+        f"solver.{name}": repr(preset[option] * factor)
+        for name, (option, factor) in settings.items()
+        if option in preset.options and preset[option] != preset.options[option].default
+    }
+    if preset["solver"] == "Newmark":
+        changed["solver.generalizedAlpha.useNewmark"] = "True"
+    substeps = f"{preset['substeps']} * " if preset["substeps"] > 1 else ""
+    return {"solver": _assignments(changed), "substeps": substeps, "smallest": preset["smallest_step"]}
+
+
+def _assignments(values: Mapping[str, str]) -> list[str]:
+    """Write assignments, as many in a line as fit."""
+    lines: list[str] = []
+    names: list[str] = []
+    for name in values:
+        line = _assignment(values, [*names, name])
+        if names and len(line) > LONGEST_LINE:
+            lines.append(_assignment(values, names))
+            names = []
+        names.append(name)
+    return [*lines, _assignment(values, names)] if names else lines
+
+
+def _assignment(values: Mapping[str, str], names: Sequence[str]) -> str:
+    return f"{', '.join(names)} = {', '.join(values[name] for name in names)}"
+
+
+ZONE = Reproducer("reproducer_joint.py.jinja", zone_numbers)
+BRISTLE = Reproducer("reproducer_joint.py.jinja", bristle_numbers)
+DISC = Reproducer("reproducer_contact.py.jinja", disc_numbers)

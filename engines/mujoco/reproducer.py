@@ -1,0 +1,82 @@
+"""Options of MuJoCo's presets as the attributes of a model in XML, in SI units."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from engines.interface.presets import Preset
+from engines.interface.reproducer import Reproducer
+from engines.mujoco.contact import PLATE, RADIUS, TOUCH
+from engines.mujoco.model import DEPTH
+from engines.shared.units import power_of_two
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+
+OPTION_ATTRIBUTES = ("solver", "iterations", "noslip_iterations", "cone", "jacobian", "integrator")
+"""Options of the whole model."""
+
+WIDTH = 0.95
+"""d_width of MuJoCo's own solimp, by which it divides a stiffness or a damping that is given directly."""
+
+
+def joint_numbers(_lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]:
+    """Give the attributes that differ from MuJoCo's own: of the model, and of the joint that rubs."""
+    solref = preset["solref_friction"]
+    rates = _rates(solref, (1, 1), WIDTH)
+    return {**_model(preset), "joint": "" if solref[0] > 0 else f'solreffriction="{rates}"'}
+
+
+def contact_numbers(lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]:
+    """Give the attributes that differ from MuJoCo's own: of the model, and of the pair that rubs; and its geometry."""
+    lifting = lane.preload is not None
+    options = preset.modulated() if lifting else preset
+    scale = power_of_two(lane.drive.displacement_scale(lane.chain))
+    return {
+        **_model(options),
+        "lifting": lifting,
+        "joints": 4 if lifting else 3,
+        "radius": RADIUS * scale,
+        "plate": PLATE * scale,
+        "height": 2 * RADIUS * scale - (TOUCH if lifting else DEPTH) * scale,
+        "pair": _by_two(_pair(options, lifting)),
+    }
+
+
+def _model(preset: Preset) -> dict[str, str]:
+    changed = {name: preset[name] for name in OPTION_ATTRIBUTES if preset[name] != preset.options[name].default}
+    flags = " ".join(f'{name}="disable"' for name in preset["disable"])
+    return {
+        "option": " ".join(f'{name}="{value}"' for name, value in changed.items()),
+        "flags": f"<flag {flags}/>" if flags else "",
+    }
+
+
+def _pair(preset: Preset, lifting: bool) -> list[str]:
+    """Give the attributes of the pair; see `contact_model` and `lifting_model`."""
+    changed = lifting and preset["solimp"] != preset.options["solimp"].default
+    width = preset["solimp"][1] if changed else WIDTH
+    attributes = [f'solimp="{preset["solimp"][0]} {preset["solimp"][1]}"'] if changed else []
+    if not lifting:
+        attributes.append(f'solref="-1 {-2 / preset["normal time constant"]!r}"')
+    elif preset["solref"][0] < 0:
+        attributes.append(f'solref="{_rates(preset["solref"], (2, 1), width)}"')
+    if any(preset["solreffriction"]):
+        attributes.append(f'solreffriction="{_rates(preset["solreffriction"], (1, 1), width)}"')
+    return attributes
+
+
+def _by_two(attributes: Sequence[str]) -> list[str]:
+    """Set attributes in lines of two."""
+    return [" ".join(attributes[start : start + 2]) for start in range(0, len(attributes), 2)]
+
+
+def _rates(factors: Sequence[float], powers: Sequence[int], width: float) -> str:
+    """Write stiffness and damping in the direct form, which MuJoCo divides by powers of d_width."""
+    rates = [f"{width} / TIME_STEP" if power == 1 else f"({width} / TIME_STEP) ** {power}" for power in powers]
+    return " ".join(
+        f"{{-{rate}}}" if factor == -1 else f"{{{factor} * {rate}}}"
+        for factor, rate in zip(factors, rates, strict=True)
+    )
+
+
+JOINT = Reproducer("reproducer_joint.py.jinja", joint_numbers)
+CONTACT = Reproducer("reproducer_contact.py.jinja", contact_numbers)

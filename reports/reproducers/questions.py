@@ -1,0 +1,193 @@
+"""What a script shows: a number of a scenario, the motion that it is read from, and how."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+import numpy as np
+
+from engines.interface.variant import Variant
+from reference_lcp.chain.harmonic import HarmonicBase
+from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.block.base import BlockScenario
+from scenarios.catalogue.block.breakaway import FRACTION, LEAST_SPEED, PULLS, Pull, slip_time
+from scenarios.catalogue.block.static_hold import CREEP, HOLD_TIME
+from scenarios.catalogue.block.stopping_distance import DISTANCE, THROWS
+from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
+from scenarios.catalogue.steady.figure3 import Figure3Points
+from scenarios.catalogue.transient.base import with_refined_steps
+from scenarios.execution.evaluator import Evaluator
+from scenarios.tasks.task import SteadyStateTask
+from scenarios.tasks.transient import TransientTask
+from scenarios.verdicts.finding import TRANSMITTANCE, Metric
+from scenarios.verdicts.judge import missing
+from scenarios.verdicts.steady_case import EXACT, REFERENCE, SteadyCase
+
+PERIODS = 30
+"""Of a steady state's script, from rest: by then friction and dashpots have taken most of what the start shook."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """What the suite says of a number: the variant's, NaN with the reason where it has none, and the exact one."""
+
+    value: float
+    exact: float
+    reason: str = ""
+
+
+class Question(ABC):
+    """A number of one scenario.
+
+    Attributes
+    ----------
+    scenario, metric
+        Whose number it is.
+    case
+        The one that is shown unless another is named.
+    """
+
+    scenario: ClassVar[str]
+    metric: ClassVar[Metric]
+    case: ClassVar[str]
+
+    @abstractmethod
+    def cases(self) -> Iterable[str]:
+        """Give the names of all cases."""
+
+    @abstractmethod
+    def task(self, variant: Variant, case: str) -> TransientTask:
+        """Give the motion from which the number is read."""
+
+    @abstractmethod
+    def number(self, variant: Variant, case: str, evaluator: Evaluator) -> Number:
+        """Give the suite's own number."""
+
+    @abstractmethod
+    def readings(self, case: str, evaluator: Evaluator) -> Mapping[str, Any]:
+        """Give the variables of the template that reads the number, which has the name of the scenario."""
+
+
+class BlockQuestion(Question):
+    """A number of one block."""
+
+    @property
+    def _scenario(self) -> BlockScenario:
+        scenario = CATALOGUE[self.scenario]
+        assert isinstance(scenario, BlockScenario), "block questions are asked of block scenarios"
+        return scenario
+
+    def cases(self) -> Iterable[str]:
+        """Give the names of all cases."""
+        return self._scenario.tasks_by_case(REFERENCE)
+
+    def task(self, variant: Variant, case: str) -> TransientTask:
+        """Give the motion from which the number is read."""
+        return self._scenario.tasks_by_case(variant)[case]
+
+    def number(self, variant: Variant, case: str, evaluator: Evaluator) -> Number:
+        """Give the suite's own number, as its finding has it."""
+        task = self._scenario.tasks_by_case(variant)[case]
+        findings = self._scenario.judged(variant, case, task, evaluator)
+        finding = next(finding for finding in findings if finding.metric is self.metric)
+        reason = finding.comparison.reason if np.isnan(finding.value) else ""
+        return Number(finding.value, finding.expected, reason)
+
+
+class StaticHoldQuestion(BlockQuestion):
+    """How fast a block creeps."""
+
+    scenario, metric, case = "static-hold", CREEP, "1 kg, load 0.99"
+
+    def readings(self, case: str, evaluator: Evaluator) -> Mapping[str, Any]:
+        """Give the time that the load lasts."""
+        return {"time": HOLD_TIME}
+
+
+class BreakawayQuestion(BlockQuestion):
+    """At which load a block slips."""
+
+    scenario, metric, case = "breakaway", FRACTION, "1 kg, 2 ms"
+
+    def readings(self, case: str, evaluator: Evaluator) -> Mapping[str, Any]:
+        """Give the speed that counts, and when the reference reaches it, in finer steps."""
+        pull: Pull = PULLS[case]
+        (fine,) = evaluator.evaluate([pull.task(REFERENCE).refined(REFERENCE_REFINEMENT)])
+        time = slip_time(pull, np.array(fine.series["slip_velocity"]))
+        return {"speed": LEAST_SPEED * pull.speed, "slip_time": time}
+
+
+class StoppingQuestion(BlockQuestion):
+    """How far a block slides, with the finest of the steps that are compared."""
+
+    scenario, metric, case = "stopping-distance", DISTANCE, "1 kg, 4.9 m/s"
+
+    def task(self, variant: Variant, case: str) -> TransientTask:
+        """Give the motion with the finest step, which is judged."""
+        return with_refined_steps(super().task(variant, case))[-1]
+
+    def readings(self, case: str, evaluator: Evaluator) -> Mapping[str, Any]:
+        """Give the velocity at first, and the distance of a free block."""
+        throw = THROWS[case]
+        return {"velocity": throw.velocity, "distance": throw.distance}
+
+
+class ChainQuestion(Question):
+    """Transmittance of the chain at a point of Figure 3."""
+
+    scenario, metric, case = "figure3", TRANSMITTANCE, "friction 0.6, η_r 0.9"
+
+    def _case(self, case: str) -> SteadyCase:
+        return {each.label: each for each in Figure3Points.cases}[case]
+
+    def _steady(self, case: str, variant: Variant) -> SteadyStateTask:
+        return self._case(case).task(variant)
+
+    def cases(self) -> Iterable[str]:
+        """Give the names of all cases."""
+        return [case.label for case in Figure3Points.cases]
+
+    def task(self, variant: Variant, case: str) -> TransientTask:
+        """Give the motion from rest."""
+        steady = self._steady(case, variant)
+        lane, _ = steady.lane()
+        assert isinstance(lane.drive, HarmonicBase), "figure 3 is driven at its base"
+        return TransientTask(
+            variant=variant,
+            friction_ratio=steady.friction_ratio,
+            ratios=steady.ratios,
+            base=lane.drive,
+            time_step=lane.time_step,
+            steps=PERIODS * steady.steps_per_period,
+        )
+
+    def number(self, variant: Variant, case: str, evaluator: Evaluator) -> Number:
+        """Give the transmittance of the last period, and that of the exact steady state."""
+        steps = self._steady(case, variant).steps_per_period
+        own, exact = evaluator.evaluate([self.task(variant, case), self._steady(case, EXACT)])
+        gap = missing("", [own]) or missing("exact", [exact])
+        if gap is not None:
+            return Number(np.nan, exact.transmittance_db, gap.reason)
+        response = np.array(own.series["response"])[-steps:]
+        amplitude = 2 * abs(np.mean(response * np.exp(-2j * np.pi * np.arange(1, steps + 1) / steps)))
+        return Number(float(20 * np.log10(amplitude)), exact.transmittance_db)
+
+    def readings(self, case: str, evaluator: Evaluator) -> Mapping[str, Any]:
+        """Give the drive, and the length of a period."""
+        steady = self._steady(case, REFERENCE)
+        _, drive = steady.setting()
+        return {
+            "periods": PERIODS,
+            "steps": steady.steps_per_period,
+            "omega": 2 * np.pi / drive.period,
+            "base": drive.displacement_scale(steady.chain),
+        }
+
+
+QUESTIONS: Mapping[str, Question] = MappingProxyType({
+    question.scenario: question
+    for question in (StaticHoldQuestion(), BreakawayQuestion(), StoppingQuestion(), ChainQuestion())
+})  # fmt: skip
+"""What can be reproduced, by the name of the scenario."""

@@ -1,0 +1,188 @@
+"""A stand-alone script for one number of one variant: the engine's own part, set into what all scripts share."""
+
+import math
+import textwrap
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.resources import files
+
+from jinja2 import ChoiceLoader, DictLoader, Environment, PackageLoader, StrictUndefined
+
+from engines.interface.engine import Engine
+from engines.interface.presets import Formulation
+from engines.interface.registry import engine, engine_names, registered_engine
+from engines.interface.reproducer import Reproducer
+from engines.interface.variant import Variant
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.trajectory import State
+from reference_lcp.refusal import ParameterError, checked_choice
+from reference_lcp.validation import FloatArray
+from reports.reproducers.base_motion import base_motion
+from reports.reproducers.questions import QUESTIONS, Number, Question
+from scenarios.catalogue import CATALOGUE
+from scenarios.execution.evaluator import Evaluator
+
+MOST_LINES = 60
+"""A script stays readable in a tracker."""
+
+LONGEST_LINE = 128
+"""Characters, where numbers of many digits stand in a line."""
+
+WIDTH = 116
+"""Characters a line of the header has at most."""
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """What is shown: a number of a variant; see `checked`."""
+
+    variant: Variant
+    question: Question
+    case: str
+
+    @property
+    def command(self) -> str:
+        """The command that prints the script."""
+        case = "" if self.case == self.question.case else f' "{self.case}"'
+        return f"python -m reports reproduce {self.variant} {self.question.scenario}{case}"
+
+
+def checked(variant: str, scenario: str, case: str | None = None) -> Reproduction:
+    """Check what is to be shown, before any work.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such variant, question or case, or the engine has no template.
+    """
+    checked_choice("scenario", scenario, list(QUESTIONS))
+    question, parsed = QUESTIONS[scenario], Variant.parse(variant)
+    chosen = question.case if case is None else checked_choice("case", case, list(question.cases()))
+    reproducer_of(parsed)
+    return Reproduction(parsed, question, chosen)
+
+
+def reproducer_of(variant: Variant) -> Reproducer:
+    """Give how a variant is written as a script.
+
+    Raises
+    ------
+    ParameterError
+        If its engine has no template for its formulation; names those that have one.
+    """
+    reproducer = _adapter(variant.engine).reproducers.get(Formulation(variant.formulation))
+    if reproducer is None:
+        allowed = ", ".join(_reproducible())
+        raise ParameterError(f"{variant} has no reproducer; allowed: {allowed}")
+    return reproducer
+
+
+def has_reproducer(variant: Variant) -> bool:
+    """Whether there is a template for a variant."""
+    return Formulation(variant.formulation) in _adapter(variant.engine).reproducers
+
+
+def _adapter(name: str) -> Engine:
+    """Give the adapter of an engine, or of a version of it."""
+    base = name.partition("@")[0]
+    return registered_engine(base) if base in engine_names() else engine(name)
+
+
+def _reproducible() -> Iterable[str]:
+    """Name every engine and formulation that has a template."""
+    return [f"{name}:{formulation}" for name in engine_names() for formulation in registered_engine(name).reproducers]
+
+
+def script(shown: Reproduction, evaluator: Evaluator) -> str:
+    """Write the script of one number; the suite's own is in its header, computed where the store lacks it.
+
+    Parameters
+    ----------
+    shown
+        The variant, the question and the case; see `checked`.
+    evaluator
+        Gives the suite's number.
+    """
+    variant, question = shown.variant, shown.question
+    task = question.task(variant, shown.case)
+    lane, reproducer = task.lane(), reproducer_of(variant)
+    environment = _environment(variant, reproducer)
+    number = question.number(variant, shown.case, evaluator)
+    reading = environment.get_template(f"{question.scenario}.py.jinja")
+    text = environment.get_template("engine").render(
+        header=_header(shown, number),
+        lists=_lists(lane.chain, task.initial_state(), lane.time_step, task.steps),
+        base_motion=base_motion(lane.drive),
+        reading=reading.render(question.readings(shown.case, evaluator)).rstrip(),
+        metric=question.metric.name,
+        unit=f" {question.metric.unit}" if question.metric.unit else "",
+        exact=_short(number.exact),
+        **reproducer.numbers(lane, variant.preset, task.initial_state()),
+    )
+    return text.rstrip() + "\n"
+
+
+def _environment(variant: Variant, reproducer: Reproducer) -> Environment:
+    """Templates of the engine, and of what all scripts share; names that are not there are refused."""
+    package = type(_adapter(variant.engine)).__module__
+    own = files(import_module(package)).joinpath(reproducer.template).read_text(encoding="utf-8")
+    shared = PackageLoader("reports.reproducers")
+    frame = files("reports.reproducers").joinpath("templates", "script.py.jinja").read_text(encoding="utf-8")
+    environment = Environment(
+        loader=ChoiceLoader([DictLoader({"engine": own, "script": frame}), shared]),
+        undefined=StrictUndefined,
+        autoescape=False,  # a script is no HTML
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["listed"] = _list
+    return environment
+
+
+def _header(shown: Reproduction, number: Number) -> str:
+    """Say what is asked, of what, what is exact, and what the suite has."""
+    variant, metric = shown.variant, shown.question.metric
+    scenario, adapter = CATALOGUE[shown.question.scenario], engine(variant.engine)
+    missing = adapter.unavailable_reason()
+    version = "" if missing is not None else f" {adapter.version()}"
+    unit = f" {metric.unit}" if metric.unit else ""
+    value = f"{number.value:.6g}{unit}" if math.isfinite(number.value) else f"no number ({number.reason})"
+    units = variant.preset.options.get("units")
+    told = [
+        f"{variant.formulation}, {variant.preset_name}: {variant.preset.description}",
+        f"{shown.question.scenario}: {shown.case}.",
+        f"Exact: {_short(number.exact)}{unit}; the cross-validation suite has {value}.",
+    ]
+    if units is not None and units.value != "SI":
+        told.append(f"Here in SI units, there in its own: {units.reason}")
+    title = f"{adapter.capabilities.title}{version}: {scenario.question}"
+    return "\n".join([*textwrap.wrap(title, WIDTH), "", *textwrap.wrap(" ".join(told), WIDTH)])
+
+
+def _short(value: float) -> str:
+    return f"{value:.6g}"
+
+
+def _lists(chain: Chain, start: State, time_step: float, steps: int) -> str:
+    """Write the chain, one number a cell, its initial state and its steps."""
+    rows = (
+        ("OUTER_MASS, INNER_MASS", "kg", (chain.outer_mass, chain.inner_mass)),
+        ("CHAIN_STIFFNESS, INNER_STIFFNESS", "N/m", (chain.chain_stiffness, chain.inner_stiffness)),
+        ("CHAIN_DAMPING, INNER_DAMPING", "N s/m", (chain.chain_damping, chain.inner_damping)),
+        ("NORMAL_FORCE, FRICTION", "N, 1", (chain.normal_force, chain.friction_coefficient)),
+        (
+            "POSITION, VELOCITY",
+            "m, m/s, of outer masses, then of inner ones",
+            (start.positions[0], start.velocities[0]),
+        ),
+    )
+    lines = [f"{names} = {', '.join(_list(values) for values in lists)}  # {unit}" for names, unit, lists in rows]
+    return "\n".join([*lines, f"TIME_STEP, STEPS = {time_step!r}, {steps}  # s"])
+
+
+def _list(values: FloatArray) -> str:
+    """Write numbers as a list, short where all are equal."""
+    numbers = [float(value) for value in values]
+    return f"[{numbers[0]!r}] * {len(numbers)}" if len(numbers) > 2 and len(set(numbers)) == 1 else repr(numbers)

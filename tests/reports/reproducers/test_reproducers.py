@@ -1,0 +1,181 @@
+"""Scripts for engines' trackers: they need the engine alone, and print the number that the suite has."""
+
+import math
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from engines.exudyn import ExudynRegularised
+from engines.exudyn.reproducer import zone_numbers
+from engines.interface.presets import Formulation
+from engines.interface.registry import engine, engine_names
+from engines.interface.reproducer import Reproducer
+from engines.interface.variant import Variant, variants_of
+from engines.mujoco import MuJoCo
+from engines.mujoco.reproducer import joint_numbers
+from reference_lcp.refusal import ParameterError
+from reports.reproducers.questions import QUESTIONS
+from reports.reproducers.script import LONGEST_LINE, MOST_LINES, checked, script
+from scenarios.execution.evaluator import Evaluator
+from scenarios.execution.executor import InProcessExecutor
+from scenarios.execution.store import opened_store
+from scenarios.tasks.task import Task
+from scenarios.tasks.transient import TransientTask
+from tests.scenarios.in_process import evaluator
+
+ALONE = """
+import runpy, sys
+runpy.run_path(sys.argv[1], run_name="__main__")
+suite = [name for name in sys.modules if name.partition(".")[0] in ("reference_lcp", "engines", "scenarios", "reports")]
+assert suite == [], suite
+"""
+"""Runs a script, and looks at what it imported."""
+
+DIGITS = 1e-11
+"""The script prints twelve digits."""
+
+ROUNDINGS = 16
+"""Of a position in a step, at most: the same additions in other units, and in another order."""
+
+
+def per_metre(scenario: str, task: TransientTask, value: float) -> float:
+    """Give what a metre of a position makes of a number at most."""
+    scale = task.base.displacement_scale(task.chain)
+    return {
+        "static-hold": 2 * 1e6 / (task.steps * task.time_step / 2),  # µm/s, from two slips
+        "breakaway": 0.0,  # a slip is seen at the end of a step, and does not move by as little as a round-off
+        "stopping-distance": 2 / scale,
+        "figure3": 20 / math.log(10) / (scale * 10 ** (value / 20)),  # dB of an amplitude
+    }[scenario]
+
+
+WITH_TEMPLATE = [
+    variant for name in engine_names() for variant in variants_of(name)
+    if Formulation(variant.formulation) in engine(name).reproducers
+]  # fmt: skip
+
+needs_mujoco = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
+
+
+def printed_by(text: str, folder) -> float:
+    """Run a script in an empty folder, without the paths of the user; gives the number that it prints last."""
+    file = folder / "reproducer.py"
+    file.write_text(text, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-I", "-X", "utf8", "-c", ALONE, str(file)],
+        cwd=folder, capture_output=True, text=True, encoding="utf-8", check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return float(re.fullmatch(r".*: (\S+).* \(exact: \S+\)", done.stdout.splitlines()[-1]).group(1))
+
+
+def own_number(variant: Variant, scenario: str) -> tuple[str, float, float]:
+    """Give a script, the suite's number, and how far both may be from each other."""
+    shown = checked(str(variant), scenario)
+    task = shown.question.task(variant, shown.case)
+    with opened_store(None) as store, evaluator(store) as running:
+        text = script(shown, running)
+        value = shown.question.number(variant, shown.case, running).value
+    return text, value, DIGITS * abs(value) + per_metre(scenario, task, value) * position_tolerance(variant, task)
+
+
+def position_tolerance(variant: Variant, task: TransientTask) -> float:
+    """Give by how much positions may differ [m]: roundings of every step, and what a preset says of runs in parts.
+
+    The suite simulates a motion in parts, and a script in one.
+    """
+    scale = task.base.displacement_scale(task.chain)
+    largest = max(scale, float(np.max(np.abs(task.initial_state().positions))))
+    return ROUNDINGS * task.steps * 2.0**-53 * largest + variant.preset.split_tolerance * scale
+
+
+def check_number(variant: Variant, scenario: str, folder) -> None:
+    missing = engine(variant.engine).unavailable_reason()
+    if missing is not None:
+        pytest.skip(missing)
+    text, value, allowed = own_number(variant, scenario)
+    assert printed_by(text, folder) == pytest.approx(value, rel=0, abs=allowed)
+
+
+@pytest.mark.parametrize("variant", WITH_TEMPLATE, ids=str)
+def test_script_alone_prints_the_creep_that_the_suite_has(variant, tmp_path) -> None:
+    check_number(variant, "static-hold", tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scenario", [name for name in QUESTIONS if name != "static-hold"])
+@pytest.mark.parametrize("variant", WITH_TEMPLATE, ids=str)
+def test_script_alone_prints_the_number_that_the_suite_has(variant, scenario, tmp_path) -> None:
+    check_number(variant, scenario, tmp_path)
+
+
+@needs_mujoco
+def test_script_without_the_no_slip_sweep_of_its_preset_prints_another_creep(tmp_path, monkeypatch) -> None:
+    def without(lane, preset, start):
+        numbers = joint_numbers(lane, preset, start)
+        return {**numbers, "option": numbers["option"].replace(' noslip_iterations="1"', "")}
+
+    spoilt = Reproducer("reproducer_joint.py.jinja", without)
+    monkeypatch.setattr(MuJoCo, "reproducers", {Formulation.JOINT: spoilt})
+    with pytest.raises(AssertionError, match="comparison failed"):
+        check_number(Variant("mujoco"), "static-hold", tmp_path)
+
+
+@pytest.mark.skipif(ExudynRegularised().unavailable_reason() is not None, reason="Exudyn is not installed")
+def test_script_whose_zone_is_a_hundredth_too_wide_prints_another_creep(tmp_path, monkeypatch) -> None:
+    def wider(lane, preset, start):
+        numbers = zone_numbers(lane, preset, start)
+        return {**numbers, "zone": 1.01 * numbers["zone"]}
+
+    spoilt = Reproducer("reproducer_joint.py.jinja", wider)
+    monkeypatch.setattr(ExudynRegularised, "reproducers", {Formulation.JOINT: spoilt})
+    with pytest.raises(AssertionError, match="comparison failed"):
+        check_number(Variant("exudyn-regularised", "joint", "default"), "static-hold", tmp_path)
+
+
+class WithoutEngines(Evaluator):
+    """Runs the reference alone: headers then say that there is no number."""
+
+    def _skip_reason(self, task: Task) -> str | None:
+        return None if task.variant.engine == "reference" else "not asked"
+
+
+@pytest.fixture(scope="module")
+def reference_alone():
+    with opened_store(None) as store, WithoutEngines(store, InProcessExecutor()) as results:
+        yield results
+
+
+@pytest.mark.parametrize("scenario", QUESTIONS)
+@pytest.mark.parametrize("variant", WITH_TEMPLATE, ids=str)
+def test_script_is_short_enough_for_a_tracker(variant, scenario, reference_alone) -> None:
+    lines = script(checked(str(variant), scenario), reference_alone).splitlines()
+    assert len(lines) <= MOST_LINES
+    assert max(map(len, lines)) <= LONGEST_LINE
+    compile("\n".join(lines), "reproducer.py", "exec")
+
+
+def test_an_engine_without_a_template_is_refused_with_those_that_have_one() -> None:
+    with pytest.raises(ParameterError, match=r"reference has no reproducer; allowed: .*mujoco:joint.*pybullet:contact"):
+        checked("reference", "static-hold")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("mujoco", "unit-cell"), "scenario = 'unit-cell'.*static-hold"),
+        (("mujoco", "static-hold", "2 kg"), "case = '2 kg'.*1 kg, load 0.99"),
+        (("mujoko", "static-hold"), "mujoko"),
+    ],
+)
+def test_what_cannot_be_shown_is_named_with_what_can(arguments, message) -> None:
+    with pytest.raises(ParameterError, match=message):
+        checked(*arguments)
+
+
+def test_command_of_another_case_names_it() -> None:
+    shown = checked("mujoco:joint:default", "static-hold", "1 kg, load 0.5")
+    assert shown.command == 'python -m reports reproduce mujoco:joint:default static-hold "1 kg, load 0.5"'
