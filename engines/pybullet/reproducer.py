@@ -13,8 +13,10 @@ from reference_lcp.chain.trajectory import State
 
 
 def joint_numbers(_lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]:
-    """Give the arguments that differ from Bullet's own."""
-    return {"changed": _changed(preset, "linearDamping", "maxJointVelocity")}
+    """Give the arguments that differ from Bullet's own, and its damping: in single precision before it is set."""
+    velocity = _changed(preset, "maxJointVelocity")
+    damping = f"linearDamping={preset['linearDamping']}"
+    return {"changed": f"{damping}, {velocity}" if velocity else damping}
 
 
 def contact_numbers(lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]:

@@ -44,12 +44,14 @@ ROUNDINGS = 16
 def per_metre(scenario: str, task: TransientTask, value: float) -> float:
     """Give what a metre of a position makes of a number at most."""
     scale = task.base.displacement_scale(task.chain)
-    return {
-        "static-hold": 2 * 1e6 / (task.steps * task.time_step / 2),  # µm/s, from two slips
-        "breakaway": 0.0,  # a slip is seen at the end of a step, and does not move by as little as a round-off
-        "stopping-distance": 2 / scale,
-        "figure3": 20 / math.log(10) / (scale * 10 ** (value / 20)),  # dB of an amplitude
-    }[scenario]
+    match scenario:
+        case "static-hold":  # µm/s, from two slips
+            return 2 * 1e6 / (task.steps * task.time_step / 2)
+        case "stopping-distance":
+            return 2 / scale
+        case "figure3":  # dB of an amplitude
+            return 20 / math.log(10) / (scale * 10 ** (value / 20))
+    return 0.0  # a slip is seen at the end of a step, and does not move by as little as a round-off
 
 
 WITH_TEMPLATE = [
