@@ -1,4 +1,4 @@
-"""``python -m reports``: one page on every engine, with its figures and tables; comparisons, animations, scripts."""
+"""``python -m reports``: one page on every engine, with its figures and tables; cards, scripts, animations."""
 
 if __name__ == "__main__":
     from reference_lcp.interrupt import heed_interrupts
@@ -16,6 +16,7 @@ import typer
 from reference_lcp.console import run_command
 from reference_lcp.refusal import ParameterError
 from reports.cli.animate import animate
+from reports.cli.card import card
 from reports.cli.compare import compare
 from reports.cli.reproduce import reproduce
 from scenarios.cli.options import Limit, Retry, Scheduler, Workers, check_retry
@@ -29,6 +30,7 @@ app = typer.Typer(name="python -m reports", add_completion=False, pretty_excepti
 app.command()(compare)
 app.command()(animate)
 app.command()(reproduce)
+app.command()(card)
 
 
 @app.callback(invoke_without_command=True)

@@ -11,7 +11,7 @@ from reference_lcp.console import checked_output_file, checked_output_folder
 from reference_lcp.refusal import ParameterError, checked_path
 from reports.data.collect import Scope, collect, collect_dataset, expected_tasks
 from reports.data.report import Report
-from reports.export.files import FIGURES, FILES, PAGE, files_of, write_all
+from reports.export.files import FIGURES, FILES, PAGE, cards_beside, files_of, write_all
 from reports.figures.drawn import DrawnFigures
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import StoredResults
@@ -126,5 +126,5 @@ def check_folder(name: str, folder: Path, inputs: Sequence[Path | None]) -> None
 
 
 def _written(report: Report, folder: Path) -> Written:
-    write_all(folder, files_of(report, DrawnFigures(folder / FIGURES)))
+    write_all(folder, files_of(report, DrawnFigures(folder / FIGURES), cards_beside(folder)))
     return Written(folder / PAGE, report.failures)

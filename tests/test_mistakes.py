@@ -84,6 +84,7 @@ COMMAND_LINES = [
     ("engines environments check none", r"environment = 'none' is not installed"),
     ("engines environments remove", r"nothing or both is named to be removed; allowed: NAME"),
     ("reports --engine mujoco@3.3.6 --quick", r"its adapter does not take that; allowed: mujoco >=3.3.7,<5"),
+    ("reports card mujoko", r"engine = 'mujoko'.*mujoco"),
     ("reports reproduce mujoco unit-cell", r"scenario = 'unit-cell'.*static-hold"),
     ("reports reproduce reference static-hold", r"reference has no reproducer; allowed: .*mujoco:joint"),
     ("reports animate --friction-ratio -1", r"friction_ratio = -1.*>= 0"),

@@ -22,6 +22,7 @@ COMMANDS = {
     "store": ("scenarios store", "Check a store of results, and save what is good in a damaged one."),
     "report": ("reports", "Compare engines with the reference, and write a page about it."),
     "compare": ("reports compare", "Say what changed from one store to another."),
+    "card": ("reports card", "Write what a maintainer would quote of one engine."),
     "reproduce": ("reports reproduce", "Print a script that shows a number in an engine's own API."),
     "animate": ("reports animate", "Show the chain in motion over one period."),
 }

@@ -21,24 +21,33 @@ from scenarios.sweeps.dataset import sweep_dataset
 TITLE = "Dry friction in multibody engines: a frictional mass-in-mass chain against its LCP reference"
 PAGE = "index.html"
 NETCDF = "report.nc"
+CARD = "card-"
+"""What the names of an engine's card begin with."""
 FIGURES = "figures"
 """Folder of the figures, in the report's."""
 
 FILES = ("band_edges.csv", "transmittance.csv", "transitions.csv", "report.json", NETCDF, PAGE)
 
 
-def files_of(report: Report, drawn: DrawnFigures | None = None) -> dict[str, bytes]:
+def files_of(
+    report: Report, drawn: DrawnFigures | None = None, cards: Mapping[str, str] | None = None
+) -> dict[str, bytes]:
     """Give the content of every file of a report by its path in its folder, the page last.
 
-    Figures that are `drawn` already are not drawn again.
+    Figures that are `drawn` already are not drawn again; `cards` of engines, by their names, are linked.
     """
-    rendered = page(TITLE, sections(report), drawn)
+    rendered = page(TITLE, sections(report), drawn, cards)
     return {
         **{name: text.encode() for name, text in table_files(report).items()},
         **{f"{FIGURES}/{name}": content for name, content in rendered.figures.items()},
         NETCDF: bytes(report_dataset(report.result).to_netcdf(engine="h5netcdf")),
         PAGE: rendered.html.encode(),
     }
+
+
+def cards_beside(folder: Path) -> dict[str, str]:
+    """Give the pages of the cards in a folder, by name of the engine."""
+    return {file.stem.removeprefix(CARD): file.name for file in sorted(folder.glob(f"{CARD}*.html"))}
 
 
 def write_all(folder: Path, contents: Mapping[str, bytes]) -> None:

@@ -4,7 +4,7 @@ import base64
 import gzip
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -73,8 +73,12 @@ def sections(report: Report) -> list[Section]:
     return [section for section in every if section.shown]
 
 
-def page(title: str, parts: Sequence[Section], drawn: DrawnFigures | None = None) -> RenderedPage:
+def page(
+    title: str, parts: Sequence[Section], drawn: DrawnFigures | None = None, cards: Mapping[str, str] | None = None
+) -> RenderedPage:
     """Render sections into one HTML document, and draw those of their figures that are not drawn.
+
+    Its footer links `cards` of engines that lie beside it, files by name of the engine.
 
     A section that fails says so in its place; the others are there.
     """
@@ -83,11 +87,12 @@ def page(title: str, parts: Sequence[Section], drawn: DrawnFigures | None = None
     with Printer(expected, drawn) as printer:
         registry = _Registry(printer)
         rendered = [_rendered(part, figures, registry) for part, figures in zip(parts, described, strict=True)]
-    html = _environment(SUITE_TEMPLATES).get_template("page.html").render(
+    html = environment(SUITE_TEMPLATES).get_template("page.html").render(
         title=title,
         sections=rendered,
         plots=_packed(json.dumps(registry.plots, allow_nan=False, separators=(",", ":"))),
         library=_packed(get_plotlyjs() if registry.plots else ""),
+        cards=cards or {},
     )  # fmt: skip
     return RenderedPage(html, registry.files)
 
@@ -108,7 +113,7 @@ class _Registry:
         files = self._printer.files(figure)
         self._printed.append((figure, files))
         kind, image = ("png", files["png"]) if "png" in files else ("svg+xml", files["svg"])
-        template = _environment(SUITE_TEMPLATES).get_template("figure.html")
+        template = environment(SUITE_TEMPLATES).get_template("figure.html")
         return Markup(template.render(figure=figure, kind=kind, image=base64.b64encode(image).decode("ascii")))
 
     @property
@@ -141,13 +146,13 @@ def _content(part: Section, figures: Sequence[Figure] | Exception, registry: _Re
     if isinstance(figures, Exception):
         raise figures
     drawn = {figure.name: registry.html(figure) for figure in figures}
-    template = _environment(part.templates).get_template(f"{part.template}.html")
+    template = environment(part.templates).get_template(f"{part.template}.html")
     return template.render(**part.context(), figure=drawn.__getitem__, figures=list(drawn.values()))
 
 
-def _environment(package: str) -> Environment:
+def environment(package: str) -> Environment:
     """Templates that escape what they print and refuse names that are not there."""
-    environment = Environment(
+    templates = Environment(
         loader=ChoiceLoader([PackageLoader(name) for name in dict.fromkeys((package, SUITE_TEMPLATES))]),
         autoescape=True,
         undefined=StrictUndefined,
@@ -155,8 +160,8 @@ def _environment(package: str) -> Environment:
         lstrip_blocks=True,
     )
     for display in (fixed, signed, scientific, ratio, per_cell, span, typeset):
-        environment.filters[display.__name__] = display
-    return environment
+        templates.filters[display.__name__] = display
+    return templates
 
 
 def _packed(text: str) -> str:

@@ -51,6 +51,8 @@ class Accuracy:
         Largest transmittance error over the six stick–slip points [dB], by steps a period.
     map_db, worst_point
         Largest transmittance error over the map [dB] and where, as (friction ratio, frequency ratio).
+    map_median_db
+        Median of them [dB].
     stuck_fraction
         Largest error of a contact's stuck fraction on the map.
     median_transition, largest_transition
@@ -70,6 +72,7 @@ class Accuracy:
     variant: Variant
     points_db: Mapping[int, float]
     map_db: float
+    map_median_db: float
     worst_point: OperatingPoint | None
     stuck_fraction: float
     median_transition: float
@@ -154,6 +157,7 @@ def accuracy_of(
         variant=variant,
         points_db={steps: _largest(_point_errors(certified, exact, steps)) for steps in ORDER_STEPS},
         map_db=_largest(errors.values()),
+        map_median_db=float(np.median(list(errors.values()))) if errors else math.nan,
         worst_point=max(errors, key=lambda point: errors[point], default=None),
         stuck_fraction=_largest(_stuck_error(result, exact[point]) for point, result in mapped.items()),
         median_transition=float(np.median(times)) if times else math.nan,

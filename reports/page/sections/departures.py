@@ -3,6 +3,10 @@
 from typing import Any
 
 from reports.page.section import Section
+from reports.reproducers.script import has_reproducer
+
+POINT = "figure3"
+"""Scenario that shows a transmittance."""
 
 
 class DeparturesSection(Section):
@@ -17,5 +21,7 @@ class DeparturesSection(Section):
         return bool(self.report.departures)
 
     def context(self) -> dict[str, Any]:
-        """Rows, and what fails."""
-        return {"rows": self.report.departures, "failures": self.report.failures}
+        """Rows, what fails, and the command that shows a variant's number without the suite, where there is one."""
+        variants = [row.variant for row in self.report.departures]
+        commands = {own: f"python -m reports reproduce {own} {POINT}" for own in variants if has_reproducer(own)}
+        return {"rows": self.report.departures, "failures": self.report.failures, "commands": commands}

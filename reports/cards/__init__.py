@@ -1,0 +1,1 @@
+"""Cards: what a maintainer would quote of one engine."""

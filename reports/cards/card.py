@@ -1,0 +1,274 @@
+"""The numbers of a card: one engine, default beside tuned, each against the truth."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from engines.interface.law import NotModelled
+from engines.interface.registry import engine
+from engines.interface.variant import Variant, check_version
+from reference_lcp.refusal import ParameterError
+from reports.reproducers.questions import QUESTIONS, Number
+from reports.reproducers.script import Reproduction, checked, has_reproducer, script
+from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.steady.figure3 import LOWER_EDGE
+from scenarios.execution.evaluator import Evaluator
+from scenarios.studies.accuracy import accuracies
+from scenarios.studies.work_precision import StepPoint, step_study
+from scenarios.verdicts.finding import Finding
+
+PRESETS = ("default", "tuned")
+"""What a card shows of each formulation: as the engine comes, and the best options that are known."""
+
+GOAL_DB = 0.1
+"""Error to the truth that costs are compared at [dB]."""
+
+EDGE_CASE = "friction 0.3"
+"""Of the band edge: where the band is widest."""
+
+DIRECTION = "direction"
+"""Scenario of the bound against direction; a catalogue without it leaves the line out."""
+
+READINGS = (
+    ("creep", "static-hold", "1 kg, load 0.5"),
+    ("creep", "static-hold", "1 kg, load 0.99"),
+    ("breakaway", "breakaway", "1 kg, 2 ms"),
+    ("stopping distance", "stopping-distance", "1 kg, 4.9 m/s"),
+)
+"""Numbers of one block: name, scenario, case."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of a card.
+
+    Parameters
+    ----------
+    name, unit
+        What the number is.
+    value, exact
+        The variant's, NaN where there is none, and the truth.
+    case
+        Of the scenario.
+    reason
+        Why there is no number; empty where there is one.
+    command
+        Command that prints a script for the number; empty where there is none.
+    """
+
+    name: str
+    unit: str
+    value: float
+    exact: float
+    case: str
+    reason: str = ""
+    command: str = ""
+
+    @property
+    def error(self) -> float:
+        """Value less truth."""
+        return self.value - self.exact
+
+
+@dataclass(frozen=True)
+class ChangedOption:
+    """An option that a preset sets otherwise than the engine does."""
+
+    name: str
+    value: str
+    default: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class VariantCard:
+    """One formulation with one preset.
+
+    Parameters
+    ----------
+    variant, description
+        Which, and what it is for.
+    largest_db, median_db, certified, points
+        Errors of transmittance to the exact motion over the map of `studies.accuracy`, and at how many of its points
+        there is a certified steady state; all of the points and steps that were run.
+    rows
+        Band edge, creep, breakaway, stopping distance, direction.
+    steps
+        Error and cost by the steps a period, over six stick–slip points.
+    options
+        Those that differ from the engine's own.
+    law
+        Formula of its law, or why it has none.
+    script
+        The reproducer of its creep; empty where its engine has no template.
+    """
+
+    variant: Variant
+    description: str
+    largest_db: float
+    median_db: float
+    certified: int
+    points: int
+    rows: tuple[Row, ...]
+    steps: tuple[StepPoint, ...]
+    options: tuple[ChangedOption, ...]
+    law: str
+    script: str
+
+    @property
+    def steps_to_goal(self) -> int | None:
+        """Fewest steps a period that were tried whose largest error is within `GOAL_DB`; ``None`` without any."""
+        return next((point.steps_per_period for point in self.steps if point.error_db <= GOAL_DB), None)
+
+    @property
+    def most_steps(self) -> int:
+        """Most steps a period that were tried."""
+        return max(point.steps_per_period for point in self.steps)
+
+    @property
+    def step_seconds(self) -> float:
+        """Wall-clock time of a step of the chain [s], at the finest steps that were timed."""
+        timed = [point.step_seconds for point in self.steps if not math.isnan(point.step_seconds)]
+        return timed[-1] if timed else math.nan
+
+
+@dataclass(frozen=True)
+class Card:
+    """What a maintainer would quote of one engine.
+
+    Parameters
+    ----------
+    name, title, package, version, licence, notes
+        Of the engine.
+    variants
+        Default beside tuned, by formulation.
+    """
+
+    name: str
+    title: str
+    package: str
+    version: str
+    licence: str
+    notes: str
+    variants: tuple[VariantCard, ...]
+
+
+def card_variants(name: str) -> list[Variant]:
+    """Give the variants of a card, before any work.
+
+    Raises
+    ------
+    ParameterError
+        If no engine of this name is registered, or it is not installed.
+    """
+    capabilities = engine(name).capabilities
+    check_version(name)
+    missing = engine(name).unavailable_reason()
+    if missing is not None:
+        raise ParameterError(f"engine = {name!r} cannot be used: {missing}")
+    pairs = [
+        (form, preset) for form, presets in capabilities.presets.items() for preset in PRESETS if preset in presets
+    ]
+    return [Variant(name, str(formulation), preset) for formulation, preset in pairs]
+
+
+def card(name: str, evaluator: Evaluator) -> Card:
+    """Collect the card of an engine; what the store lacks is computed.
+
+    Parameters
+    ----------
+    name
+        Of the engine, or ``NAME@VERSION``.
+    evaluator
+        Gives the results.
+    """
+    variants = card_variants(name)
+    exactness = accuracies(variants, evaluator)
+    steps = step_study(variants, evaluator)
+    edges = {finding.variant: finding for finding in _edges(variants, evaluator)}
+    adapter = engine(name)
+    return Card(
+        name=name,
+        title=adapter.capabilities.title,
+        package=adapter.capabilities.package,
+        version=adapter.version(),
+        licence=adapter.capabilities.licence,
+        notes=adapter.capabilities.notes,
+        variants=tuple(
+            VariantCard(
+                variant=variant,
+                description=variant.preset.description,
+                largest_db=own.map_db,
+                median_db=own.map_median_db,
+                certified=own.certified,
+                points=own.points,
+                rows=(
+                    _edge_row(edges[variant]),
+                    *_block_rows(variant, evaluator),
+                    *_direction_rows(variant, evaluator),
+                ),
+                steps=tuple(point for point in steps if point.variant == variant),
+                options=_options(variant),
+                law=_law(variant),
+                script=_script(variant, evaluator),
+            )
+            for variant, own in zip(variants, exactness, strict=True)
+        ),
+    )
+
+
+def _edges(variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
+    findings = CATALOGUE["figure3"].run(variants, evaluator)
+    return [finding for finding in findings if finding.metric is LOWER_EDGE and finding.case == EDGE_CASE]
+
+
+def _edge_row(finding: Finding) -> Row:
+    reason = "" if math.isfinite(finding.value) else finding.comparison.reason
+    return Row("lower band edge", "η_r", finding.value, finding.expected, EDGE_CASE, reason)
+
+
+def _block_rows(variant: Variant, evaluator: Evaluator) -> list[Row]:
+    rows = []
+    for name, scenario, case in READINGS:
+        question = QUESTIONS[scenario]
+        number: Number = question.number(variant, case, evaluator)
+        command = Reproduction(variant, question, case).command if has_reproducer(variant) else ""
+        rows.append(Row(name, question.metric.unit, number.value, number.exact, case, number.reason, command))
+    return rows
+
+
+def _direction_rows(variant: Variant, evaluator: Evaluator) -> list[Row]:
+    """Give the number that is farthest from what is expected in any direction, if the catalogue asks that."""
+    if DIRECTION not in CATALOGUE or variant.formulation != "contact":
+        return []
+    findings = CATALOGUE[DIRECTION].run([variant], evaluator)
+    known = [finding for finding in findings if math.isfinite(finding.comparison.difference)]
+    if not known:
+        return []
+    worst = max(known, key=lambda finding: abs(finding.comparison.difference))
+    return [Row("direction, worst", worst.metric.unit, worst.value, worst.expected, worst.case)]
+
+
+def _options(variant: Variant) -> tuple[ChangedOption, ...]:
+    options = variant.preset.options
+    return tuple(
+        ChangedOption(name, _plain(option.value), _plain(option.default), option.reason)
+        for name, option in options.items()
+        if option.value != option.default
+    )
+
+
+def _plain(value: object) -> str:
+    """Write a setting; of several, one after the other."""
+    return ", ".join(map(str, value)) or "none" if isinstance(value, tuple) else str(value)
+
+
+def _law(variant: Variant) -> str:
+    stated = variant.preset.stated_law()
+    if stated is None:
+        return "the reference's own step"
+    return f"not modelled: {stated.reason}" if isinstance(stated, NotModelled) else stated.formula
+
+
+def _script(variant: Variant, evaluator: Evaluator) -> str:
+    return script(checked(str(variant), "static-hold"), evaluator) if has_reproducer(variant) else ""

@@ -1,0 +1,137 @@
+"""A card as files: HTML to look at, Markdown for a tracker, JSON for programs."""
+
+import dataclasses
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from reference_lcp.console import checked_output_file, checked_output_folder
+from reference_lcp.output import write_whole
+from reports.cards.card import GOAL_DB, Card, Row, VariantCard
+from reports.export.files import CARD, PAGE
+from reports.formatting import MISSING, card_number
+from reports.page.render import environment
+from scenarios.studies.accuracy import ACCURACY_MAP, ACCURACY_MAP_STEPS
+
+TEMPLATES = "reports.cards"
+ENDINGS = ("html", "md", "json")
+
+
+SMALLEST_ERROR = 1e-12
+"""Part of the truth below which an error is round-off."""
+
+
+class Cell(NamedTuple):
+    """A number of the table, and its difference from the truth, or why there is none."""
+
+    text: str
+    note: str = ""
+
+
+def card_files(name: str) -> list[str]:
+    """Give the names of the files of an engine's card."""
+    return [f"{CARD}{name}.{ending}" for ending in ENDINGS]
+
+
+def check_card_files(name: str, folder: Path, store: Path | None) -> None:
+    """Raise a `ParameterError` unless every file of a card can be written into the folder, which is made."""
+    checked_output_folder("--out", folder)
+    for file in card_files(name):
+        checked_output_file("output file", folder / file, [store])
+
+
+def write_card(shown: Card, folder: Path) -> list[Path]:
+    """Write the files of a card; gives them, the page first."""
+    texts = (html(shown, linked=(folder / PAGE).is_file()), markdown(shown), _json(shown))
+    files = [folder / file for file in card_files(shown.name)]
+    for file, text in zip(files, texts, strict=True):
+        write_whole(file, text.encode())
+    return files
+
+
+def html(shown: Card, *, linked: bool) -> str:
+    """Give the page of a card; `linked` to the report that lies beside it."""
+    templates = environment(TEMPLATES)
+    templates.filters["number"] = card_number
+    return templates.get_template("card.html").render(_context(shown), report=PAGE if linked else "")
+
+
+def markdown(shown: Card) -> str:
+    """Give a card as Markdown."""
+    templates = Environment(
+        loader=PackageLoader(TEMPLATES),
+        undefined=StrictUndefined,
+        autoescape=False,  # Markdown is no HTML
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    templates.filters["number"] = card_number
+    templates.filters["cell"] = lambda text: str(text).replace("|", "\\|")
+    return templates.get_template("card.md").render(_context(shown))
+
+
+def _context(shown: Card) -> dict[str, Any]:
+    return {
+        "card": shown,
+        "table": _table(shown.variants),
+        "goal": GOAL_DB,
+        "points": len(ACCURACY_MAP),
+        "steps": ACCURACY_MAP_STEPS,
+    }
+
+
+def _table(variants: Sequence[VariantCard]) -> list[tuple[str, list[Cell]]]:
+    """Give the rows of the table of numbers: what they are, and a cell a variant."""
+    rows = [
+        ("error to truth, largest [dB]", [Cell(card_number(own.largest_db)) for own in variants]),
+        ("error to truth, median [dB]", [Cell(card_number(own.median_db)) for own in variants]),
+    ]
+    for name in dict.fromkeys(_label(row) for own in variants for row in own.rows):
+        own_rows = [next((row for row in own.rows if _label(row) == name), None) for own in variants]
+        rows.append((name, list(map(_cell, own_rows))))
+    rows.append((f"steps a period to {GOAL_DB:g} dB", [Cell(_steps(own)) for own in variants]))
+    rows.append(("a step [µs]", [Cell(card_number(1e6 * own.step_seconds)) for own in variants]))
+    return rows
+
+
+def _label(row: Row) -> str:
+    return f"{row.name}, {row.case}" + (f" [{row.unit}]" if row.unit else "")
+
+
+def _cell(row: Row | None) -> Cell:
+    """Give a number, and its error where the truth is not zero; or why there is none."""
+    if row is None:
+        return Cell(MISSING)
+    if not math.isfinite(row.value):
+        return Cell(MISSING, row.reason)
+    shown = abs(row.error) > SMALLEST_ERROR * abs(row.exact) and row.exact != 0
+    return Cell(card_number(row.value), f"{'+' if row.error > 0 else ''}{card_number(row.error, 2)}" if shown else "")
+
+
+def _steps(own: VariantCard) -> str:
+    return f"more than {own.most_steps}" if own.steps_to_goal is None else str(own.steps_to_goal)
+
+
+def _json(shown: Card) -> str:
+    content = dataclasses.asdict(shown)
+    for own, variant in zip(content["variants"], shown.variants, strict=True):
+        own["variant"] = str(variant.variant)
+        own["steps_to_goal"], own["goal_db"] = variant.steps_to_goal, GOAL_DB
+        own["step_seconds"] = variant.step_seconds
+        for point in own["steps"]:
+            del point["variant"]
+    return json.dumps(_without_nan(content), ensure_ascii=False, indent=2, allow_nan=False) + "\n"
+
+
+def _without_nan(value: Any) -> Any:
+    """Give the same with ``null`` where there is no number."""
+    if isinstance(value, dict):
+        return {name: _without_nan(own) for name, own in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_nan(own) for own in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
