@@ -293,9 +293,10 @@ class _Start:
         rest = self._modes == 0
         W, none = self._W[:, rest], np.zeros((self._W.shape[0], np.count_nonzero(rest)))
         still, normal = np.zeros(none.shape[1]), np.maximum(self._normal @ self._z, 0.0)
+        force = self._forces @ self._z - self._W[:, ~rest] @ (self._modes * self._kinetic * normal)[~rest]
         step = FrictionalStep(
             mass_matrix=self._mass_matrix,
-            force=self._forces @ self._z - self._W[:, ~rest] @ (self._modes * self._kinetic * normal)[~rest],
+            force=force,
             velocity=np.zeros(none.shape[0]),
             time_step=1.0,
             normal_directions=none,
@@ -307,7 +308,8 @@ class _Start:
             relative_velocity=still,
             friction_coefficient=self._kinetic[rest],
             static_friction_coefficient=self._static[rest],
-            normal_force=normal[rest],
+            # Where a contact is at its bound, round-off would decide; there its series does.
+            normal_force=(1 + FORCE_TOLERANCE) * normal[rest],
         )
         gained = solve_stick_slip_step(step).relative_velocity
         self._modes[rest] = np.where(np.abs(gained) > self._speed_tolerance / self._span, np.sign(gained), 0)
