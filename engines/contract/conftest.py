@@ -14,7 +14,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     ``tested`` is every variant, ``tuned`` the best known options, ``default`` what a newcomer gets,
     ``sharing`` the tuned ones that share the reference's scheme, ``following`` those whose normal force may change in
     time, ``lifting`` the tuned ones whose contacts may open, ``turning`` those whose row may have any direction,
-    ``installed`` the name of an engine.
+    ``inclining`` the tuned ones whose contacts may be inclined, ``installed`` the name of an engine.
     """
     names = _chosen(metafunc.config)
     every = [variant for name in names for variant in variants_of(name, optional=True)]
@@ -27,6 +27,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         "following": [variant for variant in variants if variant.preset.represents(NormalForce.MODULATED)],
         "lifting": [variant for variant in tuned if variant.preset.represents(NormalForce.LIFTING)],
         "turning": [variant for variant in variants if variant.preset.turns],
+        "inclining": [variant for variant in tuned if variant.preset.inclines],
         "sharing": [variant for variant in tuned if variant.preset.shares_scheme and variant.engine != "reference"],
     }
     for argument, chosen in cases.items():

@@ -87,6 +87,7 @@ def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
             modulated_options={},
             batch_lanes=None,
             versions="",
+            inclines=False,
         )
         for name, law in laws.items()
         if law is not None

@@ -101,6 +101,8 @@ class Preset:
         It takes part where it is named, and not where all presets of an engine are meant.
     turns
         The row may have any direction in the plane of the contacts.
+    inclines
+        The faces of contacts may be inclined to the row.
     turned_bound
         Gives the bound of sliding friction over μ λ_N in a lane that is turned, at a slip velocity [m/s], where it is
         not 1 as Coulomb's law has it, and nothing else but this is another.
@@ -121,6 +123,7 @@ class Preset:
     versions: str = ""
     optional: bool = False
     turns: bool = False
+    inclines: bool = False
     turned_bound: Callable[[Lane, float], float] | None = None
 
     def __getitem__(self, name: str) -> Any:
@@ -151,12 +154,14 @@ class Preset:
         return order.index(needed) <= order.index(self.normal_force)
 
     def unsupported_reason(self, lane: Lane, name: str) -> str | None:
-        """Say why a lane cannot be represented by what has this name: its direction, its normal force.
+        """Say why a lane cannot be represented by what has this name: direction, inclination or normal force.
 
         ``None`` if it can.
         """
         if lane.direction and not self.turns:
             return f"direction = {lane.direction:g}: {name} cannot turn its row in the plane of contacts; allowed: 0"
+        if lane.inclination and not self.inclines:
+            return f"inclination = {lane.inclination:g}: {name} cannot incline its contacts to the row; allowed: 0"
         if lane.preload is None or self.represents(NormalForce.of(lane)):
             return None
         allowed = {

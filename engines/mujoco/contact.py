@@ -6,6 +6,7 @@ the plate, and so the normal force stays what it is.
 Where it changes in time the sphere is free across the plate, and an actuator pushes it on, or pulls it off.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -43,6 +44,7 @@ CONTACT_TUNED = Preset(
     split_tolerance=1e-12,
     normal_force=NormalForce.LIFTING,
     turns=True,
+    inclines=True,
     modulated_options={
         "solimp": Option(
             (0.9999, 0.9999), (0.9, 0.95), "MuJoCo's hardest: a sphere sinks in by a thousandth of N δt² / m or so."
@@ -89,6 +91,7 @@ CONTACT_DEFAULT = Preset(
     split_tolerance=1e-9,
     normal_force=NormalForce.LIFTING,
     turns=True,
+    inclines=True,
     modulated_options={
         "solimp": Option((0.9, 0.95), (0.9, 0.95), "MuJoCo's own: contacts are soft."),
         "solref": Option((0.02, 1.0), (0.02, 1.0), "MuJoCo's own: a landing takes 0.02 s, whatever the time step."),
@@ -173,8 +176,21 @@ def lifting_model(lane: Lane, units: Units, preset: Preset) -> Any:
         pair.solref = direct if stiffness < 0 else [stiffness / units.time, damping]
     add_chain(spec, chain)
     for cell in range(chain.cells):
-        spec.add_actuator(target=f"above {cell}", trntype=mujoco.mjtTrn.mjTRN_JOINT).set_to_motor()
+        _add_pressing(spec, lane, cell)
     return spec.compile()
+
+
+def _add_pressing(spec: Any, lane: Lane, cell: int) -> None:
+    """Add the actuator that presses along the normal of a plate, through a tendon as long as the gap if inclined."""
+    import mujoco
+
+    name, kind = f"above {cell}", mujoco.mjtTrn.mjTRN_JOINT
+    if lane.inclination:
+        tendon = spec.add_tendon(name=f"gap {cell}")
+        tendon.wrap_joint(f"inner {cell}", -math.sin(lane.inclination))
+        tendon.wrap_joint(name, math.cos(lane.inclination))
+        name, kind = tendon.name, mujoco.mjtTrn.mjTRN_TENDON
+    spec.add_actuator(target=name, trntype=kind).set_to_motor()
 
 
 def _add_masses(spec: Any, lane: Lane, chain: Chain, cell: int, scale: float) -> tuple[Any, Any]:
@@ -198,11 +214,14 @@ def _add_geometry(outer: Any, inner: Any, lane: Lane, cell: int, scale: float, d
     radius = RADIUS * scale
     width = PLATE * scale if lane.direction else radius
     height = 2 * radius - depth * scale
+    half = lane.inclination / 2
+    turned = [math.cos(half), 0, -math.sin(half), 0]
+    above = [-height * math.sin(lane.inclination), 0, height * math.cos(lane.inclination)]
     for body, name, kind, size, place in (
         (outer, "plate", mujoco.mjtGeom.mjGEOM_BOX, [PLATE * scale, width, radius], [0, 0, 0]),
-        (inner, "sphere", mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0, 0], [0, 0, height]),
+        (inner, "sphere", mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0, 0], above),
     ):
-        body.add_geom(name=f"{name} {cell}", type=kind, size=size, pos=place, contype=0, conaffinity=0)
+        body.add_geom(name=f"{name} {cell}", type=kind, size=size, pos=place, quat=turned, contype=0, conaffinity=0)
 
 
 def _add_contact(spec: Any, chain: Chain, cell: int, preset: Preset, time_step: float) -> Any:

@@ -2,6 +2,7 @@
 
 import contextlib
 import importlib.util
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Self
 
@@ -64,7 +65,7 @@ class MuJoCoSimulation:
                 self._friction(index, record),
                 self._normal_force(index, record, start, steps),
                 None if end is None else end[index],
-                record["qpos"][index, :, 3 :: self._joints] * units.length if self._opens else None,
+                self._gaps(record["qpos"][index], lane) * units.length if self._opens else None,
             )
             for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True))
         ]
@@ -110,8 +111,9 @@ class MuJoCoSimulation:
         """Set what a state holds besides: gaps and their rates."""
         if self._opens:
             gap, speed = state.normal_state(self.lanes[0].chain.cells)
-            self._batch.bind("qpos")[:, 3 :: self._joints] = gap / self._length
-            self._batch.bind("qvel")[:, 3 :: self._joints] = speed / self._velocity
+            for name, across in (("qpos", gap / self._length), ("qvel", speed / self._velocity)):
+                for row, given, lane in zip(self._batch.bind(name), across, self.lanes, strict=True):
+                    row[3 :: self._joints] = self._heights(row, given, lane)
 
     def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
         """Take a step for each control, shape (lanes, steps, nu)."""
@@ -138,8 +140,26 @@ class MuJoCoSimulation:
         )
         if not self._opens:
             return State(position, velocity)
-        across = (qpos[:, 3 :: self._joints] * self._length, qvel[:, 3 :: self._joints] * self._velocity)
-        return State(position, velocity, np.hstack(across))
+        gap, speed = (
+            np.stack([self._gaps(row, lane) for row, lane in zip(rows, self.lanes, strict=True)])
+            for rows in (qpos, qvel)
+        )
+        return State(position, velocity, np.hstack([gap * self._length, speed * self._velocity]))
+
+    def _gaps(self, coordinates: FloatArray, lane: Lane) -> FloatArray:
+        """Give the gaps of joint coordinates, shape (..., nq), along the normals of the plates; rates likewise."""
+        above = coordinates[..., 3 :: self._joints]
+        if not lane.inclination:
+            return above
+        slip = coordinates[..., 1 :: self._joints]
+        return math.cos(lane.inclination) * above - math.sin(lane.inclination) * slip
+
+    def _heights(self, coordinates: FloatArray, gap: FloatArray, lane: Lane) -> FloatArray:
+        """Give the coordinates across the row of a lane, at which its gaps are these; rates likewise."""
+        if not lane.inclination:
+            return gap
+        slip = coordinates[1 :: self._joints]
+        return (gap + math.sin(lane.inclination) * slip) / math.cos(lane.inclination)
 
     def _checked(self, name: str, values: FloatArray, units: FloatArray) -> FloatArray:
         """Give the joint coordinates of a state, or refuse those at which MuJoCo would stop without a message."""
@@ -151,8 +171,12 @@ class MuJoCoSimulation:
         return coordinates
 
     def _friction(self, index: int, record: Mapping[str, FloatArray]) -> FloatArray:
-        """λ_T on the inner masses, shape (steps, n)."""
-        return record["qfrc_constraint"][index, :, 1 :: self._joints] * self._units[index].force
+        """λ_T on the inner masses along the faces, shape (steps, n), from the forces of joints."""
+        force, inclination = record["qfrc_constraint"][index] * self._units[index].force, self.lanes[index].inclination
+        along = force[:, 1 :: self._joints]
+        if not inclination:
+            return along
+        return math.cos(inclination) * along + math.sin(inclination) * force[:, 3 :: self._joints]
 
     def _normal_force(self, index: int, record: Mapping[str, FloatArray], start: int, steps: int) -> FloatArray:
         """λ_N as the sensors of the contacts measured it; cells without friction have no contact."""

@@ -29,6 +29,7 @@ CONTACT_TUNED = Preset(
     split_tolerance=1e-12,
     normal_force=NormalForce.LIFTING,
     turns=True,
+    inclines=True,
     turned_bound=tangents_of_the_world,
     modulated_options={
         "surface_layer": Option(
@@ -58,5 +59,6 @@ CONTACT_DEFAULT = Preset(
     split_tolerance=1e-8,
     normal_force=NormalForce.LIFTING,
     turns=True,
+    inclines=True,
     turned_bound=tangents_of_the_world,
 )

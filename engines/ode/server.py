@@ -5,6 +5,7 @@ computed here at the start of each step.
 """
 
 import functools
+import math
 import shutil
 import struct
 import subprocess
@@ -88,6 +89,8 @@ class JointModel:
         self._cells = len(self._bound)
         self._has_springs = str(given.get("springs")) == "stops"
         self._axis = (*given["axis"].tolist(), 0.0)
+        self._inclination = float(given["inclination"])
+        self._sine, self._cosine = math.sin(self._inclination), math.cos(self._inclination)
         self.world = ode.World()
         self.world.setCFM(float(given["cfm"]))
         self.world.setERP(float(given["erp"]))
@@ -277,16 +280,14 @@ class ContactModel(JointModel):
         """Open the contacts, and note their gaps before every step; gives what turns the notes into rows."""
         inner = self._bodies[self._cells :]
         rest = [place[1] for place in self._places()][self._cells :]
-        for body, height, gap, rate in zip(inner, rest, *across.tolist()):
-            along, aside, _ = body.getPosition()
-            body.setPosition((along, aside, height + gap))
-            body.setLinearVel((*body.getLinearVel()[:2], rate))
+        self._open(rest, across)
         notes: list[Any] = []
         set_normal_load = self.before_step
 
         def note() -> None:
-            gaps = [body.getPosition()[2] - height for body, height in zip(inner, rest)]
-            notes.append((gaps, [body.getLinearVel()[2] for body in inner]))
+            heights = [body.getPosition()[2] - height for body, height in zip(inner, rest)]
+            across = np.array([heights, [body.getLinearVel()[2] for body in inner]])
+            notes.append(self._cosine * across - self._sine * self._slips())
 
         def before() -> None:
             note()
@@ -300,17 +301,31 @@ class ContactModel(JointModel):
         self.before_step = before
         return rows
 
+    def _open(self, rest: list[float], across: Any) -> None:
+        """Put inner masses where their gaps, and the rates of these, are those in `across`, shape (2, n)."""
+        heights = (across + self._sine * self._slips()) / self._cosine
+        for body, height, above, rate in zip(self._bodies[self._cells :], rest, *heights.tolist()):
+            along, aside, _ = body.getPosition()
+            body.setPosition((along, aside, height + above))
+            body.setLinearVel((*body.getLinearVel()[:2], rate))
+
+    def _slips(self) -> Any:
+        """Give by how much inner masses are ahead of their outer ones, and the rates of that, shape (2, n)."""
+        along = np.array([[body.getPosition()[0], body.getLinearVel()[0]] for body in self._bodies])
+        return (along[self._cells :] - along[: self._cells]).T
+
     def modulate(self, normal_load: Any) -> None:
         """Let every step begin with pressing the masses of every cell together, in place of the constant force."""
         normal_loads = iter(np.where(self._bound > 0, normal_load, 0.0).tolist())
         find_contacts = self.before_step
         self._constant_normal_load = False
         pairs = list(zip(self._bodies[: self._cells], self._bodies[self._cells :]))
+        x, z = -self._sine, self._cosine
 
         def before() -> None:
             for (outer, inner), value in zip(pairs, next(normal_loads)):
-                outer.addForce((0.0, 0.0, value))
-                inner.addForce((0.0, 0.0, -value))
+                outer.addForce((x * value, 0.0, z * value))
+                inner.addForce((-x * value, 0.0, -z * value))
             find_contacts()
 
         self.before_step = before
@@ -330,7 +345,9 @@ class ContactModel(JointModel):
 
     def _places(self) -> Iterator[tuple[float, float]]:
         half, depth = BOX * self._scale, float(self._given["depth"]) * self._scale
-        for height in (-half, half - depth):
+        # An inner mass is above the centre of its plate, along a face that is inclined.
+        further = (2 * half - depth) * (1 / self._cosine - 1)
+        for height in (-half, half - depth + further):
             for cell in range(self._cells):
                 yield cell * SPACING * self._scale, height
 
@@ -380,9 +397,9 @@ class ContactModel(JointModel):
         measured = [0.0] * self._measures
         for cell, joint in self._joints:
             force = joint.getFeedback()[0]
-            normal = force[2]
-            measured[cell] += self._axis[0] * force[0] + self._axis[1] * force[1]
-            measured[self._cells + cell] += normal
+            along = self._axis[0] * force[0] + self._axis[1] * force[1]
+            measured[cell] += self._cosine * along + self._sine * force[2]
+            measured[self._cells + cell] += self._cosine * force[2] - self._sine * along
         return measured
 
     def _new_body(self, mass: float, place: tuple[float, float]) -> Any:
@@ -390,4 +407,6 @@ class ContactModel(JointModel):
         turning = float(self._given["inertia"]) * mass * (BOX * self._scale) ** 2
         inertia.setParameters(mass, 0, 0, 0, turning, turning, turning, 0, 0, 0)
         body.setMass(inertia)
+        if self._inclination:
+            body.setQuaternion((math.cos(self._inclination / 2), 0.0, -math.sin(self._inclination / 2), 0.0))
         return body

@@ -37,6 +37,7 @@ class Reference(Engine):
                     shares_scheme=True,
                     normal_force=NormalForce.LIFTING,
                     turns=True,
+                    inclines=True,
                 ),
                 "converged": Preset(
                     "The same scheme with a finer Euler step: the baseline for every engine.",
@@ -48,6 +49,7 @@ class Reference(Engine):
                     law=authority,
                     normal_force=NormalForce.LIFTING,
                     turns=True,
+                    inclines=True,
                 ),
                 EXACT: Preset(
                     "The motion between events in closed form, without a time step; for harmonic drives or none.",
@@ -72,11 +74,10 @@ class Reference(Engine):
         return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        from engines.reference.simulations import ExactSimulation, RefinedSimulation
-        from reference_lcp.stepping.euler_compiled import CompiledSimulation
+        from engines.reference.simulations import ExactSimulation, RefinedSimulation, euler_simulation
 
         if preset is self.capabilities.presets[formulation][EXACT]:
             return ExactSimulation(lanes)
         if "substeps" not in preset.options:
-            return CompiledSimulation(lanes)
+            return euler_simulation(lanes)
         return RefinedSimulation(lanes, preset["substeps"])

@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.one_call import SteadyState, exact_steady_state
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
+from reference_lcp.stepping.inclined_lemke import InclinedLane
+from reference_lcp.stepping.sequential import SequentialSimulation
 from reference_lcp.validation import checked_count
 
 
@@ -27,6 +29,13 @@ class ExactSimulation(EventDrivenSimulation):
         ]
 
 
+def euler_simulation(lanes: Sequence[Lane]) -> Simulation:
+    """Give the scheme of equation (5), compiled; with inclined contacts, that of equation (7) by Lemke's method."""
+    if not any(lane.inclination for lane in lanes):
+        return CompiledSimulation(lanes)
+    return SequentialSimulation([InclinedLane(lane) for lane in lanes])
+
+
 class RefinedSimulation:
     """The compiled scheme with a whole number of Euler steps to each time step of the lanes.
 
@@ -40,10 +49,10 @@ class RefinedSimulation:
         The lanes with these Euler steps, where they are built already.
     """
 
-    def __init__(self, lanes: Sequence[Lane], substeps: int, fine: CompiledSimulation | None = None):
+    def __init__(self, lanes: Sequence[Lane], substeps: int, fine: Simulation | None = None):
         self.lanes = tuple(lanes)
         self._substeps = checked_count("substeps", substeps)
-        self._fine = fine or CompiledSimulation(
+        self._fine = fine or euler_simulation(
             [dataclasses.replace(lane, time_step=lane.time_step / substeps) for lane in self.lanes]
         )
 

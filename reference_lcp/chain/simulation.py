@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_lcp.chain.harmonic import Drive, PeriodicDrive
+from reference_lcp.chain.inclination import check_inclination
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
@@ -32,6 +33,10 @@ class Lane:
     direction
         Angle by which the row is turned in the plane of the contacts [rad], −π/2 to π/2; Coulomb's law does not
         depend on it. Rows of one cell are turned alone: cells stand side by side across the row.
+    inclination
+        α of the contact faces to the row [rad], see `reference_lcp.lcp.inclined_chain`: the inner masses move in the
+        plane of row and normal, and normal forces depend on the motion. It needs a preload, which acts along the
+        normals, and is refused where the motion would not be unique.
 
     Raises
     ------
@@ -44,6 +49,7 @@ class Lane:
     time_step: float
     preload: Preload | None = None
     direction: float = 0.0
+    inclination: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time_step", checked_scalar("time_step", self.time_step, "> 0"))
@@ -52,6 +58,11 @@ class Lane:
             raise ParameterError(
                 f"direction = {self.direction:g} in a row of {self.chain.cells}; allowed: -pi/2 to pi/2 in a row of "
                 "one cell, 0 in others"
+            )
+        check_inclination(self.chain, self.inclination)
+        if self.inclination and (self.preload is None or self.direction):
+            raise ParameterError(
+                f"inclination = {self.inclination:g} in a row without preload, or one that is turned; allowed: 0 there"
             )
 
     @classmethod
@@ -64,8 +75,8 @@ class Lane:
 
     @property
     def opens(self) -> bool:
-        """Whether contacts open; then a state carries the gaps, see `State.normal_state`."""
-        return self.preload is not None and self.preload.opens
+        """Whether contacts can open; then a state carries the gaps, see `State.normal_state`."""
+        return self.preload is not None and (self.preload.opens or self.inclination != 0)
 
     @property
     def axis(self) -> tuple[float, float]:

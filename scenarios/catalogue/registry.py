@@ -18,6 +18,7 @@ from scenarios.catalogue.steady.unequal_cells import DisorderedChain, GradedChai
 from scenarios.catalogue.steady.unit_cell import UnitCell
 from scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
 from scenarios.catalogue.transient.free_decay import FreeDecay
+from scenarios.catalogue.transient.inclined_chain import InclinedChainScenario
 from scenarios.catalogue.transient.record import Record
 from scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
 from scenarios.catalogue.transient.swept_sine import SweptSineScenario
@@ -34,6 +35,7 @@ SCENARIOS: tuple[Scenario, ...] = (
     StoppingDistance(),
     Direction(),
     Published(),
+    InclinedChainScenario(),
     RickerPulseScenario(),
     SweptSineScenario(),
     FilteredNoiseScenario(),

@@ -9,6 +9,7 @@ from scenarios.execution.law_period import run_law_periods
 from scenarios.execution.steady import run_steady_states
 from scenarios.execution.transient import run_transients
 from scenarios.tasks.block import BlockTask
+from scenarios.tasks.inclined import InclinedTask
 from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.recorded import RecordedPeriodTask
 from scenarios.tasks.result import Result
@@ -23,6 +24,7 @@ _RUN: dict[type[Task], Callable[[Any], list[Result]]] = {
     RecordedPeriodTask: run_steady_states,
     TransientTask: run_transients,
     BlockTask: run_transients,
+    InclinedTask: run_transients,
     LawPeriodTask: run_law_periods,
 }
 

@@ -26,6 +26,11 @@ The creep of a stuck contact, and slip too small to matter, are below.
 """
 
 
+OPEN_GAP = 1e-3
+"""A contact is open from this gap on, over the displacement scale: engines find a contact where masses overlap, and let
+closed ones part by some 1e-5 for a step."""
+
+
 def run_transients(tasks: Sequence[TransientTask]) -> list[Result]:
     """Simulate motions of one variant and of chains of one length, in order; those with as many steps together."""
     by_steps: dict[tuple[int, int], list[int]] = defaultdict(list)
@@ -77,6 +82,7 @@ class _Record:
         self._rows: list[FloatArray] = []
         self._slip_velocities: list[FloatArray] = []
         self._slid: list[FloatArray] = []
+        self._open_steps, self._highest_gap = 0, 0.0
         self._heat = _Heat()
         self._initial_energy = float(mechanical_energy(lane.chain, initial.positions, initial.velocities)[0])
         self._least_energy, self._growth = self._initial_energy, 0.0
@@ -90,13 +96,19 @@ class _Record:
         if self._task.recorded == "slip":
             self._slip_velocities.append(run.relative_velocity[every - 1 :: every, 0].copy())
             self._add_sliding_distance(run)
+        if self._task.recorded == "contacts" and run.normal_gap is not None:
+            scale = self._lane.drive.displacement_scale(self._lane.chain)
+            self._open_steps += int(np.count_nonzero(run.normal_gap > OPEN_GAP * scale))
+            self._highest_gap = max(self._highest_gap, float(np.max(run.normal_gap)))
         self._last_positions, self._last_velocities = run.positions[-1:].copy(), run.velocities[-1:].copy()
 
     def series(self) -> NamedNumbers:
         """Give what the task names, displacements over the displacement scale and energies over the initial one.
 
         ``response``: the last outer mass at each kept row. ``slip``: v − u of cell 1 there, and
-        ``slip_velocity`` [m/s]; ``slid``, the way ∫ |v̇ − u̇| dt until there [m]. ``decay``: see `_decay`.
+        ``slip_velocity`` [m/s]; ``slid``, the way ∫ |v̇ − u̇| dt until there [m]. ``contacts``: the last outer
+        mass, v − u of every cell, row after row, the largest gap, and the part of the time in which a contact is open, a
+        mean over all. ``decay``: see `_decay`.
         """
         rows = np.concatenate(self._rows)
         chain = self._lane.chain
@@ -109,6 +121,14 @@ class _Record:
                 "slip": tuple((rows[:, chain.cells] - rows[:, 0]).tolist()),
                 "slip_velocity": tuple(velocities.tolist()),
                 "slid": tuple(np.concatenate(self._slid).tolist()),
+            }
+        if self._task.recorded == "contacts":
+            scale = self._lane.drive.displacement_scale(chain)
+            return {
+                "response": tuple(rows[:, chain.cells - 1].tolist()),
+                "slips": tuple((rows[:, chain.cells :] - rows[:, : chain.cells]).ravel().tolist()),
+                "highest": (self._highest_gap / scale,),
+                "open": (self._open_steps / (self._task.steps * chain.cells),),
             }
         return {"response": tuple(rows[:, chain.cells - 1].tolist())}
 

@@ -1,0 +1,73 @@
+"""A chain whose normal forces depend on its motion: engines that take part, and those that are wrong."""
+
+import dataclasses
+
+import pytest
+
+from engines.interface.registry import engine
+from engines.interface.variant import Variant
+from engines.reference.simulations import euler_simulation
+from scenarios.catalogue.predicted import run_with_predictions
+from scenarios.catalogue.transient import inclined_chain
+from scenarios.catalogue.transient.inclined_chain import CASES, RESPONSE, SLIPS, InclinedChainScenario
+from scenarios.execution.store import opened_store
+from scenarios.verdicts.finding import Finding
+from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.verdict import Verdict
+from tests.scenarios.in_process import evaluator
+
+MUJOCO = Variant("mujoco", "contact")
+
+
+@pytest.fixture(autouse=True)
+def short_slide(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half a period of the case that slides, and a baseline that is cheaper."""
+    monkeypatch.setattr(inclined_chain, "CASES", CASES[:1])
+    monkeypatch.setattr(inclined_chain, "PERIODS", 1)
+    monkeypatch.setattr(inclined_chain, "INCLINED_REFINEMENT", 2)
+
+
+def findings(*variants: Variant) -> list[Finding]:
+    with opened_store(None) as store, evaluator(store) as running:
+        return run_with_predictions(InclinedChainScenario(), variants, running)
+
+
+def wrong(judged: list[Finding]) -> list[Finding]:
+    return [finding for finding in judged if finding.comparison.verdict is not Verdict.AGREE]
+
+
+def incline_otherwise(monkeypatch, factor: float) -> None:
+    """Make the contact of MuJoCo the reference with another inclination."""
+    build = Variant.build
+
+    def otherwise(self, lanes):
+        if self.engine != "mujoco":
+            return build(self, lanes)
+        return euler_simulation([dataclasses.replace(lane, inclination=factor * lane.inclination) for lane in lanes])
+
+    monkeypatch.setattr(Variant, "build", otherwise)
+
+
+@pytest.mark.parametrize("name", ["mujoco", "dart"])
+def test_engines_that_solve_normal_and_tangential_direction_together_agree(name) -> None:
+    if engine(name).unavailable_reason() is not None:
+        pytest.skip(f"{name} is not installed")
+    assert not wrong(findings(Variant(name, "contact"), REFERENCE))
+
+
+def test_ode_bounds_friction_by_a_normal_force_that_knows_no_friction() -> None:
+    if engine("ode").unavailable_reason() is not None:
+        pytest.skip("ODE is not installed")
+    assert {finding.metric for finding in wrong(findings(Variant("ode", "contact")))} == {RESPONSE, SLIPS}
+
+
+@pytest.mark.parametrize("factor", [-1.0, 0.0, 0.9], ids=["wrong sign", "none", "a tenth too small"])
+def test_another_inclination_moves_otherwise(factor, monkeypatch) -> None:
+    incline_otherwise(monkeypatch, factor)
+    assert {finding.metric for finding in wrong(findings(MUJOCO))} >= {SLIPS}
+
+
+def test_engines_that_cannot_incline_their_contacts_say_so() -> None:
+    judged = findings(Variant("pybullet", "contact"), Variant("mujoco"))
+    assert {finding.comparison.verdict for finding in judged} == {Verdict.BLOCKED}
+    assert all("cannot incline its contacts" in finding.comparison.reason for finding in judged)
