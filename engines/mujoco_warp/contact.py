@@ -31,4 +31,5 @@ CONTACT_DEFAULT = replace(
     split_tolerance=1e-6,
     normal_force=NormalForce.CONSTANT,
     modulated_options={},
+    inclines=False,
 )

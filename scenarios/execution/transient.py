@@ -107,8 +107,8 @@ class _Record:
 
         ``response``: the last outer mass at each kept row. ``slip``: v − u of cell 1 there, and
         ``slip_velocity`` [m/s]; ``slid``, the way ∫ |v̇ − u̇| dt until there [m]. ``contacts``: the last outer
-        mass, v − u of every cell, row after row, the largest gap, and the part of the time in which a contact is open, a
-        mean over all. ``decay``: see `_decay`.
+        mass, v − u of every cell, row after row, the largest gap, and the part of the time in which a contact is open,
+        a mean over all. ``decay``: see `_decay`.
         """
         rows = np.concatenate(self._rows)
         chain = self._lane.chain
