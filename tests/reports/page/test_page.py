@@ -240,3 +240,14 @@ def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
 def test_page_holds_no_text_of_an_object_of_the_program(markup: str) -> None:
     assert "joint, tuned" in markup, "variants are named"
     assert not re.search(r"\b[A-Z]\w+\(\w+=|&lt;[A-Z]\w+\.[A-Z]+|object at 0x", markup)
+
+
+def test_a_disagreement_has_the_command_that_shows_it_without_the_suite(page: str) -> None:
+    assert f"<code>python -m reports reproduce {RUNS} figure3</code>" in page
+
+
+def test_page_links_the_cards_that_lie_beside_it(report: Report, page: str) -> None:
+    linked = files_of(report, cards={"mujoco": "card-mujoco.html"})["index.html"].decode()
+    assert '<a href="card-mujoco.html">mujoco</a>' in linked
+    assert "card-mujoco.html" not in page
+    assert "python -m reports card NAME" in page
