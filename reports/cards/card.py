@@ -29,6 +29,9 @@ EDGE_CASE = "friction 0.3"
 DIRECTION = "direction"
 """Scenario of the bound against direction; a catalogue without it leaves the line out."""
 
+SCALE = "1 kg"
+"""The mass of which a card speaks."""
+
 READINGS = (
     ("creep", "static-hold", "1 kg, load 0.5"),
     ("creep", "static-hold", "1 kg, load 0.99"),
@@ -54,6 +57,8 @@ class Row:
         Why there is no number; empty where there is one.
     command
         Command that prints a script for the number; empty where there is none.
+    where
+        The place of the worst of several numbers.
     """
 
     name: str
@@ -63,6 +68,7 @@ class Row:
     case: str
     reason: str = ""
     command: str = ""
+    where: str = ""
 
     @property
     def error(self) -> float:
@@ -242,11 +248,11 @@ def _direction_rows(variant: Variant, evaluator: Evaluator) -> list[Row]:
     if DIRECTION not in CATALOGUE or variant.formulation != "contact":
         return []
     findings = CATALOGUE[DIRECTION].run([variant], evaluator)
-    known = [finding for finding in findings if math.isfinite(finding.comparison.difference)]
+    known = [own for own in findings if SCALE in own.case and math.isfinite(own.comparison.difference)]
     if not known:
         return []
     worst = max(known, key=lambda finding: abs(finding.comparison.difference))
-    return [Row("direction, worst", worst.metric.unit, worst.value, worst.expected, worst.case)]
+    return [Row("worst direction", worst.metric.unit, worst.value, worst.expected, SCALE, where=worst.case)]
 
 
 def _options(variant: Variant) -> tuple[ChangedOption, ...]:

@@ -109,8 +109,10 @@ def _cell(row: Row | None) -> Cell:
         return Cell(MISSING)
     if not math.isfinite(row.value):
         return Cell(MISSING, row.reason)
-    shown = abs(row.error) > SMALLEST_ERROR * abs(row.exact) and row.exact != 0
-    return Cell(card_number(row.value), f"{'+' if row.error > 0 else ''}{card_number(row.error, 2)}" if shown else "")
+    if row.exact == 0 or abs(row.error) <= SMALLEST_ERROR * abs(row.exact):
+        return Cell(card_number(row.value))
+    error = f"{'+' if row.error > 0 else ''}{card_number(row.error, 2)}"
+    return Cell(card_number(row.value), f"{error} at {row.where}" if row.where else error)
 
 
 def _steps(own: VariantCard) -> str:

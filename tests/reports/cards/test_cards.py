@@ -104,13 +104,13 @@ def test_a_catalogue_that_asks_for_directions_adds_the_worst_of_them(monkeypatch
 
     def run(variants, _evaluator):
         return [
-            Finding(variants[0], f"{angle}°", metric, value, 1.0, Comparison(Verdict.DISAGREE, "", value - 1.0))
+            Finding(variants[0], f"1 kg, {angle}°", metric, value, 1.0, Comparison(Verdict.DISAGREE, "", value - 1.0))
             for angle, value in ((0, 1.0), (45, math.sqrt(2)), (90, 1.0))
         ]
 
     monkeypatch.setattr(cards, "CATALOGUE", {"direction": SimpleNamespace(run=run)})
     (row,) = cards._direction_rows(Variant("mujoco", "contact"), None)
-    assert (row.value, row.case) == (math.sqrt(2), "45°")
+    assert (row.value, row.where) == (math.sqrt(2), "1 kg, 45°")
     assert cards._direction_rows(Variant("mujoco", "joint"), None) == []
 
 
