@@ -1,8 +1,9 @@
 """Whether the files of an environment still hold what their packages were published with."""
 
 import base64
+import csv
 import hashlib
-from importlib.metadata import Distribution, PackagePath
+from importlib.metadata import Distribution
 from pathlib import Path
 
 from engines.environments.environment import LONGEST_LIST, Environment
@@ -23,15 +24,18 @@ def edited_fault(environment: Environment) -> str | None:
 
 
 def _edited_files(distribution: Distribution) -> list[str]:
-    """Name the files of a package that are gone, or do not have the hash that they were published with."""
-    return [str(file) for file in distribution.files or () if file.hash is not None and not _whole(file)]
+    """Name the files of a package that are gone, or do not have the hash that they were published with.
+
+    They are read from its record: what lists them for programs may leave out those that are gone.
+    """
+    rows = csv.reader((distribution.read_text("RECORD") or "").splitlines())
+    return [file for file, published, _ in rows if published and not _whole(distribution, file, published)]
 
 
-def _whole(file: PackagePath) -> bool:
-    path, published = Path(file.locate()), file.hash
-    assert published is not None, "only files with a hash are compared"
+def _whole(distribution: Distribution, file: str, published: str) -> bool:
+    path, (mode, _, expected) = Path(str(distribution.locate_file(file))), published.partition("=")
     if not path.is_file():
         return False
     with path.open("rb") as opened:
-        digest = hashlib.file_digest(opened, published.mode).digest()
-    return base64.urlsafe_b64encode(digest).rstrip(b"=").decode() == published.value
+        digest = hashlib.file_digest(opened, mode).digest()
+    return base64.urlsafe_b64encode(digest).rstrip(b"=").decode() == expected
