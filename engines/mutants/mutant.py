@@ -118,9 +118,9 @@ def claimed_preset(mutant: Mutant) -> Preset:
 
 
 def honest_preset(variant: Variant) -> Preset:
-    """Give the preset of a variant as its law has it; that of the reference where it states none."""
+    """Give the preset of a variant as its law has it; that of the reference where it states none, without inclination."""
     if law_of(variant.preset) is None:
-        return SCHEME.preset
+        return replace(SCHEME.preset, inclines=False)
     return replace(variant, engine=f"{variant.engine}{LAW_SUFFIX}").preset
 
 
