@@ -22,7 +22,7 @@ COLUMNS = {
 
 
 def text(row: pd.Series) -> str:
-    """Give a value as the table shows it: with ``p`` behind it where its law predicts it, with ``*`` where none does."""
+    """Give a value as the table shows it: with ``p`` behind it where its law predicts it, ``*`` where none does."""
     if row["verdict"] not in ("agree", "disagree"):
         return str(row["verdict"])
     number = "0" if abs(row["value"]) < 1e-6 else f"{row['value']:.4g}"

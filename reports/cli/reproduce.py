@@ -25,8 +25,8 @@ def reproduce(
 
     It needs the engine and NumPy, and is ready for the engine's tracker. Its header has the suite's number, which is
     computed unless the store has it.
-    Exit code 0: the script is printed; 2: wrong input, or the engine has no script yet; 3: the result could not be kept;
-    130: interrupted.
+    Exit code 0: the script is printed; 2: wrong input, or the engine has no script yet; 3: the result could not be
+    kept; 130: interrupted.
 
     Example: python -m reports reproduce mujoco:joint:default static-hold "1 kg, load 0.5" > repro.py
     """
