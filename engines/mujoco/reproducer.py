@@ -33,6 +33,7 @@ def contact_numbers(lane: Lane, preset: Preset, _start: State) -> Mapping[str, A
     return {
         **_model(options),
         "lifting": lifting,
+        "coefficient": preset["coefficient"] if "coefficient" in preset.options else None,
         "joints": 4 if lifting else 3,
         "radius": RADIUS * scale,
         "plate": PLATE * scale,
@@ -52,7 +53,7 @@ def _model(preset: Preset) -> dict[str, str]:
 
 def _pair(preset: Preset, lifting: bool) -> list[str]:
     """Give the attributes of the pair; see `contact_model` and `lifting_model`."""
-    changed = lifting and preset["solimp"] != preset.options["solimp"].default
+    changed = "solimp" in preset.options and preset["solimp"] != preset.options["solimp"].default
     width = preset["solimp"][1] if changed else WIDTH
     attributes = [f'solimp="{preset["solimp"][0]} {preset["solimp"][1]}"'] if changed else []
     if not lifting:
