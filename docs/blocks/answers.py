@@ -20,11 +20,14 @@ COLUMNS = {
 }
 """Scenario, case and metric of each column: the block of 1 kg."""
 
+UNASKED = "–"
+"""Where a variant does not answer: joints have no direction, and an engine may be missing."""
+
 
 def text(row: pd.Series) -> str:
     """Give a value as the table shows it: with ``p`` behind it where its law predicts it, ``*`` where none does."""
     if row["verdict"] not in ("agree", "disagree"):
-        return str(row["verdict"])
+        return UNASKED if row["verdict"] == "blocked" else str(row["verdict"])
     number = "0" if abs(row["value"]) < 1e-6 else f"{row['value']:.4g}"
     mark = "" if row["verdict"] == "agree" else " p" if row["as predicted"] is True else " *"
     return number + mark
@@ -38,7 +41,8 @@ def write(table: Path, verdicts: Sequence[Path]) -> None:
     for name, (scenario, case, metric) in COLUMNS.items():
         asked = rows[(rows["scenario"] == scenario) & (rows["case"] == case) & (rows["metric"] == metric)]
         parts[name] = asked.set_index("variant").apply(text, axis="columns") if len(asked) else pd.Series(dtype=str)
-    wide = pd.DataFrame(parts, index=list(dict.fromkeys(rows["variant"]))).fillna("–")
+    wide = pd.DataFrame(parts, index=list(dict.fromkeys(rows["variant"]))).fillna(UNASKED)
+    wide = wide[(wide != UNASKED).any(axis="columns")]
     wide.to_csv(table, index_label="engine:formulation:preset", lineterminator="\n")
 
 
