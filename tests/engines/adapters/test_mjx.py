@@ -92,7 +92,7 @@ def test_mjx_takes_a_sweep_without_softness_and_does_none() -> None:
     plain, swept = PROBED.build([lane_of()])._call(10, "without_and_with_sweeps", 5)
     for without, after in zip(plain, swept, strict=True):
         assert np.array_equal(without, after)
-    assert np.max(np.abs(plain.qvel)) > 0
+    assert np.max(np.abs(plain.velocities)) > 0
 
 
 def test_it_is_not_used_beside_the_suite_whatever_is_there() -> None:
