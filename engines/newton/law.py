@@ -7,10 +7,9 @@ import numpy as np
 from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
 from engines.shared.box_geometry import BOX
+from engines.shared.kernel_lane import KernelLane
 from engines.shared.units import power_of_two
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray
 
 LEAST_SLIP = 1e-5
@@ -62,35 +61,15 @@ def _softened(lane: Lane) -> str | None:
     return f"contacts of {heaviest:g} kg sink in; allowed: at most {LARGEST_MASS:g} kg"
 
 
-class _AnchoredLane(LaneModel):
+class _AnchoredLane(KernelLane):
     """One chain whose contacts are drawn back; a run begins with contacts that have not slipped."""
 
     def __init__(self, lane: Lane, constants: Mapping[str, float]):
-        chain = lane.chain
-        self.lane = lane
-        self._force = -np.hstack([chain.stiffness_matrix, chain.damping_matrix])
-        radius = max(SMALLEST_RADIUS, BOX * power_of_two(lane.drive.displacement_scale(chain)))
+        super().__init__(lane)
+        radius = max(SMALLEST_RADIUS, BOX * power_of_two(lane.drive.displacement_scale(lane.chain)))
         self._numbers = lane.time_step, constants["β"], constants["s"], constants["ε"] * radius / lane.time_step
 
-    def run(self, state: State, start: int, steps: int) -> Trajectory:
-        """Advance from `state` at step index `start`."""
-        lane, size = self.lane, 2 * self.lane.chain.cells
-        record = np.empty((steps, 5 * lane.chain.cells))
-        self._integrate(state, start, steps, record)
-        columns = record[:, :size], record[:, size : 2 * size], record[:, 2 * size :]
-        return Trajectory(lane.times(start, steps), *columns, lane.preloads(start, steps))
-
-    def advance(self, state: State, start: int, steps: int) -> State:
-        """Advance as `run` does, and keep the end only."""
-        return self._integrate(state, start, steps, np.empty((0, 5 * self.lane.chain.cells)))
-
-    def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
+    def _take(self, motion: FloatArray, loads: FloatArray, bounds: FloatArray, record: FloatArray) -> None:
         from engines.newton.law_kernel import advance  # numba is imported once something moves
 
-        lane, chain = self.lane, self.lane.chain
-        motion = np.concatenate([state.positions[0], state.velocities[0]])
-        bounds = np.ascontiguousarray(chain.friction_coefficient * lane.preloads(start, steps))
-        masses = np.concatenate([chain.outer_mass, chain.inner_mass])
-        advance(motion, lane.loads(start, steps), bounds, self._force, masses, self._numbers, record)
-        position, velocity = np.split(motion[None], 2, axis=1)
-        return State(position, velocity)
+        advance(motion, loads, bounds, self._force, self._masses, self._numbers, record)

@@ -7,9 +7,8 @@ import numpy as np
 
 from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
+from engines.shared.kernel_lane import KernelLane
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray
 
 SINGLE_PRECISION_PERIOD = 2e-4
@@ -37,37 +36,16 @@ def temporal_substeps(preset: Preset) -> Law:
     )
 
 
-class _SubsteppedLane(LaneModel):
+class _SubsteppedLane(KernelLane):
     """One chain whose friction is found in every substep, under forces of the start of the step."""
 
     def __init__(self, lane: Lane, constants: Mapping[str, float], substeps: int, corrections: int):
-        chain = lane.chain
-        self.lane = lane
-        self._force = -np.hstack([chain.stiffness_matrix, chain.damping_matrix])
-        self._masses = np.concatenate([chain.outer_mass, chain.inner_mass])
-        inverse = 1 / chain.outer_mass, 1 / chain.inner_mass
+        super().__init__(lane)
+        inverse = 1 / lane.chain.outer_mass, 1 / lane.chain.inner_mass
         self._stopping = 1 / (inverse[0] + inverse[1] + constants["c"] * np.maximum(*inverse))
         self._numbers = lane.time_step, substeps, corrections
 
-    def run(self, state: State, start: int, steps: int) -> Trajectory:
-        """Advance from `state` at step index `start`."""
-        lane, size = self.lane, 2 * self.lane.chain.cells
-        record = np.empty((steps, 5 * lane.chain.cells))
-        self._integrate(state, start, steps, record)
-        columns = record[:, :size], record[:, size : 2 * size], record[:, 2 * size :]
-        return Trajectory(lane.times(start, steps), *columns, lane.preloads(start, steps))
-
-    def advance(self, state: State, start: int, steps: int) -> State:
-        """Advance as `run` does, and keep the end only."""
-        return self._integrate(state, start, steps, np.empty((0, 5 * self.lane.chain.cells)))
-
-    def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
+    def _take(self, motion: FloatArray, loads: FloatArray, bounds: FloatArray, record: FloatArray) -> None:
         from engines.ovphysx.law_kernel import advance  # numba is imported once something moves
 
-        lane = self.lane
-        motion = np.concatenate([state.positions[0], state.velocities[0]])
-        bounds = np.ascontiguousarray(lane.chain.friction_coefficient * lane.preloads(start, steps))
-        loads = lane.loads(start, steps)
         advance(motion, loads, bounds, self._force, self._masses, self._stopping, self._numbers, record)
-        position, velocity = np.split(motion[None], 2, axis=1)
-        return State(position, velocity)
