@@ -62,11 +62,12 @@ def law_of(preset: Preset) -> Law | None:
 
 
 def _capabilities(modelled: Capabilities) -> Capabilities:
-    """Give what the models of an engine can do."""
+    """Give what the models of an engine can do; a formulation without any is none of theirs."""
+    modelled_presets = {formulation: _presets(presets) for formulation, presets in modelled.presets.items()}
     return replace(
         modelled,
         title=f"{modelled.title}'s law",
-        presets={formulation: _presets(presets) for formulation, presets in modelled.presets.items()},
+        presets={formulation: presets for formulation, presets in modelled_presets.items() if presets},
         batch_lanes=BATCH_LANES,
         precision="double",
         residual=DEFAULT_RESIDUAL,

@@ -109,7 +109,7 @@ class Breakaway(BlockScenario):
             return Finding.without_numbers(variant, case, self.metrics, gap)
         times = [slip_time(pull, np.array(result.series["slip_velocity"])) for result in (own, fine)]
         value = times[0] / times[1]
-        late = round_off(task) / RISE_TIME / (LEAST_SPEED * pull.speed) * DELAY + 2 * task.time_step / RISE_TIME
+        late = round_off(task) / RISE_TIME / (LEAST_SPEED * pull.speed) * DELAY / 2 + 2 * task.time_step / RISE_TIME
         comparison = judge(FRACTION, Steps({1: value}), 1.0, resolution=late)
         return [Finding(variant, case, FRACTION, value, 1.0, comparison)]
 

@@ -8,6 +8,7 @@ import pytest
 
 from engines import engine, engine_names
 from engines.interface.registry import default_engine_names, registered_engine
+from engines.interface.variant import Variant
 from engines.out_of_process import interpreter
 from reference_lcp import ParameterError
 
@@ -46,3 +47,8 @@ def test_further_engine_that_is_missing_says_how_to_install_it(name, monkeypatch
 def test_unknown_engine_is_refused_with_the_known_ones() -> None:
     with pytest.raises(ParameterError, match="engine = 'bullet' is unknown; allowed: reference"):
         engine("bullet")
+
+
+def test_law_of_a_formulation_without_any_is_refused_with_those_that_have_one() -> None:
+    with pytest.raises(ParameterError, match=r"formulation of newton@law = 'joint' is unknown; allowed: contact$"):
+        Variant.parse("newton@law")
