@@ -37,6 +37,9 @@ class Lane:
         α of the contact faces to the row [rad], see `reference_lcp.lcp.inclined_chain`: the inner masses move in the
         plane of row and normal, and normal forces depend on the motion. It needs a preload, which acts along the
         normals, and is refused where the motion would not be unique.
+    static_ratio
+        μ_s / μ_k >= 1 of all contacts: friction at rest holds up to μ_s λ_N, that of a slip is μ_k λ_N, with the
+        chain's coefficient of friction as μ_k.
 
     Raises
     ------
@@ -50,6 +53,7 @@ class Lane:
     preload: Preload | None = None
     direction: float = 0.0
     inclination: float = 0.0
+    static_ratio: float = 1.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time_step", checked_scalar("time_step", self.time_step, "> 0"))
@@ -63,6 +67,11 @@ class Lane:
         if self.inclination and (self.preload is None or self.direction):
             raise ParameterError(
                 f"inclination = {self.inclination:g} in a row without preload, or one that is turned; allowed: 0 there"
+            )
+        if checked_scalar("static_ratio", self.static_ratio) < 1 or (self.static_ratio > 1 and self.inclination):
+            raise ParameterError(
+                f"static_ratio = {self.static_ratio:g} with inclination = {self.inclination:g}; allowed: >= 1, and 1 "
+                "where contacts are inclined"
             )
 
     @classmethod
@@ -122,6 +131,13 @@ def steps_per_period_for(chain: Chain, drive: PeriodicDrive, minimum: int = MINI
     steps = max(minimum, math.ceil(stable))
     check_record_size(chain.cells, steps)
     return steps
+
+
+def check_one_coefficient(lanes: Sequence[Lane], name: str) -> None:
+    """Raise a `ParameterError` if static friction of a lane is above kinetic friction; `name` has no such."""
+    for lane in lanes:
+        if lane.static_ratio != 1:
+            raise ParameterError(f"static_ratio = {lane.static_ratio:g}: {name} has one coefficient; allowed: 1")
 
 
 @runtime_checkable

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.chain.simulation import Lane, common_cells
+from reference_lcp.chain.simulation import Lane, check_one_coefficient, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.exact.mode_dynamics import SERIES_ORDER, BoolArray, PiecewiseLinearChain, Segment
 from reference_lcp.exact.polynomial_roots import first_roots
@@ -268,6 +268,7 @@ class EventDrivenSimulation(SequentialSimulation):
 
     def __init__(self, lanes: Sequence[Lane]):
         common_cells(lanes)
+        check_one_coefficient(lanes, "the event-driven chain")
         if any(lane.preload is not None for lane in lanes):
             raise ParameterError("the event-driven solver cannot represent a modulated normal force; allowed: constant")
         super().__init__([_EventDrivenLane(lane) for lane in lanes])

@@ -97,7 +97,7 @@ class PiecewiseLinearChain:
 
     def __init__(self, chain: Chain, drive: Drive):
         self.chain = chain
-        self.angular_frequency, self._load = _harmonic_load(chain, drive)
+        self.angular_frequency, self._load = harmonic_load(chain, drive)
         self._patterns: dict[bytes, _Matrices] = {}
 
     @property
@@ -197,7 +197,7 @@ class PiecewiseLinearChain:
         return rows
 
 
-def _harmonic_load(chain: Chain, drive: Drive) -> tuple[float, tuple[float, float]]:
+def harmonic_load(chain: Chain, drive: Drive) -> tuple[float, tuple[float, float]]:
     """ω [rad/s], and the parts of the force on cell 1 along sin ωt and cos ωt [N]."""
     if isinstance(drive, HarmonicBase):
         stiffness, damping = float(chain.chain_stiffness[0]), float(chain.chain_damping[0])

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_lcp.chain.preload import NormalMotion, normal_motion
-from reference_lcp.chain.simulation import Lane, common_cells
+from reference_lcp.chain.simulation import Lane, check_one_coefficient, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.stepping.euler_kernel import advance
 from reference_lcp.validation import FloatArray, checked_count
@@ -55,6 +55,7 @@ class CompiledSimulation:
 
     def __init__(self, lanes: Sequence[Lane], packed: _Packed | None = None):
         self._cells = common_cells(lanes)
+        check_one_coefficient(lanes, "the compiled scheme")
         self.lanes = tuple(lanes)
         self._packed = packed if packed is not None else _Packed.of(self.lanes)
         self._modulated, self._opens = bool(np.any(self._packed.modulated)), bool(np.any(self._packed.opens))

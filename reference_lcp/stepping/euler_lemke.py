@@ -1,18 +1,24 @@
 """The scheme as the paper writes it: equation (5) step by step, its LCP solved by Lemke's method."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import normal_motion
 from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.lcp.time_step import FrictionalStep, advanced, solve_step_given_normal_force
+from reference_lcp.lcp.static_friction import solve_stick_slip_step
+from reference_lcp.lcp.time_step import FrictionalStep, advanced
 from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
 from reference_lcp.validation import FloatArray
 
 
 class LemkeSimulation(SequentialSimulation):
-    """The Euler scheme with Lemke's method in every step; a `Simulation`, slower than the closed form."""
+    """The Euler scheme with Lemke's method in every step; a `Simulation`, slower than the closed form.
+
+    Friction at rest may be larger than in motion, see `reference_lcp.lcp.static_friction`.
+    """
 
     def __init__(self, lanes: list[Lane] | tuple[Lane, ...]):
         common_cells(lanes)
@@ -36,8 +42,12 @@ class _LemkeLane(LaneModel):
         gap, speed = (part[0] for part in state.normal_state(chain.cells)) if self.lane.opens else np.zeros((2, 1))
         normal = normal_motion(self.lane.preloads(start, steps), chain.inner_mass, dt, gap, speed)
         for row, load in enumerate(self.lane.loads(start, steps)):
-            step = chain_step(chain, u, q, load, dt)
-            impulses = solve_step_given_normal_force(step, normal.normal_force[row] * dt, warm_start=basis)
+            step = replace(
+                chain_step(chain, u, q, load, dt),
+                normal_force=normal.normal_force[row],
+                static_friction_coefficient=self.lane.static_ratio * chain.friction_coefficient,
+            )
+            impulses = solve_stick_slip_step(step, warm_start=basis)
             basis = impulses.basic
             u, q = advanced(step, impulses, u)
             positions[row], velocities[row] = u, q

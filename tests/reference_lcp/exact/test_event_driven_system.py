@@ -7,9 +7,11 @@ from hypothesis import strategies as st
 
 from reference_lcp import (
     Chain,
+    CompiledSimulation,
     EventDrivenSystem,
     FrictionContact,
     Harmonic,
+    HarmonicBase,
     HarmonicForce,
     Lane,
     MassSpringSystem,
@@ -18,21 +20,8 @@ from reference_lcp import (
     State,
 )
 from reference_lcp.exact.event_driven import EventDrivenSimulation
+from reference_lcp.exact.stick_slip_lane import StickSlipLane, system_of
 from reference_lcp.refusal import ParameterError
-
-
-def as_system(chain: Chain, drive: HarmonicForce) -> MassSpringSystem:
-    """The chain under a force on its first cell, body by body."""
-    n = chain.cells
-    outer = [Spring(k, k - 1 if k else None, chain.chain_stiffness[k], chain.chain_damping[k]) for k in range(n)]
-    inner = [Spring(n + k, k, chain.inner_stiffness[k], chain.inner_damping[k]) for k in range(n)]
-    contacts = [FrictionContact(n + k, k, chain.normal_force[k], chain.friction_coefficient[k]) for k in range(n)]
-    return MassSpringSystem(
-        masses=np.concatenate([chain.outer_mass, chain.inner_mass]),
-        springs=[*outer, *inner],
-        friction=contacts,
-        forces={0: Harmonic(amplitude=drive.amplitude, angular_frequency=drive.angular_frequency)},
-    )
 
 
 @pytest.mark.parametrize("friction_ratio", [0.05, 0.2])
@@ -41,10 +30,31 @@ def test_a_chain_moves_as_the_event_driven_chain_does(friction_ratio) -> None:
     drive = HarmonicForce(float(chain.chain_stiffness[0]) * 0.01, 0.8 * chain.resonator_frequency)
     lane = Lane.periodic(chain, drive, 50)
     (expected,) = EventDrivenSimulation([lane]).run(State.at_rest(1, 3), 0, 300)
-    solver = EventDrivenSystem(as_system(chain, drive))
+    load = Harmonic(amplitude=drive.amplitude, angular_frequency=drive.angular_frequency)
+    solver = EventDrivenSystem(system_of(chain, load))
     motion = solver.motion(position=np.zeros(6), velocity=np.zeros(6), times=lane.times(0, 300))
     assert motion.positions == pytest.approx(expected.positions, abs=1e-11 * np.max(np.abs(expected.positions)))
     assert motion.friction == pytest.approx(expected.friction, abs=1e-9 * np.max(np.abs(expected.friction)))
+
+
+def test_a_lane_of_bodies_moves_as_the_event_driven_chain_does_and_may_be_split() -> None:
+    """Under a moving base, from any step on."""
+    chain = Chain.from_ratios(cells=2, friction_ratio=0.1)
+    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.8), 50)
+    (expected,) = EventDrivenSimulation([lane]).run(State.at_rest(1, 2), 0, 90)
+    model = StickSlipLane(lane)
+    first = model.run(State.at_rest(1, 2), 0, 40)
+    second = model.run(first.end, 40, 50)
+    positions = np.vstack([first.positions, second.positions])
+    assert positions == pytest.approx(expected.positions, abs=1e-11 * np.max(np.abs(expected.positions)))
+
+
+@pytest.mark.parametrize("simulation", [CompiledSimulation, EventDrivenSimulation])
+def test_solvers_with_one_coefficient_refuse_static_friction_of_its_own(simulation) -> None:
+    chain = Chain.from_ratios(cells=1, friction_ratio=0.1)
+    lane = Lane(chain, HarmonicBase.from_ratio(chain, 0.8), 1e-3, static_ratio=1.5)
+    with pytest.raises(ParameterError, match=r"static_ratio = 1\.5: .* one coefficient; allowed: 1"):
+        simulation([lane])
 
 
 coefficients = st.floats(0.05, 0.5)
