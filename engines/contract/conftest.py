@@ -14,7 +14,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     ``tested`` is every variant, ``tuned`` the best known options, ``default`` what a newcomer gets,
     ``sharing`` the tuned ones that share the reference's scheme, ``following`` those whose normal force may change in
     time, ``lifting`` the tuned ones whose contacts may open, ``turning`` those whose row may have any direction,
-    ``inclining`` the tuned ones whose contacts may be inclined, ``installed`` the name of an engine.
+    ``inclining`` the tuned ones whose contacts may be inclined, ``holding`` the tuned ones with static friction of its
+    own, ``installed`` the name of an engine.
     """
     names = _chosen(metafunc.config)
     every = [variant for name in names for variant in variants_of(name, optional=True)]
@@ -28,6 +29,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         "lifting": [variant for variant in tuned if variant.preset.represents(NormalForce.LIFTING)],
         "turning": [variant for variant in variants if variant.preset.turns],
         "inclining": [variant for variant in tuned if variant.preset.inclines],
+        "holding": [variant for variant in tuned if variant.preset.static_friction],
         "sharing": [variant for variant in tuned if variant.preset.shares_scheme and variant.engine != "reference"],
     }
     for argument, chosen in cases.items():

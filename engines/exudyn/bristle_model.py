@@ -12,7 +12,7 @@ class BristleModelLane(GeneralisedAlphaLane):
     """Contacts keep the force of their slip and the place of their foot; states hold the deflection instead."""
 
     def _contacts_at(self, state: State, load: float) -> FloatArray:
-        slip, deflection = bristles_at(state, self.lane.chain, load, self._numbers.first, self._numbers.second)
+        slip, deflection = bristles_at(state, self.lane, load, self._numbers.first, self._numbers.second)
         return np.vstack([slip, self._elongation(state.positions[0]) - deflection])
 
     def _internal_state(self, positions: FloatArray, contacts: FloatArray) -> FloatArray:

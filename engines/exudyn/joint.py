@@ -38,6 +38,7 @@ REGULARISED_TUNED = Preset(
         " proportion to the width of the zone, whatever the time step"
     ),
     law=zone,
+    static_friction=True,
     split_tolerance=1e-9,
 )
 
@@ -59,6 +60,7 @@ BRISTLE_TUNED = Preset(
         "on: short sticks are missed or made up"
     ),
     law=bristle,
+    static_friction=True,
     split_tolerance=1e-9,
 )
 
@@ -88,6 +90,7 @@ REGULARISED_DEFAULT = Preset(
         "whatever the time step"
     ),
     law=zone,
+    static_friction=True,
     split_tolerance=1e-4,
 )
 
@@ -101,8 +104,17 @@ BRISTLE_DEFAULT = Preset(
     },
     known_deviation="a stuck contact is a spring of 1e4 N/m, so soft that it gives way by as much as the chain moves",
     law=bristle,
+    static_friction=True,
     split_tolerance=0.05,
 )
+
+
+STATIC_DECAY = 1e-3
+"""Velocity of a slip at which what static friction is above kinetic friction has decayed to 1/e of it [m/s]: Exudyn's
+own `exponentialDecayStatic`."""
+
+STATIC_DECAY_PER_KICK = 0.04
+"""The same of tuned bristles, over μ_k λ_N h / m_red: it is passed in a substep, and vanishes with the step."""
 
 
 def proportional_zone(lane: Lane, cell: int, preset: Preset) -> float:
@@ -111,21 +123,34 @@ def proportional_zone(lane: Lane, cell: int, preset: Preset) -> float:
         return float(preset["frictionProportionalZone"])
     chain = lane.chain
     inertia = 1 / chain.outer_mass[cell] + 1 / chain.inner_mass[cell]
-    kick = float(chain.friction_bound[cell] * inertia) * lane.time_step / preset["substeps"]
+    held = lane.static_ratio * float(chain.friction_bound[cell])
+    kick = held * inertia * lane.time_step / preset["substeps"]
     speed = lane.drive.displacement_scale(chain) * chain.resonator_frequency
     return max(preset["zone"] * speed, preset["zone_per_kick"] * kick)
 
 
-class RegularisedLane(ExudynLane):
-    """Friction -F ġ_T / v_reg within |ġ_T| < v_reg, -F sign ġ_T beyond."""
+class JointLane(ExudynLane):
+    """Connectors whose friction at rest may be larger than in motion."""
+
+    def _friction(self, cell: int, decay: float) -> dict[str, Any]:
+        """Give kinetic friction, what static friction is above it, and the slip velocity at which it decays."""
+        bound = float(self._chain.friction_bound[cell])
+        return {
+            "dynamicFrictionForce": bound,
+            "staticFrictionOffsetForce": (self.lane.static_ratio - 1) * bound,
+            "exponentialDecayStatic": decay,
+        }
+
+
+class RegularisedLane(JointLane):
+    """Friction -F ġ_T / v_reg within |ġ_T| < v_reg, -F sign ġ_T beyond; static friction decays in as wide a zone."""
 
     def _connector(self, cell: int) -> dict[str, Any]:
-        bound = float(self._chain.friction_bound[cell])
-        zone = proportional_zone(self.lane, cell, self._preset)
-        return {"dynamicFrictionForce": bound, "frictionProportionalZone": zone / self._units.velocity}
+        zone = proportional_zone(self.lane, cell, self._preset) / self._units.velocity
+        return {**self._friction(cell, zone), "frictionProportionalZone": zone}
 
 
-class BristleLane(ExudynLane):
+class BristleLane(JointLane):
     """Friction of a bristle, whose internal state is whether it slips and where its foot is.
 
     In a state it is, in SI units, for each contact the slip force [N] with the sign of the
@@ -141,10 +166,17 @@ class BristleLane(ExudynLane):
         )
         return {
             "nodeNumber": node,
-            "dynamicFrictionForce": float(self._chain.friction_bound[cell]),
+            **self._friction(cell, self._static_decay(cell)),
             "stickingStiffness": float(self._stiffness[cell]),
             "stickingDamping": float(self._damping[cell]),
         }
+
+    def _static_decay(self, cell: int) -> float:
+        """Velocity at which static friction decays, in the units of the lane: as it comes, or a part of a kick."""
+        if "stickingStiffness" in self._preset.options:
+            return STATIC_DECAY / self._units.velocity
+        kick = self._chain.friction_bound[cell] / self._reduced_mass[cell] * self._time_step / self._substeps
+        return STATIC_DECAY_PER_KICK * float(kick)
 
     @property
     def _stiffness(self) -> FloatArray:
@@ -176,7 +208,7 @@ class BristleLane(ExudynLane):
         units = self._units
         stiffness, damping = self._stiffness * units.force / units.length, self._damping * units.force / units.velocity
         load = float(self.lane.loads(start, 1)[0])
-        slip, deflection = bristles_at(state, self.lane.chain, load, stiffness, damping)
+        slip, deflection = bristles_at(state, self.lane, load, stiffness, damping)
         outer, inner = np.split(state.positions[0], 2)
         foot = (inner - outer - deflection) / units.length
         data = np.stack([slip / units.force, foot, np.zeros_like(slip)], axis=1)[self._rubbing]

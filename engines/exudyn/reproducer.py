@@ -26,14 +26,16 @@ def zone_numbers(lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]
 
 def bristle_numbers(lane: Lane, preset: Preset, start: State) -> Mapping[str, Any]:
     """Give the bristles, each with the load that it meets at first, and the settings of the solver."""
-    chain, options = lane.chain, preset.options
+    options = preset.options
     reduced, steps = _reduced_mass(lane), preset["substeps"] / lane.time_step
     if "stickingStiffness" in options:
-        stiffness, damping = (np.full(chain.cells, preset[name]) for name in ("stickingStiffness", "stickingDamping"))
+        stiffness, damping = (
+            np.full(lane.chain.cells, preset[name]) for name in ("stickingStiffness", "stickingDamping")
+        )
     else:
         stiffness = (preset["bristle_phase"] * steps) ** 2 * reduced
         damping = preset["bristle_damping"] * 2 * np.sqrt(stiffness * reduced)
-    slip, deflection = bristles_at(start, chain, float(lane.loads(0, 1)[0]), stiffness, damping)
+    slip, deflection = bristles_at(start, lane, float(lane.loads(0, 1)[0]), stiffness, damping)
     outer, inner = np.split(start.positions[0], 2)
     foot = inner - outer - deflection
     return {

@@ -89,6 +89,7 @@ def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
             batch_lanes=None,
             versions="",
             inclines=False,
+            static_friction=False,
         )
         for name, law in laws.items()
         if law is not None

@@ -103,6 +103,8 @@ class Preset:
         The row may have any direction in the plane of the contacts.
     inclines
         The faces of contacts may be inclined to the row.
+    static_friction
+        Friction at rest may be larger than in motion, see `Lane.static_ratio`.
     turned_bound
         Gives the bound of sliding friction over μ λ_N in a lane that is turned, at a slip velocity [m/s], where it is
         not 1 as Coulomb's law has it, and nothing else but this is another.
@@ -124,6 +126,7 @@ class Preset:
     optional: bool = False
     turns: bool = False
     inclines: bool = False
+    static_friction: bool = False
     turned_bound: Callable[[Lane, float], float] | None = None
 
     def __getitem__(self, name: str) -> Any:
@@ -154,7 +157,7 @@ class Preset:
         return order.index(needed) <= order.index(self.normal_force)
 
     def unsupported_reason(self, lane: Lane, name: str) -> str | None:
-        """Say why a lane cannot be represented by what has this name: direction, inclination or normal force.
+        """Say why a lane cannot be represented by what has this name: its direction, inclination or forces.
 
         ``None`` if it can.
         """
@@ -162,6 +165,8 @@ class Preset:
             return f"direction = {lane.direction:g}: {name} cannot turn its row in the plane of contacts; allowed: 0"
         if lane.inclination and not self.inclines:
             return f"inclination = {lane.inclination:g}: {name} cannot incline its contacts to the row; allowed: 0"
+        if lane.static_ratio != 1 and not self.static_friction:
+            return f"static_ratio = {lane.static_ratio:g}: {name} cannot set static friction of its own; allowed: 1"
         if lane.preload is None or self.represents(NormalForce.of(lane)):
             return None
         allowed = {

@@ -120,7 +120,7 @@ def claimed_preset(mutant: Mutant) -> Preset:
 def honest_preset(variant: Variant) -> Preset:
     """Give the preset of a variant as its law has it; that of the reference, not inclined, where it states none."""
     if law_of(variant.preset) is None:
-        return replace(SCHEME.preset, inclines=False)
+        return replace(SCHEME.preset, inclines=False, static_friction=False)
     return replace(variant, engine=f"{variant.engine}{LAW_SUFFIX}").preset
 
 

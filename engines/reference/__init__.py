@@ -38,6 +38,7 @@ class Reference(Engine):
                     normal_force=NormalForce.LIFTING,
                     turns=True,
                     inclines=True,
+                    static_friction=True,
                 ),
                 "converged": Preset(
                     "The same scheme with a finer Euler step: the baseline for every engine.",
@@ -58,6 +59,7 @@ class Reference(Engine):
                     batch_lanes=1,
                     optional=True,
                     turns=True,
+                    static_friction=True,
                 ),
             }
         },
@@ -74,10 +76,10 @@ class Reference(Engine):
         return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        from engines.reference.simulations import ExactSimulation, RefinedSimulation, euler_simulation
+        from engines.reference.simulations import RefinedSimulation, euler_simulation, exact_simulation
 
         if preset is self.capabilities.presets[formulation][EXACT]:
-            return ExactSimulation(lanes)
+            return exact_simulation(lanes)
         if "substeps" not in preset.options:
             return euler_simulation(lanes)
         return RefinedSimulation(lanes, preset["substeps"])

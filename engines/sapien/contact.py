@@ -57,6 +57,7 @@ CONTACT_TUNED = Preset(
     split_tolerance=1e-5,
     normal_force=NormalForce.MODULATED,
     turns=True,
+    static_friction=True,
     turned_bound=_tangents_of_a_slow_slip,
 )
 
@@ -74,6 +75,7 @@ CONTACT_DEFAULT = Preset(
     split_tolerance=1e-4,
     normal_force=NormalForce.MODULATED,
     turns=True,
+    static_friction=True,
 )
 
 
@@ -157,7 +159,7 @@ class SapienContactLane(SapienLane):
         """Give the sphere or the plate of a cell."""
         physx, box = import_sapien().physx, self._sizes.box
         friction = self._chain.friction_coefficient[cell]
-        material = physx.PhysxMaterial(friction, friction, 0.0)
+        material = physx.PhysxMaterial(self.lane.static_ratio * friction, friction, 0.0)
         if inner:
             return physx.PhysxCollisionShapeSphere(box, material)
         length = self._sizes.plate
@@ -189,4 +191,6 @@ class SapienContactLane(SapienLane):
         if self.lane.direction:  # the bound is another there, see `Preset.turned_bound`
             return friction * units.force, given
         at_bound = np.abs(friction) > bound - rounding
+        if self.lane.static_ratio > 1:  # what holds may be anywhere up to another bound
+            at_bound &= np.abs(friction) < bound + rounding
         return np.where(at_bound, np.copysign(bound, friction), friction) * units.force, given
