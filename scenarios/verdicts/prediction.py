@@ -68,16 +68,19 @@ def with_predictions(
     worst = max(periods.values(), key=_badness, default=LawPeriod(0.0, ROUND_OFF_PERIOD))
     largest = max((min(each.distance, each.bound) for each in periods.values() if each.distance >= 0), default=0.0)
     return [
-        replace(
-            finding,
-            prediction=_prediction(
-                finding, laws[finding.case, finding.metric], periods.get(finding.case, worst), largest
-            ),
-        )
+        _with_prediction(finding, laws[finding.case, finding.metric], periods.get(finding.case, worst), largest)
         if needs_prediction(finding) and (finding.case, finding.metric) in laws
         else finding
         for finding in findings
     ]
+
+
+def _with_prediction(finding: Finding, own: Finding, period: LawPeriod, largest: float) -> Finding:
+    """Give a finding with its prediction, or with the reason why the law does not represent the case."""
+    if own.comparison.verdict is not Verdict.BLOCKED:
+        return replace(finding, prediction=_prediction(finding, own, period, largest))
+    reason = f"{finding.comparison.reason}; its law says nothing: {own.comparison.reason}"
+    return replace(finding, comparison=replace(finding.comparison, reason=reason))
 
 
 def needs_prediction(finding: Finding) -> bool:
