@@ -70,6 +70,12 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "the event-driven motion, exact to round-off: v² / (2 μ λ_N / m); no drift; allowed: the engine's error "
             "from three step sizes, or the reference's from the same ones if that is larger",
         ),
+        "static-above-kinetic": Description(
+            "Does a contact at rest hold more than it does in motion, and how far does the block jump that it lets go?",
+            "the event-driven motion, exact to round-off: μ_s λ_N, then 2 (μ_s − μ_k) λ_N / k and what the load grows; "
+            "allowed: two steps of a breakaway; the engine's error of a jump from three step sizes, or the reference's "
+            "from the same ones if that is larger",
+        ),
         "direction": Description(
             "Does the bound of friction depend on the direction in which a block slides over its contact?",
             "the event-driven motion, exact to round-off, which knows no direction; allowed: the engine's error from "

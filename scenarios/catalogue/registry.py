@@ -7,6 +7,7 @@ from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.block.breakaway import Breakaway
 from scenarios.catalogue.block.direction import Direction
 from scenarios.catalogue.block.published import Published
+from scenarios.catalogue.block.static_above_kinetic import StaticAboveKinetic
 from scenarios.catalogue.block.static_hold import StaticHold
 from scenarios.catalogue.block.stopping_distance import StoppingDistance
 from scenarios.catalogue.steady.den_hartog import DenHartog
@@ -33,6 +34,7 @@ SCENARIOS: tuple[Scenario, ...] = (
     StaticHold(),
     Breakaway(),
     StoppingDistance(),
+    StaticAboveKinetic(),
     Direction(),
     Published(),
     InclinedChainScenario(),

@@ -94,6 +94,8 @@ class BlockTask(TransientTask):
         Angle by which the row is turned in the plane of the contact [rad].
     carrier_velocity
         Velocity of the carrier at first [m/s].
+    static_ratio
+        μ_s / μ_k >= 1 of the contact; μ λ_N of the block is the friction of a slip.
     variant, base, time_step, steps, every
         As for `TransientTask`. What is recorded is the slip at the rows that are kept; ratios have no part in it.
     """
@@ -103,6 +105,7 @@ class BlockTask(TransientTask):
     slip_velocity: float = 0.0
     direction: Annotated[float, Field(exclude_if=lambda value: value == 0)] = 0.0
     carrier_velocity: float = 0.0
+    static_ratio: Annotated[float, Field(exclude_if=lambda value: value == 1)] = 1.0
     recorded: str = "slip"
     friction_ratio: Annotated[Ratio, Field(exclude=True)] = 0.0
     ratios: Annotated[ChainRatios, Field(exclude=True)] = field(default_factory=lambda: ChainRatios(cells=1))
@@ -123,10 +126,17 @@ class BlockTask(TransientTask):
 
     def lane(self) -> Lane:
         """Build the chain under its drive; where a contact can be free across the row, it is pressed by a force."""
-        return Lane(self.chain, self.base, self.time_step, PRESSED if self._free else None, self.direction)
+        return Lane(
+            self.chain,
+            self.base,
+            self.time_step,
+            PRESSED if self._free else None,
+            direction=self.direction,
+            static_ratio=self.static_ratio,
+        )
 
     def unsupported_reason(self) -> str | None:
-        """Give the reason why the variant cannot turn the row; ``None`` without one."""
+        """Give the reason why the variant cannot represent the lane; ``None`` without one."""
         return self.variant.preset.unsupported_reason(self.lane(), str(self.variant))
 
     @property

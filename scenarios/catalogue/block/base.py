@@ -1,7 +1,7 @@
 """What the questions about one block share: its scales, its tasks, and how its law is compared with its engine.
 
 Motions are compared as they are: two under one drive never drift apart, since friction with a given normal force is
-monotone.
+monotone, as long as it is as large at rest as in motion.
 """
 
 import math

@@ -1,0 +1,134 @@
+"""A block that is held by one coefficient of friction and slides with another, and engines that have only one."""
+
+import dataclasses
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from engines.interface.variant import Variant
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.refusal import ParameterError
+from scenarios.catalogue.block import static_above_kinetic
+from scenarios.catalogue.block.static_above_kinetic import (
+    BREAKAWAY,
+    FAST,
+    FOLLOWED,
+    JUMP,
+    JUMP_TIME,
+    PULLS,
+    RISE_TIME,
+    TIME_STEP,
+    Pull,
+    StaticAboveKinetic,
+    read,
+)
+from scenarios.execution.store import opened_store
+from scenarios.execution.transient import run_transients
+from scenarios.verdicts.finding import Finding
+from scenarios.verdicts.steady_case import EXACT, REFERENCE
+from scenarios.verdicts.verdict import Verdict
+from tests.scenarios.in_process import evaluator
+
+KILOGRAM = "1 kg, 1.5"
+
+
+def findings(*variants: Variant) -> list[Finding]:
+    with opened_store(None) as store, evaluator(store) as running:
+        return StaticAboveKinetic().run(variants, running)
+
+
+@pytest.fixture
+def one_scale(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(static_above_kinetic, "PULLS", {KILOGRAM: PULLS[KILOGRAM]})
+
+
+def jump_under_growing_load(pull: Pull) -> float:
+    """First rest of s̈ + Ω² s = Ω² (ΔF + Ḟ t) / k from rest, ΔF = (μ_s − μ_k) λ_N, over 2 ΔF / k.
+
+    ṡ = 0 where tan(Ωt / 2) = −Ω ΔF / Ḟ, and there s = (ΔF (1 − cos Ωt) + Ḟ (t − sin Ωt / Ω)) / k.
+    """
+    omega, left = math.pi / JUMP_TIME, pull.static_ratio - 1
+    rate = pull.static_ratio * (pull.load(RISE_TIME + 1e-6) - pull.load(RISE_TIME - 1e-6)) / 2e-6 / omega
+    angle = 2 * (math.pi - math.atan(left / rate))
+    return (left * (1 - math.cos(angle)) + rate * (angle - math.sin(angle))) / (2 * left)
+
+
+@pytest.mark.parametrize("pull", PULLS.values(), ids=str)
+def test_exact_block_holds_the_static_bound_and_jumps_as_the_oscillator_does(pull) -> None:
+    """But for the sine, whose growth falls during the jump: that is up to a hundredth of it."""
+    (result,) = run_transients([pull.task(EXACT)])
+    numbers = read(pull, result.series)
+    counts = math.asin(FAST) / math.pi * JUMP_TIME
+    assert numbers[BREAKAWAY] == pytest.approx(pull.load(RISE_TIME + counts), abs=pull.two_steps)
+    assert numbers[JUMP] == pytest.approx(jump_under_growing_load(pull), rel=0.01)
+
+
+def test_block_rests_where_it_has_jumped_to() -> None:
+    (result,) = run_transients([PULLS[KILOGRAM].task(EXACT)])
+    slip = np.array(result.series["slip"])
+    rested = round((RISE_TIME + 1.5 * JUMP_TIME) / TIME_STEP)
+    assert rested < FOLLOWED * RISE_TIME / TIME_STEP
+    assert np.ptp(slip[rested:]) < 1e-12
+
+
+def test_scheme_agrees(one_scale) -> None:
+    judged = findings(REFERENCE)
+    assert {finding.metric for finding in judged} == {BREAKAWAY, JUMP}
+    assert all(finding.comparison.verdict is Verdict.AGREE for finding in judged)
+
+
+def altered(monkeypatch: pytest.MonkeyPatch, change: Callable[[Lane], Lane]) -> None:
+    """Make the variant ``mujoco`` the reference in lanes that are changed, with the capabilities of the reference."""
+    build, preset, answer = Variant.build, Variant.preset, REFERENCE.preset
+    assert isinstance(preset, property)
+
+    def wrong(self, lanes):
+        return build(REFERENCE, [change(lane) for lane in lanes]) if self.engine == "mujoco" else build(self, lanes)
+
+    monkeypatch.setattr(Variant, "build", wrong)
+    monkeypatch.setattr(
+        Variant, "preset", property(lambda self: answer if self.engine == "mujoco" else preset.fget(self))
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "metrics"),
+    [
+        (lambda lane: dataclasses.replace(lane, static_ratio=1.0), {BREAKAWAY, JUMP}),
+        (lambda lane: dataclasses.replace(lane, static_ratio=1.01 * lane.static_ratio), {BREAKAWAY, JUMP}),
+        (lambda lane: with_kinetic(lane, 1.02), {JUMP}),
+    ],
+    ids=["one coefficient", "static friction a hundredth too large", "kinetic friction two hundredths too large"],
+)
+def test_friction_that_is_off_breaks_away_or_jumps_elsewhere(change, metrics, one_scale, monkeypatch) -> None:
+    altered(monkeypatch, change)
+    judged = findings(Variant("mujoco"))
+    wrong = {finding.metric for finding in judged if finding.comparison.verdict is Verdict.DISAGREE}
+    assert wrong == metrics
+
+
+def with_kinetic(lane: Lane, factor: float) -> Lane:
+    """Change kinetic friction alone."""
+    chain = dataclasses.replace(lane.chain, friction_coefficient=factor * lane.chain.friction_coefficient)
+    return dataclasses.replace(lane, chain=chain, static_ratio=lane.static_ratio / factor)
+
+
+def test_engine_with_one_coefficient_is_blocked_with_the_reason(one_scale) -> None:
+    judged = findings(Variant("mujoco"))
+    assert all(finding.comparison.verdict is Verdict.BLOCKED for finding in judged)
+    assert "static_ratio = 1.5: mujoco" in judged[0].comparison.reason
+
+
+@pytest.mark.parametrize("ratio", [0.9, math.nan])
+def test_static_friction_below_kinetic_friction_is_refused(ratio) -> None:
+    lane = PULLS[KILOGRAM].task(REFERENCE).lane()
+    with pytest.raises(ParameterError, match="static_ratio"):
+        dataclasses.replace(lane, static_ratio=ratio)
+
+
+def test_tasks_without_static_friction_keep_their_keys() -> None:
+    task = PULLS[KILOGRAM].task(REFERENCE)
+    assert "static_ratio" in task.content()["task"]
+    assert "static_ratio" not in dataclasses.replace(task, static_ratio=1.0).content()["task"]
