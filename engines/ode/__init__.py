@@ -6,6 +6,7 @@ from typing import ClassVar
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.ode.contact import CONTACT_DEFAULT, CONTACT_TUNED
 from engines.ode.joint import JOINT_DEFAULT, JOINT_STOPS, JOINT_TUNED
+from engines.ode.reproducer import CONTACT, JOINT
 from engines.out_of_process.engine import OutOfProcessEngine
 from engines.out_of_process.interpreter import Installation
 
@@ -35,3 +36,4 @@ class ODE(OutOfProcessEngine):
         ),
     )
     installation: ClassVar[Installation] = INSTALLATION
+    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}

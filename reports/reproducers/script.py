@@ -156,7 +156,7 @@ def _header(shown: Reproduction, number: Number) -> str:
         f"Exact: {_short(number.exact)}{unit}; the cross-validation suite has {value}.",
     ]
     if units is not None and units.value != "SI":
-        told.append(f"Here in SI units, there in its own: {units.reason}")
+        told.append("Here in SI units, there in its own.")
     title = f"{adapter.capabilities.title}{version}: {scenario.question}"
     return "\n".join([*textwrap.wrap(title, WIDTH), "", *textwrap.wrap(" ".join(told), WIDTH)])
 

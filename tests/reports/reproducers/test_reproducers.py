@@ -16,6 +16,7 @@ from engines.interface.reproducer import Reproducer
 from engines.interface.variant import Variant, variants_of
 from engines.mujoco import MuJoCo
 from engines.mujoco.reproducer import joint_numbers
+from engines.out_of_process.engine import OutOfProcessEngine
 from reference_lcp.refusal import ParameterError
 from reports.reproducers.questions import QUESTIONS
 from reports.reproducers.script import LONGEST_LINE, MOST_LINES, checked, script
@@ -62,12 +63,18 @@ WITH_TEMPLATE = [
 needs_mujoco = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
 
 
-def printed_by(text: str, folder) -> float:
+def python_of(variant: Variant) -> str:
+    """Give the Python that has the engine of a variant."""
+    adapter = engine(variant.engine)
+    return adapter.installation.interpreter if isinstance(adapter, OutOfProcessEngine) else sys.executable
+
+
+def printed_by(text: str, folder, variant: Variant) -> float:
     """Run a script in an empty folder, without the paths of the user; gives the number that it prints last."""
     file = folder / "reproducer.py"
     file.write_text(text, encoding="utf-8")
     done = subprocess.run(
-        [sys.executable, "-I", "-X", "utf8", "-c", ALONE, str(file)],
+        [python_of(variant), "-I", "-X", "utf8", "-c", ALONE, str(file)],
         cwd=folder, capture_output=True, text=True, encoding="utf-8", check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
@@ -99,7 +106,7 @@ def check_number(variant: Variant, scenario: str, folder) -> None:
     if missing is not None:
         pytest.skip(missing)
     text, value, allowed = own_number(variant, scenario)
-    assert printed_by(text, folder) == pytest.approx(value, rel=0, abs=allowed)
+    assert printed_by(text, folder, variant) == pytest.approx(value, rel=0, abs=allowed)
 
 
 @pytest.mark.parametrize("variant", WITH_TEMPLATE, ids=str)
