@@ -19,6 +19,7 @@ from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
 from scenarios.catalogue.steady.figure3 import Figure3Points
 from scenarios.catalogue.transient.base import with_refined_steps
 from scenarios.execution.evaluator import Evaluator
+from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.tasks.transient import TransientTask
 from scenarios.verdicts.finding import TRANSMITTANCE, Metric
@@ -47,11 +48,14 @@ class Question(ABC):
         Whose number it is.
     case
         The one that is shown unless another is named.
+    protocol
+        What the script does otherwise than the scenario; empty if nothing.
     """
 
     scenario: ClassVar[str]
     metric: ClassVar[Metric]
     case: ClassVar[str]
+    protocol: ClassVar[str] = ""
 
     @abstractmethod
     def cases(self) -> Iterable[str]:
@@ -138,6 +142,7 @@ class ChainQuestion(Question):
     """Transmittance of the chain at a point of Figure 3."""
 
     scenario, metric, case = "figure3", TRANSMITTANCE, "friction 0.6, η_r 0.9"
+    protocol = f"the last of {PERIODS} periods from rest, no steady state"
 
     def _case(self, case: str) -> SteadyCase:
         return {each.label: each for each in Figure3Points.cases}[case]
@@ -164,15 +169,12 @@ class ChainQuestion(Question):
         )
 
     def number(self, variant: Variant, case: str, evaluator: Evaluator) -> Number:
-        """Give the transmittance of the last period, and that of the exact steady state."""
+        """Give the transmittance of the last period: the variant's, and the exact motion's over the same periods."""
         steps = self._steady(case, variant).steps_per_period
-        own, exact = evaluator.evaluate([self.task(variant, case), self._steady(case, EXACT)])
+        own, exact = evaluator.evaluate([self.task(variant, case), self.task(EXACT, case)])
+        value, expected = (_transmittance(result, steps) for result in (own, exact))
         gap = missing("", [own]) or missing("exact", [exact])
-        if gap is not None:
-            return Number(np.nan, exact.transmittance_db, gap.reason)
-        response = np.array(own.series["response"])[-steps:]
-        amplitude = 2 * abs(np.mean(response * np.exp(-2j * np.pi * np.arange(1, steps + 1) / steps)))
-        return Number(float(20 * np.log10(amplitude)), exact.transmittance_db)
+        return Number(value, expected, "" if gap is None else gap.reason)
 
     def readings(self, case: str, evaluator: Evaluator) -> Mapping[str, Any]:
         """Give the drive, and the length of a period."""
@@ -184,6 +186,15 @@ class ChainQuestion(Question):
             "omega": 2 * np.pi / drive.period,
             "base": drive.displacement_scale(steady.chain),
         }
+
+
+def _transmittance(result: Result, steps: int) -> float:
+    """Give the fundamental of the last period of so many steps [dB]; NaN without a motion."""
+    if missing("", [result]) is not None:
+        return np.nan
+    response = np.array(result.series["response"])[-steps:]
+    amplitude = 2 * abs(np.mean(response * np.exp(-2j * np.pi * np.arange(1, steps + 1) / steps)))
+    return float(20 * np.log10(amplitude))
 
 
 QUESTIONS: Mapping[str, Question] = MappingProxyType({

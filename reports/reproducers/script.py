@@ -150,9 +150,10 @@ def _header(shown: Reproduction, number: Number) -> str:
     unit = f" {metric.unit}" if metric.unit else ""
     value = f"{number.value:.6g}{unit}" if math.isfinite(number.value) else f"no number ({number.reason})"
     units = variant.preset.options.get("units")
+    protocol = f", {shown.question.protocol}" if shown.question.protocol else ""
     told = [
         f"{variant.formulation}, {variant.preset_name}: {variant.preset.description}",
-        f"{shown.question.scenario}: {shown.case}.",
+        f"{shown.question.scenario}: {shown.case}{protocol}.",
         f"Exact: {_short(number.exact)}{unit}; the cross-validation suite has {value}.",
     ]
     if units is not None and units.value != "SI":

@@ -41,6 +41,9 @@ DIGITS = 1e-11
 ROUNDINGS = 16
 """Of a position in a step, at most: the same additions in other units, and in another order."""
 
+OF_THE_STEP = 5e-3
+"""[dB] What 400 steps a period err by, of first order: 2e-3. The steady state is 0.4 dB away."""
+
 
 def per_metre(scenario: str, task: TransientTask, value: float) -> float:
     """Give what a metre of a position makes of a number at most."""
@@ -165,6 +168,19 @@ def test_script_is_short_enough_for_a_tracker(variant, scenario, reference_alone
     assert len(lines) <= MOST_LINES
     assert max(map(len, lines)) <= LONGEST_LINE
     compile("\n".join(lines), "reproducer.py", "exec")
+
+
+def test_exact_transmittance_is_that_of_the_same_periods_from_rest() -> None:
+    question, variant = QUESTIONS["figure3"], Variant("reference")
+    with opened_store(None) as store, evaluator(store) as running:
+        number = question.number(variant, question.case, running)
+    assert number.value == pytest.approx(number.exact, rel=0, abs=OF_THE_STEP)
+    assert number.value != number.exact
+
+
+def test_header_of_figure_3_says_that_it_begins_at_rest(reference_alone) -> None:
+    text = script(checked("mujoco:joint:tuned", "figure3"), reference_alone)
+    assert "the last of 30 periods from rest, no steady state" in " ".join(text.splitlines()[:8])
 
 
 def test_an_engine_without_a_template_is_refused_with_those_that_have_one() -> None:
