@@ -4,6 +4,7 @@ from typing import ClassVar
 
 from engines.dart.contact import CONTACT_DEFAULT, CONTACT_SPHERE, CONTACT_TUNED, DartContactLane
 from engines.dart.joint import JOINT_DEFAULT, JOINT_TUNED, RESIDUAL_SLIP_COMPLIANCE, DartJointLane
+from engines.dart.reproducer import CONTACT, JOINT
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.shared.wheel_engine import WheelEngine
 
@@ -31,3 +32,4 @@ class Dart(WheelEngine):
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: DartJointLane, Formulation.CONTACT: DartContactLane}
+    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}

@@ -142,7 +142,7 @@ class ChainQuestion(Question):
     """Transmittance of the chain at a point of Figure 3."""
 
     scenario, metric, case = "figure3", TRANSMITTANCE, "friction 0.6, η_r 0.9"
-    protocol = f"the last of {PERIODS} periods from rest, no steady state"
+    protocol = f"the last of {PERIODS} periods from rest"
 
     def _case(self, case: str) -> SteadyCase:
         return {each.label: each for each in Figure3Points.cases}[case]
