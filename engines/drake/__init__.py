@@ -10,7 +10,7 @@ from engines.drake.contact import (
     DrakeContactLane,
 )
 from engines.drake.joint import JOINT_DEFAULT, JOINT_TUNED, DrakeJointLane
-from engines.drake.reproducer import JOINT
+from engines.drake.reproducer import CONTACT, JOINT
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.shared.wheel_engine import WheelEngine
 
@@ -43,4 +43,4 @@ class Drake(WheelEngine):
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: DrakeJointLane, Formulation.CONTACT: DrakeContactLane}
-    reproducers: ClassVar = {Formulation.JOINT: JOINT}
+    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
