@@ -4,6 +4,7 @@ from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.pinocchio.joint import JOINT_ADMM, JOINT_DEFAULT, JOINT_TUNED, PinocchioJointLane
+from engines.pinocchio.reproducer import JOINT
 from engines.shared.wheel_engine import WheelEngine
 
 
@@ -28,3 +29,4 @@ class Pinocchio(WheelEngine):
     )
 
     lane_models: ClassVar = {Formulation.JOINT: PinocchioJointLane}
+    reproducers: ClassVar = {Formulation.JOINT: JOINT}

@@ -9,6 +9,7 @@ from engines.out_of_process.interpreter import Installation
 from engines.out_of_process.lane import OutOfProcessLane
 from engines.siconos.contact import CONTACT_DEFAULT, CONTACT_TUNED
 from engines.siconos.joint import JOINT_DEFAULT, JOINT_EULER, JOINT_TUNED
+from engines.siconos.reproducer import CONTACT, JOINT
 from reference_lcp.validation import FloatArray
 
 INSTALLATION = Installation(
@@ -52,3 +53,4 @@ class Siconos(OutOfProcessEngine):
     )
     installation: ClassVar[Installation] = INSTALLATION
     lane_model: ClassVar[type[OutOfProcessLane]] = SiconosLane
+    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
