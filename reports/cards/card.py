@@ -14,7 +14,7 @@ from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.steady.figure3 import LOWER_EDGE
 from scenarios.execution.evaluator import Evaluator
 from scenarios.studies.accuracy import accuracies
-from scenarios.studies.work_precision import StepPoint, step_study
+from scenarios.studies.work_precision import SIX_POINTS, StepPoint, step_study
 from scenarios.verdicts.finding import Finding
 
 PRESETS = ("default", "tuned")
@@ -123,8 +123,13 @@ class VariantCard:
 
     @property
     def steps_to_goal(self) -> int | None:
-        """Fewest steps a period that were tried whose largest error is within `GOAL_DB`; ``None`` without any."""
-        return next((point.steps_per_period for point in self.steps if point.error_db <= GOAL_DB), None)
+        """Fewest steps a period with which every point errs by `GOAL_DB` at most, of those tried; ``None`` without."""
+        good = (
+            point.steps_per_period
+            for point in self.steps
+            if point.error_db <= GOAL_DB and point.certified == len(SIX_POINTS)
+        )
+        return next(good, None)
 
     @property
     def most_steps(self) -> int:
@@ -252,7 +257,7 @@ def _direction_rows(variant: Variant, evaluator: Evaluator) -> list[Row]:
     if not known:
         return []
     worst = max(known, key=lambda finding: abs(finding.comparison.difference))
-    return [Row("worst direction", worst.metric.unit, worst.value, worst.expected, SCALE, where=worst.case)]
+    return [Row("worst direction", worst.metric.unit, worst.value, worst.expected, SCALE, where=worst.case.removeprefix(f"{SCALE}, "))]
 
 
 def _options(variant: Variant) -> tuple[ChangedOption, ...]:

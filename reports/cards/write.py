@@ -88,7 +88,7 @@ def _context(shown: Card) -> dict[str, Any]:
 def _table(variants: Sequence[VariantCard]) -> list[tuple[str, list[Cell]]]:
     """Give the rows of the table of numbers: what they are, and a cell a variant."""
     rows = [
-        ("error to truth, largest [dB]", [Cell(card_number(own.largest_db)) for own in variants]),
+        ("error to truth, largest [dB]", [Cell(card_number(own.largest_db), _uncertified(own)) for own in variants]),
         ("error to truth, median [dB]", [Cell(card_number(own.median_db)) for own in variants]),
     ]
     for name in dict.fromkeys(_label(row) for own in variants for row in own.rows):
@@ -112,11 +112,28 @@ def _cell(row: Row | None) -> Cell:
     if row.exact == 0 or abs(row.error) <= SMALLEST_ERROR * abs(row.exact):
         return Cell(card_number(row.value))
     error = f"{'+' if row.error > 0 else ''}{card_number(row.error, 2)}"
-    return Cell(card_number(row.value), f"{error} at {row.where}" if row.where else error)
+    return Cell(_with_error_seen(row), f"{error} at {row.where}" if row.where else error)
+
+
+def _with_error_seen(row: Row) -> str:
+    """Give a number with as many decimals as its error needs, where four digits would round the error away."""
+    text = card_number(row.value)
+    shown = float(text.replace("−", "-"))
+    if abs(shown - row.value) < abs(row.error) / 2:
+        return text
+    return f"{row.value:.{-math.floor(math.log10(abs(row.error)))}f}".replace("-", "−")
+
+
+def _uncertified(own: VariantCard) -> str:
+    """Say at how many points there is a certified steady state, unless at all."""
+    return "" if own.certified == own.points else f"{own.certified} of {own.points} points certified"
 
 
 def _steps(own: VariantCard) -> str:
-    return f"more than {own.most_steps}" if own.steps_to_goal is None else str(own.steps_to_goal)
+    """Give the fewest steps that were tried and suffice; fewer than the first of them were not."""
+    if own.steps_to_goal is None:
+        return f"more than {own.most_steps}"
+    return f"{own.steps_to_goal}{' or fewer' if own.steps_to_goal == own.steps[0].steps_per_period else ''}"
 
 
 def _json(shown: Card) -> str:

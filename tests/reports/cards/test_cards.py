@@ -1,5 +1,6 @@
 """Cards of engines: their numbers are those of the scenarios, and nothing of them is lost in a file."""
 
+import dataclasses
 import json
 import math
 from types import SimpleNamespace
@@ -93,6 +94,47 @@ def test_a_card_that_reaches_no_goal_says_up_to_where_it_was_tried() -> None:
     assert (coarse.steps_to_goal, coarse.most_steps) == (None, 800)
 
 
+def test_steps_that_were_not_certified_at_every_point_reach_no_goal() -> None:
+    lost = dataclasses.replace(step_point(400, 0.01), certified=5)
+    shown = dataclasses.replace(made_up().variants[0], steps=(lost, step_point(800, 0.01)))
+    assert shown.steps_to_goal == 800
+
+
+def test_first_steps_that_were_tried_and_suffice_may_be_more_than_needed() -> None:
+    first = dataclasses.replace(made_up().variants[0], steps=(step_point(400, 0.01), step_point(800, 0.01)))
+    table = markdown(dataclasses.replace(made_up(), variants=(first,)))
+    assert "| steps a period to 0.1 dB | 400 or fewer |" in table
+
+
+@pytest.mark.parametrize(
+    ("value", "exact", "cell"),
+    [
+        (1.000434, 0.999934, "1.0004 (+0.0005)"),
+        (0.999957, 1.0, "0.99996 (−4.3e−05)"),
+        (0.8738, 1.0, "0.8738 (−0.13)"),
+        (-1.000434, -0.999934, "−1.0004 (−0.0005)"),
+    ],
+)
+def test_a_number_shows_its_error(value, exact, cell) -> None:
+    row = Row("stopping distance", "", value, exact, "1 kg")
+    shown = dataclasses.replace(made_up().variants[0], rows=(row,))
+    assert f"| stopping distance, 1 kg | {cell} |" in markdown(dataclasses.replace(made_up(), variants=(shown,)))
+
+
+def test_points_without_a_certified_steady_state_are_counted_beside_the_largest_error() -> None:
+    assert "| error to truth, largest [dB] | 14.73 (70 of 74 points certified) |" in markdown(made_up())
+    whole = dataclasses.replace(made_up().variants[0], certified=74)
+    assert "| 14.73 |" in markdown(dataclasses.replace(made_up(), variants=(whole,)))
+
+
+def test_card_of_an_engine_without_scripts_names_no_command_that_would_be_refused() -> None:
+    bare = dataclasses.replace(made_up().variants[0], script="", options=())
+    shown = dataclasses.replace(made_up(), variants=(bare,))
+    assert "reports reproduce" not in html(shown, linked=False)
+    assert "This engine has none so far." in html(shown, linked=False)
+    assert "Every option is the engine's own." in markdown(shown)
+
+
 def test_an_engine_that_is_not_there_is_refused_before_any_work(monkeypatch) -> None:
     monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _: "the package mujoco is not installed")
     with pytest.raises(ParameterError, match="engine = 'mujoco' cannot be used: the package mujoco is not installed"):
@@ -110,7 +152,7 @@ def test_a_catalogue_that_asks_for_directions_adds_the_worst_of_them(monkeypatch
 
     monkeypatch.setattr(cards, "CATALOGUE", {"direction": SimpleNamespace(run=run)})
     (row,) = cards._direction_rows(Variant("mujoco", "contact"), None)
-    assert (row.value, row.where) == (math.sqrt(2), "1 kg, 45°")
+    assert (row.value, row.where) == (math.sqrt(2), "45°")
     assert cards._direction_rows(Variant("mujoco", "joint"), None) == []
 
 
