@@ -13,8 +13,8 @@ from reports.reproducers.script import Reproduction, checked, has_reproducer, sc
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.steady.figure3 import LOWER_EDGE
 from scenarios.execution.evaluator import Evaluator
-from scenarios.studies.accuracy import accuracies
-from scenarios.studies.work_precision import SIX_POINTS, StepPoint, step_study
+from scenarios.studies.accuracy import SIX_POINTS, accuracies
+from scenarios.studies.work_precision import StepPoint, step_study
 from scenarios.verdicts.finding import Finding
 
 PRESETS = ("default", "tuned")
@@ -257,7 +257,8 @@ def _direction_rows(variant: Variant, evaluator: Evaluator) -> list[Row]:
     if not known:
         return []
     worst = max(known, key=lambda finding: abs(finding.comparison.difference))
-    return [Row("worst direction", worst.metric.unit, worst.value, worst.expected, SCALE, where=worst.case.removeprefix(f"{SCALE}, "))]
+    where = worst.case.removeprefix(f"{SCALE}, ")
+    return [Row("worst direction", worst.metric.unit, worst.value, worst.expected, SCALE, where=where)]
 
 
 def _options(variant: Variant) -> tuple[ChangedOption, ...]:

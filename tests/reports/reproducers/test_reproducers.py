@@ -16,6 +16,7 @@ from engines.interface.reproducer import Reproducer
 from engines.interface.variant import Variant, variants_of
 from engines.mujoco import MuJoCo
 from engines.mujoco.reproducer import joint_numbers
+from engines.ode import ODE
 from engines.out_of_process.engine import OutOfProcessEngine
 from reference_lcp.refusal import ParameterError
 from reports.reproducers.questions import QUESTIONS
@@ -151,6 +152,14 @@ def test_script_whose_zone_is_a_hundredth_too_wide_prints_another_creep(tmp_path
     monkeypatch.setattr(ExudynRegularised, "reproducers", {Formulation.JOINT: spoilt})
     with pytest.raises(AssertionError, match="comparison failed"):
         check_number(Variant("exudyn-regularised", "joint", "default"), "static-hold", tmp_path)
+
+
+@pytest.mark.skipif(ODE().unavailable_reason() is not None, reason="ODE is not installed")
+def test_script_with_the_softness_that_its_preset_takes_away_prints_another_creep(tmp_path, monkeypatch) -> None:
+    spoilt = Reproducer("reproducer_joint.py.jinja", lambda *_: {"cfm": None, "stops": False})
+    monkeypatch.setattr(ODE, "reproducers", {Formulation.JOINT: spoilt})
+    with pytest.raises(AssertionError, match="comparison failed"):
+        check_number(Variant("ode"), "static-hold", tmp_path)
 
 
 class WithoutEngines(Evaluator):
