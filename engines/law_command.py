@@ -50,7 +50,7 @@ def _measured(variant: Variant, law: Law) -> str:
     missing = variant.unavailable_reason
     if missing is not None:
         return f"not measured here, {missing}; {bound}"
-    lanes = [lane for lane in _lanes() if law.unmodelled_reason(lane) is None]
+    lanes = [lane for lane in _lanes() if law.unclaimed_reason(lane) is None]
     distances = [distance_from_law(variant.build([lane]), law, lane, MINIMUM_STEPS_PER_PERIOD) for lane in lanes]
     return f"after a period from the same state, at {len(lanes)} points: {_text(distances)}; {bound}"
 

@@ -74,7 +74,7 @@ def _distances(tested: Variant, expected: Engine | Law, given: Sequence[Lane] = 
 
 def _is_predicted(tested: Variant, lane: Lane) -> bool:
     law = law_of(tested.preset)
-    return law is None or law.unmodelled_reason(lane) is None
+    return law is None or law.unclaimed_reason(lane) is None
 
 
 def _distance(lane: Lane, run: Trajectory, expected: Trajectory) -> float:

@@ -61,8 +61,12 @@ class Law:
         Where that difference comes from.
     modulated
         It holds under a normal force that changes while contacts stay closed, too.
+    lifting
+        It holds where contacts open and close, too; its state then has their gaps.
+    inclines
+        It holds where the faces of contacts are inclined to the row, too.
     unmodelled_reason
-        Says why it does not predict the engine in a lane; gives ``None`` where it does.
+        Says why it does not predict the engine in a lane with such a normal force; gives ``None`` where it does.
     """
 
     formula: str
@@ -72,11 +76,23 @@ class Law:
     bound_growth: float = 0.0
     bound_reason: str = "round-off in double precision"
     modulated: bool = False
+    lifting: bool = False
+    inclines: bool = False
     unmodelled_reason: Callable[[Lane], str | None] = lambda _: None
 
     def bound_at(self, steps: int) -> float:
         """Give `period_bound` for a period of so many steps."""
         return self.period_bound * max(1.0, steps / STEPS) ** self.bound_growth
+
+    def unclaimed_reason(self, lane: Lane) -> str | None:
+        """Say why it does not predict a lane, by its normal force or for a reason of its own; ``None`` if it does."""
+        if lane.inclination and not self.inclines:
+            return "it holds for contacts along the row alone, and these are inclined to it"
+        if lane.opens and not self.lifting:
+            return "it holds for closed contacts alone, and these open"
+        if lane.preload is not None and not self.modulated:
+            return "it holds under a constant normal force alone, and this contact is free across the row"
+        return self.unmodelled_reason(lane)
 
     def build(self, lanes: Sequence[Lane]) -> SequentialSimulation:
         """Build every lane.

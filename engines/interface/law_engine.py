@@ -84,13 +84,20 @@ def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
             presets[name],
             split_tolerance=max(SPLIT_TOLERANCE, presets[name].split_tolerance),
             known_deviation="",
-            normal_force=NormalForce.MODULATED if law.modulated else NormalForce.CONSTANT,
+            normal_force=_normal_force(law),
             modulated_options={},
             batch_lanes=None,
             versions="",
-            inclines=False,
+            inclines=law.inclines,
             static_friction=False,
         )
         for name, law in laws.items()
         if law is not None
     }
+
+
+def _normal_force(law: Law) -> NormalForce:
+    """Give how the normal force may change, that a law holds."""
+    if law.lifting:
+        return NormalForce.LIFTING
+    return NormalForce.MODULATED if law.modulated else NormalForce.CONSTANT

@@ -17,6 +17,7 @@ from engines.mujoco.model import (
     DEFAULT_OPTIONS,
     DEPTH,
     LEAST_COEFFICIENT,
+    TOUCH,
     TUNED_OPTIONS,
     add_chain,
     add_masses,
@@ -100,9 +101,6 @@ CONTACT_DEFAULT = Preset(
 
 RADIUS = 4.0
 """Radius of a sphere, and half of a plate's width, over the displacement scale of the drive."""
-
-TOUCH = 2.0**-30
-"""Depth of a sphere that may leave its plate, over the displacement scale: at none it would begin without contact."""
 
 PLATE = 2.0**20
 """Half of a plate's length over the displacement scale; beyond, spheres would fall off."""

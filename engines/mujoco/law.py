@@ -5,12 +5,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from engines.interface.law import Constant, Law
-from engines.interface.presets import Preset
+from engines.interface.presets import NormalForce, Preset
 from engines.mujoco.model import DEPTH, LEAST_COEFFICIENT
+from engines.mujoco.pyramid import PyramidLane
 from engines.shared.units import power_of_two
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
+from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray
 
 LEAST_IMPEDANCE, LARGEST_IMPEDANCE, WIDTH = 0.9, 0.95, 0.001
@@ -22,6 +24,21 @@ a degree of freedom. Up to √(2 · 14 · 1e-8) = 5e-4 m/s² are then left in th
 with U0 ω² = 2 m/s², the gentlest that presets are held to; a period has a few such steps."""
 
 NEWTON_REASON = "MuJoCo's Newton solver stops at a tolerance of 1e-8, now and then before all is solved"
+
+HELD_FORMULA = (
+    "as the joint's, with s = a_0 + A λ + b w, b = 2 / (τ d_max), R = 2 μ² (1 + μ²) (1 − d) / d (1/m_o + 2/m_i) / 3: "
+    "λ = −2 μ² s / R while both edges press, μ |s| <= R λ_N / 4, and λ = −sgn(s) μ (R λ_N / 4 + μ |s|) / R beyond, "
+    "without a bound; d from d_0 to d_max by the depth over the width δ; the normal force is λ_N/2 + max(λ_N/2, |λ|/μ)"
+)
+"""Of a sphere held at a fixed depth: each of the two edges along the slide lets go alone. In a row that is turned all
+four edges are solved together, as those of a free sphere, with the load λ_N / 4 each instead of a depth."""
+
+FREE_FORMULA = (
+    "under a preload, with y the acceleration of the sphere on its plate in three directions and E the edges n ± μ t: "
+    "0 <= f ⟂ E y + b E ẋ − k d z + R f >= 0 at the depth z > 0, f = 0 above the plate, y = y_0 + A Eᵀ f, "
+    "b = 2 / (d_max max(τ, 2h)), k = 1 / (d_max max(τ, 2h))², R = 2 μ² (1 + μ²) (1 − d) / d (1/m_o + 3/m_i) / 3"
+)
+"""Of a sphere that is free across the row."""
 
 
 def joint_friction(preset: Preset) -> Law:
@@ -45,16 +62,12 @@ def joint_friction(preset: Preset) -> Law:
 
 
 def pyramidal_contact(preset: Preset) -> Law:
-    """Give the law of a sphere that is held at a fixed depth: each of the two edges along the slide lets go alone."""
+    """Give the law of a sphere with a pyramid of four edges: held at a fixed depth or, with a preload, free."""
+    lifting = preset.represents(NormalForce.LIFTING)
     return Law(
-        formula=(
-            "as the joint's, with s = a_0 + A λ + b w, b = 2 / (τ d_max), "
-            "R = 2 μ² (1 + μ²) (1 − d) / d (1/m_o + 2/m_i) / 3: λ = −2 μ² s / R while both edges press, "
-            "μ |s| <= R λ_N / 4, and λ = −sgn(s) μ (R λ_N / 4 + μ |s|) / R beyond, without a bound; "
-            "d from d_0 to d_max by the depth over the width δ; the normal force is λ_N/2 + max(λ_N/2, |λ|/μ)"
-        ),
+        formula=f"{HELD_FORMULA}; {FREE_FORMULA}" if lifting else HELD_FORMULA,
         constants={
-            "τ": Constant(preset["normal time constant"], "s", "normal time constant"),
+            "τ": Constant(preset["normal time constant"], "s", "normal time constant; of a free sphere, solref"),
             "d_0": Constant(LEAST_IMPEDANCE, "", "solimp, MuJoCo's own: of a contact that touches"),
             "d_max": Constant(LARGEST_IMPEDANCE, "", "solimp, MuJoCo's own: of one deeper than the width"),
             "δ": Constant(WIDTH, "m", "solimp, MuJoCo's own"),
@@ -62,12 +75,10 @@ def pyramidal_contact(preset: Preset) -> Law:
         model=_pyramidal_contact,
         period_bound=NEWTON_PERIOD,
         bound_reason=NEWTON_REASON,
-        unmodelled_reason=_unmodelled_reason,
+        modulated=lifting,
+        lifting=lifting,
+        inclines=preset.inclines,
     )
-
-
-def _unmodelled_reason(lane: Lane) -> str | None:
-    return "all edges of the pyramid carry friction in a row that is turned" if lane.direction else None
 
 
 def _joint_friction(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
@@ -77,8 +88,12 @@ def _joint_friction(lane: Lane, constants: Mapping[str, float]) -> LinearImplici
     return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells, softness * step.coupling.diagonal()))
 
 
-def _pyramidal_contact(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
-    step = _step(lane, 2 / (constants["d_max"] * constants["τ"]))
+def _pyramidal_contact(lane: Lane, constants: Mapping[str, float]) -> LaneModel:
+    time_constant = constants["τ"] if lane.preload is None else max(constants["τ"], 2 * lane.time_step)
+    rate = 2 / (constants["d_max"] * time_constant)
+    step = _step(lane, rate)
+    if lane.preload is not None or lane.direction:
+        return PyramidLane(lane, step, rate, constants)
     # MuJoCo takes the inverse mass of a body as a mean over three axes: an outer mass slides along one of them.
     inverse_mass = (1 / lane.chain.outer_mass + 2 / lane.chain.inner_mass) / 3
     return PyramidalContactLane(lane, step, inverse_mass, constants)
@@ -127,6 +142,6 @@ def _inner_dashpots(chain: Chain) -> FloatArray:
 
 def _impedance(depth: float, constants: Mapping[str, float]) -> float:
     """Give d at a depth [m]: `solimp` with its midpoint 0.5 and its power 2, MuJoCo's own."""
-    part = min(1.0, depth / constants["δ"])
-    rise = 2 * part**2 if part <= 0.5 else 1 - 2 * (1 - part) ** 2
-    return constants["d_0"] + (constants["d_max"] - constants["d_0"]) * rise
+    from engines.mujoco.pyramid_kernel import impedance  # numba is imported once something moves
+
+    return float(impedance(depth, constants["d_0"], constants["d_max"], constants["δ"]))

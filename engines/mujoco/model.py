@@ -35,6 +35,9 @@ DEFAULT_OPTIONS = {
 DEPTH = 1.0
 """Depth of a sphere in its plate over the displacement scale."""
 
+TOUCH = 2.0**-30
+"""Depth of a sphere that may leave its plate, over the displacement scale: at none it would begin without contact."""
+
 LEAST_COEFFICIENT = 1e-4
 """Smallest μ: MuJoCo cuts smaller ones off."""
 

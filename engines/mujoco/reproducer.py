@@ -5,8 +5,8 @@ from typing import Any
 
 from engines.interface.presets import Preset
 from engines.interface.reproducer import Reproducer
-from engines.mujoco.contact import PLATE, RADIUS, TOUCH
-from engines.mujoco.model import DEPTH
+from engines.mujoco.contact import PLATE, RADIUS
+from engines.mujoco.model import DEPTH, TOUCH
 from engines.shared.units import power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State

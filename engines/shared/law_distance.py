@@ -40,7 +40,7 @@ def stepped_by(variant: Variant) -> Engine | Law | None:
 
 def unclaimed_reason(law: Engine | Law, lane: Lane) -> str | None:
     """Give the reason why a law does not say how an engine steps a lane; the reference's scheme does for every lane."""
-    return law.unmodelled_reason(lane) if isinstance(law, Law) else None
+    return law.unclaimed_reason(lane) if isinstance(law, Law) else None
 
 
 def allowed_distance(variant: Variant) -> float:

@@ -8,7 +8,6 @@ begins beside the steady state of the reference's scheme.
 
 from collections.abc import Sequence
 
-from engines.interface.engine import Engine
 from engines.interface.law import Law
 from engines.interface.law_engine import LAW_SUFFIX
 from engines.interface.variant import Variant
@@ -34,7 +33,7 @@ def law_orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Peri
     """
     law = stepped_by(variant) if begins_beside(variant) else None
     every: list[PeriodicOrbit | None] = [None] * len(lanes)
-    claimed = [number for number, lane in enumerate(lanes) if law is not None and _claims(law, lane)]
+    claimed = [number for number, lane in enumerate(lanes) if law is not None and unclaimed_reason(law, lane) is None]
     if law is None or not claimed:
         return every
     model, tolerance = law.build([lanes[number] for number in claimed]), LAW_RESIDUAL * variant.capabilities.residual
@@ -43,9 +42,3 @@ def law_orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[Peri
     for number, orbit in zip(claimed, orbits, strict=True):
         every[number] = orbit
     return every
-
-
-def _claims(law: Engine | Law, lane: Lane) -> bool:
-    """Whether a law says how an engine steps this lane, under its normal force."""
-    follows = lane.preload is None or not isinstance(law, Law) or law.modulated
-    return follows and unclaimed_reason(law, lane) is None

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Self
 
-from scenarios.tasks.task import SteadyStateTask
+from scenarios.tasks.task import SteadyStateTask, law_identity
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,3 +22,7 @@ class LawPeriodTask(SteadyStateTask):
     def as_data(self) -> dict[str, Any]:
         """Give the task as plain data, distinguished from the steady state."""
         return super().as_data() | {"recorded": "law"}
+
+    def content(self) -> dict[str, Any]:
+        """Everything that the result depends on: the law, too."""
+        return super().content() | law_identity(self.variant)

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from pydantic import Field, TypeAdapter
 from pydantic_core import to_json
 
+from engines.interface.law_engine import LAW_SUFFIX, law_of
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.chain.harmonic import PeriodicDrive
@@ -56,7 +57,8 @@ class Task:
 
     def content(self) -> dict[str, Any]:
         """Everything that the result depends on: the task, the engine's version and its options."""
-        return {"format": RESULT_FORMAT, "task": self.as_data(), **_identity(self.variant)}
+        law = law_identity(self.variant) if self.variant.engine.endswith(LAW_SUFFIX) else {}
+        return {"format": RESULT_FORMAT, "task": self.as_data(), **_identity(self.variant), **law}
 
     def as_data(self) -> dict[str, Any]:
         """Give the task as plain data, ready for JSON; later parameters with their default are left out."""
@@ -159,3 +161,12 @@ def _identity(variant: Variant) -> dict[str, Any]:
         "options": {name: repr(option.value) for name, option in sorted(preset.options.items())},
     }
     return identity if preset.stick_margin == STICK_MARGIN else identity | {"stick_margin": preset.stick_margin}
+
+
+@cache
+def law_identity(variant: Variant) -> dict[str, Any]:
+    """Formula and constants of the law that the results of a law, and of comparisons with one, depend on."""
+    law = law_of(variant.preset)
+    if law is None:
+        return {}
+    return {"law": law.formula, "constants": {name: repr(each.value) for name, each in sorted(law.constants.items())}}

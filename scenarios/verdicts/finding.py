@@ -71,6 +71,8 @@ class Prediction:
         Largest one that the law allows.
     certified
         Whether the steady state of the law is certified.
+    reason
+        Why no motion was compared with the law's; empty where one was.
     """
 
     value: float
@@ -79,18 +81,20 @@ class Prediction:
     distance: float
     period_bound: float
     certified: bool = True
+    reason: str = ""
 
     def __str__(self) -> str:
         if not self.certified:
-            return f"its law has no certified steady state either; after a period {self._period}"
+            return f"its law has no certified steady state either; {self._period}"
         return (
-            f"its law gives {self.value:.4g}, {self.difference:+.2g} left, allowed {self.allowed:.2g}; after a period "
-            f"{self._period}"
+            f"its law gives {self.value:.4g}, {self.difference:+.2g} left, allowed {self.allowed:.2g}; {self._period}"
         )
 
     @property
     def _period(self) -> str:
-        return f"{self.distance:.2g} U0 from its law, allowed {self.period_bound:.2g}"
+        if self.reason:
+            return f"its motion is not compared with the law's: {self.reason}"
+        return f"after a period {self.distance:.2g} U0 from its law, allowed {self.period_bound:.2g}"
 
     @property
     def holds(self) -> bool:

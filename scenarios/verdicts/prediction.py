@@ -36,10 +36,13 @@ class LawPeriod:
         Largest difference of positions; NaN, which no bound allows, where there is none.
     bound
         Largest one that the law allows.
+    reason
+        Why there is no distance; empty where there is one.
     """
 
     distance: float
     bound: float
+    reason: str = ""
 
     @classmethod
     def of(cls, task: LawPeriodTask, result: Result) -> Self:
@@ -108,6 +111,7 @@ def _prediction(finding: Finding, own: Finding, period: LawPeriod, largest: floa
         difference=0.0 if nothing else metric_difference(finding.metric, finding.value, own.value),
         allowed=0.0 if nothing else left_open,
         distance=period.distance,
+        reason=period.reason,
         period_bound=period.bound,
         certified=certified,
     )

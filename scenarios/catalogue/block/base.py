@@ -11,13 +11,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from engines.interface.law_engine import law_of
-from engines.interface.tolerances import SINGLE, STEPS
+from engines.interface.tolerances import SINGLE
 from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario
+from scenarios.catalogue.transient.law_motion import motion_distance
 from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.block import Block, BlockTask
-from scenarios.tasks.result import ResultStatus
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.judge import Steps, judge
 from scenarios.verdicts.prediction import LawPeriod
@@ -109,19 +108,7 @@ class BlockScenario(Scenario):
             for each in (variant, by_law)
         )
         evaluator.evaluate([*tasks.values(), *laws.values()])
-        return {case: _distance(task, laws[case], evaluator) for case, task in tasks.items()}
-
-
-def _distance(task: BlockTask, of_law: BlockTask, evaluator: Evaluator) -> LawPeriod:
-    """Give the largest difference of slip; what a law allows of a period adds up over the motion at most."""
-    law = law_of(task.variant.preset)
-    assert law is not None, "only variants with a law are compared with one"
-    own, predicted = evaluator.evaluate([task, of_law])
-    bound = law.period_bound * max(1.0, task.steps / STEPS)
-    if law.unmodelled_reason(task.lane()) is not None or ResultStatus.BLOCKED in (own.status, predicted.status):
-        return LawPeriod(np.nan, bound)
-    slips = (np.array(result.series["slip"]) for result in (own, predicted))
-    return LawPeriod(float(np.max(np.abs(np.subtract(*slips)))), bound)
+        return {case: motion_distance(task, laws[case], "slip", evaluator) for case, task in tasks.items()}
 
 
 def round_off(task: BlockTask) -> float:

@@ -13,6 +13,7 @@ from reference_lcp.chain.harmonic import HarmonicBase
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.descriptions import DESCRIPTIONS, INCLINED_REFINEMENT
 from scenarios.catalogue.transient.base import PERIOD, RATIOS, Readings, read_refined, with_refined_steps
+from scenarios.catalogue.transient.law_motion import motion_distance
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.transient import OPEN_GAP
 from scenarios.tasks.inclined import InclinedTask
@@ -20,6 +21,7 @@ from scenarios.tasks.parameters import Modulation
 from scenarios.tasks.result import NamedNumbers
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.judge import Number, judge
+from scenarios.verdicts.prediction import LawPeriod
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Comparison
 
@@ -105,6 +107,17 @@ class InclinedChainScenario(Scenario):
         coarse = [case.task(variant) for variant in dict.fromkeys((REFERENCE, *variants)) for case in CASES]
         evaluator.evaluate([task for coarsest in (*fine, *coarse) for task in with_refined_steps(coarsest)])
         return [finding for variant in variants for case in CASES for finding in self._judged(variant, case, evaluator)]
+
+    def law_periods(self, variant: Variant, evaluator: Evaluator) -> Mapping[str, LawPeriod]:
+        """Compare the whole motion of every case, with the finest steps, with the law's from the same state."""
+        by_law = variant.law
+        assert by_law is not None, "only variants with a law are compared with one"
+        own, predicted = (
+            {str(case): with_refined_steps(case.task(each))[-1] for case in CASES} for each in (variant, by_law)
+        )
+        evaluator.evaluate([*own.values(), *predicted.values()])
+        series = SERIES[SLIPS]
+        return {case: motion_distance(task, predicted[case], series, evaluator) for case, task in own.items()}
 
     def _judged(self, variant: Variant, case: Inclined, evaluator: Evaluator) -> list[Finding]:
         """Compare a motion with the reference's, in finer steps and in the same ones."""

@@ -1,0 +1,36 @@
+"""A whole motion of an engine beside that of its law, from the same state."""
+
+import numpy as np
+
+from engines.interface.law_engine import law_of
+from engines.interface.tolerances import STEPS
+from scenarios.execution.evaluator import Evaluator
+from scenarios.tasks.result import ResultStatus
+from scenarios.tasks.transient import TransientTask
+from scenarios.verdicts.prediction import LawPeriod
+
+
+def motion_distance(task: TransientTask, of_law: TransientTask, series: str, evaluator: Evaluator) -> LawPeriod:
+    """Give the largest difference of a series in the whole motion, or the reason why there is none.
+
+    What a law allows of a period adds up over the motion at most.
+
+    Parameters
+    ----------
+    task, of_law
+        Of a variant that has a law, and of that.
+    series
+        Of lengths over the displacement scale.
+    evaluator
+        Runs both.
+    """
+    law = law_of(task.variant.preset)
+    assert law is not None, "only variants with a law are compared with one"
+    bound = law.period_bound * max(1.0, task.steps / STEPS)
+    own, predicted = evaluator.evaluate([task, of_law])
+    blocked = (each.reason for each in (own, predicted) if each.status is ResultStatus.BLOCKED)
+    reason = law.unclaimed_reason(task.lane()) or next(blocked, None)
+    if reason is not None:
+        return LawPeriod(np.nan, bound, reason)
+    motions = (np.array(result.series[series]) for result in (own, predicted))
+    return LawPeriod(float(np.max(np.abs(np.subtract(*motions)))), bound)
