@@ -77,7 +77,16 @@ def _capabilities(modelled: Capabilities) -> Capabilities:
 
 
 def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
-    """Give the presets that have a model; its constants come from the options that they keep."""
+    """Give the presets that have a model; its constants come from the options that they keep.
+
+    Where a preset has one for inclined contacts alone, that is the model.
+    """
+    presets = {
+        name: replace(preset.modulated(), law=preset.inclined_law, shares_scheme=False)
+        if preset.inclined_law
+        else preset
+        for name, preset in presets.items()
+    }
     laws = {name: law_of(preset) for name, preset in presets.items()}
     return {
         name: replace(

@@ -105,6 +105,9 @@ class Preset:
         The faces of contacts may be inclined to the row.
     static_friction
         Friction at rest may be larger than in motion, see `Lane.static_ratio`.
+    inclined_law
+        As `law`, where contacts are inclined to the row and other steps are taken there than the preset otherwise
+        states.
     turned_bound
         Gives the bound of sliding friction over μ λ_N in a lane that is turned, at a slip velocity [m/s], where it is
         not 1 as Coulomb's law has it, and nothing else but this is another.
@@ -127,6 +130,7 @@ class Preset:
     turns: bool = False
     inclines: bool = False
     static_friction: bool = False
+    inclined_law: "Callable[[Preset], Law] | None" = None
     turned_bound: Callable[[Lane, float], float] | None = None
 
     def __getitem__(self, name: str) -> Any:

@@ -83,6 +83,13 @@ class Variant:
         return replace(self, engine=f"{engine(self.engine).states_laws_of}{LAW_SUFFIX}")
 
     @property
+    def inclined_law(self) -> Self | None:
+        """Give the same of its steps where contacts are inclined to the row; ``None`` where they have no model."""
+        if self.preset.inclined_law is None:
+            return self.law
+        return replace(self, engine=f"{engine(self.engine).states_laws_of}{LAW_SUFFIX}")
+
+    @property
     def title(self) -> str:
         """The name that reports print; joint and tuned are left out."""
         special = [part for part, usual in ((self.formulation, "joint"), (self.preset_name, "tuned")) if part != usual]

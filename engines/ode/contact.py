@@ -1,7 +1,7 @@
 """Presets of ODE's contact formulation: in every cell a sphere or a box on a plate; `server` holds its model."""
 
 from engines.interface.presets import NormalForce, Option, Preset
-from engines.ode.law import opening_contacts
+from engines.ode.law import normal_first, opening_contacts
 from engines.shared.tangents import tangents_of_the_world
 
 BOUNCE, APPROXIMATION = 0x004, 0x7000
@@ -31,6 +31,7 @@ CONTACT_TUNED = Preset(
     turns=True,
     inclines=True,
     turned_bound=tangents_of_the_world,
+    inclined_law=normal_first,
     modulated_options={
         "surface_layer": Option(
             2.0**-20, 0.0, "After a landing spheres stay as deep as this, and take off from there."

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from engines.interface.law import Constant, Law, NotModelled
 from engines.interface.presets import Preset
+from engines.ode.inclined import NormalFirstLane
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 
@@ -31,9 +32,33 @@ def soft_stops(preset: Preset) -> Law:
     )
 
 
+def normal_first(preset: Preset) -> Law:
+    """Give the law of spheres on plates that are inclined to the row."""
+    options = preset.modulated()
+    return Law(
+        formula=(
+            "equation (7) with bounds that know no friction: 0 <= Λ⁰ ⟂ n·v_free + A_nn Λ⁰ − e (z − l)⁺ / h >= 0, then "
+            "|Λ_T| <= μ Λ⁰ against the slip while 0 <= Λ_N ⟂ n·v⁺ − e (z − l)⁺ / h >= 0; contacts at depths z > 0"
+        ),
+        constants={
+            "e": Constant(options["erp"], "", "erp"),
+            "l": Constant(options["surface_layer"], "", "surface_layer, over s"),
+            "z": Constant(options["depth"], "", "depth at no gap, over s"),
+        },
+        model=_normal_first,
+        modulated=True,
+        lifting=True,
+        inclines=True,
+    )
+
+
 def opening_contacts(_: Preset) -> NotModelled:
     """Say why no model follows boxes on plates."""
     return NotModelled("round-off tilts boxes on four soft points, and opens one or the other of them for a step")
+
+
+def _normal_first(lane: Lane, constants: Mapping[str, float]) -> NormalFirstLane:
+    return NormalFirstLane(lane, erp=constants["e"], layer=constants["l"], depth=constants["z"])
 
 
 def _softness(preset: Preset) -> Constant:

@@ -29,6 +29,10 @@ class Scenario(ABC):
         """Give the parameters of the cases that their names leave out (numbers cell by cell, for example), in lines."""
         return []
 
+    def law_variant(self, variant: Variant) -> Variant | None:
+        """Give the variant that is the model of a variant's law in the cases of the scenario."""
+        return variant.law
+
     def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
         """Give, by case, the tasks that compare a period of a variant with its law's, from the same state."""
         return {}

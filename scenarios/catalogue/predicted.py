@@ -13,7 +13,8 @@ def run_with_predictions(scenario: Scenario, variants: Sequence[Variant], evalua
     """Run a scenario, and the laws of variants that depart or say nothing somewhere; gives the findings in order."""
     findings = scenario.run(variants, evaluator)
     open_ones = dict.fromkeys(finding.variant for finding in findings if needs_prediction(finding))
-    laws = {variant: variant.law for variant in open_ones if variant.law is not None}
+    models = {variant: scenario.law_variant(variant) for variant in open_ones}
+    laws = {variant: law for variant, law in models.items() if law is not None}
     predicted = scenario.run(list(laws.values()), evaluator) if laws else []
     judged: list[Finding] = []
     for variant in dict.fromkeys(finding.variant for finding in findings):

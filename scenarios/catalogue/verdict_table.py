@@ -140,7 +140,8 @@ def _detail(group: Sequence[Finding]) -> str:
 
 def law_in_words(variant: Variant) -> str:
     """Say how a variant departs, in words where there are some, else by the formula of its law."""
-    law = law_of(variant.preset)
+    model = variant.inclined_law
+    law = None if model is None else law_of(model.preset)
     return variant.preset.known_deviation or ("" if law is None else law.formula)
 
 

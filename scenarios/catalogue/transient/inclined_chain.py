@@ -108,9 +108,13 @@ class InclinedChainScenario(Scenario):
         evaluator.evaluate([task for coarsest in (*fine, *coarse) for task in with_refined_steps(coarsest)])
         return [finding for variant in variants for case in CASES for finding in self._judged(variant, case, evaluator)]
 
+    def law_variant(self, variant: Variant) -> Variant | None:
+        """Give the law under inclined contacts; see `Scenario.law_variant`."""
+        return variant.inclined_law
+
     def law_periods(self, variant: Variant, evaluator: Evaluator) -> Mapping[str, LawPeriod]:
         """Compare the whole motion of every case, with the finest steps, with the law's from the same state."""
-        by_law = variant.law
+        by_law = variant.inclined_law
         assert by_law is not None, "only variants with a law are compared with one"
         own, predicted = (
             {str(case): with_refined_steps(case.task(each))[-1] for case in CASES} for each in (variant, by_law)

@@ -24,8 +24,8 @@ def motion_distance(task: TransientTask, of_law: TransientTask, series: str, eva
     evaluator
         Runs both.
     """
-    law = law_of(task.variant.preset)
-    assert law is not None, "only variants with a law are compared with one"
+    law = law_of(of_law.variant.preset)
+    assert law is not None, "it is the model of a law"
     bound = law.period_bound * max(1.0, task.steps / STEPS)
     own, predicted = evaluator.evaluate([task, of_law])
     blocked = (each.reason for each in (own, predicted) if each.status is ResultStatus.BLOCKED)

@@ -10,6 +10,7 @@ from engines.interface.law import Law
 from engines.interface.law_engine import law_of
 from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
+from engines.ode import ODE
 from reference_lcp.chain.trajectory import Trajectory
 from scenarios.catalogue.block.breakaway import PULLS
 from scenarios.catalogue.block.direction import SLIDES
@@ -79,6 +80,14 @@ def test_free_block_creeps_as_its_four_edges_say(hold) -> None:
 def test_inclined_chain_slides_lifts_off_and_lands_as_its_edges_say(case) -> None:
     task = case.task(FREE)
     assert distance(task, task.steps) <= 2e-6  # of the seven cells, one or the other stops short at times
+
+
+@pytest.mark.skipif(ODE().unavailable_reason() is not None, reason="ODE is not installed")
+@pytest.mark.parametrize("case", CASES, ids=str)
+def test_inclined_chain_of_ode_is_bounded_by_normal_forces_without_friction_to_round_off(case) -> None:
+    task, model = case.task(Variant("ode", "contact")), Variant("ode", "contact").inclined_law
+    assert model is not None
+    assert distance(task, task.steps, law_of(model.preset)) <= ROUND_OFF
 
 
 @needs_mujoco

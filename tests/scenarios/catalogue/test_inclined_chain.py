@@ -14,7 +14,7 @@ from scenarios.execution.store import opened_store
 from scenarios.verdicts.finding import Finding
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Verdict
-from tests.scenarios.in_process import evaluator
+from tests.scenarios.in_process import evaluator, press_harder
 
 MUJOCO = Variant("mujoco", "contact")
 
@@ -58,7 +58,18 @@ def test_engines_that_solve_normal_and_tangential_direction_together_agree(name)
 def test_ode_bounds_friction_by_a_normal_force_that_knows_no_friction() -> None:
     if engine("ode").unavailable_reason() is not None:
         pytest.skip("ODE is not installed")
-    assert {finding.metric for finding in wrong(findings(Variant("ode", "contact")))} == {RESPONSE, SLIPS}
+    judged = wrong(findings(Variant("ode", "contact")))
+    assert {finding.metric for finding in judged} == {RESPONSE, SLIPS}
+    assert all(finding.as_predicted for finding in judged)
+
+
+def test_ode_pressed_a_hundredth_harder_is_not_as_its_law_predicts(monkeypatch) -> None:
+    if engine("ode").unavailable_reason() is not None:
+        pytest.skip("ODE is not installed")
+    press_harder(monkeypatch, Variant("ode", "contact"), 1.01)
+    judged = wrong(findings(Variant("ode", "contact")))
+    assert judged
+    assert not any(finding.as_predicted for finding in judged)
 
 
 @pytest.mark.parametrize("factor", [-1.0, 0.0, 0.9], ids=["wrong sign", "none", "a tenth too small"])
