@@ -11,9 +11,18 @@ from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.stepping.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
+from reference_lcp.validation import FloatArray
 
 STEP = "(M + h C) q̇⁺ = M q̇ − h K q + h f(t) e_1 + W p"
 """What all formulas begin with."""
+
+SOFTNESS = "R_t = σ √2/(3 m_i)"
+"""Of SAP's contacts along the plane."""
+
+LEAST_SOFTNESS = Constant(
+    1e-3, "", "softness of SAP's friction, which Python cannot set: seen where forces are large", too_small_to_see=True
+)
+"""In laws that are smooth within the stiction velocity."""
 
 SOLVER_PERIOD = 1e-5
 """Of U0: Drake's solver stops where a part of 1e-6 of the momentum is left, 4e-6 of U0 ω in the root of the squares of
@@ -51,12 +60,12 @@ def near_rigid_actuator(preset: Preset) -> Law:
 def lagged_contact(preset: Preset) -> Law:
     """Give the law of contacts whose normal force is that of the start of the step."""
     if "v_stiction" in preset.options:
-        constant, formula = Constant(preset["v_stiction"], "m/s", "v_stiction"), "z = v_s"
+        constant, formula = Constant(preset["v_stiction"], "m/s", "v_stiction"), "v_s"
     else:
-        constant, formula = _stiction(preset), "z = v_s s ω_r"
+        constant, formula = _stiction(preset), "v_s s ω_r"
     return Law(
-        formula=f"{STEP}; λ = −μ λ_N w⁺ / √(w⁺² + z²), {formula}",
-        constants={"v_s": constant},
+        formula=f"{STEP}; λ = −μ λ_N w⁺ / √(w⁺² + z²), z = max({formula}, R_t h μ λ_N), {SOFTNESS}",
+        constants={"v_s": constant, "σ": LEAST_SOFTNESS},
         model=_lagged_si if "v_stiction" in preset.options else _lagged_of_drive,
         period_bound=SMOOTH_PERIOD,
         bound_reason=SOLVER_REASON,
@@ -84,17 +93,34 @@ def similar_contact(preset: Preset) -> Law:
     """Give the law of the smooth approximation whose normal force friction changes."""
     return Law(
         formula=(
-            f"{STEP}; across the plane y⁺ = y − h λ_N/m_i + γ/m_i, z⁺ = z + h y⁺; with k = λ_N/δ, z_s = v_s s ω_r: "
+            f"{STEP}; across the plane y⁺ = y − h λ_N/m_i + γ/m_i, z⁺ = z + h y⁺; with k = λ_N/δ, z_s = max(v_s s ω_r, "
+            f"R_t h μ λ_N), {SOFTNESS}: "
             "γ = h max(0, −k z − h k (y⁺ − μ (√(w⁺² + z_s²) − z_s))), p = −μ γ w⁺/√(w⁺² + z_s²)"
         ),
         constants={
             "δ": Constant(preset["depth"], "", "depth, over s"),
             "v_s": _stiction(preset),
+            "σ": LEAST_SOFTNESS,
         },
         model=_similar,
         period_bound=SMOOTH_PERIOD,
         bound_reason=SOLVER_REASON,
     )
+
+
+def _softness(lane: Lane, share: float) -> FloatArray:
+    """Give R_t [1/kg] of SAP's contacts, shape (n,).
+
+    Drake takes the root of the mean square of the three directions of the masses' inverses for one of them.
+    """
+    softness: FloatArray = share * np.sqrt(2) / (3 * lane.chain.inner_mass)
+    return softness
+
+
+def _stiction_speeds(lane: Lane, speed: float, share: float) -> FloatArray:
+    """Give the velocities within which friction is off its bound [m/s], shape (n,): no law is stiffer than SAP's."""
+    least: FloatArray = lane.time_step * lane.chain.friction_bound * _softness(lane, share)
+    return np.maximum(speed, least)
 
 
 def _stiction(preset: Preset) -> Constant:
@@ -120,20 +146,20 @@ def _near_rigid_actuator(lane: Lane, constants: Mapping[str, float], gain: float
 
 
 def _lagged_si(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
-    return LinearImplicitLane(lane, _step(lane), ScalarFriction.smooth(lane.chain.cells, constants["v_s"]))
+    speeds = _stiction_speeds(lane, constants["v_s"], constants["σ"])
+    return LinearImplicitLane(lane, _step(lane), ScalarFriction.smooth(lane.chain.cells, speeds))
 
 
 def _lagged_of_drive(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
-    speed = stiction_speed(lane, constants["v_s"])
-    return LinearImplicitLane(lane, _step(lane), ScalarFriction.smooth(lane.chain.cells, speed))
+    speeds = _stiction_speeds(lane, stiction_speed(lane, constants["v_s"]), constants["σ"])
+    return LinearImplicitLane(lane, _step(lane), ScalarFriction.smooth(lane.chain.cells, speeds))
 
 
 def _sap(lane: Lane, constants: Mapping[str, float]) -> GlidingLane:
-    # Drake takes the root of the mean square of the three directions of the masses' inverses for one of them.
-    softness = constants["σ"] * np.sqrt(2) / (3 * lane.chain.inner_mass)
+    softness = _softness(lane, constants["σ"])
     return GlidingLane(lane, _step(lane), sphere_depth(lane, constants["δ"]), softness=softness)
 
 
 def _similar(lane: Lane, constants: Mapping[str, float]) -> GlidingLane:
-    speed = np.full(lane.chain.cells, stiction_speed(lane, constants["v_s"]))
-    return GlidingLane(lane, _step(lane), sphere_depth(lane, constants["δ"]), smoothing=speed)
+    speeds = _stiction_speeds(lane, stiction_speed(lane, constants["v_s"]), constants["σ"])
+    return GlidingLane(lane, _step(lane), sphere_depth(lane, constants["δ"]), smoothing=speeds)

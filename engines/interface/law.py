@@ -85,14 +85,18 @@ class Law:
         return self.period_bound * max(1.0, steps / STEPS) ** self.bound_growth
 
     def unclaimed_reason(self, lane: Lane) -> str | None:
-        """Say why it does not predict a lane, by its normal force or for a reason of its own; ``None`` if it does."""
+        """Say why it does not claim to predict a lane; ``None`` if it does."""
+        return self.other_contact_reason(lane) or self.unmodelled_reason(lane)
+
+    def other_contact_reason(self, lane: Lane) -> str | None:
+        """Say why the contacts of a lane are others than those that it models; ``None`` if they are not."""
         if lane.inclination and not self.inclines:
             return "it holds for contacts along the row alone, and these are inclined to it"
         if lane.opens and not self.lifting:
             return "it holds for closed contacts alone, and these open"
         if lane.preload is not None and not self.modulated:
             return "it holds under a constant normal force alone, and this contact is free across the row"
-        return self.unmodelled_reason(lane)
+        return None
 
     def build(self, lanes: Sequence[Lane]) -> SequentialSimulation:
         """Build every lane.

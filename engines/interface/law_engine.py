@@ -81,12 +81,7 @@ def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
 
     Where a preset has one for inclined contacts alone, that is the model.
     """
-    presets = {
-        name: replace(preset.modulated(), law=preset.inclined_law, shares_scheme=False)
-        if preset.inclined_law
-        else preset
-        for name, preset in presets.items()
-    }
+    presets = {name: _inclined(preset) for name, preset in presets.items()}
     laws = {name: law_of(preset) for name, preset in presets.items()}
     return {
         name: replace(
@@ -103,6 +98,13 @@ def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
         for name, law in laws.items()
         if law is not None
     }
+
+
+def _inclined(preset: Preset) -> Preset:
+    """Give a preset with its law for inclined contacts, and the options there, if it has one."""
+    if preset.inclined_law is None:
+        return preset
+    return replace(preset.modulated(), law=preset.inclined_law, shares_scheme=False)
 
 
 def _normal_force(law: Law) -> NormalForce:

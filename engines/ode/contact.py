@@ -1,7 +1,7 @@
 """Presets of ODE's contact formulation: in every cell a sphere or a box on a plate; `server` holds its model."""
 
 from engines.interface.presets import NormalForce, Option, Preset
-from engines.ode.law import normal_first, opening_contacts
+from engines.ode.law import normal_first, soft_boxes
 from engines.shared.tangents import tangents_of_the_world
 
 BOUNCE, APPROXIMATION = 0x004, 0x7000
@@ -56,7 +56,7 @@ CONTACT_DEFAULT = Preset(
         "four points of contact are soft (CFM 1e-10), so that a box beside a much heavier mass tilts: its normal force "
         "swings by up to 1e-4, and friction that slides is read as below its bound"
     ),
-    law=opening_contacts,
+    law=soft_boxes,
     split_tolerance=1e-8,
     normal_force=NormalForce.LIFTING,
     turns=True,

@@ -72,7 +72,7 @@ class Prediction:
     certified
         Whether the steady state of the law is certified.
     reason
-        Why no motion was compared with the law's; empty where one was.
+        Why no motion was compared with the law's, or why the law does not claim to hold; empty elsewhere.
     """
 
     value: float
@@ -92,9 +92,10 @@ class Prediction:
 
     @property
     def _period(self) -> str:
-        if self.reason:
+        if math.isnan(self.distance) and self.reason:
             return f"its motion is not compared with the law's: {self.reason}"
-        return f"after a period {self.distance:.2g} U0 from its law, allowed {self.period_bound:.2g}"
+        known = f" ({self.reason})" if self.reason else ""
+        return f"after a period {self.distance:.2g} U0 from its law, allowed {self.period_bound:.2g}{known}"
 
     @property
     def holds(self) -> bool:

@@ -37,7 +37,7 @@ class LawPeriod:
     bound
         Largest one that the law allows.
     reason
-        Why there is no distance; empty where there is one.
+        Why there is no distance, or one that is larger than the bound, where that is known; empty elsewhere.
     """
 
     distance: float
@@ -58,6 +58,8 @@ def with_predictions(
 ) -> list[Finding]:
     """Give the findings of a variant, its disagreements with what its law says of them.
 
+    What a scenario itself predicted of a finding, from what a preset states, stays.
+
     Parameters
     ----------
     findings
@@ -72,7 +74,7 @@ def with_predictions(
     largest = max((min(each.distance, each.bound) for each in periods.values() if each.distance >= 0), default=0.0)
     return [
         _with_prediction(finding, laws[finding.case, finding.metric], periods.get(finding.case, worst), largest)
-        if needs_prediction(finding) and (finding.case, finding.metric) in laws
+        if needs_prediction(finding) and finding.prediction is None and (finding.case, finding.metric) in laws
         else finding
         for finding in findings
     ]

@@ -13,7 +13,8 @@ from scenarios.verdicts.prediction import LawPeriod
 def motion_distance(task: TransientTask, of_law: TransientTask, series: str, evaluator: Evaluator) -> LawPeriod:
     """Give the largest difference of a series in the whole motion, or the reason why there is none.
 
-    What a law allows of a period adds up over the motion at most.
+    What a law allows of a period adds up over the motion at most. Motions are compared where the law does not claim to
+    hold, too, for it may hold there; but not if it models other contacts than those of the task.
 
     Parameters
     ----------
@@ -29,8 +30,9 @@ def motion_distance(task: TransientTask, of_law: TransientTask, series: str, eva
     bound = law.period_bound * max(1.0, task.steps / STEPS)
     own, predicted = evaluator.evaluate([task, of_law])
     blocked = (each.reason for each in (own, predicted) if each.status is ResultStatus.BLOCKED)
-    reason = law.unclaimed_reason(task.lane()) or next(blocked, None)
+    reason = law.other_contact_reason(task.lane()) or next(blocked, None)
     if reason is not None:
         return LawPeriod(np.nan, bound, reason)
     motions = (np.array(result.series[series]) for result in (own, predicted))
-    return LawPeriod(float(np.max(np.abs(np.subtract(*motions)))), bound)
+    distance = float(np.max(np.abs(np.subtract(*motions))))
+    return LawPeriod(distance, bound, law.unmodelled_reason(task.lane()) or "" if distance > bound else "")

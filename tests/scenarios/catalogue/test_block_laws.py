@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from engines.drake import Drake
 from engines.interface.law import Law
 from engines.interface.law_engine import law_of
 from engines.interface.variant import Variant
@@ -165,6 +166,46 @@ def test_a_free_block_is_not_compared_with_a_law_of_held_ones_and_the_reason_is_
         "its motion is not compared with the law's: it holds under a constant normal force alone, and this contact is "
         "free across the row"
     )
+
+
+needs_drake = pytest.mark.skipif(Drake().unavailable_reason() is not None, reason="Drake is not installed")
+
+
+@needs_drake
+@pytest.mark.parametrize("preset", ["tuned", "similar"])
+def test_friction_under_ten_tons_is_as_soft_as_drakes_solver_has_it_and_not_as_stiction_says(preset) -> None:
+    """z = σ √2 / (3 m) h μ λ_N = 46 µm/s, of which a load of a half makes 1/√3: twice what v_s alone would."""
+    variant = Variant("drake", "contact", preset)
+    task = next(hold for hold in HOLDS if str(hold) == "1 t under 10 t, load 0.5").task(variant)
+    slip = 1e6 * np.diff(moved(variant, task, 200).velocities[-1])[0]
+    zone = 1e-3 * np.sqrt(2) / (3 * task.block.mass) * task.time_step * task.block.bound
+    # the load is that of the first 0.4 s: the spring has hardly relaxed
+    assert -slip == pytest.approx(1e6 * zone / np.sqrt(3), rel=1e-3)
+    assert distance(task, 1000) <= 2e-7  # where the solver stops, at a part of 1e-6 of the momentum
+
+
+@pytest.mark.skipif(ODE().unavailable_reason() is not None, reason="ODE is not installed")
+def test_a_box_of_ode_creeps_by_the_softness_of_its_four_points() -> None:
+    """cfm / 4 times the load, to a hundredth: a box tilts by as little as its points give."""
+    variant = Variant("ode", "contact", "default")
+    task = next(hold for hold in HOLDS if str(hold) == "1 kg, load 0.5").task(variant)
+    slip = np.diff(moved(variant, task, 1000).velocities[-1])[0]
+    assert -slip == pytest.approx(1e-10 / 4 * 0.5 * task.block.bound, rel=0.02)
+    assert distance(task, 1000) <= 1e-10
+
+
+def test_a_motion_that_a_law_does_not_claim_is_compared_and_the_distance_decides(monkeypatch) -> None:
+    """It may hold there; where it does not, the verdict says what the law itself says."""
+    law = law_of(law_variant().preset)
+    assert law is not None
+    tasks = [replace(HELD.task(law_variant()), steps=100, every=50, slip=factor * HELD.task(FREE).slip)
+             for factor in (1.0, 1.0, 0.9)]  # fmt: skip
+    monkeypatch.setattr(law_motion, "law_of", lambda _: replace(law, unmodelled_reason=lambda _: "chance decides"))
+    with opened_store(None) as store, evaluator(store) as running:
+        near, far = (law_motion.motion_distance(tasks[0], task, "slip", running) for task in tasks[1:])
+    assert (near.distance, near.reason) == (0.0, "")
+    assert far.distance > far.bound
+    assert far.reason == "chance decides"
 
 
 def test_laws_say_which_normal_forces_they_hold_under() -> None:

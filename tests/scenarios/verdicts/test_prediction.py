@@ -1,6 +1,7 @@
 """Disagreements that a law predicts, and those that it does not, whatever a text says."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -13,7 +14,7 @@ from scenarios.catalogue.steady.unit_cell import UnitCell
 from scenarios.execution.store import opened_store
 from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.result import Result
-from scenarios.verdicts.finding import TRANSMITTANCE, Finding
+from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Prediction
 from scenarios.verdicts.prediction import PERIODS_OF_ERROR, LawPeriod, with_predictions
 from scenarios.verdicts.verdict import Comparison, Verdict
 from tests.scenarios.in_process import evaluator, press_harder
@@ -141,3 +142,11 @@ def test_an_edge_that_neither_engine_nor_law_has_is_as_predicted() -> None:
     own, of_law = (Finding(variant, "case", TRANSMITTANCE, math.nan, 0.6, nowhere) for variant in (LAWFUL, law))
     assert with_predictions([own], [of_law], {"case": period(0.0)})[0].as_predicted
     assert not with_predictions([own], [finding(law, 0.6)], {"case": period(0.0)})[0].as_predicted
+
+
+def test_what_a_scenario_predicted_itself_of_a_finding_is_not_replaced_by_the_law() -> None:
+    """As friction in a turned row, of which a preset states the bound and no law holds."""
+    stated = Prediction(value=0.0, difference=0.0, allowed=1.0, distance=0.0, period_bound=1.0)
+    own = replace(finding(LAWFUL, 0.0), prediction=stated)
+    (judged,) = with_predictions([own], [finding(LAWFUL, 28.0)], {"case": period(1.0)})
+    assert judged.as_predicted
