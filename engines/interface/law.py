@@ -90,6 +90,8 @@ class Law:
 
     def other_contact_reason(self, lane: Lane) -> str | None:
         """Say why the contacts of a lane are others than those that it models; ``None`` if they are not."""
+        if lane.static_ratio != 1:
+            return "it holds for one coefficient of friction, and these contacts have two"
         if lane.inclination and not self.inclines:
             return "it holds for contacts along the row alone, and these are inclined to it"
         if lane.opens and not self.lifting:
