@@ -26,7 +26,7 @@ class LemkeStatus(StrEnum):
     BASIS_REPEATED = "a basis came back: round-off has decided a pivot"
 
 
-_STATUS = tuple(LemkeStatus)
+STATUSES = tuple(LemkeStatus)
 """In the order of the codes of `reference_lcp.lcp.pivoting`."""
 
 
@@ -124,7 +124,7 @@ def lemke(
     z, w, pivots, code, residual, basic = solve_lcp(
         np.ascontiguousarray(matrix), vector, cover, limit, start, checked_count("paths", paths)
     )
-    return LemkeResult(z, w, pivots, _STATUS[code], residual, basic)
+    return LemkeResult(z, w, pivots, STATUSES[code], residual, basic)
 
 
 def _checked_problem(M: ArrayLike, q: ArrayLike) -> tuple[FloatArray, FloatArray]:

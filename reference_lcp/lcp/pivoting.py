@@ -58,10 +58,18 @@ def solve_lcp(M: Any, q: Any, covering: Any, limit: int, warm_start: Any, paths:
     Gives z, w, pivots, status code, residual, and which z are basic. `M` is C-contiguous float64, shape
     (n, n); `q` float64, shape (n,); `covering` and `warm_start`, of truth values, have shape (n,) or are empty.
     """
+    rows, columns = power_of_two_scaling(M)
+    return solve_scaled_lcp(M, q, rows, columns, covering, limit, warm_start, paths)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def solve_scaled_lcp(
+    M: Any, q: Any, rows: Any, columns: Any, covering: Any, limit: int, warm_start: Any, paths: int
+) -> Any:
+    """Solve as `solve_lcp` does, with the row and column factors of `power_of_two_scaling`, which depend on M alone."""
     n = q.size
     if np.all(q >= 0):
         return np.zeros(n), q.copy(), 0, SOLVED, 0.0, np.zeros(n, dtype=np.bool_)
-    rows, columns = power_of_two_scaling(M)
     if warm_start.size > 0:
         z, w, residual = _solution(M, q, warm_start, rows, columns)
         if residual <= RESIDUAL_TOLERANCE:

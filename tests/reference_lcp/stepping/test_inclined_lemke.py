@@ -8,6 +8,11 @@ import pytest
 
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, ParameterError, Preload, State
 from reference_lcp.chain.inclination import uniqueness_margin
+from reference_lcp.lcp.frictional_system import simulate_system
+from reference_lcp.lcp.inclined_chain import InclinedChain
+from reference_lcp.lcp.pivoting import RAY
+from reference_lcp.lcp.time_step import StepFailed
+from reference_lcp.stepping import inclined_lemke
 from reference_lcp.stepping.inclined_lemke import InclinedLane
 
 AMPLITUDE, STEPS, CELLS = 0.01, 400, 7
@@ -60,6 +65,33 @@ def test_contacts_along_the_row_are_those_of_a_given_normal_force() -> None:
     assert np.max(motion.normal_gap) > 0.1 * AMPLITUDE
     assert motion.positions == pytest.approx(flat.positions, abs=ROUND_OFF * AMPLITUDE)
     assert motion.normal_gap == pytest.approx(flat.normal_gap, abs=ROUND_OFF * AMPLITUDE)
+
+
+@pytest.mark.parametrize("modulation", [0.0, 1.5])
+def test_lemke_contact_by_contact_solves_the_system_of_all_contacts(modulation) -> None:
+    """No contact touches a mass of another: the blocks of equation (7) are diagonal. Lift-off and landing included."""
+    lane = lane_of(0.3, modulation=modulation)
+    frequency = 2 * lane.drive.angular_frequency
+    system = InclinedChain(
+        chain=lane.chain, drive=lane.drive, inclination=INCLINATION, modulation=modulation,
+        modulation_frequency=frequency,
+    )  # fmt: skip
+    still = np.zeros(3 * CELLS)
+    whole = simulate_system(system, position=still, velocity=still, time_step=lane.time_step, steps=STEPS)
+    motion, bound = run(lane), lane.chain.friction_bound[0]
+    speed = AMPLITUDE * lane.drive.angular_frequency
+    assert motion.positions == pytest.approx(whole.positions[:, : 2 * CELLS], abs=ROUND_OFF * AMPLITUDE)
+    assert motion.velocities == pytest.approx(whole.velocities[:, : 2 * CELLS], abs=ROUND_OFF * speed)
+    assert motion.friction == pytest.approx(whole.friction, abs=ROUND_OFF * bound)
+    assert motion.normal_force == pytest.approx(whole.normal_force, abs=ROUND_OFF * np.max(whole.normal_force))
+    assert bool(np.any(motion.normal_force == 0)) is (modulation > 1)
+
+
+def test_step_that_lemke_cannot_solve_is_named(monkeypatch) -> None:
+    monkeypatch.setattr(inclined_lemke, "advance_inclined", lambda *_: (3, RAY))
+    lane = lane_of(0.3)
+    with pytest.raises(StepFailed, match=rf"step 8 at t = {8 * lane.time_step:.6g} s: .*: ray termination"):
+        InclinedLane(lane).run(State.at_rest(1, CELLS), 5, 10)
 
 
 def test_normal_force_depends_on_the_motion_and_its_sign_on_that_of_the_inclination() -> None:
