@@ -76,7 +76,8 @@ class Reference(Engine):
         return None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        from engines.reference.simulations import RefinedSimulation, euler_simulation, exact_simulation
+        from engines.reference.simulations import RefinedSimulation, exact_simulation
+        from reference_lcp.stepping.euler import euler_simulation
 
         if preset is self.capabilities.presets[formulation][EXACT]:
             return exact_simulation(lanes)

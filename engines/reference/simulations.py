@@ -12,9 +12,7 @@ from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.exact.event_driven import EventDrivenSimulation
 from reference_lcp.exact.stick_slip_lane import StickSlipLane
 from reference_lcp.one_call import SteadyState, exact_steady_state
-from reference_lcp.stepping.euler_compiled import CompiledSimulation
-from reference_lcp.stepping.euler_lemke import LemkeSimulation
-from reference_lcp.stepping.inclined_lemke import InclinedLane
+from reference_lcp.stepping.euler import euler_simulation
 from reference_lcp.stepping.sequential import SequentialSimulation
 from reference_lcp.validation import checked_count
 
@@ -29,18 +27,6 @@ class ExactSimulation(EventDrivenSimulation):
             exact_steady_state(lane.chain, drive, steps_per_period=steps_per_period)
             for lane, drive in zip(self.lanes, drives, strict=True)
         ]
-
-
-def euler_simulation(lanes: Sequence[Lane]) -> Simulation:
-    """Give the scheme of equation (5), compiled.
-
-    With static friction above kinetic friction, or inclined contacts, it is that of equation (7) by Lemke's method.
-    """
-    if any(lane.inclination for lane in lanes):
-        return SequentialSimulation([InclinedLane(lane) for lane in lanes])
-    if any(lane.static_ratio > 1 for lane in lanes):
-        return LemkeSimulation(tuple(lanes))
-    return CompiledSimulation(lanes)
 
 
 def exact_simulation(lanes: Sequence[Lane]) -> Simulation:

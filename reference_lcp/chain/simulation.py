@@ -76,11 +76,16 @@ class Lane:
 
     @classmethod
     def periodic(
-        cls, chain: Chain, drive: PeriodicDrive, steps_per_period: int, preload: Preload | None = None
+        cls,
+        chain: Chain,
+        drive: PeriodicDrive,
+        steps_per_period: int,
+        preload: Preload | None = None,
+        inclination: float = 0.0,
     ) -> Self:
         """Divide the period of the drive into `steps_per_period` steps."""
         checked_count("steps_per_period", steps_per_period, FEWEST_STEPS_PER_PERIOD, MOST_STEPS)
-        return cls(chain, drive, drive.period / steps_per_period, preload)
+        return cls(chain, drive, drive.period / steps_per_period, preload, inclination=inclination)
 
     @property
     def opens(self) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 from reference_lcp.chain.trajectory import State
 from reference_lcp.steady.orbits import PeriodicOrbit
 from reference_lcp.steady.state_scales import StateScales
-from reference_lcp.stepping.euler_compiled import CompiledSimulation
+from reference_lcp.stepping.euler import euler_simulation
 from reference_lcp.validation import FloatArray
 
 OFFSET = 1e-7
@@ -96,7 +96,7 @@ def _jacobians(orbits: Sequence[PeriodicOrbit]) -> FloatArray:
     offsets = np.vstack([np.zeros(width), OFFSET * np.eye(width)])
     moved = scales.state((vectors[:, None] + offsets).reshape(-1, width), every)
     gaps = None if end.internal_state is None else end.internal_state[every]
-    simulation = CompiledSimulation(lanes).subset(every)
+    simulation = euler_simulation(lanes).subset(every)
     ends = simulation.advance(State(moved.positions, moved.velocities, gaps), 0, steps)
     after = scales.vectors(State(ends.positions, ends.velocities), every).reshape(len(lanes), width + 1, width)
     return (after[:, 1:] - after[:, :1]).swapaxes(1, 2) / OFFSET

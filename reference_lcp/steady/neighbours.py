@@ -17,7 +17,7 @@ from reference_lcp.steady.harmonic_balance import harmonic_balance_start
 from reference_lcp.steady.limits import DEFAULT_PERIODS
 from reference_lcp.steady.orbits import PeriodicOrbit, part_of, periodic_orbits, searched
 from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE
-from reference_lcp.stepping.euler_compiled import CompiledSimulation
+from reference_lcp.stepping.euler import euler_simulation
 from reference_lcp.validation import FloatArray
 
 NEWTON_PERIODS = 40
@@ -100,7 +100,7 @@ def orbits_beside_euler(
     """
     if simulation.lanes[0].chain.cells > LONGEST_CHAIN:
         return periodic_orbits(simulation, steps, tolerance=tolerance, longest_multiple=longest_multiple)
-    euler = periodic_orbits(CompiledSimulation(simulation.lanes), steps, longest_multiple=1)
+    euler = periodic_orbits(euler_simulation(simulation.lanes), steps, longest_multiple=1)
     ends = State.stack([State(orbit.trajectory.end.positions, orbit.trajectory.end.velocities) for orbit in euler])
     return orbits_beside(
         simulation,

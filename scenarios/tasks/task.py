@@ -104,6 +104,8 @@ class SteadyStateTask(Task):
         What drives the chain; a moving base unless something else is given.
     modulation
         How the normal force changes over the period; ``None`` where it is constant.
+    inclination
+        α of the contact faces to the row [rad]; other than zero, it needs a `modulation`, be it of zero.
     start
         Where the search begins.
     """
@@ -114,6 +116,7 @@ class SteadyStateTask(Task):
         default_factory=Excitation
     )
     modulation: Annotated[Modulation | None, Field(exclude_if=lambda value: value is None)] = None
+    inclination: Annotated[float, Field(exclude_if=lambda value: value == 0.0)] = 0.0
     start: Annotated[Start, Field(exclude_if=lambda value: value == Start.LAW)] = Start.LAW
 
     @property
@@ -127,7 +130,7 @@ class SteadyStateTask(Task):
         return chain, self.excitation.drive(chain, self.frequency_ratio)
 
     def unsupported_reason(self) -> str | None:
-        """Give the reason why the variant cannot modulate its normal force like this; ``None`` without one."""
+        """Give the reason why the variant cannot represent the contacts; ``None`` without one."""
         if self.modulation is None:
             return None
         return self.variant.preset.unsupported_reason(self.lane()[0], str(self.variant))
@@ -137,7 +140,7 @@ class SteadyStateTask(Task):
         chain, drive = self.setting()
         steps = steps_per_period_for(chain, drive, self.steps_per_period)
         preload = None if self.modulation is None else self.modulation.preload(drive)
-        return Lane.periodic(chain, drive, steps, preload), steps
+        return Lane.periodic(chain, drive, steps, preload, self.inclination), steps
 
     def content(self) -> dict[str, Any]:
         """Everything that the result depends on: under a modulated normal force, the options for it."""

@@ -6,7 +6,7 @@ import pytest
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from engines.reference.simulations import euler_simulation
+from reference_lcp.stepping.euler import euler_simulation
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.catalogue.transient import inclined_chain
 from scenarios.catalogue.transient.inclined_chain import CASES, RESPONSE, SLIPS, InclinedChainScenario
