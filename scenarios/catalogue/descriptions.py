@@ -92,6 +92,11 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "from three step sizes, and the engine's own from three, or the reference's at the same ones if that is "
             "larger",
         ),
+        "inclined-steady-state": Description(
+            "What reaches the end of a chain with inclined contacts once its motion repeats, sliding, stuck, parting?",
+            "the reference, equation (7) in full, with 16 times as many steps and its error bar; the closed form where "
+            "all contacts stick",
+        ),
         "ricker-pulse": Description(
             "What of a Ricker pulse of the base, with its peak at ω_r, arrives at the end of the chain?",
             TRANSIENT_EXPECTS,

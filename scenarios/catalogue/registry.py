@@ -12,6 +12,7 @@ from scenarios.catalogue.block.static_hold import StaticHold
 from scenarios.catalogue.block.stopping_distance import StoppingDistance
 from scenarios.catalogue.steady.den_hartog import DenHartog
 from scenarios.catalogue.steady.figure3 import Figure3Points
+from scenarios.catalogue.steady.inclined_steady_state import InclinedSteadyState
 from scenarios.catalogue.steady.linear_limits import FrictionlessLimit, LockedLimit
 from scenarios.catalogue.steady.long_chain import LongChain
 from scenarios.catalogue.steady.modulated_normal_force import ModulatedNormalForce
@@ -38,6 +39,7 @@ SCENARIOS: tuple[Scenario, ...] = (
     Direction(),
     Published(),
     InclinedChainScenario(),
+    InclinedSteadyState(),
     RickerPulseScenario(),
     SweptSineScenario(),
     FilteredNoiseScenario(),

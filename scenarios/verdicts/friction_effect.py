@@ -31,12 +31,13 @@ class FrictionEffect:
     phase: float
 
 
-def friction_effect(chain: Chain, drive: PeriodicDrive, transmittance_db: float, phase: float) -> FrictionEffect:
+def friction_effect(
+    chain: Chain, drive: PeriodicDrive, transmittance_db: float, phase: float, inclination: float = 0.0
+) -> FrictionEffect:
     """Give how far a transmittance [dB] and its phase [rad] are from the linear limit that is farther from each."""
     scale = drive.displacement_scale(chain)
-    limits = [
-        complex(response(chain, drive)[chain.cells - 1]) / scale for response in (frictionless_response, stuck_response)
-    ]
+    responses = frictionless_response(chain, drive, inclination), stuck_response(chain, drive)
+    limits = [complex(response[chain.cells - 1]) / scale for response in responses]
     level = TRANSMITTANCE.scaled(transmittance_db)
     return FrictionEffect(
         max(abs(TRANSMITTANCE.scaled(decibel(abs(limit))) - level) for limit in limits),

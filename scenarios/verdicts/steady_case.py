@@ -12,7 +12,7 @@ from reference_lcp.chain.harmonic import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import steps_per_period_for
 from reference_lcp.observables.transition_matching import TimedTransition
-from scenarios.tasks.parameters import ChainRatios, Ratio
+from scenarios.tasks.parameters import ChainRatios, Modulation, Ratio
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.friction_effect import FrictionEffect, friction_effect
@@ -64,12 +64,18 @@ class SteadyCase:
         ω / ω_r, with ω_r of the first cell.
     ratios
         The chain but for its friction.
+    inclination
+        α of the contact faces to the row [rad]; other than zero, it needs a `modulation`, be it of zero.
+    modulation
+        How the normal force changes over the period; ``None`` where it is constant.
     """
 
     label: str
     friction_ratio: Ratio
     frequency_ratio: float
     ratios: ChainRatios = field(default_factory=ChainRatios)
+    inclination: float = 0.0
+    modulation: Modulation | None = None
 
     def setting(self) -> tuple[Chain, PeriodicDrive]:
         """Build the chain and its drive."""
@@ -82,6 +88,8 @@ class SteadyCase:
             friction_ratio=self.friction_ratio,
             frequency_ratio=self.frequency_ratio,
             ratios=self.ratios,
+            inclination=self.inclination,
+            modulation=self.modulation,
         )
         steps = steps_per_period_for(*fewest.setting(), fewest.steps_per_period)
         return replace(fewest, steps_per_period=steps * refinement)
@@ -191,7 +199,8 @@ class Evidence:
     @cached_property
     def effect(self) -> FrictionEffect:
         """How much friction changes the case at all."""
-        return friction_effect(*self.case.setting(), self.expected.transmittance_db, self.expected.phase)
+        expected = self.expected.transmittance_db, self.expected.phase
+        return friction_effect(*self.case.setting(), *expected, self.case.inclination)
 
     def resolution(self, transmittance_db: float) -> float:
         """What the judged result leaves open of an amplitude near this transmittance [dB], over U0."""

@@ -35,7 +35,7 @@ class FrictionlessLimit(ClosedForm):
 
     def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
         """Solve the linear chain."""
-        return _expected(case, frictionless_response)
+        return linear_expected(case, frictionless_response)
 
 
 class LockedLimit(ClosedForm):
@@ -48,10 +48,10 @@ class LockedLimit(ClosedForm):
 
     def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
         """Solve the linear chain of locked cells."""
-        return _expected(case, stuck_response)
+        return linear_expected(case, stuck_response)
 
 
-def _expected(case: SteadyCase, response: Callable[[Chain, PeriodicDrive], NDArray[np.complex128]]) -> Expected:
+def linear_expected(case: SteadyCase, response: Callable[[Chain, PeriodicDrive], NDArray[np.complex128]]) -> Expected:
     """Give the transmittance of a linear chain."""
     chain, drive = case.setting()
     ratio = complex(response(chain, drive)[chain.cells - 1]) / drive.displacement_scale(chain)

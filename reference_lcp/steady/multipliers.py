@@ -1,0 +1,54 @@
+"""Whether motions settle in a steady state: the multipliers of its period map.
+
+With given normal forces friction is monotone, and every fixed point of the period map attracts. Where normal forces
+depend on the motion it is not: a fixed point that is found and certified may repel what is near to it.
+"""
+
+import numpy as np
+
+from reference_lcp.chain.trajectory import State
+from reference_lcp.steady.amplification import OFFSET
+from reference_lcp.steady.orbits import PeriodicOrbit
+from reference_lcp.steady.state_scales import StateScales
+from reference_lcp.stepping.euler import euler_simulation
+from reference_lcp.validation import FloatArray
+
+OPEN = 1e-9
+"""Gap over the displacement scale above which a contact is open: far above round-off, far below a flight."""
+
+
+def largest_multiplier(orbit: PeriodicOrbit) -> float:
+    """Largest factor by which a small distance from an orbit of the Euler scheme grows in a period.
+
+    Below one it attracts; above, it repels. One is that of offsets that last, of contacts that stay stuck.
+
+    Parameters
+    ----------
+    orbit
+        Of the Euler scheme. Where contacts are open at its end, their gaps may be off as well.
+    """
+    return float(np.max(np.abs(np.linalg.eigvals(_jacobian(orbit)))))
+
+
+def _jacobian(orbit: PeriodicOrbit) -> FloatArray:
+    """Jacobian of the period map at the end of an orbit, of the scaled state's free components."""
+    end, steps = orbit.trajectory.end, orbit.trajectory.steps
+    scales = StateScales([orbit.lane], steps)
+    scales.learn(None, end, [0])
+    x = scales.vectors(end, [0])[0]
+    free = _free_components(x, orbit.lane.chain.cells)
+    offsets = np.zeros((free.size + 1, x.size))
+    offsets[np.arange(1, free.size + 1), free] = OFFSET
+    every = np.zeros(free.size + 1, dtype=np.intp)
+    starts: State = scales.state(x + offsets, every)
+    ends = euler_simulation([orbit.lane]).subset(every).advance(starts, 0, steps)
+    after = scales.vectors(ends, every)[:, free]
+    jacobian: FloatArray = (after[1:] - after[0]).T / OFFSET
+    return jacobian
+
+
+def _free_components(x: FloatArray, cells: int) -> FloatArray:
+    """Give which components of a scaled state may change alone: the gap of a closed contact, and its rate, may not."""
+    motion, gaps = 4 * cells, x[4 * cells : 5 * cells]
+    opened = np.flatnonzero(gaps > OPEN)
+    return np.concatenate([np.arange(motion), motion + opened, motion + cells + opened]).astype(np.intp)

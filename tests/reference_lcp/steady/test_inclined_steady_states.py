@@ -1,0 +1,151 @@
+"""Steady states of chains with inclined contacts: linear limits, symmetry, lift-off, and one that repels."""
+
+import cmath
+import dataclasses
+import functools
+import math
+
+import numpy as np
+import pytest
+
+from reference_lcp import Chain, HarmonicBase, Lane, Preload, State
+from reference_lcp.chain.linear_response import frictionless_response, sliding_mass, stuck_basis, stuck_response
+from reference_lcp.observables.stick_slip import largest_gap, open_fraction
+from reference_lcp.one_call import SteadyState
+from reference_lcp.steady.multipliers import largest_multiplier
+from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
+from reference_lcp.stepping.euler import euler_simulation
+
+AMPLITUDE, STEPS, CELLS = 0.01, 400, 7
+INCLINATION = math.radians(12)
+CERTIFIED = 1e-8
+LINEAR_RESIDUAL = 1e-11
+"""Residual to which linear motions are searched; times the amplification of 300, and the few units of the response."""
+
+LINEAR_ERROR = 1e-8
+
+
+@functools.cache
+def orbit(
+    friction_ratio: float,
+    frequency_ratio: float,
+    degrees: float,
+    *,
+    modulation: float = 0.0,
+    mu: float | None = None,
+    steps: int = STEPS,
+    tolerance: float = CERTIFIED,
+) -> PeriodicOrbit:
+    chain = Chain.from_ratios(friction_ratio=friction_ratio, base_amplitude=AMPLITUDE)
+    if mu is not None:
+        chain = dataclasses.replace(chain, friction_coefficient=np.full(CELLS, mu))
+    drive = HarmonicBase.from_ratio(chain, frequency_ratio, AMPLITUDE)
+    preload = Preload.at_multiple(drive, modulation, 2)
+    lane = Lane.periodic(chain, drive, steps, preload, math.radians(degrees))
+    return periodic_orbits(euler_simulation([lane]), steps, tolerance=tolerance)[0]
+
+
+def transmittance(found: PeriodicOrbit) -> complex:
+    state = SteadyState.of(found)
+    return cmath.rect(10 ** (state.transmittance_db / 20), state.phase)
+
+
+def last_over_base(response) -> complex:
+    return complex(response[CELLS - 1]) / AMPLITUDE
+
+
+def scheme_response(lane: Lane, basis, inclination: float) -> complex:
+    """Closed form of the linear scheme: with z = exp(iωΔt), (z − 1)² / (z Δt²) M + (1 − 1/z) / Δt C + K."""
+    chain, drive, dt = lane.chain, lane.drive, lane.time_step
+    z = cmath.exp(1j * drive.angular_frequency * dt)
+    dynamic = (
+        (z - 1) ** 2 / (z * dt**2) * sliding_mass(chain, inclination)
+        + (1 - 1 / z) / dt * chain.damping_matrix
+        + chain.stiffness_matrix
+    )
+    force = np.zeros(2 * CELLS, dtype=complex)
+    force[0] = (chain.chain_stiffness[0] + 1j * drive.angular_frequency * chain.chain_damping[0]) * drive.amplitude
+    return last_over_base(basis @ np.linalg.solve(basis.T @ dynamic @ basis, basis.T @ force))
+
+
+@pytest.mark.parametrize("frequency_ratio", [0.5, 0.7])
+def test_without_friction_the_steady_state_is_the_closed_form_of_the_linear_scheme(frequency_ratio) -> None:
+    free = orbit(50.0, frequency_ratio, 12, mu=0.0, tolerance=LINEAR_RESIDUAL)
+    expected = scheme_response(free.lane, np.eye(2 * CELLS), INCLINATION)
+    assert transmittance(free) == pytest.approx(expected, abs=LINEAR_ERROR)
+    assert largest_gap(free).max() < 1e-12 * AMPLITUDE
+    flat = scheme_response(free.lane, np.eye(2 * CELLS), 0.0)
+    assert abs(flat - expected) > 1e-3, "the inclination matters"
+
+
+def test_contacts_that_stay_stuck_are_the_closed_form_of_the_linear_scheme() -> None:
+    stuck = orbit(50.0, 0.5, 12, tolerance=LINEAR_RESIDUAL)
+    expected = scheme_response(stuck.lane, stuck_basis(stuck.lane.chain), INCLINATION)
+    assert transmittance(stuck) == pytest.approx(expected, abs=LINEAR_ERROR)
+
+
+@pytest.mark.parametrize("free", [True, False], ids=["without friction", "stuck"])
+def test_the_linear_scheme_tends_to_the_closed_form_at_first_order(free) -> None:
+    chain = Chain.from_ratios(friction_ratio=50.0, base_amplitude=AMPLITUDE)
+    drive = HarmonicBase.from_ratio(chain, 0.5, AMPLITUDE)
+    preload = Preload.at_multiple(drive, 0.0, 2)
+    exact = frictionless_response(chain, drive, INCLINATION) if free else stuck_response(chain, drive)
+    basis = np.eye(2 * CELLS) if free else stuck_basis(chain)
+    lanes = (Lane.periodic(chain, drive, steps, preload, INCLINATION) for steps in (8000, 16000))
+    coarse, fine = (abs(scheme_response(lane, basis, INCLINATION) - last_over_base(exact)) for lane in lanes)
+    assert coarse / fine == pytest.approx(2, rel=0.05)
+    assert fine < 1e-3
+
+
+def test_little_friction_changes_the_closed_form_in_proportion() -> None:
+    free, *rubbed = (transmittance(orbit(50.0, 0.5, 12, mu=mu)) for mu in (0.0, 1e-5, 1e-6))
+    changes = [abs(response - free) for response in rubbed]
+    assert changes[0] / changes[1] == pytest.approx(10, rel=0.05)
+
+
+@pytest.mark.parametrize(("modulation", "degrees"), [(0.0, 12), (0.5, 12), (0.0, 25), (1.5, 12)])
+def test_opposite_inclinations_have_the_same_transmittance(modulation, degrees) -> None:
+    """The mirrored chain, half a period later: N(t) at 2 ω is then the same."""
+    one_way, other_way = (orbit(0.3, 0.7, sign * degrees, modulation=modulation) for sign in (1, -1))
+    assert one_way.converged
+    assert other_way.converged
+    assert abs(transmittance(one_way)) == pytest.approx(abs(transmittance(other_way)), abs=1e-5)
+    half = STEPS // 2
+    mirrored = -np.roll(other_way.trajectory.outer_positions, half, axis=0)
+    assert one_way.trajectory.outer_positions == pytest.approx(mirrored, abs=1e-5 * AMPLITUDE)
+
+
+@pytest.mark.parametrize(
+    ("point", "opens"),
+    [
+        ((0.1, 0.7, 12, 0.0), False),
+        ((0.3, 0.7, 12, 0.0), False),
+        ((0.3, 0.7, 25, 0.0), False),
+        ((0.1, 0.7, 25, 0.0), True),
+        ((0.3, 0.9, -12, 0.5), False),
+        ((0.3, 0.7, 12, 1.5), True),
+    ],
+    ids=str,
+)
+def test_steady_states_are_certified_and_attract(point, opens) -> None:
+    """Also of contacts that the motion alone opens, without an actuator that pulls."""
+    *place, modulation = point
+    found = orbit(*place, modulation=modulation)
+    assert found.converged
+    assert found.residual <= CERTIFIED
+    assert largest_multiplier(found) < 1 + 1e-6
+    assert bool(np.any(open_fraction(found) > 0.1)) is opens
+
+
+def test_certified_steady_state_may_repel_where_normal_forces_depend_on_the_motion() -> None:
+    """Friction with a given normal force is monotone: no multiplier is above one there. Here a small offset grows."""
+    found = orbit(0.1, 0.9, 25)
+    assert found.converged
+    growth = largest_multiplier(found)
+    assert growth > 1.5
+    end, simulation = found.trajectory.end, euler_simulation([found.lane])
+    offset = np.zeros_like(end.positions)
+    offset[0, CELLS - 1] = 1e-4 * AMPLITUDE
+    moved = State(end.positions + offset, end.velocities, end.internal_state)
+    after = simulation.advance(moved, 0, 30 * STEPS)
+    assert np.max(np.abs(after.positions - end.positions)) > 100 * np.max(offset)
