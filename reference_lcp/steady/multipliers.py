@@ -14,7 +14,7 @@ from reference_lcp.stepping.euler import euler_simulation
 from reference_lcp.validation import FloatArray
 
 OPEN = 1e-9
-"""Gap over the displacement scale above which a contact is open: far above round-off, far below a flight."""
+"""Scaled gap, or its rate, above which a contact is open, or moves: far above round-off, far below a flight."""
 
 
 def largest_multiplier(orbit: PeriodicOrbit) -> float:
@@ -48,7 +48,11 @@ def _jacobian(orbit: PeriodicOrbit) -> FloatArray:
 
 
 def _free_components(x: FloatArray, cells: int) -> FloatArray:
-    """Give which components of a scaled state may change alone: the gap of a closed contact, and its rate, may not."""
-    motion, gaps = 4 * cells, x[4 * cells : 5 * cells]
-    opened = np.flatnonzero(gaps > OPEN)
-    return np.concatenate([np.arange(motion), motion + opened, motion + cells + opened]).astype(np.intp)
+    """Give which components of a scaled state may change alone.
+
+    The gap of a closed contact may not, nor its rate, unless it has landed in the last step.
+    """
+    motion = 4 * cells
+    gaps, rates = x[motion:].reshape(2, cells)
+    opened, moving = gaps > OPEN, (gaps > OPEN) | (np.abs(rates) > OPEN)
+    return np.flatnonzero(np.concatenate([np.ones(motion, dtype=bool), opened, moving]))

@@ -28,7 +28,7 @@ class InclinedTask(TransientTask):
     base: HarmonicBase
     inclination: float
     modulation: Modulation
-    recorded: str = "contacts"
+    recorded: str = "contact modes"
 
     def lane(self) -> Lane:
         """Build the chain under its drive and its preload."""

@@ -24,7 +24,7 @@ SHAPES = ("undeformed", "stretched", "inner masses displaced")
 scale, inner springs unstretched. ``inner masses displaced``: all of them by the displacement scale, outer ones not.
 """
 
-RECORDED = ("response", "decay", "slip", "contacts")
+RECORDED = ("response", "decay", "slip", "contact modes")
 """What may be recorded of a motion: see `scenarios.execution.transient`."""
 
 

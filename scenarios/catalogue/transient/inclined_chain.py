@@ -38,8 +38,12 @@ RESPONSE = Metric("series", "", "Largest difference of the last outer mass from 
 SLIPS = Metric("slips", "", "Largest difference of v − u of any cell from the reference's, over U0.")
 HIGHEST = Metric("highest", "", "Largest gap of any contact over U0.")
 OPEN = Metric("open", "", "Part of the time in which a contact is open, mean of all contacts.")
+LANDINGS = Metric("landings", "", "Changes from open to closed, of all contacts.")
 
-RESOLUTION = {OPEN: 2 / STEPS_PER_PERIOD / max(REFINEMENTS), HIGHEST: OPEN_GAP}
+RESOLUTION = {
+    OPEN: 2 / STEPS_PER_PERIOD / max(REFINEMENTS),
+    HIGHEST: OPEN_GAP,
+}
 """Where a contact opens and closes is read to a step, at either end; a contact with a smaller gap is none that is
 open."""
 
@@ -89,7 +93,7 @@ class InclinedChainScenario(Scenario):
     name = "inclined-chain"
     question, expects = DESCRIPTIONS[name]
     source = "Equation (7) of Sethi, Banerjee and Manna, with a coupling of normal and tangential direction, G_NT."
-    metrics = (RESPONSE, SLIPS, HIGHEST, OPEN)
+    metrics = (RESPONSE, SLIPS, HIGHEST, OPEN, LANDINGS)
 
     def parameters(self) -> list[str]:
         """Give cases and step sizes; see `Scenario.parameters`."""
@@ -154,4 +158,5 @@ def _finding(
 
 def _numbers(series: NamedNumbers) -> Mapping[Metric, Number]:
     arrays: dict[Metric, Number] = {metric: np.array(series[name]) for metric, name in SERIES.items()}
-    return {**arrays, HIGHEST: series["highest"][0], OPEN: series["open"][0]}
+    single = {HIGHEST: "highest", OPEN: "open", LANDINGS: "landings"}
+    return arrays | {metric: series[name][0] for metric, name in single.items()}

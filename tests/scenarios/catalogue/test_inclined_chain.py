@@ -9,13 +9,15 @@ from engines.interface.variant import Variant
 from reference_lcp.stepping.euler import euler_simulation
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.catalogue.transient import inclined_chain
-from scenarios.catalogue.transient.inclined_chain import CASES, RESPONSE, SLIPS, InclinedChainScenario
+from scenarios.catalogue.transient.inclined_chain import CASES, RESPONSE, SLIPS, STEPS_PER_PERIOD, InclinedChainScenario
 from scenarios.execution.store import opened_store
+from scenarios.execution.transient import run_transients
 from scenarios.verdicts.finding import Finding
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Verdict
 from tests.scenarios.in_process import evaluator, press_harder
 
+ALL_CASES, THREE_PERIODS = CASES, 3 * STEPS_PER_PERIOD
 MUJOCO = Variant("mujoco", "contact")
 
 
@@ -76,6 +78,24 @@ def test_ode_pressed_a_hundredth_harder_is_not_as_its_law_predicts(monkeypatch) 
 def test_another_inclination_moves_otherwise(factor, monkeypatch) -> None:
     incline_otherwise(monkeypatch, factor)
     assert {finding.metric for finding in wrong(findings(MUJOCO))} >= {SLIPS}
+
+
+@pytest.mark.parametrize(
+    ("title", "stuck", "opened", "landings"),
+    [
+        ("sliding", (0.3, 0.5), (0.0, 0.0), (0, 0)),
+        ("sliding and sticking", (0.6, 0.75), (0.0, 0.0), (0, 0)),
+        ("sticking", (1.0, 1.0), (0.0, 0.0), (0, 0)),
+        ("lift-off and landing", (0.3, 0.45), (0.4, 0.6), (20, 100)),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_every_case_is_of_the_contacts_that_it_is_named_after(title, stuck, opened, landings) -> None:
+    """The first periods are at rest at the far end of the chain: that is most of the sticking of what slides."""
+    case = next(case for case in ALL_CASES if case.title == title)
+    (result,) = run_transients([dataclasses.replace(case.task(REFERENCE), steps=THREE_PERIODS)])
+    for name, (least, most) in {"stuck": stuck, "open": opened, "landings": landings}.items():
+        assert least <= result.series[name][0] <= most, (name, result.series[name])
 
 
 def test_engines_that_cannot_incline_their_contacts_say_so() -> None:

@@ -1,0 +1,79 @@
+"""Steady states of a chain with inclined contacts: engines that take part, and those that are wrong."""
+
+import dataclasses
+
+import pytest
+
+from engines.interface.registry import engine
+from engines.interface.variant import Variant
+from reference_lcp.stepping.euler import euler_simulation
+from scenarios.catalogue.steady import inclined_steady_state
+from scenarios.catalogue.steady.inclined_steady_state import STUCK, InclinedSteadyState
+from scenarios.execution.store import opened_store
+from scenarios.verdicts.finding import TRANSMITTANCE, Finding
+from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.verdict import Verdict
+from tests.scenarios.in_process import evaluator
+
+SLIDING = InclinedSteadyState.cases[0]
+MUJOCO = Variant("mujoco", "contact")
+
+
+@pytest.fixture(autouse=True)
+def few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The case that slides, beside a baseline that is cheaper."""
+    monkeypatch.setattr(InclinedSteadyState, "cases", (SLIDING,))
+    monkeypatch.setattr(inclined_steady_state, "BASELINE", (1, 2, 4))
+
+
+def findings(*variants: Variant) -> list[Finding]:
+    with opened_store(None) as store, evaluator(store) as running:
+        return InclinedSteadyState().run(variants, running)
+
+
+def wrong(judged: list[Finding]) -> list[Finding]:
+    return [finding for finding in judged if finding.comparison.verdict is not Verdict.AGREE]
+
+
+def installed(name: str, preset: str = "tuned") -> Variant:
+    if engine(name).unavailable_reason() is not None:
+        pytest.skip(f"{name} is not installed")
+    return Variant(name, "contact", preset)
+
+
+@pytest.mark.parametrize(("name", "preset"), [("mujoco", "tuned"), ("dart", "sphere")])
+def test_engines_that_solve_normal_and_tangential_direction_together_agree(name, preset) -> None:
+    assert not wrong(findings(installed(name, preset), REFERENCE))
+
+
+def test_ode_slides_under_a_normal_force_that_knows_no_friction() -> None:
+    judged = findings(installed("ode"))
+    (transmittance,) = (finding for finding in wrong(judged) if finding.metric is TRANSMITTANCE)
+    assert -0.3 < transmittance.comparison.difference < -0.1
+
+
+@pytest.mark.parametrize("factor", [0.0, 0.9], ids=["none", "a tenth too small"])
+def test_another_inclination_has_another_transmittance(factor, monkeypatch) -> None:
+    """But for that of the other sign: the mirrored motion has the same."""
+    build = Variant.build
+
+    def otherwise(self, lanes):
+        if self.engine != "mujoco":
+            return build(self, lanes)
+        return euler_simulation([dataclasses.replace(lane, inclination=factor * lane.inclination) for lane in lanes])
+
+    monkeypatch.setattr(Variant, "build", otherwise)
+    assert TRANSMITTANCE in {finding.metric for finding in wrong(findings(MUJOCO))}
+
+
+def test_stuck_chain_is_the_linear_one(monkeypatch) -> None:
+    monkeypatch.setattr(InclinedSteadyState, "cases", (STUCK,))
+    judged = findings(REFERENCE, installed("ode"))
+    assert not wrong(judged)
+    assert {abs(finding.expected + 0.503) < 1e-3 for finding in judged if finding.metric is TRANSMITTANCE} == {True}
+
+
+def test_engines_that_cannot_incline_their_contacts_say_so() -> None:
+    judged = findings(Variant("pybullet", "contact"), Variant("mujoco"))
+    assert {finding.comparison.verdict for finding in judged} == {Verdict.BLOCKED}
+    assert all("cannot incline its contacts" in finding.comparison.reason for finding in judged)
