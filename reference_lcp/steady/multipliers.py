@@ -5,6 +5,7 @@ depend on the motion it is not: a fixed point that is found and certified may re
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reference_lcp.chain.trajectory import State
 from reference_lcp.steady.amplification import OFFSET
@@ -47,7 +48,7 @@ def _jacobian(orbit: PeriodicOrbit) -> FloatArray:
     return jacobian
 
 
-def _free_components(x: FloatArray, cells: int) -> FloatArray:
+def _free_components(x: FloatArray, cells: int) -> NDArray[np.intp]:
     """Give which components of a scaled state may change alone.
 
     The gap of a closed contact may not, nor its rate, unless it has landed in the last step.

@@ -82,7 +82,8 @@ def periodic_orbits(
 
     Coulomb friction with a given normal force is monotone: the energy norm of the difference of two
     motions under the same drive never grows. A fixed point of the period map is therefore the
-    attractor, unique up to the offsets of cells that stay stuck.
+    attractor, unique up to the offsets of cells that stay stuck. Where normal forces depend on the motion it
+    need not attract, see `reference_lcp.steady.multipliers`.
 
     Parameters
     ----------
