@@ -149,3 +149,15 @@ def test_certified_steady_state_may_repel_where_normal_forces_depend_on_the_moti
     moved = State(end.positions + offset, end.velocities, end.internal_state)
     after = simulation.advance(moved, 0, 30 * STEPS)
     assert np.max(np.abs(after.positions - end.positions)) > 100 * np.max(offset)
+
+
+def test_multiplier_is_that_of_the_mirrored_motion_half_a_period_later() -> None:
+    """A contact has landed in the last step there: its gap is zero, and its rate is not."""
+    found = orbit(0.3, 0.5, -12, modulation=1.5, steps=800)
+    lane = dataclasses.replace(found.lane, inclination=-found.lane.inclination)
+    half = euler_simulation([found.lane]).advance(found.trajectory.end, 0, 400)
+    (trajectory,) = euler_simulation([lane]).run(State(-half.positions, -half.velocities, half.internal_state), 0, 800)
+    mirrored = dataclasses.replace(found, lane=lane, trajectory=trajectory)
+    gaps, rates = trajectory.end.normal_state(CELLS)
+    assert np.any((gaps < 1e-12 * AMPLITUDE) & (np.abs(rates) > 1e-3 * AMPLITUDE))
+    assert largest_multiplier(mirrored) == pytest.approx(largest_multiplier(found), abs=1e-4)
