@@ -35,7 +35,7 @@ def simulation_of(friction: float = 1.0, cells: int = 7) -> CompiledSimulation:
 def rubbing_harder(monkeypatch) -> CompiledSimulation:
     """Something near to the scheme: a hundredth more friction than its lanes have."""
     honest, harder = simulation_of(), simulation_of(1.01)
-    monkeypatch.setattr(neighbours, "CompiledSimulation", lambda _: honest)
+    monkeypatch.setattr(neighbours, "euler_simulation", lambda _: honest)
     return harder
 
 
