@@ -4,6 +4,7 @@ from typing import ClassVar
 
 from engines.box2d.contact import CONTACT_DEFAULT, CONTACT_TUNED, Box2DContactLane
 from engines.box2d.joint import JOINT_DEFAULT, JOINT_TUNED, Box2DJointLane
+from engines.box2d.reproducer import CONTACT, JOINT
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.shared.wheel_engine import WheelEngine
 
@@ -34,3 +35,4 @@ class Box2D(WheelEngine):
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: Box2DJointLane, Formulation.CONTACT: Box2DContactLane}
+    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}

@@ -26,7 +26,10 @@ class Reproducer(NamedTuple):
     numbers
         Gives what the template prints of a lane's options, and of the internal state at first, in SI units, by name.
         Its filter ``listed`` writes an array as a list.
+    own_units
+        The engine is given numbers in the units of the preset, as `units.py.jinja` writes them, and not in SI units.
     """
 
     template: str
     numbers: Callable[[Lane, Preset, State], Mapping[str, Any]] = no_numbers
+    own_units: bool = False

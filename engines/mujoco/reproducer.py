@@ -7,7 +7,8 @@ from engines.interface.presets import Preset
 from engines.interface.reproducer import Reproducer
 from engines.mujoco.contact import PLATE, RADIUS
 from engines.mujoco.model import DEPTH, TOUCH
-from engines.shared.units import power_of_two
+from engines.shared.script_units import SI, script_units
+from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 
@@ -18,27 +19,28 @@ WIDTH = 0.95
 """d_width of MuJoCo's own solimp, by which it divides a stiffness or a damping that is given directly."""
 
 
-def joint_numbers(_lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]:
+def joint_numbers(_lane: Lane, preset: Preset, _start: State, units: Units = SI) -> Mapping[str, Any]:
     """Give the attributes that differ from MuJoCo's own: of the model, and of the joint that rubs."""
     solref = preset["solref_friction"]
-    rates = _rates(solref, (1, 1), WIDTH)
-    return {**_model(preset), "joint": "" if solref[0] > 0 else f'solreffriction="{rates}"'}
+    rates = _rates(solref, (1, 1), WIDTH, units)
+    return {**script_units(units), **_model(preset), "joint": "" if solref[0] > 0 else f'solreffriction="{rates}"'}
 
 
-def contact_numbers(lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]:
+def contact_numbers(lane: Lane, preset: Preset, _start: State, units: Units = SI) -> Mapping[str, Any]:
     """Give the attributes that differ from MuJoCo's own: of the model, and of the pair that rubs; and its geometry."""
     lifting = lane.preload is not None
     options = preset.modulated() if lifting else preset
-    scale = power_of_two(lane.drive.displacement_scale(lane.chain))
+    scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
     return {
+        **script_units(units),
         **_model(options),
         "lifting": lifting,
-        "coefficient": preset["coefficient"] if "coefficient" in preset.options else None,
+        **_bound(preset),
         "joints": 4 if lifting else 3,
         "radius": RADIUS * scale,
         "plate": PLATE * scale,
         "height": 2 * RADIUS * scale - (TOUCH if lifting else DEPTH) * scale,
-        "pair": _by_two(_pair(options, lifting)),
+        "pair": _by_two(_pair(options, lifting, units)),
     }
 
 
@@ -51,17 +53,25 @@ def _model(preset: Preset) -> dict[str, str]:
     }
 
 
-def _pair(preset: Preset, lifting: bool) -> list[str]:
+def _bound(preset: Preset) -> dict[str, str]:
+    """Give coefficient and normal forces: a preset with a coefficient of its own presses harder, for the same bound."""
+    if "coefficient" not in preset.options:
+        return {"friction": "{FRICTION[i]} {FRICTION[i]}", "pressing": "NORMAL_FORCE"}
+    own = preset["coefficient"]
+    return {"friction": f"{own} {own}", "pressing": f"np.array(FRICTION) * NORMAL_FORCE / {own}"}
+
+
+def _pair(preset: Preset, lifting: bool, units: Units) -> list[str]:
     """Give the attributes of the pair; see `contact_model` and `lifting_model`."""
     changed = "solimp" in preset.options and preset["solimp"] != preset.options["solimp"].default
     width = preset["solimp"][1] if changed else WIDTH
     attributes = [f'solimp="{preset["solimp"][0]} {preset["solimp"][1]}"'] if changed else []
     if not lifting:
-        attributes.append(f'solref="-1 {-2 / preset["normal time constant"]!r}"')
+        attributes.append(f'solref="-1 {-2 * units.time / preset["normal time constant"]!r}"')
     elif preset["solref"][0] < 0:
-        attributes.append(f'solref="{_rates(preset["solref"], (2, 1), width)}"')
+        attributes.append(f'solref="{_rates(preset["solref"], (2, 1), width, units)}"')
     if any(preset["solreffriction"]):
-        attributes.append(f'solreffriction="{_rates(preset["solreffriction"], (1, 1), width)}"')
+        attributes.append(f'solreffriction="{_rates(preset["solreffriction"], (1, 1), width, units)}"')
     return attributes
 
 
@@ -70,9 +80,10 @@ def _by_two(attributes: Sequence[str]) -> list[str]:
     return [" ".join(attributes[start : start + 2]) for start in range(0, len(attributes), 2)]
 
 
-def _rates(factors: Sequence[float], powers: Sequence[int], width: float) -> str:
+def _rates(factors: Sequence[float], powers: Sequence[int], width: float, units: Units) -> str:
     """Write stiffness and damping in the direct form, which MuJoCo divides by powers of d_width."""
-    rates = [f"{width} / TIME_STEP" if power == 1 else f"({width} / TIME_STEP) ** {power}" for power in powers]
+    rate = f"{width} / TIME_STEP" if units == SI else f"{width} * TIME / TIME_STEP"
+    rates = [rate if power == 1 else f"({rate}) ** {power}" for power in powers]
     return " ".join(
         f"{{-{rate}}}" if factor == -1 else f"{{{factor} * {rate}}}"
         for factor, rate in zip(factors, rates, strict=True)

@@ -7,6 +7,7 @@ from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Pr
 from engines.mujoco.worlds_simulation import worlds_simulation
 from engines.mujoco_warp.contact import CONTACT_DEFAULT, CONTACT_TUNED
 from engines.mujoco_warp.joint import JOINT_DEFAULT, JOINT_TUNED
+from engines.mujoco_warp.reproducer import CONTACT, JOINT
 from engines.mujoco_warp.worlds import MuJoCoWarpWorlds
 from engines.shared.mass_ratio import check_mass_ratio
 from engines.shared.wheel_engine import WheelEngine
@@ -49,6 +50,7 @@ class MuJoCoWarp(WheelEngine):
             "of its size."
         ),
     )
+    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         check_mass_ratio(lanes, LARGEST_MASS_RATIO[formulation], self.capabilities.title)

@@ -5,6 +5,7 @@ from typing import ClassVar
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.pymunk.contact import CONTACT_DEFAULT, CONTACT_TUNED, PymunkBoxes
 from engines.pymunk.joint import JOINT_DEFAULT, JOINT_TUNED, PymunkJoints
+from engines.pymunk.reproducer import CONTACT, JOINT
 from engines.pymunk.simulation import PymunkLane, PymunkSimulation
 from engines.shared.wheel_engine import WheelEngine
 from reference_lcp.chain.simulation import Lane, Simulation
@@ -35,6 +36,7 @@ class Pymunk(WheelEngine):
             "gained the sign."
         ),
     )
+    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         kind = PymunkJoints if formulation is Formulation.JOINT else PymunkBoxes

@@ -5,6 +5,7 @@ from typing import ClassVar
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.rapier.contact import CONTACT_DEFAULT, CONTACT_TUNED, RapierContactLane
 from engines.rapier.joint import JOINT_DEFAULT, JOINT_TUNED, RapierJointLane
+from engines.rapier.reproducer import CONTACT, JOINT
 from engines.shared.wheel_engine import WheelEngine
 
 
@@ -36,3 +37,4 @@ class Rapier(WheelEngine):
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: RapierJointLane, Formulation.CONTACT: RapierContactLane}
+    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}

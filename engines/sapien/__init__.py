@@ -5,6 +5,7 @@ from typing import ClassVar
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.sapien.contact import CONTACT_DEFAULT, CONTACT_TUNED, SapienContactLane
 from engines.sapien.joint import JOINT_DEFAULT, JOINT_TUNED, SapienJointLane
+from engines.sapien.reproducer import CONTACT, JOINT
 from engines.shared.wheel_engine import WheelEngine
 
 
@@ -35,3 +36,4 @@ class Sapien(WheelEngine):
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: SapienJointLane, Formulation.CONTACT: SapienContactLane}
+    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}

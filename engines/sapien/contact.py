@@ -41,7 +41,7 @@ LEAST_SPEED_OF_TANGENTS = 0.01
 
 def _tangents_of_a_slow_slip(lane: Lane, slip_velocity: float) -> float:
     """Give the bound of friction over μ λ_N: two tangents, each with its own, which a slow slip finds in the world."""
-    slow = abs(slip_velocity) < LEAST_SPEED_OF_TANGENTS * _units(SHARED_OPTIONS["units"].value, lane).velocity
+    slow = abs(slip_velocity) < LEAST_SPEED_OF_TANGENTS * contact_units(SHARED_OPTIONS["units"].value, lane).velocity
     return tangents_of_the_world(lane) if slow else 1.0
 
 
@@ -79,7 +79,7 @@ CONTACT_DEFAULT = Preset(
 )
 
 
-def _units(name: str, lane: Lane) -> Units:
+def contact_units(name: str, lane: Lane) -> Units:
     """Give units by name: ``"light"`` ones are the lane's, with a smaller unit of mass."""
     if name != "light":
         return Units.named(name, lane)
@@ -100,7 +100,7 @@ class SapienContactLane(SapienLane):
 
     def __init__(self, lane: Lane, preset: Preset):
         """Take the lane's parameters in the units of the preset."""
-        super().__init__(lane, preset, _units(preset["units"], lane))
+        super().__init__(lane, preset, contact_units(preset["units"], lane))
         self._sizes = PressedBoxes.of(lane, self._units)
         # Forces on all bodies in the next step; those along the motion are the loop's.
         self._pushing = np.zeros((2 * lane.chain.cells, 3))

@@ -124,13 +124,16 @@ def script(shown: Reproduction, evaluator: Evaluator) -> str:
 
 
 def _environment(variant: Variant, reproducer: Reproducer) -> Environment:
-    """Templates of the engine, and of what all scripts share; names that are not there are refused."""
+    """Templates of the engine, of what all scripts share, and of other engines by their folders.
+
+    Names that are not there are refused.
+    """
     package = type(_adapter(variant.engine)).__module__
     own = files(import_module(package)).joinpath(reproducer.template).read_text(encoding="utf-8")
     shared = PackageLoader("reports.reproducers")
     frame = files("reports.reproducers").joinpath("templates", "script.py.jinja").read_text(encoding="utf-8")
     environment = Environment(
-        loader=ChoiceLoader([DictLoader({"engine": own, "script": frame}), shared]),
+        loader=ChoiceLoader([DictLoader({"engine": own, "script": frame}), shared, PackageLoader("engines", "")]),
         undefined=StrictUndefined,
         autoescape=False,  # a script is no HTML
         trim_blocks=True,
@@ -156,7 +159,7 @@ def _header(shown: Reproduction, number: Number) -> str:
         f"{shown.question.scenario}: {shown.case}{protocol}.",
         f"Exact: {_short(number.exact)}{unit}; the cross-validation suite has {value}.",
     ]
-    if units is not None and units.value != "SI":
+    if units is not None and units.value != "SI" and not reproducer_of(variant).own_units:
         told.append("Here in SI units, there in its own.")
     title = f"{adapter.capabilities.title}{version}: {scenario.question}"
     return "\n".join([*textwrap.wrap(title, WIDTH), "", *textwrap.wrap(" ".join(told), WIDTH)])
