@@ -6,6 +6,7 @@ from engines.interface.preparation import Preparation
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
 from engines.newton.contact import CONTACT_DEFAULT, CONTACT_TUNED
 from engines.newton.joint import JOINT_DEFAULT, JOINT_TUNED
+from engines.newton.reproducer import CONTACT, JOINT
 from engines.newton.simulation import NewtonLane, NewtonSimulation
 from engines.shared.mass_ratio import check_mass_ratio
 from engines.shared.wheel_engine import WheelEngine
@@ -49,6 +50,7 @@ class Newton(WheelEngine):
             "dry friction of joints; a velocity drive of bounded effort is one."
         ),
     )
+    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         check_mass_ratio(lanes, LARGEST_MASS_RATIO, self.capabilities.title)
