@@ -28,8 +28,11 @@ class Reproducer(NamedTuple):
         Its filter ``listed`` writes an array as a list.
     own_units
         The engine is given numbers in the units of the preset, as `units.py.jinja` writes them, and not in SI units.
+    without
+        Presets that the template does not write.
     """
 
     template: str
     numbers: Callable[[Lane, Preset, State], Mapping[str, Any]] = no_numbers
     own_units: bool = False
+    without: tuple[str, ...] = ()

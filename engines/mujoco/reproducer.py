@@ -90,5 +90,5 @@ def _rates(factors: Sequence[float], powers: Sequence[int], width: float, units:
     )
 
 
-JOINT = Reproducer("reproducer_joint.py.jinja", joint_numbers)
+JOINT = Reproducer("reproducer_joint.py.jinja", joint_numbers, without=("yield",))
 CONTACT = Reproducer("reproducer_contact.py.jinja", contact_numbers)

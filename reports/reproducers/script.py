@@ -69,9 +69,9 @@ def reproducer_of(variant: Variant) -> Reproducer:
     Raises
     ------
     ParameterError
-        If its engine has no template for its formulation; names those that have one.
+        If its engine has no template for its formulation, or that does not write its preset; names those that have one.
     """
-    reproducer = _adapter(variant.engine).reproducers.get(Formulation(variant.formulation))
+    reproducer = _template(variant)
     if reproducer is None:
         allowed = ", ".join(_reproducible())
         raise ParameterError(f"{variant} has no reproducer; allowed: {allowed}")
@@ -80,7 +80,12 @@ def reproducer_of(variant: Variant) -> Reproducer:
 
 def has_reproducer(variant: Variant) -> bool:
     """Whether there is a template for a variant."""
-    return Formulation(variant.formulation) in _adapter(variant.engine).reproducers
+    return _template(variant) is not None
+
+
+def _template(variant: Variant) -> Reproducer | None:
+    reproducer = _adapter(variant.engine).reproducers.get(Formulation(variant.formulation))
+    return None if reproducer is None or variant.preset_name in reproducer.without else reproducer
 
 
 def _adapter(name: str) -> Engine:

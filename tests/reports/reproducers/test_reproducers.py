@@ -51,6 +51,7 @@ preset itself in SI units prints the number of the script to all digits."""
 
 OF_THE_STEP = 5e-3
 """[dB] What 400 steps a period err by, of first order: 2e-3. The steady state is 0.4 dB away."""
+
 SINGLE_ROUNDINGS = 3
 """Standard deviations of the sum of as many roundings as steps, as in `TRAJECTORY_TOLERANCE` of engines."""
 
@@ -228,6 +229,7 @@ def test_an_engine_without_a_template_is_refused_with_those_that_have_one() -> N
         (("mujoco", "unit-cell"), "scenario = 'unit-cell'.*static-hold"),
         (("mujoco", "static-hold", "2 kg"), "case = '2 kg'.*1 kg, load 0.99"),
         (("mujoko", "static-hold"), "mujoko"),
+        (("mujoco:joint:yield", "static-hold"), "mujoco:joint:yield has no reproducer"),
     ],
 )
 def test_what_cannot_be_shown_is_named_with_what_can(arguments, message) -> None:
