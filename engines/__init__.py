@@ -11,7 +11,8 @@ if TYPE_CHECKING:
     from engines.interface.preparation import Preparation
     from engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
     from engines.interface.registry import engine, engine_names
-    from engines.interface.variant import Variant, variants_of
+    from engines.interface.selection import variants_of
+    from engines.interface.variant import Variant
 
 __all__ = [
     "Capabilities",
@@ -34,7 +35,8 @@ _MODULES = {
     "preparation": ("Preparation",),
     "presets": ("Capabilities", "Formulation", "FrictionLaw", "NormalForce", "Option", "Preset"),
     "registry": ("engine", "engine_names"),
-    "variant": ("Variant", "variants_of"),
+    "selection": ("variants_of",),
+    "variant": ("Variant",),
 }
 
 

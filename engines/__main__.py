@@ -76,7 +76,7 @@ def install_engine(
 
     Exit code 0: installed; 2: wrong input, or it cannot be installed here; 130: interrupted.
 
-    Example: python -m engines install mujoco@3.3.7
+    Example: multibody-xval engines install mujoco@3.3.7
     """
     from engines.environments_command import install_engine as install
 

@@ -1,4 +1,4 @@
-"""``python -m engines install`` and ``environments``: engines in environments of their own."""
+"""``multibody-xval engines install`` and ``environments``: engines in environments of their own."""
 
 import sys
 from collections.abc import Sequence

@@ -19,7 +19,17 @@ from reports.cli.animate import animate
 from reports.cli.card import card
 from reports.cli.compare import compare
 from reports.cli.reproduce import reproduce
-from scenarios.cli.options import Limit, Retry, Scheduler, Workers, check_retry
+from scenarios.cli.options import (
+    ENGINE_HELP,
+    NAME_METAVAR,
+    Limit,
+    Retry,
+    Scheduler,
+    Settings,
+    Workers,
+    check_retry,
+    with_settings,
+)
 from scenarios.execution.limits import TIME_LIMIT
 
 RARE_COLLECTIONS = (200_000, 20, 100)
@@ -44,11 +54,11 @@ def report(
         list[str] | None,
         typer.Option(
             "--engine",
-            metavar="NAME[:FORMULATION[:PRESET]]",
-            help="An engine to compare, in the formulation joint and the preset tuned unless others are named; "
-            "may be repeated. Without it: the suite's, tuned and, where a model predicts it, default; all: every one.",
+            metavar=NAME_METAVAR,
+            help=f"{ENGINE_HELP}Without it: the suite's, tuned and, where a model predicts it, default.",
         ),
     ] = None,
+    settings: Settings = None,
     sweep: Annotated[
         Path | None,
         typer.Option(help="File of a sweep (python -m scenarios example) that names engines, chain and grid."),
@@ -80,21 +90,22 @@ def report(
     if context.invoked_subcommand is not None:
         return
     check_retry(ask, retry_blocked)
+    names = with_settings(chosen, settings)
     from reports.cli.report import command_of, planned_sweep, report_of_dataset, report_of_sweep
 
     if data is not None:
-        if sweep is not None or chosen or quick:
+        if sweep is not None or names or quick:
             raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
         report_of_dataset(data, out)
         return
     from reports.data.collect import QUICK, Scope
     from scenarios.execution.dask_cluster import executor_for
 
-    planned = planned_sweep(chosen, sweep, quick=quick)
+    planned = planned_sweep(names, sweep, quick=quick)
     executor = executor_for(workers, time_limit, scheduler)
     report_of_sweep(
-        planned, out, store, executor, command_of(chosen, quick, sweep), file=sweep,
-        is_default=not (chosen or sweep), scope=QUICK if quick else Scope(), ask=ask, retry_blocked=retry_blocked,
+        planned, out, store, executor, command_of(names, quick, sweep), file=sweep,
+        is_default=not (names or sweep), scope=QUICK if quick else Scope(), ask=ask, retry_blocked=retry_blocked,
     )  # fmt: skip
 
 

@@ -20,12 +20,14 @@ from scenarios.cli.options import (
     Limit,
     Retry,
     Scheduler,
+    Settings,
     Store,
     TableFile,
     Workers,
     check_out,
     check_retry,
     command_text,
+    with_settings,
 )
 from scenarios.cli.run import add_scenarios
 from scenarios.cli.store import store_app
@@ -109,6 +111,7 @@ def sweep(
 @run.command()
 def accuracy(
     chosen: Chosen = None,
+    settings: Settings = None,
     store: Store = None,
     out: TableFile = None,
     cost: Annotated[
@@ -130,16 +133,18 @@ def accuracy(
     from scenarios.cli.evaluation import chosen_variants
     from scenarios.execution.dask_cluster import executor_for
 
-    variants = chosen_variants(chosen)
+    names = with_settings(chosen, settings)
+    variants = chosen_variants(names)
     check_out(out, TABLE_ENDINGS, [store])
     executor = executor_for(workers, time_limit, scheduler)
     rows = accuracy_rows(variants, store, executor, cost=cost, retry_blocked=retry_blocked)
-    write_accuracy(rows, out, command_text("accuracy", chosen))
+    write_accuracy(rows, out, command_text("accuracy", names))
 
 
 @run.command()
 def laws(
     chosen: Chosen = None,
+    settings: Settings = None,
     store: Store = None,
     out: TableFile = None,
     workers: Workers = None,
@@ -158,15 +163,17 @@ def laws(
     from scenarios.cli.laws import perform
     from scenarios.execution.dask_cluster import executor_for
 
-    variants = chosen_variants(chosen)
+    names = with_settings(chosen, settings)
+    variants = chosen_variants(names)
     check_out(out, TABLE_ENDINGS, [store])
     executor = executor_for(workers, time_limit, scheduler)
-    perform(variants, store, out, executor, command_text("laws", chosen), retry_blocked=retry_blocked)
+    perform(variants, store, out, executor, command_text("laws", names), retry_blocked=retry_blocked)
 
 
 @run.command(name="cost")
 def cost_command(
     chosen: Chosen = None,
+    settings: Settings = None,
     out: TableFile = None,
     seconds: Annotated[
         float, typer.Option(help="Length of a measurement of steady states that is aimed at; there are two a row.")
@@ -188,10 +195,11 @@ def cost_command(
     from scenarios.cli.evaluation import chosen_variants
 
     checked_seconds(seconds)
+    variants = chosen_variants(with_settings(chosen, settings))
     if lanes:
-        perform_batches(chosen_variants(chosen), checked_lanes(lanes), out)
+        perform_batches(variants, checked_lanes(lanes), out)
     else:
-        perform(chosen_variants(chosen), seconds, out)
+        perform(variants, seconds, out)
 
 
 def _print_catalogue() -> None:

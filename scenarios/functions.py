@@ -14,7 +14,7 @@ import xarray as xr
 from pydantic import ValidationError
 
 from engines.interface.registry import default_engine_names
-from engines.interface.variant import Variant
+from engines.interface.selection import variants_named
 from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.refusal import ParameterError, checked_choice, checked_path, shown
 from reference_lcp.validation import FloatArray
@@ -69,7 +69,8 @@ def sweep(
     Parameters
     ----------
     engines
-        Names ``ENGINE``, ``ENGINE:FORMULATION`` or ``ENGINE:FORMULATION:PRESET``; joint and tuned are understood.
+        Names ``ENGINE[:FORMULATION[:PRESET]]``; joint and tuned are understood, and ``all`` in place of a part is every
+        one. Options that are changed follow, such as ``"mujoco:noslip_iterations=3"``.
         With ``reference`` among them its converged preset takes part too: verdicts need both.
     friction_ratio
         μ λ_N / (k_c U0), >= 0: a number, several, or (first, last, how many) as a tuple whose last part is an integer.
@@ -116,7 +117,7 @@ def sweep(
     """
     axes = {"friction_ratio": friction_ratio, "frequency_ratio": frequency_ratio, **(vary or {})}
     planned = _validated({
-        "engines": [_full_name(Variant.parse(name)) for name in _names(engines)],
+        "engines": _names(engines),
         "grid": {name: _axis(values) for name, values in axes.items()},
         "chain": {name: _numbers(value) for name, value in (chain or {}).items()},
         "drive": {"kind": drive, **({} if amplitude is None else {"amplitude": amplitude})},
@@ -166,7 +167,7 @@ def check(
     """
     checked_choice("scenario", scenario, [*CATALOGUE, ALL_SCENARIOS])
     chosen = list(CATALOGUE.values()) if scenario == ALL_SCENARIOS else [CATALOGUE[scenario]]
-    variants = [Variant.parse(name) for name in _names(default_engine_names() if engines is None else engines)]
+    variants = variants_named(_names(default_engine_names() if engines is None else engines))
     with (
         opened_store(None if store is None else checked_path("store", store)) as stored,
         ProgressBars(variants) as bars,
@@ -207,11 +208,6 @@ def _names(engines: str | Sequence[str]) -> list[str]:
     if not isinstance(names, Sequence) or not all(isinstance(name, str) for name in names):
         raise ParameterError(f"engines = {shown(engines)}; allowed: a name, or a list of names")
     return list(names)
-
-
-def _full_name(variant: Variant) -> str:
-    """Give the full name of a variant: in a sweep file, a shorter one means all formulations or presets."""
-    return f"{variant.engine}:{variant.formulation}:{variant.preset_name}"
 
 
 def _axis(values: AxisValues) -> Any:

@@ -5,7 +5,8 @@ import pytest
 from engines.contract.lanes import label
 from engines.interface.presets import NormalForce
 from engines.interface.registry import engine, engine_names
-from engines.interface.variant import Variant, variants_of
+from engines.interface.selection import variants_of
+from engines.interface.variant import Variant
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

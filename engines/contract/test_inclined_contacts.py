@@ -6,7 +6,8 @@ import re
 import pytest
 
 from engines.contract.lanes import modulated_lane
-from engines.interface.variant import Variant, variants_of
+from engines.interface.selection import variants_of
+from engines.interface.variant import Variant
 from reference_lcp.chain.trajectory import State
 from reference_lcp.refusal import ParameterError
 

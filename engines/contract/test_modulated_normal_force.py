@@ -18,7 +18,8 @@ from engines.interface.tolerances import (
     STEPS,
     TRAJECTORY_TOLERANCE,
 )
-from engines.interface.variant import Variant, variants_of
+from engines.interface.selection import variants_of
+from engines.interface.variant import Variant
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.preload import Flight
 from reference_lcp.chain.trajectory import State, Trajectory

@@ -28,7 +28,7 @@ JOINT_TUNED = Preset(
             False, True, "No body may be put to sleep for moving slowly; on, none was in the chains that were tried."
         ),
         "constraint force mixing": Option(
-            RESIDUAL_SLIP_COMPLIANCE, RESIDUAL_SLIP_COMPLIANCE, "DART raises smaller values to this one."
+            RESIDUAL_SLIP_COMPLIANCE, RESIDUAL_SLIP_COMPLIANCE, "DART raises smaller values to this one.", fixed=True
         ),
     },
     shares_scheme=True,
@@ -43,7 +43,7 @@ JOINT_DEFAULT = Preset(
         "units": Option("SI", "SI", "The numbers of the chain as they are."),
         "springs": Option("of the joints", "of the joints", "DART's own: implicit, which damps every vibration."),
         "deactivation": Option(True, True, "DART's own."),
-        "constraint force mixing": Option(RESIDUAL_SLIP_COMPLIANCE, RESIDUAL_SLIP_COMPLIANCE, "DART's own."),
+        "constraint force mixing": Option(RESIDUAL_SLIP_COMPLIANCE, RESIDUAL_SLIP_COMPLIANCE, "DART's own.", fixed=True),
     },
     known_deviation=f"{IMPLICIT_SPRINGS}; friction is solved after them, with the bare masses",
     law=own_springs,

@@ -48,7 +48,9 @@ class VersionedEngine(Engine):
         return self._adapter.build(lanes, str(formulation), self._name_of(formulation, preset))
 
     def _name_of(self, formulation: Formulation, preset: Preset) -> str:
-        return next(name for name, known in self.capabilities.presets[formulation].items() if known is preset)
+        own = preset.unchanged or preset
+        name = next(name for name, known in self.capabilities.presets[formulation].items() if known is own)
+        return ":".join([name, *preset.settings])
 
 
 class EnvironmentEngine(VersionedEngine):

@@ -70,7 +70,7 @@ class Environment:
     @property
     def remedy(self) -> str:
         """The command that makes it."""
-        return f"python -m engines install {self.name}"
+        return f"multibody-xval engines install {self.name}"
 
     def record(self) -> Record | None:
         """Give what was installed; ``None`` where it is missing, or was not made to the end."""

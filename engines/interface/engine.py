@@ -5,6 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
+from engines.interface.changed_options import changed_preset
 from engines.interface.preparation import Preparation, sample_lane
 from engines.interface.presets import Capabilities, Formulation, Preset
 from engines.interface.reproducer import Reproducer
@@ -81,18 +82,22 @@ class Engine(ABC):
         """Build the lanes; the arguments are checked already."""
 
     def preset(self, formulation: str, preset: str) -> Preset:
-        """Give a preset by name.
+        """Give a preset by name; options that follow it as ``:NAME=VALUE`` are changed.
 
         Raises
         ------
         ParameterError
-            If the engine has no such formulation or preset.
+            If the engine has no such formulation, preset or option, or a value is not what the option takes.
         """
         by_formulation = self.capabilities.presets
         checked_choice(f"formulation of {self.name}", formulation, [str(name) for name in by_formulation])
         presets = by_formulation[Formulation(formulation)]
-        checked_choice(f"preset of {self.name}", preset, list(presets))
-        return presets[preset]
+        name, *settings = preset.split(":")
+        checked_choice(f"preset of {self.name}", name, list(presets))
+        if not settings:
+            return presets[name]
+        every = [each for group in by_formulation.values() for each in group.values()]
+        return changed_preset(presets[name], settings, every, f"{self.name}:{formulation}:{name}")
 
     def prepare(self, cells: int, formulation: str, preset: str) -> None:
         """Do what `preparation` names, for chains of this length: build its batches, and take a step of each.

@@ -53,11 +53,14 @@ class Option:
         What the engine does without it.
     reason
         Why it is set, in one sentence.
+    fixed
+        The engine has it, and lets nobody set it.
     """
 
     value: Any
     default: Any
     reason: str
+    fixed: bool = False
 
 
 @dataclass(frozen=True)
@@ -111,6 +114,10 @@ class Preset:
     turned_bound
         Gives the bound of sliding friction over μ λ_N in a lane that is turned, at a slip velocity [m/s], where it is
         not 1 as Coulomb's law has it, and nothing else but this is another.
+    unchanged
+        The preset of the engine of which this is one with changed options; ``None`` of a preset of the engine.
+    settings
+        What is changed, as ``NAME=VALUE``, sorted.
     """
 
     description: str
@@ -132,6 +139,8 @@ class Preset:
     static_friction: bool = False
     inclined_law: "Callable[[Preset], Law] | None" = None
     turned_bound: Callable[[Lane, float], float] | None = None
+    unchanged: "Preset | None" = None
+    settings: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value

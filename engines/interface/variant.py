@@ -1,20 +1,30 @@
-"""One way to simulate the chain: an engine, a formulation, a preset."""
+"""One way to simulate the chain: an engine, a formulation, a preset, and what is changed in it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
-from engines.interface.law import NotModelled
 from engines.interface.law_engine import LAW_SUFFIX, law_of
-from engines.interface.presets import Capabilities, Formulation, Preset
-from engines.interface.registry import default_engine_names, engine
+from engines.interface.presets import Capabilities, Preset
+from engines.interface.registry import engine
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.refusal import ParameterError
+
+FORM = "ENGINE[:FORMULATION[:PRESET]][:OPTION=VALUE]..."
+"""How a variant is named."""
 
 
 @dataclass(frozen=True, order=True)
 class Variant:
-    """An engine, a formulation and a preset, by name."""
+    """An engine, a formulation and a preset, by name.
+
+    Parameters
+    ----------
+    engine, formulation
+        Names.
+    preset_name
+        Name of the preset; after it, as ``:NAME=VALUE``, the options that are changed in it, sorted.
+    """
 
     engine: str
     formulation: str = "joint"
@@ -24,12 +34,13 @@ class Variant:
     def parse(cls, text: str) -> Self:
         """Read ``ENGINE``, ``ENGINE:FORMULATION`` or ``ENGINE:FORMULATION:PRESET``; joint and tuned are understood.
 
-        An engine may be a version of one, ``NAME@VERSION``.
+        An engine may be a version of one, ``NAME@VERSION``. Options of the preset may follow, as ``:NAME=VALUE``.
 
         Raises
         ------
         ParameterError
-            If there are more parts, the engine has no such formulation or preset, or it is a version that is not there.
+            If there are more parts, the engine has no such formulation, preset or option, or it is a version that is
+            not there.
         """
         variant = cls.recorded(text)
         check_version(variant.engine)
@@ -38,18 +49,21 @@ class Variant:
     @classmethod
     def recorded(cls, text: str) -> Self:
         """Read what `parse` reads, where it is not to be run: versions need not be there."""
-        parts = text.split(":")
-        if len(parts) > 3:
-            raise ParameterError(f"engine = {text!r} has {len(parts)} parts; allowed: ENGINE[:FORMULATION[:PRESET]]")
-        variant = cls(*parts)
-        engine(variant.engine).preset(variant.formulation, variant.preset_name)
-        return variant
+        names, settings = name_parts(text)
+        variant = cls(*names)
+        preset = engine(variant.engine).preset(variant.formulation, ":".join([variant.preset_name, *settings]))
+        return replace(variant, preset_name=":".join([variant.preset_name, *preset.settings]))
 
     def __str__(self) -> str:
         """Give the shortest text that `parse` reads."""
-        if self.preset_name != "tuned":
-            return f"{self.engine}:{self.formulation}:{self.preset_name}"
-        return self.engine if self.formulation == "joint" else f"{self.engine}:{self.formulation}"
+        name, *settings = self.preset_name.split(":")
+        names = [self.engine, self.formulation, name]
+        for usual in ("tuned", "joint"):
+            if names[-1] == usual:
+                names.pop()
+            else:
+                break
+        return ":".join([*names, *settings])
 
     @property
     def preset(self) -> Preset:
@@ -92,46 +106,26 @@ class Variant:
     @property
     def title(self) -> str:
         """The name that reports print; joint and tuned are left out."""
-        special = [part for part, usual in ((self.formulation, "joint"), (self.preset_name, "tuned")) if part != usual]
-        return ", ".join([engine(self.engine).capabilities.title, *special])
+        name, *settings = self.preset_name.split(":")
+        special = [part for part, usual in ((self.formulation, "joint"), (name, "tuned")) if part != usual]
+        changes = [setting.replace("=", " = ", 1) for setting in settings]
+        return ", ".join([engine(self.engine).capabilities.title, *special, *changes])
 
 
-def variants_of(name: str, *, optional: bool = False) -> list[Variant]:
-    """Give the variants of an engine, in the order in which its capabilities list them.
-
-    Parameters
-    ----------
-    name
-        Of the engine.
-    optional
-        Give those of `Preset.optional` too.
+def name_parts(text: str) -> tuple[list[str], list[str]]:
+    """Give engine, formulation and preset of a name, as far as it has them, and the options that follow.
 
     Raises
     ------
     ParameterError
-        If no engine of this name is registered.
+        If there are more parts, or one follows an option.
     """
-    return [
-        Variant(name, str(formulation), preset_name)
-        for formulation, presets in engine(name).capabilities.presets.items()
-        for preset_name, preset in presets.items()
-        if optional or not preset.optional
-    ]
-
-
-def variants_named(text: str) -> list[Variant]:
-    """Give the variants of ``ENGINE`` but for optional ones, or the one that ``ENGINE:FORMULATION[:PRESET]`` names.
-
-    Raises
-    ------
-    ParameterError
-        If no engine of this name is registered, it has no such formulation or preset, or it is a version that is not
-        there.
-    """
-    if ":" in text:
-        return [Variant.parse(text)]
-    check_version(text)
-    return variants_of(text)
+    parts = text.split(":")
+    settings = [part for part in parts if "=" in part]
+    names = parts[: len(parts) - len(settings)]
+    if not 1 <= len(names) <= 3 or parts[len(names) :] != settings:
+        raise ParameterError(f"engine = {text!r} has {len(parts)} parts; allowed: {FORM}")
+    return names, settings
 
 
 def check_version(name: str) -> None:
@@ -145,17 +139,3 @@ def check_version(name: str) -> None:
     missing = engine(name).unavailable_reason() if "@" in name else None
     if missing is not None:
         raise ParameterError(f"engine = {name!r} cannot be used: {missing}")
-
-
-def default_variants() -> list[Variant]:
-    """Give the variants that are compared where none is named: joints, tuned and as the engine comes.
-
-    Those of the engines that come with the suite. Presets whose steps no model predicts take part where they are named.
-    """
-    pairs = [(name, engine(name).capabilities.presets.get(Formulation.JOINT, {})) for name in default_engine_names()]
-    return [
-        Variant(name, preset_name=preset_name)
-        for name, presets in pairs
-        for preset_name in ("tuned", "default")
-        if preset_name in presets and not isinstance(presets[preset_name].stated_law(), NotModelled)
-    ]

@@ -23,7 +23,7 @@ CONTACT_TUNED = Preset(
             "of the step before", "as they are", "Chipmunk advances positions first: forces are evaluated after that."
         ),
         "iterations": Option(1, 10, "A contact's normal force is found before its friction, and no other touches it."),
-        "collision_slop": Option(0.1, 0.1, "pymunk's own; boxes are less deep in their plates, and not pushed out."),
+        "collision_slop": Option(0.1, 0.1, "pymunk's own; boxes are less deep in their plates, and not pushed out.", fixed=True),
     },
     shares_scheme=True,
     split_tolerance=1e-12,
@@ -36,7 +36,7 @@ CONTACT_DEFAULT = Preset(
         "springs": Option("damped springs", "damped springs", "pymunk's own, with dashpots that are implicit."),
         "positions": Option("as they are", "as they are", "What Body.position and Body.velocity hold."),
         "iterations": Option(10, 10, "pymunk's own."),
-        "collision_slop": Option(0.1, 0.1, "pymunk's own."),
+        "collision_slop": Option(0.1, 0.1, "pymunk's own.", fixed=True),
     },
     law=damped_springs,
     split_tolerance=1e-12,

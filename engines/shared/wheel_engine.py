@@ -68,10 +68,11 @@ class WheelEngine(Engine):
     @property
     def _remedy(self) -> str:
         """The command that installs the package: engines that are optional come with an extra of the suite."""
+        own = f"multibody-xval engines install {self.name}"
         if self.apart:
-            return f"python -m engines install {self.name}"
-        named = "'multibody-xval[engines]'" if self.capabilities.optional else self.capabilities.package
-        return f"pip install {named}"
+            return own
+        beside = "'.[engines]' in the suite's folder" if self.capabilities.optional else self.capabilities.package
+        return f"{own}, or pip install {beside}"
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         model = self.lane_models[formulation]

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from engines.interface.law import NotModelled
 from engines.interface.registry import engine
-from engines.interface.variant import Variant, check_version
-from reference_lcp.refusal import ParameterError
+from engines.interface.selection import check_installed
+from engines.interface.variant import Variant
 from reports.reproducers.questions import QUESTIONS, Number
 from reports.reproducers.script import Reproduction, checked, has_reproducer, script
 from scenarios.catalogue import CATALOGUE
@@ -173,10 +173,7 @@ def card_variants(name: str) -> list[Variant]:
         If no engine of this name is registered, or it is not installed.
     """
     capabilities = engine(name).capabilities
-    check_version(name)
-    missing = engine(name).unavailable_reason()
-    if missing is not None:
-        raise ParameterError(f"engine = {name!r} cannot be used: {missing}")
+    check_installed(name, engine(name).unavailable_reason())
     pairs = [
         (form, preset) for form, presets in capabilities.presets.items() for preset in PRESETS if preset in presets
     ]

@@ -5,13 +5,15 @@ from typing import Annotated
 
 import typer
 
+from scenarios.cli.options import NAME_METAVAR, Settings, with_settings
 from scenarios.execution.limits import TIME_LIMIT
 
 
 def animate(
     chosen: Annotated[
-        str, typer.Option("--engine", metavar="NAME[:FORMULATION[:PRESET]]", help="The variant whose motion is drawn.")
+        str, typer.Option("--engine", metavar=NAME_METAVAR, help="The variant whose motion is drawn.")
     ] = "reference",
+    settings: Settings = None,
     friction_ratio: Annotated[float, typer.Option(help="Friction ratio μλ_N / (k_c U0), >= 0.")] = 0.3,
     frequency_ratio: Annotated[float, typer.Option(help="Frequency ratio ω / ω_r, > 0.")] = 0.9,
     out: Annotated[Path, typer.Option(help="File to write: .gif, or .html with controls.")] = Path("chain.gif"),
@@ -27,4 +29,4 @@ def animate(
     """
     from reports.cli.animation import animate_period
 
-    animate_period(chosen, friction_ratio, frequency_ratio, out, frames, time_limit)
+    animate_period(with_settings([chosen], settings)[0], friction_ratio, frequency_ratio, out, frames, time_limit)

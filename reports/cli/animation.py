@@ -5,6 +5,7 @@ from pathlib import Path
 
 import typer
 
+from engines.interface.selection import check_installed
 from engines.interface.variant import Variant
 from reference_lcp.console import checked_output_file
 from reference_lcp.exit_code import ExitCode
@@ -34,9 +35,7 @@ def animate_period(
     if out.suffix not in ENDINGS:
         raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(ENDINGS)}")
     checked_output_file("--out", out)
-    missing = variant.unavailable_reason
-    if missing is not None:
-        raise ParameterError(f"--engine = {chosen} is not installed: {missing}; allowed: one that is")
+    check_installed(variant.engine, variant.unavailable_reason)
     period = period_of(task, time_limit)
     if not period.known:
         print(visible(f"{variant.title}: {period.reason}"), file=sys.stderr)

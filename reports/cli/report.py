@@ -2,13 +2,14 @@
 
 import shlex
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import typer
 
-from engines.interface.registry import engine_names
-from engines.interface.variant import Variant, default_variants
+from engines.interface.selection import default_variants, variants_named
+from engines.interface.variant import Variant
 from engines.shared.law_distance import stepped_by, unclaimed_reason
 from reference_lcp.compilation import announce_compilation
 from reference_lcp.exit_code import ExitCode
@@ -41,11 +42,11 @@ def report_of_dataset(data: Path, out: Path) -> None:
     _end(write_dataset_report(read_dataset(data), out, shlex.join([*PROGRAM, "--data", str(data)]), data))
 
 
-def planned_sweep(chosen: list[str] | None, sweep: Path | None, *, quick: bool) -> Sweep:
+def planned_sweep(chosen: Sequence[str], sweep: Path | None, *, quick: bool) -> Sweep:
     """Read a sweep from its file, or give that of Figure 3; before any work."""
     if sweep is not None:
         return _sweep(sweep, chosen, quick)
-    return _figure3(_variants(chosen), quick) if chosen else _default_sweep(quick)
+    return _figure3(variants_named(chosen), quick) if chosen else _default_sweep(quick)
 
 
 def report_of_sweep(
@@ -88,11 +89,6 @@ def _end(written: Written) -> None:
         raise typer.Exit(ExitCode.FAILED)
 
 
-def _variants(chosen: list[str]) -> list[Variant]:
-    """Give the compared variants."""
-    return [Variant.parse(full) for name in chosen for full in (engine_names() if name == "all" else [name])]
-
-
 def _default_sweep(quick: bool) -> Sweep:
     """Give the sweep of Figure 3 with the default variants whose laws say what they do at every point.
 
@@ -127,7 +123,7 @@ def _figure3(variants: list[Variant], quick: bool) -> Sweep:
     )
 
 
-def _sweep(file: Path, chosen: list[str] | None, quick: bool) -> Sweep:
+def _sweep(file: Path, chosen: Sequence[str], quick: bool) -> Sweep:
     """Read a sweep from its file."""
     if chosen or quick:
         raise ParameterError("--sweep names engines and grid; allowed beside it: neither --engine nor --quick")
@@ -136,10 +132,10 @@ def _sweep(file: Path, chosen: list[str] | None, quick: bool) -> Sweep:
     return planned
 
 
-def command_of(chosen: list[str] | None, quick: bool, sweep: Path | None) -> str:
+def command_of(chosen: Sequence[str], quick: bool, sweep: Path | None) -> str:
     """Give the command that gives the same numbers; the folder of the report is left out."""
     options = ["--quick"] if quick else []
-    for name in chosen or []:
+    for name in chosen:
         options += ["--engine", name]
     if sweep is not None:
         options += ["--sweep", str(sweep)]

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import typer
 
-from engines.interface.registry import engine_names
-from engines.interface.variant import Variant, variants_named
+from engines.interface.selection import EVERY_VARIANT, variants_named
+from engines.interface.variant import Variant
 from reference_lcp.compilation import announce_compilation
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.interrupt import announce_interrupt
@@ -17,16 +17,15 @@ from scenarios.execution.store import ResultStore, opened_store
 from scenarios.tasks.task import Task
 
 
-def chosen_variants(chosen: list[str] | None) -> list[Variant]:
-    """Give the variants of the chosen names: whole engines, or single variants.
+def chosen_variants(chosen: Sequence[str]) -> list[Variant]:
+    """Give the variants of the chosen names, see `variants_named`; those of every engine without any.
 
     Raises
     ------
     ParameterError
-        If there is no such engine, formulation or preset.
+        If there is no such engine, formulation, preset or option, or a named engine is not installed.
     """
-    names = engine_names() if not chosen or "all" in chosen else chosen
-    return list(dict.fromkeys(variant for name in names for variant in variants_named(name)))
+    return variants_named(chosen or [EVERY_VARIANT])
 
 
 @contextmanager

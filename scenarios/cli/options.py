@@ -10,13 +10,25 @@ import typer
 from reference_lcp.console import checked_output_file
 from reference_lcp.refusal import ParameterError
 
+NAME_METAVAR = "NAME[:FORMULATION[:PRESET]]"
+
+ENGINE_HELP = (
+    "An engine in the formulation joint and the preset tuned, unless others are named; all in place of a part: every "
+    "one. May be repeated. "
+)
+
 Chosen = Annotated[
     list[str] | None,
     typer.Option(
-        "--engine",
-        metavar="NAME[:FORMULATION[:PRESET]]",
-        help="An engine in all its formulations and presets, or the one that is named; may be repeated. "
-        "Without it, or with all: every engine.",
+        "--engine", metavar=NAME_METAVAR, help=f"{ENGINE_HELP}Without it: every engine in all its presets, all:all:all."
+    ),
+]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="OPTION=VALUE",
+        help="An option of the one --engine that is changed; may be repeated. The same as --engine NAME:OPTION=VALUE.",
     ),
 ]
 Store = Annotated[
@@ -69,6 +81,23 @@ def check_retry(ask: bool, retry_blocked: bool) -> None:
     """
     if retry_blocked and not ask:
         raise ParameterError("--retry-blocked with --no-ask, which runs nothing; allowed: one of the two")
+
+
+def with_settings(chosen: Sequence[str] | None, settings: Sequence[str] | None) -> list[str]:
+    """Give the chosen names, of which the only one has the settings too.
+
+    Raises
+    ------
+    ParameterError
+        If there are settings, and not one name.
+    """
+    names = list(chosen or [])
+    if not settings:
+        return names
+    if len(names) != 1:
+        problem = f"--set {settings[0]} beside {len(names)} --engine"
+        raise ParameterError(f"{problem}; allowed: one, or --engine NAME:OPTION=VALUE for each")
+    return [":".join([names[0], *settings])]
 
 
 def command_text(name: str, chosen: Sequence[str] | None, options: Sequence[str] = ()) -> str:

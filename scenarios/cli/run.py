@@ -12,10 +12,12 @@ from scenarios.cli.options import (
     Limit,
     Retry,
     Scheduler,
+    Settings,
     Store,
     Workers,
     check_out,
     check_retry,
+    with_settings,
 )
 from scenarios.execution.limits import TIME_LIMIT
 
@@ -57,6 +59,7 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[str], summary: str) ->
     @run.command(name, help=_help(name, summary))
     def command(
         chosen: Chosen = None,
+        settings: Settings = None,
         store: Store = None,
         out: Out = None,
         ask: Ask = True,
@@ -70,7 +73,7 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[str], summary: str) ->
         from scenarios.cli.verdicts import perform, planned_run
         from scenarios.execution.dask_cluster import executor_for
 
-        planned = planned_run(name, scenarios, chosen, [] if ask else ["--no-ask"], retry_blocked)
+        planned = planned_run(name, scenarios, with_settings(chosen, settings), [] if ask else ["--no-ask"], retry_blocked)
         perform(planned, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
 
 
@@ -80,6 +83,7 @@ def _add_record(run: typer.Typer, name: str, scenarios: Sequence[str], summary: 
     @run.command(name, help=_help(name, summary, " --record quake.csv"))
     def command(
         chosen: Chosen = None,
+        settings: Settings = None,
         record: Annotated[
             Path | None,
             typer.Option(help="Table of time in s and displacement in m (CSV); without it, the suite's example."),
@@ -99,5 +103,5 @@ def _add_record(run: typer.Typer, name: str, scenarios: Sequence[str], summary: 
 
         options = [] if record is None else [f"--record={record}"]
         options = options if ask else [*options, "--no-ask"]
-        planned = planned_run(name, scenarios, chosen, options, retry_blocked, record)
+        planned = planned_run(name, scenarios, with_settings(chosen, settings), options, retry_blocked, record)
         perform(planned, store, out, executor_for(workers, time_limit, scheduler) if ask else None)

@@ -48,7 +48,7 @@ class Run:
 def planned_run(
     name: str,
     scenarios: Sequence[str],
-    chosen: list[str] | None,
+    chosen: Sequence[str],
     options: list[str],
     retry_blocked: bool,
     record: Path | None = None,

@@ -58,7 +58,7 @@ class ContractGate:
     def __init__(self) -> None:
         if find_spec("pytest") is None:
             raise ParameterError(
-                "pytest is not installed, and the contract needs it: pip install 'multibody-xval[test]'"
+                "pytest is not installed, and the contract needs it: pip install '.[test]' in the suite's folder"
             )
 
     def caught(self, variants: Sequence[Variant]) -> set[Variant]:

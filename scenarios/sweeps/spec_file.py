@@ -9,9 +9,10 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
 
-from engines.interface.variant import Variant, variants_named, variants_of
+from engines.interface.selection import variants_named
+from engines.interface.variant import Variant
 from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.refusal import ParameterError, checked_choice, checked_path
+from reference_lcp.refusal import ParameterError, checked_path
 from reference_lcp.validation import LARGEST_PARAMETER, MOST_STEPS
 from scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
 from scenarios.sweeps.sweep import Sweep, baseline_of
@@ -25,11 +26,9 @@ EXAMPLE = """\
 #   python -m scenarios example > sweep.toml
 #   python -m scenarios sweep sweep.toml --store sweep.sqlite --out sweep.nc
 
-# Engines: ENGINE (all its formulations and presets), ENGINE:FORMULATION (tuned) or ENGINE:FORMULATION:PRESET.
-engines = ["reference:joint", "mujoco:joint", "mujoco:contact"]
-
-# Presets of the engines above whose presets are not named, instead of all, or of the tuned one:
-# presets = ["default", "tuned"]
+# Engines: ENGINE[:FORMULATION[:PRESET]], joint and tuned where they are left out; all in place of a part is every one.
+# Options that are changed follow, such as "mujoco:noslip_iterations=3".
+engines = ["reference", "mujoco", "mujoco:contact"]
 
 # Fewest steps a period; more are taken where the stability of the step needs them. At least 16.
 steps_per_period = 400
@@ -111,8 +110,8 @@ class SweepFile(_Table):
 
     Parameters
     ----------
-    engines, presets
-        Names of engines and presets.
+    engines
+        Names of variants, see `variants_named`.
     grid
         Values by parameter.
     chain, drive, steps_per_period
@@ -127,7 +126,6 @@ class SweepFile(_Table):
     """
 
     engines: Annotated[list[str], Field(min_length=1)]
-    presets: Annotated[list[str], Field(min_length=1)] | None = None
     grid: dict[str, _Axis]
     chain: ChainRatios = ChainRatios()
     drive: _Drive = _Drive()
@@ -145,7 +143,7 @@ class SweepFile(_Table):
         if self.tolerances is not None and self.sweep.tolerance is None:
             given = self.tolerances.transmittance_db
             problem = f"tolerances.transmittance_db = {given:g} without the reference among the engines"
-            raise ParameterError(f"{problem}; allowed: engines with 'reference:joint'")
+            raise ParameterError(f"{problem}; allowed: engines with 'reference'")
         return self
 
     def _check_lists(self) -> None:
@@ -162,7 +160,7 @@ class SweepFile(_Table):
         """Every combination of the values; of an adaptive axis those with which every curve begins."""
         axes = {name: tuple(_values(written)) for name, written in self.grid.items()}
         whole = {name: tuple(int(v) if v.is_integer() else v for v in axes[name]) for name in _WHOLE if name in axes}
-        variants = _variants(self.engines, self.presets)
+        variants = tuple(variants_named(self.engines))
         adaptive = self.grid.get("frequency_ratio")
         return Sweep(
             variants=variants,
@@ -222,21 +220,3 @@ def _values(written: list[float] | _Range | AdaptiveAxis) -> Sequence[float]:
         values: list[float] = np.linspace(written.first, written.last, written.points).tolist()
         return values
     return written
-
-
-def _variants(engines: Sequence[str], presets: Sequence[str] | None) -> tuple[Variant, ...]:
-    """Give every variant that is named, in the presets that are named."""
-    return tuple(dict.fromkeys(variant for name in engines for variant in _variants_of(name, presets)))
-
-
-def _variants_of(name: str, presets: Sequence[str] | None) -> list[Variant]:
-    """Give the variants that one name means."""
-    if presets is None or name.count(":") > 1:
-        return variants_named(name)
-    engine, _, formulation = name.partition(":")
-    if formulation:
-        Variant.parse(name)
-    every = [variant for variant in variants_of(engine) if formulation in ("", variant.formulation)]
-    for preset in presets:
-        checked_choice(f"presets: preset of {name}", preset, sorted({variant.preset_name for variant in every}))
-    return [variant for variant in every if variant.preset_name in presets]

@@ -97,7 +97,7 @@ def test_mjx_takes_a_sweep_without_softness_and_does_none() -> None:
 
 def test_it_is_not_used_beside_the_suite_whatever_is_there() -> None:
     """JAX has threads: no process of the suite could be forked after them."""
-    with pytest.raises(EngineNotInstalled, match=r"an environment of its own; python -m engines install mjx$"):
+    with pytest.raises(EngineNotInstalled, match=r"an environment of its own; multibody-xval engines install mjx$"):
         MJX().build([lane_of()])
 
 

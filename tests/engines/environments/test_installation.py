@@ -213,7 +213,7 @@ def test_an_installation_that_was_killed_is_no_environment_and_is_made_anew(
     killed = subprocess.run([sys.executable, "-c", KILLED, NAME], cwd=root, capture_output=True, check=False)
     assert killed.returncode == -9
     assert left_in(folder) == [NAME]
-    with pytest.raises(ParameterError, match=rf"was not installed to the end; python -m engines install {NAME}"):
+    with pytest.raises(ParameterError, match=rf"was not installed to the end; multibody-xval engines install {NAME}"):
         Variant.parse(NAME)
     assert run_command(app, ["environments"]) == 0
     assert f"{NAME} was not installed to the end" in capsys.readouterr().out

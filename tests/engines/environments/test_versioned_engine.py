@@ -83,7 +83,7 @@ def test_the_version_beside_the_suite_needs_no_environment() -> None:
 
 @pytest.mark.parametrize("text", ["mujoco@3.98.0", "mujoco@3.98.0:contact", "mujoco@3.98.0:joint:default"])
 def test_a_version_that_is_not_there_names_the_command_that_installs_it(text: str) -> None:
-    with pytest.raises(ParameterError, match=r"is not installed; python -m engines install mujoco@3\.98\.0$"):
+    with pytest.raises(ParameterError, match=r"is not installed; multibody-xval engines install mujoco@3\.98\.0$"):
         Variant.parse(text)
     assert Variant.recorded(text).engine == "mujoco@3.98.0"
 
@@ -125,7 +125,7 @@ class Apart(WheelEngine):
 
 
 def test_an_engine_that_does_not_fit_beside_the_suite_runs_in_its_environment_alone() -> None:
-    with pytest.raises(EngineNotInstalled, match=r"an environment of its own; python -m engines install apart$"):
+    with pytest.raises(EngineNotInstalled, match=r"an environment of its own; multibody-xval engines install apart$"):
         Apart().build([lane_of()])
     folder = Environment("apart").folder
     folder.symlink_to(Environment(OWN.engine).folder)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from engines.interface.registry import engine
-from engines.interface.variant import variants_of
+from engines.interface.selection import variants_of
 from engines.shared.carried_coordinates import CarriedCoordinates
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import LARGEST_MOTION, ExplicitForcesLane, Step

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from engines.interface.registry import engine, engine_names
-from engines.interface.variant import Variant, variants_of
+from engines.interface.selection import variants_of
+from engines.interface.variant import Variant
 from reports.page.render import LARGEST_PAGE
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.store import ResultStore

@@ -13,8 +13,9 @@ from engines.exudyn.reproducer import zone_numbers
 from engines.interface.presets import Formulation
 from engines.interface.registry import engine, engine_names
 from engines.interface.reproducer import Reproducer
+from engines.interface.selection import variants_of
 from engines.interface.tolerances import SINGLE
-from engines.interface.variant import Variant, variants_of
+from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
 from engines.mujoco.reproducer import joint_numbers
 from engines.ode import ODE

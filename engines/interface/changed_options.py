@@ -1,0 +1,178 @@
+"""Presets with changed options: ``PRESET:NAME=VALUE:…``, read by the types and values that presets of the engine have."""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from engines.interface.law import Law, NotModelled
+from engines.interface.presets import Option, Preset
+from reference_lcp.refusal import ParameterError, shown
+
+MOST_COUNT = 2**31 - 1
+"""Largest integer that engines in C take."""
+
+SWITCHES = {"true": True, "false": False}
+
+
+def changed_preset(preset: Preset, settings: Sequence[str], all_presets: Iterable[Preset], name: str) -> Preset:
+    """Give a preset with some of its options changed; the preset itself where nothing is.
+
+    It claims no longer to share the reference's scheme, and its law is that of the changed options where the law is
+    computed from every one of them.
+
+    Parameters
+    ----------
+    preset
+        The preset.
+    settings
+        Texts ``NAME=VALUE``.
+    all_presets
+        All presets of the engine: the texts that an option takes are those that they have.
+    name
+        Of the preset, for messages.
+
+    Raises
+    ------
+    ParameterError
+        If the preset has no such option, it is set twice, or the value is not what the option takes.
+    """
+    known = list(all_presets)
+    values: dict[str, Any] = {}
+    for setting in settings:
+        option, value = _read(preset, setting, known, name)
+        if option in values:
+            raise ParameterError(f"option {option} of {name} is set twice; allowed: once")
+        values[option] = value
+    changes = {option: value for option, value in sorted(values.items()) if value != preset[option]}
+    return _changed(preset, changes, name) if changes else preset
+
+
+def _changed(preset: Preset, changes: Mapping[str, Any], name: str) -> Preset:
+    options = {option: replace(preset.options[option], value=value) for option, value in changes.items()}
+    changed = replace(
+        preset,
+        options={**preset.options, **options},
+        modulated_options={other: own for other, own in preset.modulated_options.items() if other not in changes},
+        shares_scheme=False,
+        law=partial(_law_of_changed, preset, tuple(changes)),
+        unchanged=preset,
+        settings=tuple(f"{option}={value_text(value)}" for option, value in changes.items()),
+    )
+    try:
+        changed.stated_law()
+    except (ArithmeticError, ValueError, LookupError) as problem:
+        reason = " ".join(f"{type(problem).__name__}: {problem}".split())
+        raise ParameterError(f"{', '.join(changed.settings)} of {name} is not what its law takes: {reason}") from None
+    return changed
+
+
+def _law_of_changed(unchanged: Preset, changes: Sequence[str], preset: Preset) -> Law | NotModelled:
+    """Give the law of a changed preset: that of the unchanged one, if it is computed from all that is changed."""
+    options = _ReadOptions(preset.options)
+    stated = None if unchanged.law is None else unchanged.law(replace(preset, options=options))
+    ignored = ", ".join(name for name in changes if name not in options.read)
+    if isinstance(stated, Law) and ignored:
+        return NotModelled(f"its law does not say what {ignored} changes")
+    return stated or NotModelled(f"no model says what {', '.join(changes)} changes")
+
+
+class _ReadOptions(Mapping[str, Option]):
+    """Options that note which of them are read."""
+
+    def __init__(self, options: Mapping[str, Option]):
+        self._options = options
+        self.read: set[str] = set()
+
+    def __getitem__(self, name: str) -> Option:
+        self.read.add(name)
+        return self._options[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._options
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._options)
+
+    def __len__(self) -> int:
+        return len(self._options)
+
+
+def value_text(value: Any) -> str:
+    """Give a value of an option as `changed_preset` reads it."""
+    if isinstance(value, tuple):
+        return ",".join(map(value_text, value))
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _read(preset: Preset, setting: str, known: Sequence[Preset], name: str) -> tuple[str, Any]:
+    """Read ``NAME=VALUE``."""
+    option, _, text = setting.partition("=")
+    settable = [each for each, own in preset.options.items() if not own.fixed]
+    if option not in settable:
+        allowed = ", ".join(f"{each} ({_type_text(preset, each, known)})" for each in settable) or "none"
+        raise ParameterError(f"option {shown(option)} cannot be set in {name}; allowed: {allowed}")
+    value = _value(text, preset[option], _texts(option, known))
+    if value is None:
+        raise ParameterError(
+            f"{option} = {shown(text)} of {name}; allowed: {_type_text(preset, option, known)}, such as "
+            f"{value_text(preset[option])}"
+        )
+    return option, value
+
+
+def _value(text: str, like: Any, texts: Sequence[str]) -> Any:
+    """Read a value of the type of another; ``None`` if it is not of that type."""
+    if isinstance(like, bool):
+        return SWITCHES.get(text.lower())
+    if isinstance(like, int):
+        return int(text) if text.isdecimal() and int(text) <= MOST_COUNT else None
+    if isinstance(like, float):
+        return _number(text)
+    if isinstance(like, str):
+        return text if text in texts else None
+    parts = text.split(",") if text else []
+    if _is_set_of_flags(like):
+        return tuple(parts) if set(parts) <= set(texts) and len(set(parts)) == len(parts) else None
+    if len(parts) != len(like):
+        return None
+    values = tuple(_value(part, each, texts) for part, each in zip(parts, like, strict=True))
+    return None if None in values else values
+
+
+def _number(text: str) -> float | None:
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+def _is_set_of_flags(value: tuple[Any, ...]) -> bool:
+    """Tell a tuple of any number of texts from one of so many values."""
+    return all(isinstance(each, str) for each in value)
+
+
+def _texts(option: str, known: Sequence[Preset]) -> list[str]:
+    """Give the texts that the presets of an engine set an option to, or that the engine has without them."""
+    settings = [preset.options[option] for preset in known if option in preset.options]
+    values = [value for setting in settings for value in (setting.value, setting.default)]
+    flat = [each for value in values for each in (value if isinstance(value, tuple) else (value,))]
+    return sorted({each for each in flat if isinstance(each, str)})
+
+
+def _type_text(preset: Preset, option: str, known: Sequence[Preset]) -> str:
+    """Say what an option takes."""
+    value = preset[option]
+    if isinstance(value, tuple):
+        if _is_set_of_flags(value):
+            return f"any of {_either(option, known, ', ')} with commas between, or nothing"
+        return f"{len(value)} values with commas between"
+    if isinstance(value, str):
+        return _either(option, known, " or ")
+    return {bool: "true or false", int: "an integer >= 0", float: "a number"}[type(value)]
+
+
+def _either(option: str, known: Sequence[Preset], between: str) -> str:
+    return between.join(_texts(option, known))

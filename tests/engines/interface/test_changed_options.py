@@ -1,0 +1,130 @@
+"""Options of presets that are changed by name: what they are called, what is refused, and which law is left."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from engines.interface.changed_options import _ReadOptions
+from engines.interface.law import Law, NotModelled
+from engines.interface.preparation import sample_lane
+from engines.interface.presets import Formulation, Option, Preset
+from engines.interface.registry import engine
+from engines.interface.selection import EVERY_VARIANT, variants_named
+from engines.interface.variant import Variant
+from reference_lcp.chain.trajectory import State
+from reference_lcp.refusal import ParameterError
+from scenarios.tasks.task import SteadyStateTask
+
+INSTALLED = [variant for variant in variants_named([EVERY_VARIANT]) if variant.unavailable_reason is None]
+
+
+@pytest.mark.parametrize("variant", INSTALLED, ids=str)
+def test_an_adapter_reads_every_option_that_may_be_set(variant: Variant) -> None:
+    own, options = engine(variant.engine), _ReadOptions(variant.preset.options)
+    simulation = own._build(
+        (sample_lane(2),), Formulation(variant.formulation), replace(variant.preset, options=options)
+    )
+    try:
+        simulation.advance(State.at_rest(1, 2), 0, 1)
+    finally:
+        simulation.close()
+    assert {name for name, option in variant.preset.options.items() if not option.fixed} <= options.read
+
+
+@pytest.mark.parametrize(
+    ("written", "name"),
+    [
+        ("mujoco:noslip_iterations=3", "mujoco:noslip_iterations=3"),
+        ("mujoco:joint:tuned:noslip_iterations=03", "mujoco:noslip_iterations=3"),
+        ("mujoco:noslip_iterations=1", "mujoco"),
+        ("mujoco:noslip_iterations=3:iterations=2", "mujoco:iterations=2:noslip_iterations=3"),
+        ("mujoco:joint:default:solref_friction=1e-2,1", "mujoco:joint:default:solref_friction=0.01,1.0"),
+        ("mujoco:disable=", "mujoco:disable="),
+        ("rapier:can_sleep=True", "rapier:can_sleep=true"),
+        ("mujoco:solver=Newton", "mujoco:solver=Newton"),
+    ],
+)
+def test_a_variant_has_one_name_however_it_is_written(written: str, name: str) -> None:
+    assert str(Variant.recorded(written)) == name
+    assert Variant.recorded(name) == Variant.recorded(written)
+
+
+@pytest.mark.parametrize(
+    ("written", "message"),
+    [
+        ("mujoco:noslip=3", r"option 'noslip' cannot be set in mujoco:joint:tuned; allowed: iterations \(an integer"),
+        ("dart:constraint force mixing=1", "option 'constraint force mixing' cannot be set in dart:joint:tuned"),
+        ("mujoco:noslip_iterations=-1", r"'-1' of mujoco:joint:tuned; allowed: an integer >= 0, such as 1$"),
+        ("mujoco:noslip_iterations=1.5", "allowed: an integer >= 0"),
+        ("mujoco:noslip_iterations=99999999999", "allowed: an integer >= 0"),
+        ("mujoco:solver=CG", "solver = 'CG' of mujoco:joint:tuned; allowed: Newton or PGS"),
+        ("mujoco:disable=all", "allowed: any of autoreset, eulerdamp"),
+        ("mujoco:disable=island,island", "allowed: any of"),
+        ("mujoco:solref_friction=1", "allowed: 2 values with commas between, such as -1.0,-1.0"),
+        ("exudyn-regularised:zone=nan", "zone = 'nan' .* allowed: a number"),
+        ("rapier:can_sleep=1", "allowed: true or false"),
+        ("mujoco:cone=elliptic:cone=elliptic", "is set twice; allowed: once"),
+        ("reference:substeps=2", "allowed: none"),
+        ("mujoco:noslip_iterations=3:joint", "has 3 parts"),
+    ],
+)
+def test_a_wrong_option_is_refused_in_a_line(written: str, message: str) -> None:
+    with pytest.raises(ParameterError, match=message) as refused:
+        Variant.recorded(written)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_changed_option_is_another_task() -> None:
+    pair = [Variant.parse(name) for name in ("mujoco", "mujoco:noslip_iterations=3")]
+    tasks = [SteadyStateTask(variant=variant, friction_ratio=0.3, frequency_ratio=0.9) for variant in pair]
+    assert tasks[0].key() != tasks[1].key()
+    assert tasks[1].content()["options"]["noslip_iterations"] == "3"
+
+
+def test_a_law_is_that_of_the_changed_options() -> None:
+    changed = Variant.recorded("mujoco:joint:default:solref_friction=0.01,1")
+    law = changed.preset.stated_law()
+    assert isinstance(law, Law)
+    assert law.constants["τ"].value == 0.01
+    assert str(changed.law) == "mujoco@law:joint:default:solref_friction=0.01,1.0"
+    assert changed.law is not None
+    assert changed.law.preset["solref_friction"] == (0.01, 1.0)
+
+
+def test_a_law_that_does_not_know_a_changed_option_is_none() -> None:
+    law = Variant.recorded("mujoco:joint:default:iterations=2").preset.stated_law()
+    assert law == NotModelled("its law does not say what iterations changes")
+
+
+def test_a_changed_preset_does_not_claim_to_be_the_scheme() -> None:
+    preset = Variant.recorded("mujoco:noslip_iterations=0").preset
+    assert not preset.shares_scheme
+    assert preset.stated_law() == NotModelled("no model says what noslip_iterations changes")
+
+
+def test_a_law_that_cannot_be_computed_from_a_value_refuses_it() -> None:
+    def law(preset: Preset) -> Law | NotModelled:
+        return NotModelled(f"{1 / preset['width']}")
+
+    from engines.interface.changed_options import changed_preset
+
+    soft = Preset("Soft.", {"width": Option(1.0, 1.0, "As it is.")}, law=law)
+    with pytest.raises(ParameterError, match=r"width=0\.0 of soft is not what its law takes: ZeroDivisionError"):
+        changed_preset(soft, ["width=0"], [soft], "soft")
+
+
+def test_what_is_set_also_holds_where_the_normal_force_changes() -> None:
+    preset = Variant.recorded("ode:contact:surface_layer=0.5").preset
+    assert preset.modulated()["surface_layer"] == 0.5
+    assert preset.modulated()["depth"] == Variant.recorded("ode:contact").preset.modulated()["depth"]
+
+
+def test_a_slower_regularisation_moves_the_engine() -> None:
+    """The zone is what the engine gets: ten times as wide, the same chain moves otherwise."""
+    ends = []
+    for name in ("exudyn-regularised", "exudyn-regularised:zone=0.0025:zone_per_kick=5"):
+        simulation = Variant.parse(name).build([sample_lane(2)])
+        ends.append(simulation.advance(State.at_rest(1, 2), 0, 20).positions)
+        simulation.close()
+    assert not np.array_equal(*ends)

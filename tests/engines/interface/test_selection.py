@@ -1,0 +1,61 @@
+"""Which variants a name stands for, and what of it has to be installed."""
+
+import pytest
+
+from engines.interface.engine import Engine
+from engines.interface.registry import engine
+from engines.interface.selection import variants_named
+from engines.mujoco import MuJoCo
+from reference_lcp.refusal import ParameterError
+
+
+@pytest.mark.parametrize(
+    ("name", "variants"),
+    [
+        ("mujoco", ["mujoco"]),
+        ("mujoco:all", ["mujoco", "mujoco:contact"]),
+        ("mujoco:joint:all", ["mujoco", "mujoco:joint:default"]),
+        (
+            "mujoco:all:all",
+            ["mujoco", "mujoco:joint:default", "mujoco:contact", "mujoco:contact:newton", "mujoco:contact:default"],
+        ),
+        ("mujoco:joint:yield", ["mujoco:joint:yield"]),
+    ],
+)
+def test_parts_that_are_left_out_are_joint_and_tuned_and_all_is_every_one(name: str, variants: list[str]) -> None:
+    assert list(map(str, variants_named([name]))) == variants
+
+
+def test_all_engines_are_each_joint_and_tuned() -> None:
+    assert {(each.formulation, each.preset_name) for each in variants_named(["all"])} == {("joint", "tuned")}
+
+
+def test_variants_are_named_once() -> None:
+    assert list(map(str, variants_named(["mujoco", "mujoco:all", "mujoco:joint:tuned"]))) == ["mujoco", "mujoco:contact"]
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("mujoco:all:best", "preset of mujoco = 'best' is unknown; allowed: tuned, default, newton"),
+        ("mujoco:glue:all", "formulation of mujoco = 'glue' is unknown; allowed: joint, contact"),
+        ("all:joint:best", "preset of all = 'best' is unknown"),
+        ("mujoco:all:noslip_iterations=3", "sets noslip_iterations=3 in several variants; allowed: in one"),
+        ("mujocko:all", "engine = 'mujocko' is unknown"),
+    ],
+)
+def test_a_selection_of_nothing_is_refused(name: str, message: str) -> None:
+    with pytest.raises(ParameterError, match=message):
+        variants_named([name])
+
+
+@pytest.mark.parametrize("name", ["mujoco", "mujoco:contact", "mujoco:all:all", "mujoco:noslip_iterations=3"])
+def test_a_named_engine_that_is_missing_is_refused_and_one_of_all_is_not(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert isinstance(engine("mujoco"), Engine)
+    monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda self: "no wheel; pip install mujoco")
+    monkeypatch.setattr("engines.interface.registry._in_own_environment", lambda name: None)
+    with pytest.raises(ParameterError, match="engine = mujoco is not installed: no wheel; pip install mujoco"):
+        variants_named([name])
+    assert any(each.engine == "mujoco" for each in variants_named(["all"]))
