@@ -184,24 +184,20 @@ def described(name: str) -> dict[str, Any]:
 
 def _print(rows: list[dict[str, Any]]) -> None:
     """Print the engines as a table, then the reasons of those that are missing."""
-    from rich import box
     from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table
 
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    for heading in ("engine", "version", "Python", "friction law"):
-        table.add_column(heading, no_wrap=True)
-    for heading in ("formulation: presets", "precision"):
-        table.add_column(heading)
+    from reference_lcp.terminal_table import print_table
+
+    lines = []
     for row in rows:
         presets = [f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items()]
         arithmetic = row.get("precision", "") + ("" if row.get("deterministic", True) else ", varies")
         law = row.get("friction_law", "")
-        cells = ([row["engine"]], [row["version"] or "missing"], [row["python"] or ""], [law], presets, [arithmetic])
-        table.add_row(*("\n".join(escape(visible(line)) for line in lines) for lines in cells))
+        lines.append(
+            (row["engine"], row["version"] or "missing", row["python"] or "", f"{law}\n{arithmetic}", "\n".join(presets))
+        )
+    print_table(("engine", "version", "Python", "friction law, precision", "formulation: presets"), lines)
     console = Console()
-    console.print(table)
     for row in rows:
         if row["missing"] is not None:
             console.print(visible(f"{row['engine']}: {row['missing']}"), markup=False, soft_wrap=True)

@@ -4,10 +4,7 @@ import sys
 from collections.abc import Sequence
 
 import typer
-from rich import box
 from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
 
 from engines.environments.content import edited_fault
 from engines.environments.environment import Environment, environments, environments_folder
@@ -17,6 +14,7 @@ from engines.environments.requirement import Requirement
 from engines.interface.registry import registered_engine
 from engines.out_of_process.process import EngineProcessError
 from reference_lcp.refusal import ParameterError
+from reference_lcp.terminal_table import print_table
 from reference_lcp.visible import visible
 
 
@@ -69,18 +67,17 @@ def _agree_to_terms(requirement: Requirement) -> None:
 
 def list_environments() -> None:
     """Print every environment with what it holds, and what is wrong with it."""
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    for heading in ("environment", "Python", "packages", "MB", "made in s"):
-        table.add_column(heading, no_wrap=True)
-    faults = []
+    rows, faults = [], []
     for environment in environments():
         record, fault = environment.record(), environment.fault()
-        held = [] if record is None else [record.python, len(record.packages), f"{record.megabytes:g}", record.seconds]
-        table.add_row(escape(visible(environment.name)), *map(str, held))
+        held = [""] * 4
+        if record is not None:
+            held = [record.python, str(len(record.packages)), f"{record.megabytes:g}", str(record.seconds)]
+        rows.append([environment.name, *held])
         if fault is not None:
             faults.append(f"{environment.name} {fault}; {environment.remedy}")
+    print_table(("environment", "Python", "packages", "MB", "made in s"), rows)
     console = Console()
-    console.print(table)
     for line in [*faults, f"in {environments_folder()}"]:
         console.print(visible(line), markup=False, soft_wrap=True)
 

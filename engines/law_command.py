@@ -2,9 +2,7 @@
 
 from collections.abc import Sequence
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from engines.interface.law import Law, NotModelled
 from engines.interface.variant import Variant
@@ -14,6 +12,7 @@ from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.terminal_table import print_table
 from reference_lcp.visible import visible
 
 FRICTION_RATIOS, FREQUENCY_RATIOS = (0.1, 0.3, 1.0), (0.5, 0.7, 0.9, 1.1, 1.3, 1.5)
@@ -31,17 +30,10 @@ def print_law(variant: Variant) -> None:
         console.print(f"{variant} is not modelled: {visible(law.reason)}", markup=False, soft_wrap=True)
     else:
         console.print(f"{variant}: {law.formula}", markup=False, soft_wrap=True)
-        console.print(_constants(law))
+        constants = law.constants.items()
+        rows = [(symbol, f"{each.value:g}", each.unit, each.source) for symbol, each in constants]
+        print_table(("constant", "value", "unit", "from"), rows)
         console.print(_measured(variant, law), markup=False, soft_wrap=True)
-
-
-def _constants(law: Law) -> Table:
-    table = Table(box=box.SIMPLE_HEAD)
-    for heading in ("constant", "value", "unit", "from"):
-        table.add_column(heading)
-    for symbol, constant in law.constants.items():
-        table.add_row(symbol, f"{constant.value:g}", constant.unit, constant.source)
-    return table
 
 
 def _measured(variant: Variant, law: Law) -> str:

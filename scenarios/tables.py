@@ -7,15 +7,10 @@ from typing import Any, Generic, TypeVar
 
 import pandas as pd
 from pydantic_core import to_json
-from rich import box
-from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
+from reference_lcp.terminal_table import print_table as print_rows
 from reference_lcp.visible import visible
-
-MEASURING_WIDTH = 1000
-"""More characters than the longest row of a printed table has."""
 
 FORMULAS = ("=", "+", "-", "@")
 """How texts begin that spreadsheets take for formulas; a tab or a carriage return is made visible before."""
@@ -103,18 +98,7 @@ def plain(*lines: str) -> str:
     return escape("\n".join(map(visible, lines)))
 
 
-def printed_table(table: pd.DataFrame, title: str | None = None) -> Table:
-    """Give a table of texts for a terminal; columns of names (with a colon in the heading) are not wrapped."""
-    printed = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), title=title, title_justify="left")
-    for heading in table.columns:
-        printed.add_column(plain(heading), no_wrap=":" in heading)
-    for texts in table.itertuples(index=False, name=None):
-        printed.add_row(*map(plain, texts))
-    return printed
-
-
-def print_table(table: pd.DataFrame) -> None:
-    """Print a table as wide as its rows are: numbers are never cut off."""
-    printed = printed_table(table)
-    width = Console(width=MEASURING_WIDTH).measure(printed).maximum
-    Console(width=max(Console().width, width)).print(printed)
+def print_table(table: pd.DataFrame, title: str | None = None) -> None:
+    """Print a table of texts, no wider than the terminal."""
+    rows = [tuple(map(visible, texts)) for texts in table.itertuples(index=False, name=None)]
+    print_rows(list(table.columns), rows, title=title)

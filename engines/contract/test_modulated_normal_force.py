@@ -8,6 +8,7 @@ import pytest
 from engines.contract.lanes import modulated_lane, run_of, tolerance_of
 from engines.interface.presets import NormalForce
 from engines.interface.registry import engine
+from engines.interface.selection import variants_of
 from engines.interface.tolerances import (
     BOUND_MARGIN,
     CONVERGED_TOLERANCE_DB,
@@ -18,7 +19,6 @@ from engines.interface.tolerances import (
     STEPS,
     TRAJECTORY_TOLERANCE,
 )
-from engines.interface.selection import variants_of
 from engines.interface.variant import Variant
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.preload import Flight

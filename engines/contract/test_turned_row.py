@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from engines.contract.lanes import tolerance_of
-from engines.interface.tolerances import STEPS
 from engines.interface.selection import variants_of
+from engines.interface.tolerances import STEPS
 from engines.interface.variant import Variant
 from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.harmonic import HarmonicBase

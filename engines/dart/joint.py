@@ -43,7 +43,9 @@ JOINT_DEFAULT = Preset(
         "units": Option("SI", "SI", "The numbers of the chain as they are."),
         "springs": Option("of the joints", "of the joints", "DART's own: implicit, which damps every vibration."),
         "deactivation": Option(True, True, "DART's own."),
-        "constraint force mixing": Option(RESIDUAL_SLIP_COMPLIANCE, RESIDUAL_SLIP_COMPLIANCE, "DART's own.", fixed=True),
+        "constraint force mixing": Option(
+            RESIDUAL_SLIP_COMPLIANCE, RESIDUAL_SLIP_COMPLIANCE, "DART's own.", fixed=True
+        ),
     },
     known_deviation=f"{IMPLICIT_SPRINGS}; friction is solved after them, with the bare masses",
     law=own_springs,

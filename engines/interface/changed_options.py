@@ -1,4 +1,4 @@
-"""Presets with changed options: ``PRESET:NAME=VALUE:…``, read by the types and values that presets of the engine have."""
+"""Presets with changed options: ``PRESET:NAME=VALUE:…``, read by the types that its options have."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -124,14 +124,17 @@ def _read(preset: Preset, setting: str, known: Sequence[Preset], name: str) -> t
 
 def _value(text: str, like: Any, texts: Sequence[str]) -> Any:
     """Read a value of the type of another; ``None`` if it is not of that type."""
+    if isinstance(like, tuple):
+        return _values(text, like, texts)
     if isinstance(like, bool):
         return SWITCHES.get(text.lower())
-    if isinstance(like, int):
-        return int(text) if text.isdecimal() and int(text) <= MOST_COUNT else None
-    if isinstance(like, float):
-        return _number(text)
     if isinstance(like, str):
         return text if text in texts else None
+    return _count(text) if isinstance(like, int) else _number(text)
+
+
+def _values(text: str, like: tuple[Any, ...], texts: Sequence[str]) -> tuple[Any, ...] | None:
+    """Read texts in any number, or as many values as another tuple has."""
     parts = text.split(",") if text else []
     if _is_set_of_flags(like):
         return tuple(parts) if set(parts) <= set(texts) and len(set(parts)) == len(parts) else None
@@ -139,6 +142,10 @@ def _value(text: str, like: Any, texts: Sequence[str]) -> Any:
         return None
     values = tuple(_value(part, each, texts) for part, each in zip(parts, like, strict=True))
     return None if None in values else values
+
+
+def _count(text: str) -> int | None:
+    return int(text) if text.isdecimal() and int(text) <= MOST_COUNT else None
 
 
 def _number(text: str) -> float | None:

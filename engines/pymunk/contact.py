@@ -23,7 +23,9 @@ CONTACT_TUNED = Preset(
             "of the step before", "as they are", "Chipmunk advances positions first: forces are evaluated after that."
         ),
         "iterations": Option(1, 10, "A contact's normal force is found before its friction, and no other touches it."),
-        "collision_slop": Option(0.1, 0.1, "pymunk's own; boxes are less deep in their plates, and not pushed out.", fixed=True),
+        "collision_slop": Option(
+            0.1, 0.1, "pymunk's own; boxes are less deep in their plates, not pushed out.", fixed=True
+        ),
     },
     shares_scheme=True,
     split_tolerance=1e-12,

@@ -4,12 +4,12 @@ import json
 import math
 
 from rich.console import Console
-from rich.table import Table
 
 from reference_lcp.accuracy.error_bar import ErrorBar
 from reference_lcp.chain.step_limits import LARGEST_PHASE_STEP
 from reference_lcp.observables.stick_slip import Transition
 from reference_lcp.one_call import SteadyState
+from reference_lcp.terminal_table import print_table
 
 
 def print_steady_state(state: SteadyState, requested: int, *, as_json: bool) -> None:
@@ -35,10 +35,11 @@ def _print(state: SteadyState, why_more_steps: str | None) -> None:
     console.print(f"steps per period      {orbit.trajectory.steps} (dt = {orbit.lane.time_step:.6g} s)")
     if why_more_steps is not None:
         console.print(f"                      {why_more_steps}")
-    table = Table("cell", "stuck fraction", "transitions: time (s) and new mode")
-    for cell, fraction in enumerate(state.stuck_fraction.tolist(), start=1):
-        table.add_row(str(cell), _stuck_fraction(state, cell, fraction), _transitions_of(state, cell))
-    console.print(table)
+    rows = [
+        (str(cell), _stuck_fraction(state, cell, fraction), _transitions_of(state, cell))
+        for cell, fraction in enumerate(state.stuck_fraction.tolist(), start=1)
+    ]
+    print_table(("cell", "stuck fraction", "transitions: time (s) and new mode"), rows, console=console)
 
 
 def _why_more_steps(state: SteadyState, requested: int) -> str | None:

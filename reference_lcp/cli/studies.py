@@ -7,7 +7,6 @@ from typing import Any
 
 from rich.console import Console
 from rich.progress import track
-from rich.table import Column, Table
 
 from reference_lcp.accuracy.benchmark import bench, bench_cells
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS, Convergence, convergence, plot_convergence
@@ -17,6 +16,7 @@ from reference_lcp.accuracy.richardson import SAFETY
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.compilation import announce_compilation
+from reference_lcp.terminal_table import print_table
 
 
 def print_speed(*, cells: bool, points: bool, as_json: bool) -> None:
@@ -64,40 +64,50 @@ def _study(friction_ratio: float, frequency_ratio: float) -> Convergence:
 
 
 def _print_studies(studies: dict[str, Convergence]) -> None:
-    table = Table("friction, frequency", "order: transmittance", "transition times", "error at 400 steps (dB)")
-    for name, study in studies.items():
-        orders = f"{study.transmittance_order:.2f}", f"{study.transition_order:.2f}"
-        table.add_row(name, *orders, f"{study.transmittance_error_db[0]:.4f}")
-    Console().print(table)
+    rows = [
+        (
+            name,
+            f"{each.transmittance_order:.2f}",
+            f"{each.transition_order:.2f}",
+            f"{each.transmittance_error_db[0]:.4f}",
+        )
+        for name, each in studies.items()
+    ]
+    print_table(("friction, frequency", "order: transmittance", "transition times", "error at 400 steps (dB)"), rows)
 
 
 def _print_lengths(lengths: list[dict[str, float]]) -> None:
-    table = Table("cells", "ns per cell-step", "bytes", "bytes per cell")
-    for row in lengths:
-        nanoseconds, per_cell = 1e9 * row["seconds_per_cell_step"], row["bytes"] / row["cells"]
-        table.add_row(f"{row['cells']:,}", f"{nanoseconds:.2f}", f"{row['bytes']:,}", f"{per_cell:.0f}")
-    Console().print(table)
+    rows = [
+        (
+            f"{row['cells']:,}",
+            f"{1e9 * row['seconds_per_cell_step']:.2f}",
+            f"{row['bytes']:,}",
+            f"{row['bytes'] / row['cells']:.0f}",
+        )
+        for row in lengths
+    ]
+    print_table(("cells", "ns per cell-step", "bytes", "bytes per cell"), rows)
 
 
 def _print_methods(methods: list[dict[str, Any]]) -> None:
-    errors = "median\nerror (dB)", "largest\n(dB)"
-    table = Table("method", "ms a point", "failed", *errors, "median\nbar (dB)", "covered\n(%)")
+    rows = []
     for row in methods:
         bar = row["median_bar_db"], row["covered"]
-        table.add_row(
+        columns = [
             row["method"],
             f"{1e3 * row['seconds_per_point']:.3g}",
             str(row["failed"]),
             *(f"{row[name]:.2g}" for name in ("median_error_db", "largest_error_db")),
             *(("", "") if None in bar else (f"{bar[0]:.2g}", f"{100 * bar[1]:.0f}")),
-        )
-    Console().print(table)
+        ]
+        rows.append(columns)
+    errors = "median error (dB)", "largest (dB)"
+    print_table(("method", "ms a point", "failed", *errors, "median bar (dB)", "covered (%)"), rows)
 
 
 def _print_coverage(study: CoverageStudy) -> None:
     """Print a line for each quantity, with the numbers of the three steps, the coarsest first, in every column."""
-    name = Column("quantity", min_width=len("transmittance"))
-    table = Table(name, "compared", "covered\n(%)", f"by bar\n/ {SAFETY:g} (%)", "bar / error", "undecided")
+    lines = []
     for quantity in QUANTITIES:
         rows = [row for row in study.rows if row.quantity == quantity]
         columns = (
@@ -107,7 +117,8 @@ def _print_coverage(study: CoverageStudy) -> None:
             [f"{row.median_margin:.1f}" for row in rows],
             [str(row.undecided) for row in rows],
         )
-        table.add_row(quantity, *("\n".join(column) for column in columns))
-    Console().print(table)
+        lines.append((quantity, *("\n".join(column) for column in columns)))
+    headings = ("quantity", "compared", "covered (%)", f"by bar / {SAFETY:g} (%)", "bar / error", "undecided")
+    print_table(headings, lines)
     print(f"{study.chains} chains, {study.uncertified} of them without a certified steady state; for each quantity the")
     print("fewest steps, twice and four times as many (by two steps: the last two); bar / error is the median")

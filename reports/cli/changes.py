@@ -11,7 +11,7 @@ from rich.console import Console
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.output import write_whole
 from reference_lcp.refusal import ParameterError
-from scenarios.tables import Column, csv_text, full_table, plain, printed_table, text_table
+from scenarios.tables import Column, csv_text, full_table, plain, print_table, text_table
 from scenarios.tasks.result import ResultStatus
 from scenarios.verdicts.regression import Change, StoreComparison, compare_stores
 from scenarios.verdicts.thresholds import Thresholds
@@ -52,17 +52,17 @@ def print_changes(first: Path, second: Path, thresholds: Thresholds, out: Path |
     comparison = compare_stores(first, second, thresholds)
     if not comparison.common:
         raise ParameterError(f"{first} and {second} have no task in common; allowed: stores of the same points")
-    console = Console(width=max(Console().width, 120))
-    console.print(printed_table(_overview(comparison)))
+    console = Console()
+    print_table(_overview(comparison))
     for line in _identities(comparison.changes):
-        console.print(plain(line))
+        console.print(plain(line), soft_wrap=True)
     if comparison.beyond:
         shown = text_table(
             (VARIANT_COLUMN, FRICTION_COLUMN, FREQUENCY_COLUMN, STEPS_COLUMN, BEYOND_COLUMN),
             comparison.beyond[:MOST_ROWS],
         )
         more = f", the {MOST_ROWS} largest" if len(comparison.beyond) > MOST_ROWS else ""
-        console.print(printed_table(shown, title=f"{len(comparison.beyond)} points beyond{more}"))
+        print_table(shown, title=f"{len(comparison.beyond)} points beyond{more}")
     if out is not None:
         write_whole(out, csv_text(full_table(CHANGE_COLUMNS, comparison.changes)))
     raise typer.Exit(ExitCode.FAILED if comparison.beyond else ExitCode.DONE)

@@ -10,7 +10,7 @@ from reference_lcp.visible import visible
 from scenarios.cli.evaluation import evaluator_of_run
 from scenarios.execution.executor import Executor
 from scenarios.studies.accuracy import Accuracy, accuracies, accuracy_tasks, exact_tasks
-from scenarios.studies.accuracy_table import ACCURACY_COLUMNS, AccuracyRow, accuracy_document, csv_table, remark
+from scenarios.studies.accuracy_table import PRINTED_COLUMNS, AccuracyRow, accuracy_document, csv_table, remark
 from scenarios.tables import print_table, text_table
 from scenarios.verdicts.steady_case import EXACT
 
@@ -25,7 +25,7 @@ def accuracy_rows(
 
 def write_accuracy(rows: Sequence[AccuracyRow], out: Path | None, command: str) -> None:
     """Print the table and what it leaves out, and write it."""
-    print_table(text_table(ACCURACY_COLUMNS, rows))
+    print_table(text_table(PRINTED_COLUMNS, rows))
     for row in rows:
         if row[0].certified < row[0].points:
             print(visible(remark(row[0])))

@@ -73,7 +73,9 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[str], summary: str) ->
         from scenarios.cli.verdicts import perform, planned_run
         from scenarios.execution.dask_cluster import executor_for
 
-        planned = planned_run(name, scenarios, with_settings(chosen, settings), [] if ask else ["--no-ask"], retry_blocked)
+        planned = planned_run(
+            name, scenarios, with_settings(chosen, settings), [] if ask else ["--no-ask"], retry_blocked
+        )
         perform(planned, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
 
 

@@ -27,12 +27,9 @@ from scenarios.cli.options import command_text
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.executor import Executor
 from scenarios.execution.store_file import existing_store
-from scenarios.tables import plain, printed_table
+from scenarios.tables import plain, print_table
 from scenarios.verdicts.failure import failures
 from scenarios.verdicts.finding import Finding
-
-LEAST_WIDTH = 200
-"""Columns that tables may take where the output is no terminal."""
 
 
 @dataclass(frozen=True)
@@ -89,15 +86,15 @@ def _stored_findings(run: Run, store: Path | None) -> dict[Scenario, list[Findin
 
 def print_results(results: Results) -> None:
     """Print the table of each scenario and what does not agree, and the matrix of several."""
-    console = Console(width=max(Console().width, LEAST_WIDTH))
+    console = Console()
     for scenario, findings in results.items():
-        console.print(f"\n[bold]{scenario.name}[/bold]: {plain(scenario.question)}")
-        console.print(plain(f"compared with {scenario.expects}", *scenario.parameters()))
-        console.print(printed_table(verdict_table(findings)))
+        console.print(f"\n[bold]{scenario.name}[/bold]: {plain(scenario.question)}", soft_wrap=True)
+        console.print(plain(f"compared with {scenario.expects}", *scenario.parameters()), soft_wrap=True)
+        print_table(verdict_table(findings))
         for variant, remarks in details(findings):
             console.print(plain(f"{variant}:", *(f"  {remark}" for remark in remarks)), soft_wrap=True)
     if len(results) > 1:
-        console.print(printed_table(matrix(results)))
+        print_table(matrix(results))
     _print_explanations(console, results)
 
 

@@ -141,7 +141,7 @@ def _connected(address: str) -> Any:
         from distributed import Client
     except ImportError:
         raise ParameterError(
-            f"scheduler = {address!r}: dask.distributed is not installed; pip install '.[cluster]' in the suite's folder"
+            f"scheduler = {address!r}: distributed is not installed; pip install '.[cluster]' in the suite's folder"
         ) from None
     for name in NOISY:
         logging.getLogger(name).setLevel(logging.CRITICAL)

@@ -40,6 +40,12 @@ ACCURACY_COLUMNS: tuple[Column[AccuracyRow], ...] = (
     Column("times_bare", _cost("ratio", 1), "× bare", "{:.2f}"),
 )
 
+PRINTED_COLUMNS: tuple[Column[AccuracyRow], ...] = (
+    Column("variant", lambda row: str(row[0].variant), "engine:formulation:preset"),
+    *ACCURACY_COLUMNS[3:],
+)
+"""On a terminal a variant has one column."""
+
 ACCURACY_LEGEND = f"""\
 Errors are worst absolute differences from the exact, event-driven motion, over the points with a certified steady
 state: *six points* at 400 and {ORDER_STEPS[1]} steps a period; *map*: 4 friction ratios (0.1 … 1) × 14 frequency ratios

@@ -8,8 +8,8 @@ import pytest
 
 from engines.interface.presets import NormalForce
 from engines.interface.registry import engine, engine_names
-from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
 from engines.interface.selection import variants_of
+from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
 from engines.interface.variant import Variant
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain

@@ -205,7 +205,10 @@ def test_it_is_silent_imports_late_and_writes_nothing(tmp_path: Path) -> None:
 
 def test_the_reason_for_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("engines.shared.wheel_engine.importlib.util.find_spec", lambda _: None)
-    assert Drake().unavailable_reason() == "the package drake is not installed; multibody-xval engines install drake, or pip install '.[engines]' in the suite's folder"
+    assert (
+        Drake().unavailable_reason() == "the package drake is not installed; multibody-xval engines install drake, "
+        "or pip install '.[engines]' in the suite's folder"
+    )
 
 
 def test_in_the_tuned_contact_nothing_moves_across_the_plane() -> None:

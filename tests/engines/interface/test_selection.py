@@ -31,7 +31,10 @@ def test_all_engines_are_each_joint_and_tuned() -> None:
 
 
 def test_variants_are_named_once() -> None:
-    assert list(map(str, variants_named(["mujoco", "mujoco:all", "mujoco:joint:tuned"]))) == ["mujoco", "mujoco:contact"]
+    assert list(map(str, variants_named(["mujoco", "mujoco:all", "mujoco:joint:tuned"]))) == [
+        "mujoco",
+        "mujoco:contact",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -54,8 +57,8 @@ def test_a_named_engine_that_is_missing_is_refused_and_one_of_all_is_not(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert isinstance(engine("mujoco"), Engine)
-    monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda self: "no wheel; pip install mujoco")
-    monkeypatch.setattr("engines.interface.registry._in_own_environment", lambda name: None)
+    monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _: "no wheel; pip install mujoco")
+    monkeypatch.setattr("engines.interface.registry._in_own_environment", lambda _: None)
     with pytest.raises(ParameterError, match="engine = mujoco is not installed: no wheel; pip install mujoco"):
         variants_named([name])
     assert any(each.engine == "mujoco" for each in variants_named(["all"]))

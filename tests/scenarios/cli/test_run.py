@@ -196,7 +196,7 @@ def test_mujoco_agrees_in_the_limits_and_writes_its_verdicts(tmp_path: Path, cap
     assert {(row["engine"], row["verdict"]) for row in rows} == {("mujoco", "agree")}
     assert [row["metric"] for row in rows] == ["transmittance", "phase", "same step"] * 2
     assert "locked-limit" in capsys.readouterr().out
-    options = ["--engine", "mujoco", "--no-ask", "--store", str(store), "--out", str(out)]
+    options = ["--engine", "mujoco:all", "--no-ask", "--store", str(store), "--out", str(out)]
     assert run_command(app, ["run", "locked-limit", *options]) == 0
     again = list(csv.DictReader(out.read_text().splitlines()))
     assert [row for row in again if (row["formulation"], row["preset"]) == ("joint", "tuned")] == rows

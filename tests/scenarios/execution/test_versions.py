@@ -61,7 +61,8 @@ def processes_of(part: str) -> list[str]:
 
 
 MISSING = (
-    r"'mujoco@3\.98\.0' cannot be used: its environment is not installed; multibody-xval engines install mujoco@3\.98\.0"
+    r"'mujoco@3\.98\.0' cannot be used: its environment is not installed; multibody-xval engines install "
+    r"mujoco@3\.98\.0"
 )
 
 

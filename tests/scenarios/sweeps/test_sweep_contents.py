@@ -141,8 +141,8 @@ def test_list_must_fit_every_length_of_the_chain(tmp_path: Path) -> None:
         ("first = 0.5", "first = 1.5", r"grid.frequency_ratio.last = 1.5; allowed: > first = 1.5"),
         ("friction_ratio = [0.0, 0.3]", "friction_ratio = { first = 0.1, last = 1.0, accuracy_db = 1.0 }",
          r"grid.friction_ratio has an accuracy; allowed: of frequency_ratio only"),
-        ("engines =", 'presets = ["fast"]\nengines =', r"presets: preset of reference:joint = 'fast' is unknown; "),
-        ("engines =", "presets = []\nengines =", r"presets = \[\]; list should have at least 1 item"),
+        ("mujoco:joint", "mujoco:joint:fast", r"preset of mujoco = 'fast' is unknown; allowed: tuned"),
+        ("mujoco:joint", "mujoco:sweeps=3", r"option 'sweeps' cannot be set in mujoco:joint:tuned; allowed"),
     ],
 )  # fmt: skip
 def test_mistake_is_named_with_its_key_and_value(file: Path, old: str, new: str, message: str) -> None:
@@ -154,14 +154,14 @@ def test_mistake_is_named_with_its_key_and_value(file: Path, old: str, new: str,
 @pytest.mark.parametrize(
     ("engines", "expected"),
     [
-        ('["mujoco"]', ["mujoco:joint:default", "mujoco:contact:default"]),
-        ('["mujoco:contact"]', ["mujoco:contact:default"]),
-        ('["mujoco", "mujoco:joint:tuned"]', ["mujoco:joint:default", "mujoco:contact:default", "mujoco"]),
+        ('["mujoco"]', ["mujoco"]),
+        ('["mujoco:all:default"]', ["mujoco:joint:default", "mujoco:contact:default"]),
+        ('["mujoco", "mujoco:noslip_iterations=3"]', ["mujoco", "mujoco:noslip_iterations=3"]),
     ],
 )
-def test_presets_choose_among_those_that_are_not_named(file: Path, engines: str, expected: list[str]) -> None:
+def test_names_of_a_file_are_those_of_the_command_line(file: Path, engines: str, expected: list[str]) -> None:
     content = CONTENT.partition("[tolerances]")[0].replace('["reference:joint", "mujoco:joint"]', engines)
-    asked = read_sweep(written(file.parent, 'presets = ["default"]\n' + content))
+    asked = read_sweep(written(file.parent, content))
     assert [str(variant) for variant in asked.variants] == expected
 
 
