@@ -2,8 +2,10 @@
 
 if __name__ == "__main__":
     from reference_lcp.interrupt import heed_interrupts
+    from reference_lcp.shadow import refuse_shadows
 
     heed_interrupts()
+    refuse_shadows()
 
 # isort: split
 import json
@@ -194,7 +196,13 @@ def _print(rows: list[dict[str, Any]]) -> None:
         arithmetic = row.get("precision", "") + ("" if row.get("deterministic", True) else ", varies")
         law = row.get("friction_law", "")
         lines.append(
-            (row["engine"], row["version"] or "missing", row["python"] or "", f"{law}\n{arithmetic}", "\n".join(presets))
+            (
+                row["engine"],
+                row["version"] or "missing",
+                row["python"] or "",
+                f"{law}\n{arithmetic}",
+                "\n".join(presets),
+            )
         )
     print_table(("engine", "version", "Python", "friction law, precision", "formulation: presets"), lines)
     console = Console()

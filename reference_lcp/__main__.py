@@ -2,8 +2,10 @@
 
 if __name__ == "__main__":
     from reference_lcp.interrupt import heed_interrupts
+    from reference_lcp.shadow import refuse_shadows
 
     heed_interrupts()
+    refuse_shadows()
 
 # isort: split
 import sys

@@ -24,15 +24,17 @@ from scenarios.sweeps.noted import note_sweep, noted_sweep
 from scenarios.sweeps.size import check_size
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
+from scenarios.verdicts.finding import Finding
 
 STORE = "results.sqlite"
 """File of the results in the folder of a report, where no other is named."""
 
 
 class Written(NamedTuple):
-    """The page of a report, and why its comparison fails, a line each."""
+    """The page of a report, what its comparison came to, and why it fails, a line each."""
 
     page: Path
+    findings: Sequence[Finding]
     failures: list[str]
 
 
@@ -127,4 +129,4 @@ def check_folder(name: str, folder: Path, inputs: Sequence[Path | None]) -> None
 
 def _written(report: Report, folder: Path) -> Written:
     write_all(folder, files_of(report, DrawnFigures(folder / FIGURES), cards_beside(folder)))
-    return Written(folder / PAGE, report.failures)
+    return Written(folder / PAGE, report.result.findings, report.failures)

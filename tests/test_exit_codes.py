@@ -9,10 +9,12 @@ import pytest
 
 import scenarios.__main__
 from engines.interface.variant import Variant
+from engines.mujoco import MuJoCo
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.refusal import ParameterError, RunError
 from scenarios.execution.store import ResultStore
+from scenarios.sweeps.spec_file import EXAMPLE
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 from tests.test_help import COMMANDS
@@ -108,7 +110,28 @@ def test_standard_output_that_cannot_be_written_is_a_failed_run() -> None:
     assert done.stderr == "error: standard output cannot be written: No space left on device\n"
 
 
-def test_a_missing_engine_is_wrong_input_where_nothing_else_is_wanted(stores, monkeypatch, capsys) -> None:
-    monkeypatch.setattr(Variant, "unavailable_reason", "no wheel")
-    assert code_of("reports animate --engine mujoco") == ExitCode.WRONG_INPUT
-    assert "--engine = mujoco is not installed: no wheel" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    "line",
+    [
+        "reports --engine mujoco:joint:default",
+        "reports --sweep named.toml",
+        "reports card mujoco",
+        "reports reproduce mujoco:joint:default static-hold",
+        "reports animate --engine mujoco",
+        "scenarios run unit-cell --engine mujoco:all:all",
+        "scenarios run all --engine reference --engine mujoco",
+        "scenarios run accuracy --engine mujoco",
+        "scenarios run laws --engine mujoco",
+        "scenarios run cost --engine mujoco --set noslip_iterations=3",
+        "scenarios sweep named.toml",
+    ],
+)
+def test_an_engine_that_is_named_and_missing_is_wrong_input_before_any_work(stores, monkeypatch, capsys, line) -> None:
+    Path("named.toml").write_text(EXAMPLE)
+    before = set(Path().iterdir())
+    reason = "no wheel; multibody-xval engines install mujoco"
+    monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _: reason)
+    monkeypatch.setattr("engines.interface.registry._in_own_environment", lambda _: None)
+    assert code_of(line) == ExitCode.WRONG_INPUT
+    assert f"engine = mujoco is not installed: {reason}" in capsys.readouterr().err
+    assert set(Path().iterdir()) == before

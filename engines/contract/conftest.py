@@ -1,8 +1,9 @@
-"""Which engines are held to the contract: ``--engine NAME``, as often as wanted, or all that are installed."""
+"""Which engines are held to the contract: ``--xval-engine NAME``, as often as wanted, or all that are installed."""
 
 import pytest
 
 from engines.contract.lanes import label
+from engines.contract.plugin import OPTION
 from engines.interface.presets import NormalForce
 from engines.interface.registry import engine, engine_names
 from engines.interface.selection import variants_of
@@ -41,5 +42,5 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 def _chosen(config: pytest.Config) -> list[str]:
-    named: list[str] = config.getoption("--engine")
+    named: list[str] = config.getoption(OPTION)
     return named or [name for name in engine_names() if engine(name).unavailable_reason() is None]

@@ -1,16 +1,19 @@
-"""The plugin that gives pytest the option ``--engine``: with ``--pyargs``, a conftest would be read too late for it.
+"""The plugin that gives pytest the option ``--xval-engine``: with ``--pyargs``, a conftest is read too late for it.
 
-Every session of pytest imports it where the suite is installed, so that it imports nothing of the suite before the
-option is used.
+Every session of pytest imports it where the suite is installed: the option has the suite's own prefix, since other
+projects have options too, and nothing of the suite is imported before it is used.
 """
 
 import pytest
 
+OPTION = "--xval-engine"
+"""Names an engine that is held to the contract."""
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add ``--engine``."""
+    """Add ``--xval-engine``."""
     parser.getgroup("multibody-xval").addoption(
-        "--engine",
+        OPTION,
         action="append",
         default=[],
         metavar="NAME",
@@ -21,7 +24,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Refuse engines that are unknown or not installed, before any test is collected."""
-    names: list[str] = config.getoption("--engine")
+    names: list[str] = config.getoption(OPTION)
     for name in names:
         from engines.interface.registry import engine
         from reference_lcp.refusal import ParameterError
@@ -29,6 +32,6 @@ def pytest_configure(config: pytest.Config) -> None:
         try:
             missing = engine(name).unavailable_reason()
         except ParameterError as problem:
-            raise pytest.UsageError(f"--engine: {problem}") from problem
+            raise pytest.UsageError(f"{OPTION}: {problem}") from problem
         if missing is not None:
-            raise pytest.UsageError(f"--engine {name}: {missing}")
+            raise pytest.UsageError(f"{OPTION} {name}: {missing}")

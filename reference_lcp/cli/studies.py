@@ -5,9 +5,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.progress import track
-
 from reference_lcp.accuracy.benchmark import bench, bench_cells
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS, Convergence, convergence, plot_convergence
 from reference_lcp.accuracy.coverage import QUANTITIES, CoverageStudy, coverage
@@ -16,6 +13,7 @@ from reference_lcp.accuracy.richardson import SAFETY
 from reference_lcp.chain.harmonic import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.compilation import announce_compilation
+from reference_lcp.progress_lines import tracked
 from reference_lcp.terminal_table import print_table
 
 
@@ -51,7 +49,7 @@ def print_studies(plot: Path | None, *, as_json: bool) -> None:
 def print_covered(chains: int, seed: int, *, as_json: bool) -> None:
     """Compare error bars of random chains with the exact motion, with a bar on the way."""
     announce_compilation()
-    study = coverage(chains, seed, partial(track, console=Console(stderr=True), transient=True))
+    study = coverage(chains, seed, partial(tracked, unit="chains"))
     if as_json:
         print(json.dumps(study.as_dict(), indent=2))
         return

@@ -18,6 +18,7 @@ from reference_lcp.refusal import ParameterError
 from reference_lcp.visible import visible
 from reports.data.collect import Scope
 from reports.write import STORE, Written, check_folder, write_dataset_report, write_sweep_report
+from scenarios.catalogue.verdict_table import verdict_table
 from scenarios.execution.executor import Executor
 from scenarios.execution.store_file import existing_store
 from scenarios.studies.figure3 import (
@@ -31,6 +32,7 @@ from scenarios.sweeps.dataset_file import read_dataset
 from scenarios.sweeps.size import check_size
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
+from scenarios.tables import print_table
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.task import SteadyStateTask
 
@@ -81,8 +83,9 @@ def report_of_sweep(
 
 
 def _end(written: Written) -> None:
-    """Print the page and why its comparison fails, which is the exit code then."""
+    """Print the page, the verdicts, and why the comparison fails, which is the exit code then."""
     print(written.page)
+    print_table(verdict_table(written.findings))
     for line in written.failures:
         print(visible(line))
     if written.failures:

@@ -4,13 +4,11 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import track
-
 from engines.interface.variant import Variant
 from engines.shared.step_cost import step_cost
 from reference_lcp.compilation import announce_compilation
 from reference_lcp.output import write_whole
+from reference_lcp.progress_lines import tracked
 from reference_lcp.refusal import ParameterError
 from reference_lcp.validation import checked_count, checked_scalar
 from reference_lcp.visible import visible
@@ -76,9 +74,9 @@ def _report(columns: Sequence[Column[Row]], rows: Sequence[Row], out: Path | Non
 
 
 def _measured(variants: Sequence[Variant], measure: Callable[[Variant], Sequence[Row]]) -> list[Row]:
-    """Measure one variant after the other, with a bar on the way; those that are missing are named."""
+    """Measure one variant after the other, with progress on the way; those that are missing are named."""
     rows: list[Row] = []
-    for variant in track(variants, "cost", console=Console(stderr=True), transient=True):
+    for variant in tracked(variants, "variants"):
         missing = variant.unavailable_reason
         if missing is not None:
             print(visible(f"{variant}: {missing}"), file=sys.stderr)

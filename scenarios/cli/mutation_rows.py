@@ -1,14 +1,11 @@
 """What ``python -m scenarios run mutations`` does."""
 
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
-
-from rich.console import Console
-from rich.progress import Progress
 
 from engines.mutants.mutant import Mutant
 from reference_lcp.output import write_whole
+from reference_lcp.progress_lines import counted
 from scenarios.cli.evaluation import store_of_run
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import Executor
@@ -25,13 +22,9 @@ def mutation_rows(
     with (
         store_of_run(store) as stored,
         Evaluator(stored, executor) as evaluator,
-        Progress(console=Console(stderr=True), transient=True) as progress,
+        counted("rounds of gates", len(names) * rounds(mutants)) as advance,
     ):
-        gates = [_gate(name, evaluator) for name in names]
-        bars = [progress.add_task(name, total=rounds(mutants)) for name in names]
-        columns = [
-            detections(gate, mutants, partial(progress.advance, bar)) for gate, bar in zip(gates, bars, strict=True)
-        ]
+        columns = [detections(_gate(name, evaluator), mutants, advance) for name in names]
     return [
         MutationRow(mutant, dict(zip(names, detected, strict=True)))
         for mutant, *detected in zip(mutants, *columns, strict=True)

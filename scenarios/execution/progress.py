@@ -1,4 +1,4 @@
-"""Progress bars: one a variant, each task counted once, with an estimate of the time that remains."""
+"""Progress: a bar a variant or plain lines, each task counted once, with an estimate of the time that remains."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -7,6 +7,7 @@ from types import TracebackType
 from typing import Self
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
@@ -18,6 +19,7 @@ from rich.progress import (
 )
 
 from engines.interface.variant import Variant
+from reference_lcp.progress_lines import ProgressLines
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import Executor
 from scenarios.execution.store import ResultStore
@@ -31,6 +33,7 @@ PACE_SECONDS = 3600.0
 class ProgressBars:
     """A bar for each variant, on standard error: computed points, out of all that have to be computed.
 
+    Where standard error is no terminal there are lines for all variants together instead, see `ProgressLines`.
     Results from the store are counted beside the bar: it takes no time, and would spoil the estimate of what remains.
 
     Parameters
@@ -42,6 +45,8 @@ class ProgressBars:
     """
 
     def __init__(self, variants: Sequence[Variant], clock: Callable[[], float] = monotonic):
+        console = Console(stderr=True, force_jupyter=False)
+        self._lines = None if console.is_terminal else ProgressLines("points", clock)
         self.progress = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -49,7 +54,8 @@ class ProgressBars:
             TextColumn("points, {task.fields[known]} known"),
             TimeElapsedColumn(),
             TimeRemainingColumn(),
-            console=Console(stderr=True, force_jupyter=False),
+            console=console,
+            disable=self._lines is not None,
             speed_estimate_period=PACE_SECONDS,
             get_time=clock,
         )
@@ -61,31 +67,37 @@ class ProgressBars:
         """Add to what a variant has to compute."""
         bar = self._bar(variant)
         self.progress.update(bar, total=(self.progress.tasks[bar].total or 0) + count)
+        if self._lines is not None:
+            self._lines.expect(count)
 
     def advance(self, variant: Variant, count: int) -> None:
         """Add to what a variant has computed."""
         self.progress.advance(self._bar(variant), count)
+        if self._lines is not None:
+            self._lines.advance(count)
 
     def recall(self, variant: Variant, count: int) -> None:
         """Add to what needs no computation, and take it from what has to be computed."""
         bar = self._bar(variant)
         known = self.progress.tasks[bar].fields["known"] + count
         self.progress.update(bar, known=known, total=(self.progress.tasks[bar].total or 0) - count)
+        if self._lines is not None:
+            self._lines.recall(count)
 
     def _bar(self, variant: Variant) -> TaskID:
         """Give the bar of a variant; a variant that is added later gets its bar then."""
         if variant not in self._bars:
-            self._bars[variant] = self.progress.add_task(variant.title, total=0, known=0)
+            self._bars[variant] = self.progress.add_task(escape(variant.title), total=0, known=0)
         return self._bars[variant]
 
     def __enter__(self) -> Self:
-        self.progress.start()
+        (self._lines or self.progress).__enter__()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.progress.stop()
+        (self._lines or self.progress).__exit__(kind, problem, trace)
 
 
 class CountingEvaluator(Evaluator):

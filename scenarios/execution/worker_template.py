@@ -30,6 +30,9 @@ START_SECONDS = 180.0
 """What a process has to start, to import the suite and to compile it where that has not been kept, on a busy machine:
 15 s on one that is not."""
 
+SUITE = Path(__file__).resolve().parents[2]
+"""Where the packages of the suite lie: looked for there first, whatever has their names in the working folder."""
+
 END_SECONDS = 1.0
 """What a supervisor has to end its processes, and a template to end; one that takes longer, as it has been stopped, is
 killed itself."""
@@ -114,7 +117,7 @@ class WorkerTemplate(Closing):
         self._requests.settimeout(START_SECONDS)
         with far:
             self._process = subprocess.Popen(
-                [sys.executable, "-c", _START.format(path=sys.path, descriptor=far.fileno())],
+                [sys.executable, "-c", _START.format(path=[str(SUITE), *sys.path], descriptor=far.fileno())],
                 stdin=subprocess.DEVNULL,
                 stdout=2,
                 env={**os.environ, **ONE_THREAD, "TMPDIR": str(self._temporary)},

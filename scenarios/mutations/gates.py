@@ -71,7 +71,7 @@ class ContractGate:
         """
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder, "junit.xml")
-            names = [option for variant in variants for option in ("--engine", variant.engine)]
+            names = [option for variant in variants for option in ("--xval-engine", variant.engine)]
             options = ["-q", "-p", "no:cacheprovider", "--override-ini=addopts=", "--tb=no", f"--junitxml={file}"]
             command = [sys.executable, "-m", "pytest", "--pyargs", "engines.contract", *options, *names]
             done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)

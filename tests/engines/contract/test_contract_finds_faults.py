@@ -82,7 +82,7 @@ def outcomes(install, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str
     names = sorted({f"faulty-{fault.engine}" for fault in FAULTS} | {"faulty-sound"})
     file = tmp_path_factory.mktemp("outcomes") / "junit.xml"
     nodes = [node(fault, name) for fault in FAULTS for name in (f"faulty-{fault.engine}", "faulty-sound")]
-    options = [part for name in names for part in ("--engine", name)]
+    options = [part for name in names for part in ("--xval-engine", name)]
     command = ["-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", f"--junitxml={file}", *options, *nodes]
     install("faulty").run(*command, code=1)
     messages: dict[str, str | None] = {}

@@ -1,6 +1,8 @@
 """An engine in an installable package of its own: found, listed and held to the contract, with nothing edited."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 
@@ -11,14 +13,42 @@ def test_installed_engine_is_listed(install) -> None:
 
 
 def test_installed_engine_is_held_to_the_contract(install) -> None:
-    command = "-m pytest -q -n 0 -p no:cacheprovider --pyargs engines.contract --engine tiny"
+    command = "-m pytest -q -n 0 -p no:cacheprovider --pyargs engines.contract --xval-engine tiny"
     printed = install("plugin").run(*command.split())
     assert int(printed.rsplit(" passed", 1)[0].split()[-1]) >= 20
 
 
 def test_contract_refuses_an_engine_that_is_not_there(install) -> None:
-    command = "-m pytest -q -n 0 -p no:cacheprovider --pyargs engines.contract --engine tinny"
+    command = "-m pytest -q -n 0 -p no:cacheprovider --pyargs engines.contract --xval-engine tinny"
     install("plugin").run(*command.split(), code=4)
+
+
+def test_a_project_with_an_option_of_the_same_kind_runs_beside_the_suite(tmp_path: Path) -> None:
+    (tmp_path / "conftest.py").write_text(
+        "def pytest_addoption(parser):\n"
+        "    parser.addoption('--engine', default='diesel')\n"
+        "    parser.addoption('--version-of-engine')\n"
+    )
+    (tmp_path / "test_engine.py").write_text(
+        "def test_it(request):\n    assert request.config.option.engine == 'petrol'\n"
+    )
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--engine", "petrol"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_session_that_does_not_use_the_option_imports_nothing_of_the_suite(tmp_path: Path) -> None:
+    (tmp_path / "test_modules.py").write_text(
+        "import sys\n\n\n"
+        "def test_it():\n"
+        "    suite = {'engines', 'scenarios', 'reports', 'reference_lcp', 'multibody_xval'}\n"
+        "    own = {name for name in sys.modules if name.split('.')[0] in suite}\n"
+        "    assert own == {'engines', 'engines.contract', 'engines.contract.plugin'}\n"
+        "    assert not {'numpy', 'numba', 'rich', 'typer', 'pydantic'} & set(sys.modules)\n"
+    )
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> None:

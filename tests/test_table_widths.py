@@ -1,0 +1,83 @@
+"""Every table that a command prints fits a terminal of 80 columns, and 80 columns where there is none."""
+
+from pathlib import Path
+
+import pytest
+
+from engines.mutants.catalogue import MUTANTS
+from reference_lcp.console import run_command
+from scenarios.cli.mutation_rows import write_mutations
+from scenarios.mutations.mutation_table import MutationRow
+from scenarios.mutations.search import Detection
+from tests.test_mistakes import APPS
+
+WIDTH = 80
+
+SWEEP = """\
+engines = ["reference", "exudyn-regularised:contact:relative_tolerance=1e-9:zone=0.001", "mujoco:all:default"]
+[grid]
+friction_ratio = [0.3]
+frequency_ratio = [0.9]
+mass_ratio = [1.0]
+[chain]
+cells = 1
+[tolerances]
+transmittance_db = 0.1
+"""
+
+LINES = [
+    "engines",
+    "engines environments",
+    "engines law mujoco:joint:default",
+    "reference_lcp --cells 2 --steps-per-period 400",
+    "reference_lcp bench --cells",
+    "scenarios",
+    "scenarios run locked-limit --engine mujoco:all:all --workers 1",
+    "scenarios run all --no-ask --store sweep.sqlite --engine exudyn-regularised:all:all",
+    pytest.param("scenarios run accuracy --engine reference --no-cost --workers 1", marks=pytest.mark.slow),
+    "scenarios run laws --engine mujoco:joint:default --workers 1",
+    pytest.param("scenarios run cost --engine mujoco:contact:default --seconds 0.1", marks=pytest.mark.slow),
+    "scenarios run cost --engine exudyn-regularised:contact:default --lanes 1 --lanes 2",
+    "scenarios sweep sweep.toml --store sweep.sqlite --workers 1",
+    "reports compare sweep.sqlite sweep.sqlite",
+    "reports --sweep sweep.toml --store sweep.sqlite --no-ask",
+]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A sweep and its store."""
+    folder = tmp_path_factory.mktemp("tables")
+    (folder / "sweep.toml").write_text(SWEEP)
+    assert (
+        run_command(
+            APPS["scenarios"],
+            ["sweep", str(folder / "sweep.toml"), "--store", str(folder / "sweep.sqlite"), "--workers", "1"],
+        )
+        == 0
+    )
+    return folder
+
+
+def widest_rule(text: str) -> int:
+    """Give the width of the widest table: the rule below its headings runs over all of it."""
+    rules = [len(line) for line in text.splitlines() if set(line.strip()) == {"─"}]
+    assert rules, text
+    return max(rules)
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_tables_of_a_command_fit(line: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+    monkeypatch.chdir(folder)
+    monkeypatch.setenv("COLUMNS", str(WIDTH))
+    package, *arguments = line.split()
+    assert run_command(APPS[package], arguments) in (0, 1)
+    assert widest_rule(capsys.readouterr().out) <= WIDTH
+
+
+def test_the_table_of_mutants_fits(monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+    monkeypatch.setenv("COLUMNS", str(WIDTH))
+    gates = ("contract", "scenarios", "report")
+    rows = [MutationRow(mutant, dict.fromkeys(gates, Detection(1.25e-13))) for mutant in MUTANTS.values()]
+    write_mutations(rows, None, "")
+    assert widest_rule(capsys.readouterr().out) <= WIDTH
