@@ -14,6 +14,7 @@ from typing import Annotated, Any
 
 import typer
 
+from engines.completion import complete_engine, complete_variant
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.visible import visible
@@ -44,7 +45,10 @@ def engines(
 
 @app.command()
 def law(
-    name: Annotated[str, typer.Argument(metavar="NAME[:FORMULATION[:PRESET]]", help="The variant.")],
+    name: Annotated[
+        str,
+        typer.Argument(metavar="NAME[:FORMULATION[:PRESET]]", help="The variant.", autocompletion=complete_variant),
+    ],
 ) -> None:
     """Print by which law a preset steps: formula, constants and where they come from, and how near the engine is to it.
 
@@ -60,7 +64,14 @@ def law(
 
 @app.command(name="install")
 def install_engine(
-    name: Annotated[str, typer.Argument(metavar="NAME[@VERSION]", help="The engine, and the version that is wanted.")],
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME[@VERSION]",
+            help="The engine, and the version that is wanted.",
+            autocompletion=complete_engine,
+        ),
+    ],
     python: Annotated[
         str | None,
         typer.Option(help="Version or path of a Python of this machine; the one that runs the suite without it."),
@@ -78,7 +89,7 @@ def install_engine(
 
     Exit code 0: installed; 2: wrong input, or it cannot be installed here; 130: interrupted.
 
-    Example: multibody-xval engines install mujoco@3.3.7
+    Example: python -m engines install mujoco@3.3.7
     """
     from engines.environments_command import install_engine as install
 

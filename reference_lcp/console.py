@@ -80,8 +80,8 @@ def _standard_output() -> Iterator[None]:
     try:
         yield
         sys.stdout.flush()
-    except (OSError, SystemExit) as problem:  # click ends the program where a pipe is closed
-        if getattr(problem, "filename", None) is not None:
+    except (OSError, SystemExit) as problem:  # click ends the program where a pipe is closed, and after a completion
+        if getattr(problem, "filename", None) is not None or getattr(problem, "code", None) == 0:
             raise
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python writes what is left at its end
         reason = getattr(problem, "strerror", "closed pipe")

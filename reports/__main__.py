@@ -15,6 +15,7 @@ from typing import Annotated
 
 import typer
 
+from engines.completion import complete_variant
 from reference_lcp.console import run_command
 from reference_lcp.refusal import ParameterError
 from reports.cli.animate import animate
@@ -58,6 +59,7 @@ def report(
             "--engine",
             metavar=NAME_METAVAR,
             help=f"{ENGINE_HELP}Without it: the suite's, tuned and, where a model predicts it, default.",
+            autocompletion=complete_variant,
         ),
     ] = None,
     settings: Settings = None,
@@ -73,7 +75,7 @@ def report(
         Path | None, typer.Option(help="File that keeps every result; without it, results.sqlite in --out.")
     ] = None,
     ask: Annotated[
-        bool, typer.Option(help="Run what the store lacks; --no-ask shows what there is, and lists what is missing.")
+        bool, typer.Option(help="Run what the store lacks; --no-ask shows what there is, and what is missing.")
     ] = True,
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
@@ -93,7 +95,7 @@ def report(
         return
     check_retry(ask, retry_blocked)
     names = with_settings(chosen, settings)
-    from reports.cli.report import command_of, planned_sweep, report_of_dataset, report_of_sweep
+    from reports.cli.report import command_of, planned_sweep, report_of_dataset, report_of_sweep, stored_sweep
 
     if data is not None:
         if sweep is not None or names or quick:
@@ -101,13 +103,16 @@ def report(
         report_of_dataset(data, out)
         return
     from reports.data.collect import QUICK, Scope
+    from reports.write import STORE
     from scenarios.execution.dask_cluster import executor_for
 
-    planned = planned_sweep(names, sweep, quick=quick)
+    stored = None if ask or names or sweep or quick else store or out / STORE
+    planned = planned_sweep(names, sweep, quick=quick) if stored is None else stored_sweep(stored)
     executor = executor_for(workers, time_limit, scheduler)
     report_of_sweep(
-        planned, out, store, executor, command_of(names, quick, sweep), file=sweep,
-        is_default=not (names or sweep), scope=QUICK if quick else Scope(), ask=ask, retry_blocked=retry_blocked,
+        planned, out, store, executor, command_of(names, quick, sweep, stored), file=sweep,
+        is_default=not (names or sweep or stored), scope=QUICK if quick else Scope(), ask=ask,
+        retry_blocked=retry_blocked,
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ from reference_lcp.console import checked_output_file, checked_output_folder
 from reference_lcp.refusal import ParameterError, checked_path
 from reports.data.collect import Scope, collect, collect_dataset, expected_tasks
 from reports.data.report import Report
+from reports.export.earlier import check_loses_nothing
 from reports.export.files import FIGURES, FILES, PAGE, cards_beside, files_of, write_all
 from reports.figures.drawn import DrawnFigures
 from scenarios.execution.dask_cluster import executor_for
@@ -20,7 +21,7 @@ from scenarios.execution.limits import TIME_LIMIT
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.dataset_file import read_dataset
-from scenarios.sweeps.noted import note_sweep, noted_sweep
+from scenarios.sweeps.noted import note_sweep, noted_sweeps
 from scenarios.sweeps.size import check_size
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
@@ -49,7 +50,7 @@ def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Written:
         check_size(planned)
         return write_sweep_report(planned, folder, command)
     if file.suffix == ".sqlite":
-        return write_sweep_report(noted_sweep(file).with_reference(), folder, command, store=file, ask=False)
+        return write_sweep_report(noted_sweeps(file).sweep.with_reference(), folder, command, store=file, ask=False)
     return write_dataset_report(read_dataset(file), folder, command, file)
 
 
@@ -87,7 +88,7 @@ def write_sweep_report(
     store
         File of the results; without it, `STORE` in the folder.
     ask
-        Whether what the store lacks is computed.
+        Whether what the store lacks is computed; if not, a page that shows more is not overwritten.
     scope
         The parts of the report beside the grid.
     executor
@@ -102,7 +103,9 @@ def write_sweep_report(
     with ExitStack() as stack:
         stored = stack.enter_context(ResultStore(file))
         if not ask:
-            return _written(collect(sweep, stored, StoredResults(stored), command, scope=chosen), folder)
+            shown = collect(sweep, stored, StoredResults(stored), command, scope=chosen)
+            check_loses_nothing(folder, shown)
+            return _written(shown, folder)
         note_sweep(stored, sweep)
         bars = stack.enter_context(ProgressBars(sweep.variants))
         expected = expected_tasks(sweep, chosen)

@@ -5,12 +5,15 @@ from typing import Annotated
 
 import typer
 
+from engines.completion import complete_engine
 from scenarios.cli.options import Limit, Store, Workers
 from scenarios.execution.limits import TIME_LIMIT
 
 
 def card(
-    engine: Annotated[str, typer.Argument(metavar="NAME", help="The engine, or NAME@VERSION.")],
+    engine: Annotated[
+        str, typer.Argument(metavar="NAME", help="The engine, or NAME@VERSION.", autocompletion=complete_engine)
+    ],
     out: Annotated[Path, typer.Option(help="Folder of the card; made if it is missing.")] = Path("report"),
     store: Store = None,
     workers: Workers = None,

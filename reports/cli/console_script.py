@@ -6,7 +6,7 @@ console script does not look there.
 
 import importlib
 import sys
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -58,12 +58,25 @@ def loaded(name: str | None) -> Any:
 
 
 app = typer.Typer(
-    name="multibody-xval", cls=CommandsOnUse, add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True
+    name="multibody-xval", cls=CommandsOnUse, add_completion=True, pretty_exceptions_enable=False, no_args_is_help=True
 )
 
 
+def print_version(wanted: bool) -> None:
+    """Print the version of the suite, and end."""
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"multibody-xval {version('multibody-xval')}")
+        raise typer.Exit
+
+
 @app.callback()
-def multibody_xval() -> None:
+def multibody_xval(
+    version: Annotated[
+        bool, typer.Option("--version", callback=print_version, is_eager=True, help="Print the version, and end.")
+    ] = False,
+) -> None:
     """Cross-validate multibody engines on a frictional chain: the commands of the suite under one name.
 
     Example: multibody-xval report --quick --engine mujoco

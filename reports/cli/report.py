@@ -29,6 +29,7 @@ from scenarios.studies.figure3 import (
     quick_frequency_ratios,
 )
 from scenarios.sweeps.dataset_file import read_dataset
+from scenarios.sweeps.noted import noted_sweeps
 from scenarios.sweeps.size import check_size
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
@@ -49,6 +50,16 @@ def planned_sweep(chosen: Sequence[str], sweep: Path | None, *, quick: bool) -> 
     if sweep is not None:
         return _sweep(sweep, chosen, quick)
     return _figure3(variants_named(chosen), quick) if chosen else _default_sweep(quick)
+
+
+def stored_sweep(store: Path) -> Sweep:
+    """Give the sweep that a store noted last, with all engines that it has of these points; others are named."""
+    noted = noted_sweeps(store)
+    for other in noted.others:
+        names = ", ".join(map(str, other.variants))
+        axes = ", ".join(f"{len(values)} of {name}" for name, values in other.axes.items())
+        print(f"not shown: the store also has {axes}, of {names}; --sweep FILE shows them", file=sys.stderr)
+    return noted.sweep.with_reference()
 
 
 def report_of_sweep(
@@ -85,7 +96,8 @@ def report_of_sweep(
 def _end(written: Written) -> None:
     """Print the page, the verdicts, and why the comparison fails, which is the exit code then."""
     print(written.page)
-    print_table(verdict_table(written.findings))
+    if written.findings:
+        print_table(verdict_table(written.findings))
     for line in written.failures:
         print(visible(line))
     if written.failures:
@@ -135,11 +147,13 @@ def _sweep(file: Path, chosen: Sequence[str], quick: bool) -> Sweep:
     return planned
 
 
-def command_of(chosen: Sequence[str], quick: bool, sweep: Path | None) -> str:
-    """Give the command that gives the same numbers; the folder of the report is left out."""
+def command_of(chosen: Sequence[str], quick: bool, sweep: Path | None, stored: Path | None = None) -> str:
+    """Give the command that gives the same numbers, of a `stored` sweep too; the folder of the report is left out."""
     options = ["--quick"] if quick else []
     for name in chosen:
         options += ["--engine", name]
     if sweep is not None:
         options += ["--sweep", str(sweep)]
+    if stored is not None:
+        options += ["--no-ask", "--store", str(stored)]
     return shlex.join([*PROGRAM, *options])

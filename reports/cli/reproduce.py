@@ -4,13 +4,17 @@ from typing import Annotated
 
 import typer
 
-from scenarios.cli.options import Limit, Store
+from engines.completion import complete_variant
+from scenarios.cli.options import NAME_METAVAR, Limit, Store
 from scenarios.execution.limits import TIME_LIMIT
 
 
 def reproduce(
     variant: Annotated[
-        str, typer.Argument(metavar="NAME[:FORMULATION[:PRESET]]", help="The variant whose number is shown.")
+        str,
+        typer.Argument(
+            metavar=NAME_METAVAR, help="The variant whose number is shown.", autocompletion=complete_variant
+        ),
     ],
     scenario: Annotated[
         str, typer.Argument(help="What it was asked: static-hold, breakaway, stopping-distance or figure3.")

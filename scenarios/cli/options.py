@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from engines.completion import complete_variant
 from reference_lcp.console import checked_output_file
 from reference_lcp.refusal import ParameterError
 
@@ -20,7 +21,10 @@ ENGINE_HELP = (
 Chosen = Annotated[
     list[str] | None,
     typer.Option(
-        "--engine", metavar=NAME_METAVAR, help=f"{ENGINE_HELP}Without it: every engine in all its presets, all:all:all."
+        "--engine",
+        metavar=NAME_METAVAR,
+        help=f"{ENGINE_HELP}Without it: every engine in all its presets, all:all:all.",
+        autocompletion=complete_variant,
     ),
 ]
 Settings = Annotated[

@@ -211,10 +211,9 @@ class ResultStore(Closing):
         row = sweep, digest_of(sweep.encode())
         self._write("INSERT OR REPLACE INTO sweeps (sweep, digest) VALUES (?, ?)", [row])
 
-    def noted(self) -> str | None:
-        """Give the sweep that was noted last, or ``None``."""
-        rows = self._read("SELECT number, sweep, digest FROM sweeps ORDER BY number DESC LIMIT 1")
-        return rows[0][1].decode() if rows else None
+    def noted(self) -> list[str]:
+        """Give the sweeps that were noted, the latest first."""
+        return [row[1].decode() for row in self._read("SELECT number, sweep, digest FROM sweeps ORDER BY number DESC")]
 
     def _write(self, statement: str, rows: Sequence[_Row]) -> None:
         """Write rows in one transaction; where the file has been taken away, they and all others go into a copy."""

@@ -18,7 +18,7 @@ from scenarios.execution.store import ResultStore
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.dataset_results import DatasetResults
-from scenarios.sweeps.noted import note_sweep, noted_sweep
+from scenarios.sweeps.noted import note_sweep, noted_sweeps
 from scenarios.sweeps.run import stored_table
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Case, Sweep
@@ -145,7 +145,7 @@ def test_dataset_of_a_report_can_be_reported(result: ComparedSweep) -> None:
 
 
 def test_store_knows_its_sweep(sweep: Sweep, store: Path, tmp_path: Path) -> None:
-    assert noted_sweep(store) == sweep
+    assert noted_sweeps(store).sweep == sweep
     with ResultStore(tmp_path / "other.sqlite"):
         pass
     with pytest.raises(ParameterError, match="holds no sweep"):

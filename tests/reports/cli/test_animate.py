@@ -14,7 +14,7 @@ from reports.__main__ import app
 from reports.cli import animation as module
 from reports.figures.animation import ChainDrawing, write_animation
 from reports.figures.stick_slip import MODE_COLOURS
-from scenarios.tasks.parameters import ChainRatios
+from scenarios.tasks.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation
 from scenarios.tasks.recorded import RecordedPeriod
 from scenarios.tasks.task import SteadyStateTask
 from tests.reports.conftest import motion
@@ -68,6 +68,61 @@ def test_neighbours_never_meet_and_inner_masses_stay_inside() -> None:
             assert inner.get_x() + inner.get_width() <= outer.get_x() + outer.get_width()
 
 
+CHAIN = """\
+engines = ["reference"]
+steps_per_period = 800
+[grid]
+friction_ratio = [0.5]
+frequency_ratio = [1.0]
+[chain]
+cells = 3
+friction_profile = [1.0, 0.5, 2.0]
+[drive]
+kind = "force"
+"""
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (
+            ["--chain", "cells=3", "--chain", "mass_ratio=0.5,1,2", "--chain", "friction_profile=1,0,1"],
+            {"ratios": ChainRatios(cells=3, mass_ratio=(0.5, 1.0, 2.0), friction_profile=(1.0, 0.0, 1.0))},
+        ),
+        (
+            ["--sweep", "{sweep}"],
+            {
+                "ratios": ChainRatios(cells=3, friction_profile=(1.0, 0.5, 2.0)),
+                "excitation": Excitation(kind="force", amplitude=DEFAULT_AMPLITUDE["force"]),
+                "steps_per_period": 800,
+            },
+        ),
+        (
+            ["--engine", "mujoco", "--set", "noslip_iterations=3"],
+            {"variant": Variant.parse("mujoco:noslip_iterations=3")},
+        ),
+    ],
+)
+def test_any_chain_and_variant_can_be_animated(
+    options: list[str], expected: dict[str, object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sweep.toml").write_text(CHAIN)
+    tasks: list[SteadyStateTask] = []
+
+    def noted(task: SteadyStateTask, _: float) -> RecordedPeriod:
+        tasks.append(task)
+        return motion()
+
+    monkeypatch.setattr(module, "period_of", noted)
+    monkeypatch.setattr(
+        "reports.figures.animation.write_animation", lambda *arguments: arguments[-1].write_text("drawn")
+    )
+    arguments = [option.format(sweep=tmp_path / "sweep.toml") for option in options]
+    assert run_command(app, ["animate", *arguments, "--out", str(tmp_path / "chain.gif")]) == 0
+    (task,) = tasks
+    assert {name: getattr(task, name) for name in expected} == expected
+
+
 def test_an_engine_without_a_steady_state_says_why(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -87,6 +142,13 @@ def test_an_engine_without_a_steady_state_says_why(
         ("--frames", "4", "frames"),
         ("--frames", "401", "8 to 400"),
         ("--out", "chain.mp4", ".gif or .html"),
+        ("--chain", "cells=0", "cells"),
+        ("--chain", "cells=two", "cells = 'two'"),
+        ("--chain", "mass_ratio=1,2", "mass_ratio has 2 values and the chain 7 cells"),
+        ("--chain", "masses=1", "masses is unknown; allowed: cells, mass_ratio"),
+        ("--chain", "mass_ratio=nan", "mass_ratio"),
+        ("--sweep", "nowhere.toml", "nowhere.toml cannot be read"),
+        ("--set", "substeps=2", "option 'substeps' cannot be set in reference:joint:tuned"),
     ],
 )
 def test_wrong_input_is_refused_before_any_work(

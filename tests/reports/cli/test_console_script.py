@@ -1,7 +1,9 @@
 """The console script: one name for the commands of the four packages."""
 
+import os
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -40,6 +42,37 @@ def test_files_of_the_working_folder_do_not_shadow_the_packages(tmp_path: Path) 
         [sys.executable, "-m", "engines"], capture_output=True, text=True, check=False, cwd=tmp_path
     )
     assert "the file of the working folder" in shadowed.stderr, "without the shadow the test says nothing"
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("re", ["reference", "report", "reproduce"]),
+        ("run unit", ["unit-cell"]),
+        ("run unit-cell --engine exudyn", ["exudyn-bristle", "exudyn-regularised"]),
+        (
+            "report --engine mujoco:contact:",
+            ["mujoco:contact:tuned", "mujoco:contact:newton", "mujoco:contact:default"],
+        ),
+        ("card pyb", ["pybullet"]),
+        ("animate --engine none:", []),
+    ],
+)
+def test_a_shell_completes_commands_scenarios_and_engines(words: str, expected: list[str]) -> None:
+    variables = {
+        "_MULTIBODY_XVAL_COMPLETE": "complete_bash",
+        "COMP_WORDS": f"multibody-xval {words}",
+        "COMP_CWORD": str(len(words.split())),
+    }
+    script = Path(sys.executable).with_name("multibody-xval")
+    done = subprocess.run([script], capture_output=True, text=True, check=False, env={**os.environ, **variables})
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.split() == expected
+
+
+def test_version_is_that_of_the_distribution(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(app, ["--version"]) == 0
+    assert capsys.readouterr().out == f"multibody-xval {metadata.version('multibody-xval')}\n"
 
 
 def test_command_that_is_not_there_is_wrong_input(capsys: pytest.CaptureFixture[str]) -> None:

@@ -76,7 +76,7 @@ def test_twenty_thousand_points_are_a_page_of_less_than_five_mebibytes(tmp_path:
     sweep.write_text(sweep_text(variants))
     from reports.cli.report import planned_sweep
 
-    asked = planned_sweep(None, sweep, quick=False)
+    asked = planned_sweep([], sweep, quick=False)
     assert len(read_sweep(sweep).variants) == len(variants)
     with ResultStore(store) as kept:
         result = compare_sweep(asked, Inventor(kept))

@@ -12,7 +12,7 @@ from reference_lcp.exit_code import ExitCode
 from reports.__main__ import app as reports_app
 from scenarios.__main__ import app
 from scenarios.execution.store import ResultStore
-from scenarios.sweeps.noted import note_sweep, noted_sweep
+from scenarios.sweeps.noted import note_sweep, noted_sweeps
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.result import Result
@@ -119,7 +119,7 @@ class Reader:
         assert table in (None, self.table)
         refused += self.refused(reports_app, ["compare", str(self.whole), str(file)], file)
         try:
-            noted = noted_sweep(file)
+            noted = noted_sweeps(file).sweep
         except ParameterError:
             refused += 1
         else:

@@ -20,7 +20,7 @@ from scenarios.execution import store_file
 from scenarios.execution.store import ResultStore, digest_of
 from scenarios.execution.store_check import check_store
 from scenarios.sweeps.dataset import SWEEP
-from scenarios.sweeps.noted import noted_sweep
+from scenarios.sweeps.noted import noted_sweeps
 from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
@@ -97,7 +97,7 @@ def test_only_the_tables_of_a_store_are_read(file, script) -> None:
     with closing(sqlite3.connect(file)) as connection:
         connection.executescript(script)
     before = file.read_bytes()
-    for read in (ResultStore, check_store, noted_sweep, read_all):
+    for read in (ResultStore, check_store, noted_sweeps, read_all):
         with pytest.raises(ParameterError, match="its tables are not those of a store"):
             read(file)
     assert file.read_bytes() == before
@@ -155,7 +155,7 @@ HOSTILE_SWEEPS = [
 def test_a_noted_sweep_of_the_wrong_form_is_refused(file, tmp_path, text) -> None:
     write(file, "sweeps", "sweep", text)
     with pytest.raises(ParameterError, match=r"results\.sqlite"):
-        noted_sweep(file)
+        noted_sweeps(file)
 
 
 @pytest.mark.parametrize(
