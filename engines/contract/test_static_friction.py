@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from engines.contract.lanes import run_of
-from engines.interface.variant import Variant, variants_of
+from engines.interface.selection import variants_of
+from engines.interface.variant import Variant
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.shaken_table import ShakingForce
 from reference_lcp.chain.simulation import Lane

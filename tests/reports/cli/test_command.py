@@ -134,7 +134,9 @@ def test_a_second_run_answers_from_the_store(
 ) -> None:
     arguments = ["--engine", "reference", "--workers", "1", "--out", str(tmp_path)]
     assert run_command(command.app, arguments) == 0
-    assert capsys.readouterr().out == f"{tmp_path / 'index.html'}\n"
+    page, *table = capsys.readouterr().out.splitlines()
+    assert page == str(tmp_path / "index.html")
+    assert any(line.split()[:1] == ["reference"] for line in table)
     first = {file.name: file.read_text() for file in tmp_path.glob("*.csv")}
     assert {file.name for file in tmp_path.iterdir()} == {*FILES, "figures", "results.sqlite"}
     figures = {file.name for file in (tmp_path / "figures").iterdir()}
@@ -343,5 +345,5 @@ def test_an_unexplained_disagreement_is_code_1_after_the_page_is_written(
         page, *lines = capsys.readouterr().out.splitlines()
         assert Path(page) == out / "index.html"
         assert Path(page).is_file()
-        assert any(line.split()[:3] == ["mujoco", "0", "2"] for line in lines) == (code == ExitCode.FAILED)
+        assert any(line.split()[:1] == ["mujoco"] for line in lines) == (code == ExitCode.FAILED)
         assert any(line.startswith("unexplained:") for line in lines) == (code == ExitCode.FAILED)
