@@ -1,6 +1,7 @@
-"""Names that a shell completes: engines, and their formulations and presets once a colon is typed."""
+"""Names that a shell completes: engines, and their formulations and presets once a colon is typed.
 
-from engines.interface.registry import registered_names
+Every command line imports this module, and the registry only where something is completed.
+"""
 
 
 def complete_variant(incomplete: str) -> list[str]:
@@ -21,4 +22,6 @@ def complete_variant(incomplete: str) -> list[str]:
 
 def complete_engine(incomplete: str) -> list[str]:
     """Give the names of engines that begin so."""
+    from engines.interface.registry import registered_names
+
     return [name for name in registered_names() if name.startswith(incomplete)]

@@ -69,7 +69,8 @@ def reproducer_of(variant: Variant) -> Reproducer:
     Raises
     ------
     ParameterError
-        If its engine has no template for its formulation, or that does not write its preset; names those that have one.
+        If its engine has no template for its formulation, that does not write its preset, or options are changed in
+        that; names those that have one.
     """
     reproducer = _template(variant)
     if reproducer is None:
@@ -85,7 +86,8 @@ def has_reproducer(variant: Variant) -> bool:
 
 def _template(variant: Variant) -> Reproducer | None:
     reproducer = _adapter(variant.engine).reproducers.get(Formulation(variant.formulation))
-    return None if reproducer is None or variant.preset_name in reproducer.without else reproducer
+    written = reproducer is not None and variant.preset_name not in reproducer.without and not variant.preset.settings
+    return reproducer if written else None
 
 
 def _adapter(name: str) -> Engine:
