@@ -60,7 +60,7 @@ def test_adaptive_curves_of_the_command_are_right_between_their_points(file: Pat
     store, out = file.with_suffix(".sqlite"), file.with_suffix(".csv")
     assert run_command(app, ["sweep", str(file), "--store", str(store), "--out", str(out)]) == 0
     printed = capsys.readouterr().out
-    assert "curves unresolved" in printed
+    assert "unresolved" in printed
     asked = read_sweep(file)
     with ResultStore(store) as kept:
         whole, table = stored_table(asked, kept)
