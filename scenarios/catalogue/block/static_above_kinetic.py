@@ -26,7 +26,7 @@ from scenarios.execution.evaluator import Evaluator
 from scenarios.tasks.block import CARRIER_MASSES, Block, BlockTask
 from scenarios.tasks.result import NamedNumbers
 from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.judge import Number, judge
+from scenarios.verdicts.judge import Number, judge, missing
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from scenarios.verdicts.verdict import Comparison
 
@@ -160,6 +160,9 @@ class StaticAboveKinetic(BlockScenario):
         """
         pull = PULLS[case]
         (exact,) = evaluator.evaluate([pull.task(EXACT)])
+        unknown = missing("exact motion", [exact])
+        if unknown is not None:
+            return Finding.without_numbers(variant, case, self.metrics, unknown)
         expected = read(pull, exact.series)
 
         def numbers(series: NamedNumbers) -> Mapping[Metric, Number]:
