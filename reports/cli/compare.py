@@ -5,9 +5,11 @@ from typing import Annotated
 
 import typer
 
-from reference_lcp.console import checked_output_file
-from reference_lcp.refusal import ParameterError
+from scenarios.cli.options import check_outs
 from scenarios.verdicts.thresholds import Thresholds
+
+ENDINGS = (".md", ".json", ".xml", ".csv")
+"""Formats of the changes."""
 
 
 def compare(
@@ -22,21 +24,36 @@ def compare(
     transition: Annotated[
         float, typer.Option(help="Largest change of the time of a transition, over the period, that is none.")
     ] = Thresholds.transition,
-    out: Annotated[Path | None, typer.Option(help="Write every point before into this table (.csv).")] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Let every change fail, one closer to the truth too.")
+    ] = False,
+    exact: Annotated[
+        bool,
+        typer.Option(
+            help="Compute the exact motion of changed points; --no-exact takes the truth from the stores only."
+        ),
+    ] = True,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Write the changes here: short for a pull request as .md, JUnit as .xml, in full as .json, every "
+            "point as .csv; may be repeated."
+        ),
+    ] = None,
 ) -> None:
     """Compare two stores point by point: two versions of an engine, two sets of options.
 
-    Points are matched by their tasks; version and options may differ, and differences of them are named. A result that
-    is lost, blocked now, or no longer finite passes every threshold; one that was blocked before passes none.
-    Exit code 0: nothing passes its threshold; 1: something does; 2: wrong input, no point in common, or results of
-    different formats; 3: --out could not be written at the end; 130: interrupted.
+    Points are matched by their tasks; version and options may differ, and differences of them are named. Each changed
+    point is closer to the truth than before, farther from it, or as far: the truth is the exact motion, or the
+    converged reference of either store. A point that was blocked before cannot fail.
+    Exit code 0: nothing has changed for the worse; 1: a point is farther from the truth, lost, blocked now, no longer
+    finite, or changed where the truth is not known; 2: wrong input, no point in common, or results of different
+    formats; 3: --out could not be written at the end; 130: interrupted.
 
-    Example: python -m reports compare before/results.sqlite now/results.sqlite
+    Example: python -m reports compare before/results.sqlite now/results.sqlite --out changes.md
     """
-    if out is not None:
-        if out.suffix != ".csv":
-            raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: .csv")
-        checked_output_file("--out", out, [first, second])
+    outs = check_outs(out, ENDINGS, [first, second])
     from reports.cli.changes import print_changes
 
-    print_changes(first, second, Thresholds(decibel, stuck_fraction, transition), out)
+    thresholds = Thresholds(decibel, stuck_fraction, transition)
+    print_changes(first, second, thresholds, outs, strict=strict, exact=exact)

@@ -75,6 +75,21 @@ def check_out(out: Path | None, endings: tuple[str, ...], inputs: Iterable[Path 
     checked_output_file("--out", out, inputs)
 
 
+def check_outs(outs: Sequence[Path] | None, endings: tuple[str, ...], inputs: Sequence[Path | None]) -> list[Path]:
+    """Give the files of an option that may be repeated; refuse what `check_out` refuses, and a file named twice.
+
+    Raises
+    ------
+    ParameterError
+        Names the file, and what is allowed.
+    """
+    checked: list[Path] = []
+    for out in outs or ():
+        check_out(out, endings, [*inputs, *checked])
+        checked.append(out)
+    return checked
+
+
 def check_retry(ask: bool, retry_blocked: bool) -> None:
     """Refuse to run points again where nothing is run.
 

@@ -1,26 +1,23 @@
-"""Changes from one store to another: two versions of an engine, two sets of options, two machines."""
+"""Changes from one store to another, closer to the truth or farther from it: two versions of an engine, two options."""
 
-import json
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from pydantic import TypeAdapter, ValidationError
 
-from reference_lcp.observables.transition_matching import match_transitions
+from reference_lcp.observables.transition_matching import TransitionMatch, match_transitions
 from reference_lcp.refusal import ParameterError
 from reference_lcp.validation import FloatArray
-from scenarios.execution.store import ResultStore
-from scenarios.execution.store_file import existing_store
 from scenarios.tasks.result import Result, ResultStatus
-from scenarios.tasks.validation_message import first_error
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.judge import metric_difference
+from scenarios.verdicts.stored_results import StoredResult, read_all
 from scenarios.verdicts.thresholds import Thresholds
+from scenarios.verdicts.truth import Compute, Truth, truths_of
 
 NUMBERS = ("transmittance_db", "residual", "period", "stuck_fraction", "creep", "open_fraction", "largest_gap")
 """Numbers of a result, one or one a contact, that do not depend on how it was found."""
@@ -28,46 +25,127 @@ NUMBERS = ("transmittance_db", "residual", "period", "stuck_fraction", "creep", 
 TRANSITION_TIME = "time of a transition"
 """Beside them; a transition that is gone is one without a partner."""
 
+BEST_FIRST = (
+    (ResultStatus.CONVERGED, ResultStatus.FINISHED),
+    (ResultStatus.PERIOD_LIMIT,),
+    (ResultStatus.DIVERGED,),
+    (ResultStatus.BLOCKED,),
+    (ResultStatus.MISSING,),
+)
+"""How much a result says by its status."""
+
+
+class Direction(StrEnum):
+    """Where a change leads."""
+
+    CLOSER = "closer"
+    """The error is smaller than before, by more than the threshold."""
+    AS_FAR = "as far"
+    """The errors before and now differ by less than the threshold: to the other side of the truth, say."""
+    UNKNOWN = "unknown"
+    """The truth is not known."""
+    FARTHER = "farther"
+    """The error is larger than before, by more than the threshold."""
+    LOST = "lost"
+    """The result, or a number of it, is no longer there."""
+
+    @property
+    def fails(self) -> bool:
+        """Whether a point that has changed so is a failure."""
+        return self in (Direction.UNKNOWN, Direction.FARTHER, Direction.LOST)
+
 
 @dataclass(frozen=True)
-class _Content:
-    """The part of a task's content that results are compared by, see `Task.content`."""
-
-    format: int
-    task: dict[str, Any]
-    version: str
-    options: dict[str, str]
-
-
-_CONTENT = TypeAdapter(_Content)
-
-
-@dataclass(frozen=True)
-class StoredResult:
-    """One result of a store, with what it depends on.
+class Measure:
+    """A number by which two steady states of one task differ.
 
     Parameters
     ----------
-    task
-        The task as plain data: the same for every version and every set of options.
-    format
-        Format of the result: what its numbers mean.
-    version, options
-        Of the engine that ran it; options by name, as text.
-    result
-        Its result.
+    name
+        Its name.
+    distance
+        Gives the difference of two results; NaN where one of them lacks the number.
+    threshold
+        Largest difference that is none.
+    pattern
+        How people read a change of it, by `str.format`.
     """
 
-    task: Mapping[str, Any]
-    format: int
-    version: str
-    options: Mapping[str, str]
-    result: Result
+    name: str
+    distance: Callable[[Result, Result], float]
+    threshold: float
+    pattern: str
+
+
+def measures(thresholds: Thresholds) -> tuple[Measure, ...]:
+    """Give what is compared of two steady states."""
+    return (
+        Measure("transmittance", transmittance_difference, thresholds.transmittance_db, "transmittance {:+.4g} dB"),
+        Measure("stuck fraction", _stuck_difference, thresholds.stuck_fraction, "stuck fraction {:.3g}"),
+        Measure("transition", _lateness, thresholds.transition, "a transition {:.2g} periods away"),
+        Measure("unmatched", _unmatched, 0.0, "{:.0f} transitions without a partner"),
+    )
+
+
+def transmittance_difference(result: Result, other: Result) -> float:
+    """Give the first transmittance less the second, on the scale of `TRANSMITTANCE` [dB]."""
+    return metric_difference(TRANSMITTANCE, result.transmittance_db, other.transmittance_db)
+
+
+def _stuck_difference(result: Result, other: Result) -> float:
+    """Give the largest difference of a contact."""
+    if len(result.stuck_fraction) != len(other.stuck_fraction):
+        return math.nan
+    pairs = zip(result.stuck_fraction, other.stuck_fraction, strict=True)
+    return max((abs(one - two) for one, two in pairs), default=0.0)
+
+
+def _lateness(result: Result, other: Result) -> float:
+    """Give the largest difference of the times of matched transitions, over the period; zero without any."""
+    return max(map(abs, _match(result, other).time_errors), default=0.0)
+
+
+def _unmatched(result: Result, other: Result) -> float:
+    """Give the number of transitions of either that the other one does not have."""
+    match = _match(result, other)
+    return len(match.missed) + len(match.spurious)
+
+
+def _match(result: Result, other: Result) -> TransitionMatch:
+    return match_transitions(result.transitions, other.transitions, other.period)
+
+
+@dataclass(frozen=True)
+class Shift:
+    """A number that has changed by more than its threshold.
+
+    Parameters
+    ----------
+    measure
+        Which.
+    change
+        By how much, in its unit.
+    before, now
+        Its difference from the truth; NaN where that is not known.
+    """
+
+    measure: Measure
+    change: float
+    before: float = math.nan
+    now: float = math.nan
 
     @property
-    def variant(self) -> str:
-        """Engine, formulation and preset, joined by colons."""
-        return ":".join(self.task["variant"][name] for name in ("engine", "formulation", "preset_name"))
+    def direction(self) -> Direction:
+        """Where it leads."""
+        worse = self.now - self.before
+        if math.isnan(worse):
+            return Direction.UNKNOWN
+        if abs(worse) <= self.measure.threshold:
+            return Direction.AS_FAR
+        return Direction.FARTHER if worse > 0 else Direction.CLOSER
+
+    def __str__(self) -> str:
+        return self.measure.pattern.format(self.change)
 
 
 @dataclass(frozen=True)
@@ -78,25 +156,67 @@ class Change:
     ----------
     first, second
         The results; a lost one is ``missing``.
-    transmittance_db
-        Second less first [dB]; NaN unless both have a steady state. So are the others.
-    stuck_fraction
-        Largest difference of a contact.
-    transition
-        Largest difference of the times of matched transitions, over the period; zero without any.
-    unmatched
-        Transitions of either that the other one does not have.
-    beyond
-        Changes that pass a threshold, in words; empty where nothing does.
+    differences
+        Second less first by the name of a `Measure`; empty unless both have numbers.
+    shifts
+        Those of them that pass their threshold.
+    lost
+        What is no longer there, in words.
+    gained
+        How the result says more than before, in words; empty where it does not.
+    truth
+        What the numbers are held to; ``None`` where it is not known, or nothing has shifted.
     """
 
     first: StoredResult
     second: StoredResult
-    transmittance_db: float = math.nan
-    stuck_fraction: float = math.nan
-    transition: float = math.nan
-    unmatched: int = 0
-    beyond: tuple[str, ...] = ()
+    differences: Mapping[str, float]
+    shifts: tuple[Shift, ...] = ()
+    lost: tuple[str, ...] = ()
+    gained: str = ""
+    truth: Truth | None = None
+
+    @property
+    def beyond(self) -> tuple[str, ...]:
+        """Changes that pass a threshold, in words; empty where nothing does."""
+        shifts = (f"{shift}, {shift.direction}" for shift in self.shifts)
+        return (*self.lost, *([self.gained] if self.gained else []), *shifts)
+
+    @property
+    def direction(self) -> Direction | None:
+        """Where the worst of the changes leads; ``None`` without any."""
+        directions = {shift.direction for shift in self.shifts}
+        directions |= {Direction.LOST} if self.lost else set()
+        directions |= {Direction.CLOSER} if self.gained else set()
+        return max(directions, key=list(Direction).index, default=None)
+
+    def fails(self, *, strict: bool = False) -> bool:
+        """Whether the point is a failure; a strict comparison takes every change for one."""
+        return self.direction is not None and (strict or self.direction.fails)
+
+    @property
+    def transmittance_db(self) -> float:
+        """Second less first [dB]; NaN where there is none."""
+        return self.differences.get("transmittance", math.nan)
+
+    def error_db(self, stored: StoredResult) -> float:
+        """Give the error of one of the results [dB]; NaN where it, or the truth, is not known."""
+        return math.nan if self.truth is None else abs(transmittance_difference(stored.result, self.truth.result))
+
+    def judged(self, truth: Truth | None) -> "Change":
+        """Hold what has shifted to the truth."""
+        if truth is None:
+            return self
+        old, new, right = self.first.result, self.second.result, truth.result
+        shifts = tuple(
+            replace(
+                shift,
+                before=abs(shift.measure.distance(old, right)),
+                now=abs(shift.measure.distance(new, right)),
+            )
+            for shift in self.shifts
+        )
+        return replace(self, shifts=shifts, truth=truth)
 
 
 @dataclass(frozen=True)
@@ -107,76 +227,80 @@ class StoreComparison:
     ----------
     changes
         Tasks whose results both hold, and those that the second store has lost, in the order of the first.
-    only_first, only_second
-        Number of tasks whose results only this one holds, by variant.
+    only_second
+        Number of tasks whose results only the second store holds, by variant.
     """
 
     changes: tuple[Change, ...]
-    only_first: Mapping[str, int]
     only_second: Mapping[str, int]
 
     @property
-    def common(self) -> list[Change]:
-        """Tasks whose results both stores hold."""
-        return [change for change in self.changes if change.second.result.status is not ResultStatus.MISSING]
-
-    @property
     def beyond(self) -> list[Change]:
-        """Changes that pass a threshold, the largest difference of transmittance first."""
-        beyond = [change for change in self.changes if change.beyond]
-        return sorted(
-            beyond,
-            key=lambda change: -math.inf if math.isnan(change.transmittance_db) else -abs(change.transmittance_db),
-        )
+        """Changes that pass a threshold: what fails first, and of that the largest difference of transmittance."""
+        beyond = [change for change in self.changes if change.direction is not None]
+        return sorted(beyond, key=_by_severity)
+
+    def failing(self, *, strict: bool = False) -> list[Change]:
+        """Give those of `beyond` that are failures."""
+        return [change for change in self.beyond if change.fails(strict=strict)]
 
 
-def read_all(file: Path) -> dict[str, StoredResult]:
-    """Give every result of a store by its task, without version and options; of several the latest.
-
-    Raises
-    ------
-    ParameterError
-        If the file is missing, is no store, or is damaged.
-    """
-    return dict(_rows(existing_store(file)))
+def _by_severity(change: Change) -> tuple[int, float]:
+    severity = -1 if change.direction is None else list(Direction).index(change.direction)
+    size = abs(change.transmittance_db)
+    return -severity, -math.inf if math.isnan(size) else -size
 
 
-def _rows(file: Path) -> Iterator[tuple[str, StoredResult]]:
-    with ResultStore(file) as store:
-        store.check_pages()
-        for content, result in store.all_results():
-            about = _read(file, content)
-            stored = StoredResult(about.task, about.format, about.version, about.options, result)
-            yield json.dumps(stored.task, sort_keys=True), stored
-
-
-def _read(file: Path, content: str) -> _Content:
-    """Read what a row of a store is about."""
-    try:
-        return _CONTENT.validate_json(content)
-    except ValidationError as problem:
-        raise ParameterError(f"store {file}: {first_error(problem, 'format, task, version, options')}") from None
-
-
-def compare_stores(first: Path, second: Path, thresholds: Thresholds | None = None) -> StoreComparison:
+def compare_stores(
+    first: Path, second: Path, thresholds: Thresholds | None = None, compute: Compute | None = None
+) -> StoreComparison:
     """Compare two stores, task by task.
 
+    A version in the name of an engine, ``NAME@VERSION``, belongs to the result and not to the task, where each store
+    has one version of this engine only.
+
+    Parameters
+    ----------
+    first, second
+        The stores.
+    thresholds
+        What counts as no change.
+    compute
+        Computes the exact motion where neither store has it; without it, the stores alone say what is true.
+
     Raises
     ------
     ParameterError
-        If one of them cannot be read, or they hold the same task in different formats.
+        If one of them cannot be read, they hold the same task in different formats, or have no task in common.
     """
-    a, b = read_all(first), read_all(second)
-    for task in a.keys() & b.keys():
+    stores = read_all(first), read_all(second)
+    a, b = (_rekeyed(own, other) for own, other in (stores, stores[::-1]))
+    _refuse(first, second, a, b)
+    limits = thresholds or Thresholds()
+    changes = [change(a[task], b.get(task) or _lost(a[task]), limits) for task in a]
+    truths = truths_of([own.first.task for own in changes if own.shifts], [*a.values(), *b.values()], compute)
+    return StoreComparison(
+        changes=tuple(own.judged(truths.get(own.first.key())) for own in changes),
+        only_second=Counter(stored.variant for task, stored in b.items() if task not in a),
+    )
+
+
+def _rekeyed(own: Mapping[str, StoredResult], other: Mapping[str, StoredResult]) -> dict[str, StoredResult]:
+    """Leave the version out of the name of engines of which each store has one only."""
+    names = [{stored.engine: stored.unversioned_engine for stored in store.values()} for store in (own, other)]
+    several = {engine for store in names for engine, count in Counter(store.values()).items() if count > 1}
+    return {stored.key(versioned=stored.unversioned_engine in several): stored for stored in own.values()}
+
+
+def _refuse(first: Path, second: Path, a: Mapping[str, StoredResult], b: Mapping[str, StoredResult]) -> None:
+    """Refuse stores that cannot be compared."""
+    common = a.keys() & b.keys()
+    if not common:
+        raise ParameterError(f"{first} and {second} have no task in common; allowed: stores of the same points")
+    for task in common:
         if a[task].format != b[task].format:
             formats = f"{first} has results of format {a[task].format}, {second} of format {b[task].format}"
             raise ParameterError(f"{formats}: their numbers mean different things; allowed: stores of one format")
-    limits = thresholds or Thresholds()
-    return StoreComparison(
-        changes=tuple(change(a[task], b.get(task) or _lost(a[task]), limits) for task in a),
-        only_first=Counter(stored.variant for task, stored in a.items() if task not in b),
-        only_second=Counter(stored.variant for task, stored in b.items() if task not in a),
-    )
 
 
 def _lost(stored: StoredResult) -> StoredResult:
@@ -188,14 +312,33 @@ def change(first: StoredResult, second: StoredResult, thresholds: Thresholds) ->
     """Compare two results of the same task; a blocked one has nothing to lose."""
     old, new = first.result, second.result
     if old.status is ResultStatus.BLOCKED:
-        return Change(first, second)
-    if new.status != old.status:
+        return Change(first, second, {})
+    ranks = _rank(old), _rank(new)
+    status = f"{old.status} before, {new.status} now" if old.status != new.status else ""
+    if ranks[1] > ranks[0]:
         reason = f": {new.reason}" if new.status is ResultStatus.BLOCKED else ""
-        return Change(first, second, beyond=(f"{old.status} before, {new.status} now{reason}",))
+        return Change(first, second, {}, lost=(f"{status}{reason}",))
     lost = _lost_numbers(old, new)
-    if lost or not old.converged:
-        return Change(first, second, beyond=lost)
-    return _changed_numbers(first, second, thresholds)
+    if lost or not _comparable(old, new):
+        return Change(first, second, {}, lost=lost, gained=status)
+    distances = [(measure, measure.distance(new, old)) for measure in measures(thresholds)]
+    return Change(
+        first,
+        second,
+        {measure.name: distance for measure, distance in distances},
+        tuple(Shift(measure, distance) for measure, distance in distances if abs(distance) > measure.threshold),
+        gained=status,
+    )
+
+
+def _rank(result: Result) -> int:
+    """Give how little a result says."""
+    return next(rank for rank, statuses in enumerate(BEST_FIRST) if result.status in statuses)
+
+
+def _comparable(old: Result, new: Result) -> bool:
+    """Whether the numbers of a new steady state can be compared with those before, certified or not."""
+    return new.converged and old.status in (ResultStatus.CONVERGED, ResultStatus.PERIOD_LIMIT)
 
 
 def _lost_numbers(old: Result, new: Result) -> tuple[str, ...]:
@@ -216,23 +359,3 @@ def _numbers(result: Result) -> dict[str, FloatArray]:
     named = {name: np.atleast_1d(getattr(result, name)) for name in NUMBERS}
     times = np.array([time for _, time, _ in result.transitions])
     return {**named, TRANSITION_TIME: times, **{name: np.array(values) for name, values in result.series.items()}}
-
-
-def _changed_numbers(first: StoredResult, second: StoredResult, thresholds: Thresholds) -> Change:
-    """Compare two steady states."""
-    old, new = first.result, second.result
-    difference = metric_difference(TRANSMITTANCE, new.transmittance_db, old.transmittance_db)
-    pairs = zip(new.stuck_fraction, old.stuck_fraction, strict=True)
-    stuck = max((abs(after - before) for after, before in pairs), default=0.0)
-    match = match_transitions(new.transitions, old.transitions, old.period)
-    late = max((abs(error) for error in match.time_errors), default=0.0)
-    unmatched = len(match.missed) + len(match.spurious)
-    passed = {
-        f"transmittance {difference:+.4g} dB": abs(difference) > thresholds.transmittance_db,
-        f"stuck fraction {stuck:.3g}": stuck > thresholds.stuck_fraction,
-        f"a transition {100 * late:.2g} % of the period away": late > thresholds.transition,
-        f"{unmatched} transitions without a partner": unmatched > 0,
-    }
-    return Change(
-        first, second, difference, stuck, late, unmatched, tuple(text for text, is_so in passed.items() if is_so)
-    )

@@ -2,6 +2,8 @@
 
 import csv
 import dataclasses
+import json
+import shutil
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -12,16 +14,26 @@ from engines.interface import variant
 from engines.interface.engine import Engine
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Option, Preset
 from engines.interface.variant import Variant
+from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
+from reference_lcp.one_call import exact_steady_state
 from reference_lcp.refusal import ParameterError
 from reports.__main__ import app
+from reports.export.changes import Regression, changes_markdown
+from scenarios.execution.steady import run_steady_states
 from scenarios.execution.store import ResultStore, digest_of
 from scenarios.tasks import task
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import RESULT_FORMAT, SteadyStateTask, key_of
-from scenarios.verdicts.regression import StoredResult, change, compare_stores
+from scenarios.verdicts.pointwise import CONVERGED
+from scenarios.verdicts.regression import Change, Direction, StoreComparison, change, compare_stores
+from scenarios.verdicts.steady_case import EXACT
+from scenarios.verdicts.stored_results import StoredResult
 from scenarios.verdicts.thresholds import Thresholds
+from scenarios.verdicts.truth import Truth
+from tests.junit import checked_junit
 
 SOFT, HARD = Option(1, 5, "soft"), Option(100, 5, "hard")
 
@@ -59,15 +71,15 @@ def answered(task: SteadyStateTask, residual_slip_compliance: float) -> Result:
 
 def fill(file: Path, option: Option, residual_slip_compliance: float, monkeypatch: pytest.MonkeyPatch) -> Path:
     engine = Softening(option)
-    monkeypatch.setattr(task, "engine", lambda _name: engine)
-    monkeypatch.setattr(variant, "engine", lambda _name: engine)
-    task._identity.cache_clear()
-    with ResultStore(file) as store:
-        asked = [
-            SteadyStateTask(variant=Variant("softening"), friction_ratio=0.3, frequency_ratio=eta)
-            for eta in (0.3, 0.6, 0.9)
-        ]
-        store.keep((task, answered(task, residual_slip_compliance)) for task in asked)
+    tasks = [
+        SteadyStateTask(variant=Variant("softening"), friction_ratio=0.3, frequency_ratio=eta)
+        for eta in (0.3, 0.6, 0.9)
+    ]
+    with monkeypatch.context() as patched, ResultStore(file) as store:
+        patched.setattr(task, "engine", lambda _name: engine)
+        patched.setattr(variant, "engine", lambda _name: engine)
+        task._identity.cache_clear()
+        store.keep((own, answered(own, residual_slip_compliance)) for own in tasks)
     task._identity.cache_clear()
     return file
 
@@ -78,7 +90,20 @@ def before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def compared(*arguments: object) -> int:
-    return run_command(app, ["compare", *map(str, arguments)])
+    """Compare by what the stores say of the truth."""
+    return run_command(app, ["compare", "--no-exact", *map(str, arguments)])
+
+
+def know_truth(file: Path, transmittance_db: float, variant: Variant = EXACT) -> None:
+    """Add what is true of the points of `fill` to a store."""
+    tasks = [
+        SteadyStateTask(variant=variant, friction_ratio=0.3, frequency_ratio=eta, steps_per_period=800)
+        for eta in (0.3, 0.6, 0.9)
+    ]
+    with ResultStore(file) as store:
+        store.keep(
+            (task, dataclasses.replace(answered(task, 0.0), transmittance_db=transmittance_db)) for task in tasks
+        )
 
 
 def test_a_changed_option_is_found_with_the_points_that_it_changed(
@@ -89,7 +114,7 @@ def test_a_changed_option_is_found_with_the_points_that_it_changed(
     assert compared(before, now, "--out", table) == 1
     printed = capsys.readouterr().out
     assert "softening:joint:tuned: option iterations 100 → 1" in printed
-    assert "2 points beyond" in printed
+    assert "3 points: 2 changed with the truth unknown; 2 fail" in printed
     rows = {row["frequency_ratio"]: row for row in csv.DictReader(table.read_text().splitlines())}
     assert {eta for eta, row in rows.items() if row["beyond"]} == {"0.6", "0.9"}
     assert float(rows["0.6"]["transmittance_db_change"]) == pytest.approx(0.5)
@@ -102,7 +127,7 @@ def test_a_changed_option_that_changes_nothing_is_named_and_passes(
     now = fill(tmp_path / "now.sqlite", SOFT, 0.01, monkeypatch)
     assert compared(before, now) == 0
     assert "option iterations 100 → 1" in capsys.readouterr().out
-    assert compared(before, now, "--db", "0.005") == 1
+    assert compared(before, now, "--db", "0.005", "--strict") == 1
 
 
 def test_a_store_equals_itself(before: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -115,20 +140,22 @@ def test_points_of_one_store_alone_are_counted(before: Path, tmp_path: Path) -> 
     other = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
     with ResultStore(now) as store:
         store.keep([(other, answered(other, 0.0))])
-    found = compare_stores(before, now)
-    assert found.common == []
-    assert (found.only_first, found.only_second) == ({"softening:joint:tuned": 3}, {"reference:joint:tuned": 1})
     assert compared(before, now) == 2
+    shutil.copy(before, tmp_path / "first.sqlite")
+    with ResultStore(before) as store:
+        store.keep([(other, answered(other, 0.0))])
+    assert compare_stores(tmp_path / "first.sqlite", before).only_second == {"reference:joint:tuned": 1}
+    assert [own.direction for own in compare_stores(before, now).changes] == [*[Direction.LOST] * 3, None]
 
 
 @pytest.mark.parametrize(
     ("now", "beyond"),
     [
         ({"status": "period limit"}, "converged before, period limit now"),
-        ({"stuck_fraction": (0.5, 0.9)}, "stuck fraction 0.1"),
-        ({"transitions": ((1, 0.21, "stick"),)}, "a transition 1 % of the period away"),
-        ({"transitions": ()}, "1 transitions without a partner"),
-        ({"transitions": ((1, 0.999, "stick"),)}, "2 transitions without a partner"),
+        ({"stuck_fraction": (0.5, 0.9)}, "stuck fraction 0.1, unknown"),
+        ({"transitions": ((1, 0.21, "stick"),)}, "a transition 0.01 periods away, unknown"),
+        ({"transitions": ()}, "1 transitions without a partner, unknown"),
+        ({"transitions": ((1, 0.999, "stick"),)}, "2 transitions without a partner, unknown"),
     ],
 )
 def test_every_kind_of_change_passes_its_threshold(now: dict[str, object], beyond: str) -> None:
@@ -186,7 +213,7 @@ def test_results_that_are_lost_fail_and_are_named(before: Path, tmp_path: Path, 
     results = results_of(before)
     now = write_results(tmp_path / "now.sqlite", dict(list(results.items())[:1]))
     assert compared(before, now, "--out", tmp_path / "changes.csv") == ExitCode.FAILED
-    assert "2 points beyond" in capsys.readouterr().out
+    assert "2 lost; 2 fail" in capsys.readouterr().out
     rows = list(csv.DictReader((tmp_path / "changes.csv").read_text().splitlines()))
     assert [row["beyond"] for row in rows] == ["", *["converged before, missing now"] * 2]
     assert compared(now, before) == ExitCode.DONE
@@ -210,17 +237,23 @@ def test_blocked_now_fails_with_its_reason_blocked_before_does_not(before: Path,
     results = results_of(before)
     now = write_results(tmp_path / "now.sqlite", dict.fromkeys(results, blocked))
     assert compared(before, now, "--out", tmp_path / "changes.csv") == ExitCode.FAILED
-    assert "3 points beyond" in capsys.readouterr().out
+    assert "3 lost; 3 fail" in capsys.readouterr().out
     rows = list(csv.DictReader((tmp_path / "changes.csv").read_text().splitlines()))
     assert {row["beyond"] for row in rows} == {"converged before, blocked now: crashed in solve()"}
     assert compared(now, before) == ExitCode.DONE
     assert compared(now, now) == ExitCode.DONE
-    shown = capsys.readouterr().out
-    assert shown.count("blocked") == 4, "before and now, of two comparisons"
+    assert "3 points blocked before, 3 blocked now" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
-    "arguments", [["missing.sqlite"], ["{}", "--db", "0"], ["{}", "--out", "changes.txt"], ["{}", "--transition", "2"]]
+    "arguments",
+    [
+        ["missing.sqlite"],
+        ["{}", "--db", "0"],
+        ["{}", "--out", "changes.txt"],
+        ["{}", "--out", "x.md", "--out", "x.md"],
+        ["{}", "--transition", "2"],
+    ],
 )
 def test_wrong_input_is_refused(before: Path, arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert compared(before, *(one.format(before) for one in arguments)) == 2
@@ -230,3 +263,140 @@ def test_wrong_input_is_refused(before: Path, arguments: list[str], capsys: pyte
 def test_thresholds_name_what_is_wrong() -> None:
     with pytest.raises(ParameterError, match=r"threshold of stuck_fraction = 0"):
         Thresholds(stuck_fraction=0)
+
+
+@pytest.mark.parametrize(
+    ("truth", "direction", "code"),
+    [
+        (-4.4, Direction.CLOSER, ExitCode.DONE),  # 0.6 dB before, 0.1 dB now
+        (-4.75, Direction.AS_FAR, ExitCode.DONE),  # to the other side
+        (-5.1, Direction.FARTHER, ExitCode.FAILED),
+        (None, Direction.UNKNOWN, ExitCode.FAILED),
+    ],
+)
+@pytest.mark.parametrize("variant", [EXACT, CONVERGED], ids=["exact", "converged"])
+def test_only_what_leads_away_from_the_truth_fails(
+    before, tmp_path, monkeypatch, truth, direction, code, variant
+) -> None:
+    now = fill(tmp_path / "now.sqlite", SOFT, 0.5, monkeypatch)
+    if truth is not None:
+        know_truth(now, truth, variant)
+    assert compared(before, now, "--out", tmp_path / "changes.csv") == code
+    rows = list(csv.DictReader((tmp_path / "changes.csv").read_text().splitlines()))
+    assert [row["direction"] for row in rows] == ["", direction, direction]
+    if truth is not None:
+        errors = [float(rows[1][f"error_db_{side}"]) for side in ("before", "now")]
+        assert errors == pytest.approx([abs(-5.0 - truth), abs(-4.5 - truth)])
+        assert rows[1]["truth"] == ("exact motion" if variant == EXACT else "converged reference")
+    assert compared(before, now, "--strict") == ExitCode.FAILED
+
+
+def test_the_command_computes_exact_motions(before, tmp_path, monkeypatch, capsys) -> None:
+    now = fill(tmp_path / "now.sqlite", SOFT, 0.5, monkeypatch)
+    assert run_command(app, ["compare", str(before), str(now)]) == ExitCode.FAILED
+    assert "3 points: 1 farther from the truth, 1 closer to the truth; 1 fail" in capsys.readouterr().out
+
+
+def test_the_exact_motion_counts_before_the_converged_reference(before, tmp_path, monkeypatch) -> None:
+    now = fill(tmp_path / "now.sqlite", SOFT, 0.5, monkeypatch)
+    for store in before, now:
+        know_truth(store, -4.4)
+        know_truth(store, -5.1, CONVERGED)
+    assert compared(before, now) == ExitCode.DONE
+
+
+def test_an_exact_motion_that_no_store_has_is_computed(before, tmp_path, monkeypatch) -> None:
+    """The chain transmits +1.3 dB at η_r = 0.6 and −9.6 dB at 0.9: from −5 to −4.5 dB is closer there, farther here."""
+    now = fill(tmp_path / "now.sqlite", SOFT, 0.5, monkeypatch)
+    changes = compare_stores(before, now, compute=run_steady_states).changes
+    at = {own.first.task["frequency_ratio"]: own for own in changes}
+    assert [at[eta].direction for eta in (0.3, 0.6, 0.9)] == [None, Direction.CLOSER, Direction.FARTHER]
+    exact = exact_steady_state(Chain.from_ratios(friction_ratio=0.3), HarmonicBase.from_ratio(Chain.from_ratios(), 0.9))
+    assert at[0.9].error_db(at[0.9].second) == pytest.approx(abs(-4.5 - exact.transmittance_db), abs=1e-6)
+
+
+def judged(old: dict[str, object], new: dict[str, object], true: dict[str, object]) -> Change:
+    """Compare one point with one truth, from numbers that differ from those of `answered`."""
+    task = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
+    results = [dataclasses.replace(answered(task, 0.0), **own) for own in (old, new, true)]
+    stored = [StoredResult({"frequency_ratio": 0.9}, 4, "1", {}, result) for result in results]
+    return change(*stored[:2], Thresholds()).judged(Truth(results[2], "exact motion"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ({"stuck_fraction": (0.5, 0.8)}, {"stuck_fraction": (0.5, 0.9)}),
+        ({"transitions": ((1, 0.21, "stick"),)}, {"transitions": ((1, 0.2, "stick"),)}),
+        ({"transitions": ()}, {}),
+    ],
+)
+def test_stick_and_slip_are_held_to_the_truth_too(old, new) -> None:
+    assert judged(old, new, {}).direction is Direction.CLOSER
+    assert judged(new, old, {}).direction is Direction.FARTHER
+
+
+def test_a_point_whose_numbers_disagree_goes_by_the_worst() -> None:
+    both = judged({"transmittance_db": -6.0}, {"transmittance_db": -5.0, "stuck_fraction": (0.4, 1.0)}, {})
+    assert [str(shift.direction) for shift in both.shifts] == ["closer", "farther"]
+    assert both.fails()
+
+
+def test_a_steady_state_that_was_not_certified_before_is_gained() -> None:
+    gained = judged({"status": "period limit"}, {}, {})
+    assert gained.beyond == ("period limit before, converged now",)
+    assert gained.direction is Direction.CLOSER
+    assert not gained.fails()
+    assert judged({"status": "period limit"}, {"transmittance_db": -3.0}, {}).direction is Direction.FARTHER
+    assert judged({}, {"status": "period limit"}, {}).direction is Direction.LOST
+
+
+def test_versions_of_an_engine_are_compared_with_each_other(before, tmp_path) -> None:
+    """A version in the name of an engine is another result of the same task, unless the store has several."""
+    results = results_of(before)
+    renamed = {content.replace('"softening"', '"softening@2.0"'): result for content, result in results.items()}
+    now = write_results(tmp_path / "now.sqlite", renamed)
+    assert compared(before, now) == ExitCode.DONE
+    assert compared(before, write_results(tmp_path / "both.sqlite", renamed | results)) == ExitCode.DONE
+    assert compared(now, before) == ExitCode.DONE
+    assert compared(now, tmp_path / "both.sqlite") == ExitCode.DONE
+    laws = {content.replace('"softening"', '"softening@law"'): result for content, result in results.items()}
+    assert compared(before, write_results(tmp_path / "laws.sqlite", laws)) == ExitCode.WRONG_INPUT
+
+
+def test_files_say_what_the_command_says(before, tmp_path, monkeypatch) -> None:
+    now = fill(tmp_path / "now.sqlite", SOFT, 0.5, monkeypatch)
+    know_truth(now, -5.1)
+    outs = [tmp_path / f"changes.{ending}" for ending in ("md", "json", "xml", "csv")]
+    assert compared(before, now, *(word for out in outs for word in ("--out", out))) == ExitCode.FAILED
+    content = json.loads(outs[1].read_text())
+    assert (content["passes"], content["failing"], content["farther"], content["points"]) == (False, 2, 2, 3)
+    assert [own["fails"] for own in content["changes"]] == [True, True]
+    document = outs[0].read_text()
+    assert document.startswith("## Engine regression: fails\n\n3 points: 2 farther from the truth; 2 fail.\n")
+    assert (
+        "| softening:joint:tuned | μ 0.3, η_r 0.6, steps 400 | 0.1 | 0.6 | transmittance +0.5 dB, farther |" in document
+    )
+    assert "<details>" not in document
+    checked_junit(outs[2], failures=2, tests=3)
+
+
+def test_a_document_of_many_changes_folds_them_and_fits_a_comment() -> None:
+    """GitHub takes 65,536 characters; all points are in the other formats."""
+    task = {
+        "steps_per_period": 400,
+        "variant": {"engine": "e", "formulation": "joint", "preset_name": "tuned"},
+        "friction_ratio": 0.123456,
+    }
+    results = [Result(status="converged", transmittance_db=level, period=1.0) for level in range(1001)]
+    changes = tuple(
+        change(
+            *(StoredResult(task | {"frequency_ratio": k / 997}, 4, "1", {}, results[at]) for at in (0, k)), Thresholds()
+        )
+        for k in range(1, 1001)
+    )
+    document = changes_markdown(Regression(StoreComparison(changes, {}), "a", "b", Thresholds()))
+    head, folded = document.split("<details>")
+    assert [f"transmittance {k:+.4g} dB" in head for k in (1000, 991, 990)] == [True, True, False]
+    assert "<summary>200 more points, and 790 that are not shown</summary>" in folded
+    assert len(document) < 65_536

@@ -19,7 +19,7 @@ from scenarios.execution.store import ResultStore
 from scenarios.execution.store_check import check_store, salvage
 from scenarios.tasks.result import Result, ResultSummary
 from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.regression import read_all
+from scenarios.verdicts.stored_results import read_all
 
 TRIALS = 300
 

@@ -24,7 +24,7 @@ from scenarios.sweeps.noted import noted_sweeps
 from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.regression import read_all
+from scenarios.verdicts.stored_results import read_all
 
 PAGE, COUNT_OF_PAGES = 4096, 28
 """Size of a page of SQLite [bytes], and where the header of the file has the number of pages."""

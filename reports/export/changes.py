@@ -1,0 +1,255 @@
+"""What changed from one store to another, as text, Markdown, JSON, JUnit and CSV."""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from scenarios.junit import JUnitCase, junit_text
+from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records, text_table
+from scenarios.tasks.result import ResultStatus
+from scenarios.verdicts.regression import Change, Direction, StoreComparison
+from scenarios.verdicts.thresholds import Thresholds
+
+MOST_SHOWN = 10
+"""Points that a summary shows; the others follow, folded."""
+
+MOST_FOLDED = 200
+"""Points that are folded; with as many the document has a third of the 65,536 characters of a comment on GitHub."""
+
+
+def point_text(change: Change) -> str:
+    """Name the point of a change within its variant."""
+    task = change.first.task
+    names = {"friction_ratio": "μ", "frequency_ratio": "η_r", "steps_per_period": "steps"}
+    known = [f"{short} {_short(task[name])}" for name, short in names.items() if task.get(name) is not None]
+    return ", ".join(known)
+
+
+def _short(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, int | float) else f"({', '.join(f'{number:g}' for number in value)})"
+
+
+VARIANT_COLUMN = Column[Change]("variant", lambda change: change.first.variant, "engine:formulation:preset")
+POINT_COLUMN = Column[Change]("point", point_text, "point")
+BEYOND_COLUMN = Column[Change]("beyond", lambda change: "; ".join(change.beyond), "what changed")
+DIRECTION_COLUMN = Column[Change]("direction", lambda change: change.direction or "")
+BEFORE_COLUMN = Column[Change]("error_db_before", lambda change: change.error_db(change.first), "before [dB]", "{:.3g}")
+NOW_COLUMN = Column[Change]("error_db_now", lambda change: change.error_db(change.second), "now [dB]", "{:.3g}")
+
+PRINTED_COLUMNS = (POINT_COLUMN, BEFORE_COLUMN, NOW_COLUMN, BEYOND_COLUMN)
+"""Of a point of a variant, for a terminal."""
+
+
+def _of_task(name: str) -> Column[Change]:
+    return Column(name, lambda change: change.first.task.get(name))
+
+
+CHANGE_COLUMNS: tuple[Column[Change], ...] = (
+    VARIANT_COLUMN,
+    _of_task("friction_ratio"),
+    _of_task("frequency_ratio"),
+    _of_task("steps_per_period"),
+    Column("version_before", lambda change: change.first.version),
+    Column("version_now", lambda change: change.second.version),
+    Column("status_before", lambda change: change.first.result.status),
+    Column("status_now", lambda change: change.second.result.status),
+    Column("reason_before", lambda change: change.first.result.reason),
+    Column("reason_now", lambda change: change.second.result.reason),
+    Column("transmittance_db_before", lambda change: change.first.result.transmittance_db),
+    Column("transmittance_db_now", lambda change: change.second.result.transmittance_db),
+    Column("transmittance_db_change", lambda change: change.transmittance_db),
+    Column("stuck_fraction_change", lambda change: change.differences.get("stuck fraction", math.nan)),
+    Column("transition_change", lambda change: change.differences.get("transition", math.nan)),
+    Column("unmatched_transitions", lambda change: change.differences.get("unmatched", math.nan)),
+    BEFORE_COLUMN,
+    NOW_COLUMN,
+    Column("truth", lambda change: None if change.truth is None else change.truth.source),
+    DIRECTION_COLUMN,
+    BEYOND_COLUMN,
+)
+"""Everything about a point, for programs."""
+
+
+@dataclass(frozen=True)
+class Regression:
+    """A comparison of stores, and how it is judged.
+
+    Parameters
+    ----------
+    comparison
+        The stores compared.
+    before, now
+        Names of the stores.
+    thresholds
+        What counts as no change.
+    strict
+        Whether every change is a failure, and not only one for the worse.
+    """
+
+    comparison: StoreComparison
+    before: str
+    now: str
+    thresholds: Thresholds
+    strict: bool = False
+
+    @property
+    def failing(self) -> list[Change]:
+        """Points that are failures, the largest difference of transmittance first."""
+        return self.comparison.failing(strict=self.strict)
+
+    @property
+    def summary(self) -> str:
+        """One sentence: how many points were compared, and where the changed ones went."""
+        count = Counter(change.direction for change in self.comparison.changes)
+        changed = ", ".join(f"{count[direction]} {WORDS[direction]}" for direction in WORDS if count[direction])
+        total = len(self.comparison.changes)
+        return f"{total} points: {changed or 'none changed'}; {len(self.failing)} fail"
+
+
+WORDS = {
+    Direction.LOST: "lost",
+    Direction.FARTHER: "farther from the truth",
+    Direction.UNKNOWN: "changed with the truth unknown",
+    Direction.AS_FAR: "changed and as far from it",
+    Direction.CLOSER: "closer to the truth",
+}
+"""Directions in sentences, the worst first."""
+
+
+def overview(comparison: StoreComparison) -> pd.DataFrame:
+    """Give a row for each variant: its points by the directions that occur."""
+    rows = []
+    occurring = {change.direction for change in comparison.changes}
+    for variant, changes in _by_variant(comparison.changes).items():
+        count = Counter(change.direction for change in changes)
+        sizes = [abs(change.transmittance_db) for change in changes if not math.isnan(change.transmittance_db)]
+        row = {"engine:formulation:preset": variant, "points": str(len(changes))}
+        row |= {str(direction): str(count[direction]) for direction in WORDS if direction in occurring}
+        rows.append({**row, "max dB": f"{max(sizes):.3g}" if sizes else "–"})
+    return pd.DataFrame(rows)
+
+
+def identities(comparison: StoreComparison) -> list[str]:
+    """Name every change of a version, of an option, and of the points that are there, once a variant."""
+    lines = []
+    for variant, own in _by_variant(comparison.changes).items():
+        lines += [f"{variant}: {line}" for line in (*_versions(own), *_options(own), *_blocked(own))]
+    return lines + [
+        f"{variant}: {count} points in the store now only" for variant, count in comparison.only_second.items()
+    ]
+
+
+def _versions(changes: Sequence[Change]) -> list[str]:
+    pairs = {(change.first.version, change.second.version) for change in changes}
+    return [f"version {old} → {new}" for old, new in sorted(pairs) if old != new]
+
+
+def _options(changes: Sequence[Change]) -> list[str]:
+    options = {
+        (name, change.first.options.get(name, "not set"), change.second.options.get(name, "not set"))
+        for change in changes
+        for name in {*change.first.options, *change.second.options}
+    }
+    return [f"option {name} {old} → {new}" for name, old, new in sorted(options) if old != new]
+
+
+def _blocked(changes: Sequence[Change]) -> list[str]:
+    before, now = (
+        sum(stored.result.status is ResultStatus.BLOCKED for stored in side)
+        for side in ([change.first for change in changes], [change.second for change in changes])
+    )
+    return [f"{before} points blocked before, {now} blocked now"] if before or now else []
+
+
+def _by_variant(changes: Iterable[Change]) -> dict[str, list[Change]]:
+    groups: dict[str, list[Change]] = {}
+    for change in changes:
+        groups.setdefault(change.first.variant, []).append(change)
+    return groups
+
+
+def changes_markdown(regression: Regression) -> str:
+    """Give a document for a comment on a pull request: the summary, the `MOST_SHOWN` worst points, the rest folded."""
+    comparison = regression.comparison
+    verdict = "fails" if regression.failing else "passes"
+    lines = [f"## Engine regression: {verdict}", "", f"{regression.summary}.", ""]
+    lines += [*markdown_lines(overview(comparison)), ""]
+    lines += [f"- {line}" for line in identities(comparison)]
+    beyond = comparison.beyond
+    if beyond:
+        lines += ["", *_points(beyond[:MOST_SHOWN])]
+    if len(beyond) > MOST_SHOWN:
+        folded = beyond[MOST_SHOWN : MOST_SHOWN + MOST_FOLDED]
+        left = len(beyond) - MOST_SHOWN - len(folded)
+        title = f"{len(folded)} more points" + (f", and {left} that are not shown" if left else "")
+        lines += ["", f"<details><summary>{title}</summary>", "", *_points(folded), "", "</details>"]
+    return "\n".join([*lines, "", *_explanation(regression), ""])
+
+
+def _points(changes: Sequence[Change]) -> list[str]:
+    return markdown_lines(text_table((VARIANT_COLUMN, *PRINTED_COLUMNS), changes))
+
+
+def _explanation(regression: Regression) -> list[str]:
+    limits = regression.thresholds
+    fails = "every change" if regression.strict else "a point that is farther, lost, or changed with the truth unknown"
+    return [
+        f"From `{regression.before}` to `{regression.now}`; *before* and *now* are errors of the transmittance to the "
+        f"exact motion, or to the converged reference. A change is one of more than {limits.transmittance_db:g} dB, of "
+        f"{limits.stuck_fraction:g} of a contact's stuck fraction, of {limits.transition:g} periods in the time of a "
+        f"transition, or a transition without a partner. What fails: {fails}."
+    ]
+
+
+def _content(regression: Regression) -> dict[str, Any]:
+    comparison = regression.comparison
+    count = Counter(change.direction for change in comparison.changes)
+    return {
+        "before": regression.before,
+        "now": regression.now,
+        "strict": regression.strict,
+        "thresholds": vars(regression.thresholds),
+        "passes": not regression.failing,
+        "points": len(comparison.changes),
+        "failing": len(regression.failing),
+        **{direction.replace(" ", "_"): count[direction] for direction in WORDS},
+        "only_now": dict(comparison.only_second),
+        "identities": identities(comparison),
+        "changes": [
+            row | {"fails": change.fails(strict=regression.strict)}
+            for row, change in zip(
+                records(full_table(CHANGE_COLUMNS, comparison.beyond)), comparison.beyond, strict=True
+            )
+        ],
+    }
+
+
+def _junit_case(change: Change, *, strict: bool) -> JUnitCase:
+    what = "; ".join(change.beyond)
+    skipped = change.first.result.status is ResultStatus.BLOCKED
+    return JUnitCase(
+        suite=change.first.variant,
+        name=point_text(change),
+        failure=what if change.fails(strict=strict) else "",
+        skipped=f"blocked before: {change.first.result.reason}" if skipped else "",
+        output=what,
+        seconds=0.0 if math.isnan(change.second.result.seconds) else change.second.result.seconds,
+    )
+
+
+def _junit(regression: Regression) -> str:
+    cases = [_junit_case(change, strict=regression.strict) for change in regression.comparison.changes]
+    return junit_text("multibody-xval compare", cases)
+
+
+CHANGE_FORMATS: dict[str, Callable[[Regression], str]] = {
+    ".md": changes_markdown,
+    ".json": lambda regression: json_text(_content(regression), indent=1),
+    ".xml": _junit,
+    ".csv": lambda regression: csv_text(full_table(CHANGE_COLUMNS, regression.comparison.changes)),
+}
+"""What is written into a file, by its ending."""
