@@ -21,7 +21,7 @@ from reference_lcp.validation import FloatArray
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.descriptions import ALL_SCENARIOS
 from scenarios.catalogue.predicted import run_with_predictions
-from scenarios.catalogue.verdict_table import finding_table
+from scenarios.catalogue.verdict_files import finding_table
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.executor import Executor
 from scenarios.execution.limits import TIME_LIMIT

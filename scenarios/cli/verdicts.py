@@ -14,13 +14,13 @@ from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.catalogue.transient.record import Record
+from scenarios.catalogue.verdict_files import verdicts_text
 from scenarios.catalogue.verdict_table import (
     Results,
     details,
     law_in_words,
     matrix,
     verdict_table,
-    verdicts_text,
 )
 from scenarios.cli.evaluation import chosen_variants, evaluator_of_run, store_of_run
 from scenarios.cli.options import command_text

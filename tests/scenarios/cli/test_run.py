@@ -14,15 +14,13 @@ from reference_lcp.console import run_command
 from scenarios.__main__ import app
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import Scenario
+from scenarios.catalogue.verdict_files import FINDING_COLUMNS, verdict_document, verdicts_text
 from scenarios.catalogue.verdict_table import (
-    FINDING_COLUMNS,
     details,
     matrix,
     rows_of,
     unexplained,
-    verdict_document,
     verdict_table,
-    verdicts_text,
 )
 from scenarios.cli import verdicts as catalogue_command
 from scenarios.tasks.law_period import LawPeriodTask
