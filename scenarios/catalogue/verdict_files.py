@@ -1,50 +1,114 @@
-"""Verdicts as files: a document, every number as CSV or JSON."""
+"""Verdicts as files: a short document, JUnit, every number as CSV or JSON."""
 
 import math
 import platform
+from collections import Counter
+from collections.abc import Callable, Sequence
 
 import pandas as pd
 
 from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.verdict_table import VERDICT_LEGEND, Results, details, law_in_words, matrix, verdict_table
-from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records
+from scenarios.catalogue.verdict_table import (
+    VERDICT_LEGEND,
+    Results,
+    details,
+    excess,
+    law_in_words,
+    matrix,
+    verdict_table,
+)
+from scenarios.junit import JUnitCase, junit_text
+from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records, text_table
 from scenarios.tasks.versions import versions_of
+from scenarios.verdicts.failure import failing, failures
 from scenarios.verdicts.finding import Finding
+from scenarios.verdicts.verdict import Verdict
+
+MOST_SHOWN = 10
+"""Numbers that the summary of a document shows; everything else is folded."""
 
 
 def verdict_document(results: Results, command: str) -> str:
-    """Give everything as a document, with how it was made."""
-    lines = ["# Verdicts", "", VERDICT_LEGEND, f"Made by `{command}`.", ""]
-    lines += [*markdown_lines(matrix(results)), "", "## What the laws of the presets are", ""]
+    """Give everything as a document for a comment on a pull request: a summary, and each scenario folded."""
     findings = [finding for own in results.values() for finding in own]
-    lines += [
-        f"- {variant}: {law_in_words(variant)}"
-        for variant in dict.fromkeys(finding.variant for finding in findings if finding.as_predicted)
-    ]
+    lines = [*_summary(results), "", *markdown_lines(matrix(results)), "", *_largest(results)]
     for scenario, own in results.items():
-        lines += ["", f"## {scenario.name}", "", scenario.question, ""]
-        lines += [f"- from: {scenario.source}", f"- compared with: {scenario.expects}"]
-        lines += [
-            f"- {metric.name}{f' [{metric.unit}]' if metric.unit else ''}: {metric.meaning}"
-            for metric in scenario.metrics
-        ]
-        lines += [f"- {line}" for line in scenario.parameters()]
-        lines += ["", *markdown_lines(verdict_table(own))]
-        wrong = list(details(own))
-        if wrong:
-            lines += ["", "What does not agree:", ""]
-        for variant, remarks in wrong:
-            lines += [f"- {variant}", *(f"  - {remark}" for remark in remarks)]
+        lines += _folded(scenario.name, [scenario.question, "", *_description(scenario), "", *_verdicts(own)])
+    lines += _folded("What the words mean", [VERDICT_LEGEND])
     names = sorted({finding.variant.engine for finding in findings})
-    return "\n".join([*lines, "", f"Versions: {versions_of(names)}; Python {platform.python_version()}.", ""])
+    versions = f"Versions: {versions_of(names)}; Python {platform.python_version()}."
+    return "\n".join([*lines, "", f"Made by `{command}`. {versions}", ""])
 
 
-def _predicted(name: str) -> Column[tuple[Scenario, Finding]]:
+def _summary(results: Results) -> list[str]:
+    """Say whether the run fails, and why."""
+    findings = [finding for own in results.values() for finding in own]
+    count = Counter(str(finding.comparison.verdict) for finding in findings)
+    verdicts = ", ".join(f"{count[verdict]} {verdict}" for verdict in Verdict if count[verdict])
+    predicted = sum(finding.as_predicted for finding in findings)
+    fails = sum(len(failing(own)) for own in results.values())
+    counted = f"{len(findings)} numbers: {verdicts}; {predicted} as their law predicts, {fails} fail."
+    lines = [f"- {scenario.name}: {line}" for scenario, own in results.items() for line in failures(own)]
+    return [f"## Verdicts: {'fails' if lines else 'passes'}", "", counted, "", *lines]
+
+
+_Row = tuple[Scenario, Finding]
+
+LARGEST_COLUMNS: tuple[Column[_Row], ...] = (
+    Column("variant", lambda row: str(row[1].variant)),
+    Column("scenario", lambda row: row[0].name),
+    Column("case", lambda row: row[1].case),
+    Column("metric", lambda row: row[1].metric.name),
+    Column("difference", lambda row: row[1].comparison.difference, pattern="{:+.3g}"),
+    Column("allowed", lambda row: row[1].comparison.tolerance, pattern="{:.2g}"),
+    Column("verdict", lambda row: f"{row[1].comparison.verdict}{', as predicted' * row[1].as_predicted}"),
+)
+
+
+def _largest(results: Results) -> list[str]:
+    """Give what fails, and what disagrees, the largest differences over what is allowed first."""
+    fails = {id(finding) for own in results.values() for finding in failing(own)}
+    rows = [(scenario, finding) for scenario, own in results.items() for finding in own]
+    rows = [row for row in rows if id(row[1]) in fails or row[1].comparison.verdict is Verdict.DISAGREE]
+    rows.sort(key=lambda row: (id(row[1]) not in fails, -excess(row[1])))
+    if not rows:
+        return []
+    title = f"The {MOST_SHOWN} largest of {len(rows)}:" if len(rows) > MOST_SHOWN else "What disagrees:"
+    return [title, "", *markdown_lines(text_table(LARGEST_COLUMNS, rows[:MOST_SHOWN])), ""]
+
+
+def _folded(title: str, lines: Sequence[str]) -> list[str]:
+    return ["", f"<details><summary>{title}</summary>", "", *lines, "", "</details>"]
+
+
+def _description(scenario: Scenario) -> list[str]:
+    lines = [f"- from: {scenario.source}", f"- compared with: {scenario.expects}"]
+    lines += [
+        f"- {metric.name}{f' [{metric.unit}]' if metric.unit else ''}: {metric.meaning}" for metric in scenario.metrics
+    ]
+    return lines + [f"- {line}" for line in scenario.parameters()]
+
+
+def _verdicts(findings: Sequence[Finding]) -> list[str]:
+    """Give the verdicts of a scenario, what does not agree, and the laws that predict it."""
+    lines = markdown_lines(verdict_table(findings))
+    wrong = list(details(findings))
+    if wrong:
+        lines += ["", "What does not agree:", ""]
+    for variant, remarks in wrong:
+        lines += [f"- {variant}", *(f"  - {remark}" for remark in remarks)]
+    predicted = dict.fromkeys(finding.variant for finding in findings if finding.as_predicted)
+    if predicted:
+        lines += ["", "What the laws of the presets are:", ""]
+    return lines + [f"- {variant}: {law_in_words(variant)}" for variant in predicted]
+
+
+def _predicted(name: str) -> Column[_Row]:
     """Give a number of the prediction; NaN where there is none."""
     return Column(f"law {name}".replace("_", " "), lambda row: getattr(row[1].prediction, name, math.nan))
 
 
-FINDING_COLUMNS: tuple[Column[tuple[Scenario, Finding]], ...] = (
+FINDING_COLUMNS: tuple[Column[_Row], ...] = (
     Column("scenario", lambda row: row[0].name),
     Column("case", lambda row: row[1].case),
     Column("engine", lambda row: row[1].variant.engine),
@@ -68,19 +132,11 @@ def finding_table(results: Results) -> pd.DataFrame:
     return full_table(FINDING_COLUMNS, [(scenario, finding) for scenario, own in results.items() for finding in own])
 
 
-def verdicts_text(results: Results, command: str, ending: str) -> str:
-    """Give the verdicts in the format of a file: ``.md``, ``.csv`` or ``.json``."""
-    if ending == ".md":
-        return verdict_document(results, command)
-    if ending == ".csv":
-        return csv_text(finding_table(results), missing="")
-    return json_text(_content(results, command), indent=1)
-
-
 def _content(results: Results, command: str) -> dict[str, object]:
     findings = [finding for own in results.values() for finding in own]
     return {
         "command": command,
+        "passes": not any(failing(own) for own in results.values()),
         "versions": versions_of(sorted({finding.variant.engine for finding in findings})),
         "scenarios": [
             {"name": scenario.name, "question": scenario.question, "source": scenario.source,
@@ -90,3 +146,34 @@ def _content(results: Results, command: str) -> dict[str, object]:
         "findings": records(finding_table(results)),
         "laws": {str(finding.variant): law_in_words(finding.variant) for finding in findings if finding.as_predicted},
     }  # fmt: skip
+
+
+def _junit(results: Results) -> str:
+    cases = []
+    for scenario, own in results.items():
+        fails = {id(finding) for finding in failing(own)}
+        cases += [_junit_case(scenario, finding, fails=id(finding) in fails) for finding in own]
+    return junit_text("multibody-xval run", cases)
+
+
+def _junit_case(scenario: Scenario, finding: Finding, *, fails: bool) -> JUnitCase:
+    """Give a number as a case; one about which nothing is known is skipped."""
+    comparison = finding.comparison
+    law = "" if finding.prediction is None else f"\n{finding.prediction}"
+    unknown = comparison.verdict in (Verdict.BLOCKED, Verdict.INCONCLUSIVE)
+    return JUnitCase(
+        suite=f"{scenario.name}, {finding.variant}",
+        name=f"{finding.metric.name}, {finding.case}",
+        failure=f"{comparison.verdict}: {comparison.reason}" if fails else "",
+        skipped=f"{comparison.verdict}: {comparison.reason}" if unknown else "",
+        output=f"{comparison.verdict}: {comparison.reason}{law}",
+    )
+
+
+VERDICT_FORMATS: dict[str, Callable[[Results, str], str]] = {
+    ".md": verdict_document,
+    ".json": lambda results, command: json_text(_content(results, command), indent=1),
+    ".xml": lambda results, _command: _junit(results),
+    ".csv": lambda results, _command: csv_text(finding_table(results), missing=""),
+}
+"""What is written of verdicts and the command that made them, by the ending of the file."""

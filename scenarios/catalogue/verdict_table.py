@@ -45,7 +45,7 @@ class VariantRow:
     @property
     def worst(self) -> Finding | None:
         """The finding whose difference is largest beside what is allowed; ``None`` where none has a number."""
-        worst = max(self.findings, key=_excess)
+        worst = max(self.findings, key=excess)
         return None if math.isnan(worst.comparison.excess) else worst
 
     @property
@@ -123,14 +123,14 @@ def details(findings: Sequence[Finding]) -> Iterator[tuple[Variant, list[str]]]:
             yield row.variant, [_detail(group) for group in order.values()]
 
 
-def _excess(finding: Finding) -> float:
+def excess(finding: Finding) -> float:
     """Give the difference over what is allowed; −1 where there is none."""
     return -1.0 if math.isnan(finding.comparison.excess) else finding.comparison.excess
 
 
 def _detail(group: Sequence[Finding]) -> str:
     """One line for findings of one metric and verdict: the worst of them, and how many there are."""
-    worst = max(group, key=_excess)
+    worst = max(group, key=excess)
     more = f" (and {len(group) - 1} more)" if len(group) > 1 else ""
     law = "" if worst.prediction is None else f"; {worst.prediction}"
     return f"{worst.comparison.verdict}, {worst.metric.name}, {worst.case}: {worst.comparison.reason}{law}{more}"

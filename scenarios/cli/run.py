@@ -15,7 +15,7 @@ from scenarios.cli.options import (
     Settings,
     Store,
     Workers,
-    check_out,
+    check_outs,
     check_retry,
     with_settings,
 )
@@ -24,11 +24,15 @@ from scenarios.execution.limits import TIME_LIMIT
 RECORD = "record"
 """The scenario whose base follows a file."""
 
-ENDINGS = (".md", ".csv", ".json")
+ENDINGS = (".md", ".json", ".xml", ".csv")
 """Formats of verdicts."""
 
 Out = Annotated[
-    Path | None, typer.Option(help="Write the verdicts here: a document as .md, every number as .csv or .json.")
+    list[Path] | None,
+    typer.Option(
+        help="Write the verdicts here: short for a pull request as .md, JUnit as .xml, every number as .json or .csv; "
+        "may be repeated."
+    ),
 ]
 
 
@@ -69,14 +73,14 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[str], summary: str) ->
         retry_blocked: Retry = False,
     ) -> None:
         check_retry(ask, retry_blocked)
-        check_out(out, ENDINGS, [store])
+        outs = check_outs(out, ENDINGS, [store])
         from scenarios.cli.verdicts import perform, planned_run
         from scenarios.execution.dask_cluster import executor_for
 
         planned = planned_run(
             name, scenarios, with_settings(chosen, settings), [] if ask else ["--no-ask"], retry_blocked
         )
-        perform(planned, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
+        perform(planned, store, outs, executor_for(workers, time_limit, scheduler) if ask else None)
 
 
 def _add_record(run: typer.Typer, name: str, scenarios: Sequence[str], summary: str) -> None:
@@ -99,11 +103,11 @@ def _add_record(run: typer.Typer, name: str, scenarios: Sequence[str], summary: 
         retry_blocked: Retry = False,
     ) -> None:
         check_retry(ask, retry_blocked)
-        check_out(out, ENDINGS, [store, record])
+        outs = check_outs(out, ENDINGS, [store, record])
         from scenarios.cli.verdicts import perform, planned_run
         from scenarios.execution.dask_cluster import executor_for
 
         options = [] if record is None else [f"--record={record}"]
         options = options if ask else [*options, "--no-ask"]
         planned = planned_run(name, scenarios, with_settings(chosen, settings), options, retry_blocked, record)
-        perform(planned, store, out, executor_for(workers, time_limit, scheduler) if ask else None)
+        perform(planned, store, outs, executor_for(workers, time_limit, scheduler) if ask else None)

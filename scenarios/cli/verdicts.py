@@ -14,7 +14,7 @@ from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.catalogue.transient.record import Record
-from scenarios.catalogue.verdict_files import verdicts_text
+from scenarios.catalogue.verdict_files import VERDICT_FORMATS
 from scenarios.catalogue.verdict_table import (
     Results,
     details,
@@ -62,12 +62,12 @@ def _of_record(file: Path) -> Record:
     return scenario
 
 
-def perform(run: Run, store: Path | None, out: Path | None, executor: Executor | None) -> None:
+def perform(run: Run, store: Path | None, outs: Sequence[Path], executor: Executor | None) -> None:
     """Run the scenarios, or judge the store alone, and print and write the verdicts."""
     results = _stored_findings(run, store) if executor is None else _findings(run, store, executor)
     print_results(results)
-    if out is not None:
-        write_whole(out, verdicts_text(results, run.command, out.suffix))
+    for out in outs:
+        write_whole(out, VERDICT_FORMATS[out.suffix](results, run.command))
     if any(failures(findings) for findings in results.values()):
         raise typer.Exit(ExitCode.FAILED)
 

@@ -25,6 +25,14 @@ def silent(findings: Sequence[Finding]) -> list[Finding]:
     return [finding for finding in findings if _says_nothing(finding)]
 
 
+def failing(findings: Sequence[Finding]) -> list[Finding]:
+    """Give the findings of a scenario why it fails: unexplained ones, and silent ones of a preset with many."""
+    fails = {id(finding) for finding in unexplained(findings)}
+    for variant in dict.fromkeys(finding.variant for finding in findings):
+        fails |= {id(finding) for finding in _too_silent([own for own in findings if own.variant == variant])}
+    return [finding for finding in findings if id(finding) in fails]
+
+
 def failures(findings: Sequence[Finding]) -> list[str]:
     """Say in a line each why the findings of a scenario are a failure; none where they are not."""
     lines = []
@@ -33,13 +41,19 @@ def failures(findings: Sequence[Finding]) -> list[str]:
         lines.append(f"unexplained: {len(wrong)} disagreements, of {_names([finding.variant for finding in wrong])}")
     for variant in dict.fromkeys(finding.variant for finding in findings):
         own = [finding for finding in findings if finding.variant == variant]
-        nothing = len(silent(own))
-        if nothing > MOST_SILENT * len(own):
+        nothing = len(_too_silent(own))
+        if nothing:
             lines.append(
                 f"{variant}: {nothing} of {len(own)} numbers without a certified steady state, or with too coarse a "
                 f"step; allowed: {MOST_SILENT:.0%}"
             )
     return lines
+
+
+def _too_silent(own: Sequence[Finding]) -> list[Finding]:
+    """Give the findings of a preset that say nothing, where they are more than `MOST_SILENT` of all; none otherwise."""
+    nothing = silent(own)
+    return nothing if len(nothing) > MOST_SILENT * len(own) else []
 
 
 def _departs(finding: Finding) -> bool:

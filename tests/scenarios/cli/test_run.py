@@ -14,7 +14,7 @@ from reference_lcp.console import run_command
 from scenarios.__main__ import app
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.verdict_files import FINDING_COLUMNS, verdict_document, verdicts_text
+from scenarios.catalogue.verdict_files import FINDING_COLUMNS, VERDICT_FORMATS, verdict_document
 from scenarios.catalogue.verdict_table import (
     details,
     matrix,
@@ -26,6 +26,7 @@ from scenarios.cli import verdicts as catalogue_command
 from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.verdicts.finding import Finding, Metric, Prediction
 from scenarios.verdicts.verdict import Comparison, Verdict
+from tests.junit import checked_junit
 
 PITCH = Metric("pitch", "Hz", "how high it is")
 RIGHT, LAWFUL, MISSING = Variant("reference"), Variant("mujoco", preset_name="default"), Variant("siconos")
@@ -124,7 +125,7 @@ def test_an_interrupted_run_says_what_is_kept(run, capsys, tmp_path, monkeypatch
     [
         (["run", "unit-sell"], "No such command 'unit-sell'"),
         (["run", "unit-cell", "--engine", "mujocko"], "engine = 'mujocko' is unknown"),
-        (["run", "unit-cell", "--out", "verdicts.txt"], "allowed: .md or .csv or .json"),
+        (["run", "unit-cell", "--out", "verdicts.txt"], "allowed: .md or .json or .xml or .csv"),
         (["run", "unit-cell", "--out", "missing/verdicts.md"], "the folder missing does not exist"),
         (["run", "unit-cell", "--workers", "0"], "workers = 0"),
         (["run", "unit-cell", "--no-ask"], "--store is missing; allowed where nothing is run: a store"),
@@ -175,11 +176,41 @@ def test_document_has_how_it_was_made_laws_parameters_and_reasons() -> None:
     assert "Versions: mujoco" in text
 
 
+def test_document_says_first_whether_the_run_fails_and_folds_the_scenarios() -> None:
+    passes = verdict_document(RESULTS, "command")
+    counted = "5 numbers: 1 agree, 2 disagree, 1 inconclusive, 1 blocked; 2 as their law predicts, 0 fail."
+    assert passes.startswith(f"## Verdicts: passes\n\n{counted}\n")
+    assert passes.index("| mujoco:joint:default | by-hand | loud | pitch | +9 | 1 |") < passes.index("<details>")
+    wrong = ByHand()
+    wrong.wrong = Variant("mujoco")
+    fails = verdict_document({wrong: wrong.run((), None)}, "command")
+    assert fails.startswith("## Verdicts: fails\n")
+    assert "\n- by-hand: unexplained: 2 disagreements, of mujoco\n" in fails
+    many = verdict_document({wrong: [finding(RIGHT, str(k), Verdict.DISAGREE, k, 1.0) for k in range(99)]}, "command")
+    assert "The 10 largest of 99:" in many
+    assert [f"| {k} | pitch |" in many.partition("<details>")[0] for k in (98, 89, 88)] == [True, True, False]
+
+
+def test_junit_fails_for_what_makes_the_exit_code_one(tmp_path) -> None:
+    file = tmp_path / "verdicts.xml"
+    file.write_text(VERDICT_FORMATS[".xml"](RESULTS, "command"))
+    passes = checked_junit(file, tests=5, failures=0)
+    assert sum(suite.skipped for suite in passes) == 2
+    wrong = ByHand()
+    wrong.wrong = Variant("mujoco")
+    file.write_text(VERDICT_FORMATS[".xml"]({wrong: wrong.run((), None)}, "command"))
+    (suite,) = [suite for suite in checked_junit(file, tests=5, failures=2) if suite.failures]
+    assert suite.name == "by-hand, mujoco"
+    silent = [finding(RIGHT, str(k), Verdict.INCONCLUSIVE).uncertified() for k in range(3)]
+    file.write_text(VERDICT_FORMATS[".xml"]({wrong: silent}, "command"))
+    checked_junit(file, tests=3, failures=3)
+
+
 def test_csv_and_json_hold_every_finding_in_full() -> None:
-    rows = list(csv.DictReader(verdicts_text(RESULTS, "command", ".csv").splitlines()))
+    rows = list(csv.DictReader(VERDICT_FORMATS[".csv"](RESULTS, "command").splitlines()))
     assert list(rows[0]) == [column.key for column in FINDING_COLUMNS]
     assert [float(row["difference"]) for row in rows if row["difference"]] == [0.5, -3.0, 9.0]
-    content = json.loads(verdicts_text(RESULTS, "command", ".json"))
+    content = json.loads(VERDICT_FORMATS[".json"](RESULTS, "command"))
     assert len(content["findings"]) == 5
     assert content["findings"][4]["allowed"] is None
     assert content["findings"][3]["as predicted"] is True
@@ -189,7 +220,9 @@ def test_csv_and_json_hold_every_finding_in_full() -> None:
 def test_mujoco_agrees_in_the_limits_and_writes_its_verdicts(tmp_path: Path, capsys) -> None:
     out, store = tmp_path / "verdicts.csv", tmp_path / "store.sqlite"
     options = ["--engine", "mujoco:joint", "--workers", "1", "--store", str(store), "--out", str(out)]
+    options += ["--out", str(out.with_suffix(".xml"))]
     assert run_command(app, ["run", "locked-limit", *options]) == 0
+    checked_junit(out.with_suffix(".xml"), tests=6, failures=0)
     rows = list(csv.DictReader(out.read_text().splitlines()))
     assert {(row["engine"], row["verdict"]) for row in rows} == {("mujoco", "agree")}
     assert [row["metric"] for row in rows] == ["transmittance", "phase", "same step"] * 2
