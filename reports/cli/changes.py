@@ -70,8 +70,8 @@ def _print(regression: Regression) -> None:
     for line in identities(regression.comparison):
         console.print(plain(line), soft_wrap=True)
     shown = regression.comparison.beyond[:MOST_ROWS]
-    for variant in dict.fromkeys(change.first.variant for change in shown):
-        own = [change for change in shown if change.first.variant == variant]
+    for variant in dict.fromkeys(change.variant for change in shown):
+        own = [change for change in shown if change.variant == variant]
         console.print(printed_table(text_table(PRINTED_COLUMNS, own), title=variant))
     left = len(regression.comparison.beyond) - len(shown)
     if left:

@@ -33,7 +33,7 @@ def _short(value: Any) -> str:
     return f"{value:g}" if isinstance(value, int | float) else f"({', '.join(f'{number:g}' for number in value)})"
 
 
-VARIANT_COLUMN = Column[Change]("variant", lambda change: change.first.variant, "engine:formulation:preset")
+VARIANT_COLUMN = Column[Change]("variant", lambda change: change.variant, "engine:formulation:preset")
 POINT_COLUMN = Column[Change]("point", point_text, "point")
 BEYOND_COLUMN = Column[Change]("beyond", lambda change: "; ".join(change.beyond), "what changed")
 DIRECTION_COLUMN = Column[Change]("direction", lambda change: change.direction or "")
@@ -144,8 +144,10 @@ def identities(comparison: StoreComparison) -> list[str]:
 
 
 def _versions(changes: Sequence[Change]) -> list[str]:
-    pairs = {(change.first.version, change.second.version) for change in changes}
-    return [f"version {old} → {new}" for old, new in sorted(pairs) if old != new]
+    sides = [(change.first, change.second) for change in changes]
+    engines = {("engine", old.engine, new.engine) for old, new in sides}
+    versions = {("version", str(old.version), str(new.version)) for old, new in sides}
+    return [f"{what} {old} → {new}" for what, old, new in sorted(engines | versions) if old != new]
 
 
 def _options(changes: Sequence[Change]) -> list[str]:
@@ -168,7 +170,7 @@ def _blocked(changes: Sequence[Change]) -> list[str]:
 def _by_variant(changes: Iterable[Change]) -> dict[str, list[Change]]:
     groups: dict[str, list[Change]] = {}
     for change in changes:
-        groups.setdefault(change.first.variant, []).append(change)
+        groups.setdefault(change.variant, []).append(change)
     return groups
 
 
@@ -177,8 +179,10 @@ def changes_markdown(regression: Regression) -> str:
     comparison = regression.comparison
     verdict = "fails" if regression.failing else "passes"
     lines = [f"## Engine regression: {verdict}", "", f"{regression.summary}.", ""]
-    lines += [*markdown_lines(overview(comparison)), ""]
-    lines += [f"- {line}" for line in identities(comparison)]
+    lines += markdown_lines(overview(comparison))
+    named = identities(comparison)
+    if named:
+        lines += ["", *(f"- {line}" for line in named)]
     beyond = comparison.beyond
     if beyond:
         lines += ["", *_points(beyond[:MOST_SHOWN])]
@@ -232,7 +236,7 @@ def _junit_case(change: Change, *, strict: bool) -> JUnitCase:
     what = "; ".join(change.beyond)
     skipped = change.first.result.status is ResultStatus.BLOCKED
     return JUnitCase(
-        suite=change.first.variant,
+        suite=change.variant,
         name=point_text(change),
         failure=what if change.fails(strict=strict) else "",
         skipped=f"blocked before: {change.first.result.reason}" if skipped else "",

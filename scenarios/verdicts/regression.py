@@ -177,6 +177,13 @@ class Change:
     truth: Truth | None = None
 
     @property
+    def variant(self) -> str:
+        """Engine, formulation and preset; without a version in the name of the engine where the versions differ."""
+        if self.first.engine == self.second.engine:
+            return self.first.variant
+        return self.first.variant.replace(self.first.engine, self.first.unversioned_engine, 1)
+
+    @property
     def beyond(self) -> tuple[str, ...]:
         """Changes that pass a threshold, in words; empty where nothing does."""
         shifts = (f"{shift}, {shift.direction}" for shift in self.shifts)

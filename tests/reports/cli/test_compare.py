@@ -351,12 +351,13 @@ def test_a_steady_state_that_was_not_certified_before_is_gained() -> None:
     assert judged({}, {"status": "period limit"}, {}).direction is Direction.LOST
 
 
-def test_versions_of_an_engine_are_compared_with_each_other(before, tmp_path) -> None:
+def test_versions_of_an_engine_are_compared_with_each_other(before, tmp_path, capsys) -> None:
     """A version in the name of an engine is another result of the same task, unless the store has several."""
     results = results_of(before)
     renamed = {content.replace('"softening"', '"softening@2.0"'): result for content, result in results.items()}
     now = write_results(tmp_path / "now.sqlite", renamed)
     assert compared(before, now) == ExitCode.DONE
+    assert "softening:joint:tuned: engine softening → softening@2.0" in capsys.readouterr().out
     assert compared(before, write_results(tmp_path / "both.sqlite", renamed | results)) == ExitCode.DONE
     assert compared(now, before) == ExitCode.DONE
     assert compared(now, tmp_path / "both.sqlite") == ExitCode.DONE
