@@ -72,12 +72,12 @@ def test_steps_of_the_workflow_are_those_of_the_script() -> None:
     assert SCRIPT.stat().st_mode & 0o100
 
 
-def write_store(file: Path, results: Mapping[float, Result], variant: Variant = Variant("mujoco")) -> None:
+def write_store(file: Path, results: Mapping[float, Result]) -> None:
     file.parent.mkdir(exist_ok=True)
     exact = Result(status="converged", transmittance_db=-5.0, period=1.0)
     with ResultStore(file) as store:
         for eta, result in results.items():
-            task = SteadyStateTask(variant=variant, friction_ratio=0.3, frequency_ratio=eta)
+            task = SteadyStateTask(variant=Variant("mujoco"), friction_ratio=0.3, frequency_ratio=eta)
             store.keep([(task, result), (replace(task, variant=EXACT), exact)])
 
 
@@ -93,7 +93,7 @@ CRASHED = Result.blocked("crashed in mj_step()", by_engine=True)
     [
         (at(-5.1), at(-5.9), 1, "## Engine regression: fails\n\n4 points: 1 farther from the truth; 1 fail."),
         (at(-5.9), at(-5.1), 0, "## Engine regression: passes\n\n4 points: 1 closer to the truth; 0 fail."),
-        (at(-5.1), CRASHED, 1, "converged before, blocked now: crashed in mj\\_step()"),
+        (at(-5.1), CRASHED, 1, "converged before, blocked now: crashed in mj_step()"),
         (at(-5.1), None, 1, "converged before, missing now"),
     ],
     ids=["worse", "better", "crashes", "lost"],
@@ -103,7 +103,7 @@ def test_a_comparison_fails_for_the_worse_and_shows_it(tmp_path, before, now, co
     write_store(tmp_path / "regression/before.sqlite", {0.9: before, **same})
     write_store(tmp_path / "regression/now.sqlite", same if now is None else {0.9: now, **same})
     assert script(tmp_path, "compare", ENGINE="mujoco") == code
-    assert says.replace("\\", "") in shown(tmp_path)
+    assert says in shown(tmp_path)
     assert run_step(f"{SCRIPT} compare", tmp_path, ENGINE="mujoco", STRICT="true").returncode == 1
     checked_junit(tmp_path / "regression/changes.xml", tests=4, failures=2 if now is None else 1)
 
