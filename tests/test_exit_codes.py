@@ -13,6 +13,8 @@ from engines.mujoco import MuJoCo
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.refusal import ParameterError, RunError
+from reports.cli import console_script
+from scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
 from scenarios.execution.store import ResultStore
 from scenarios.sweeps.spec_file import EXAMPLE
 from scenarios.tasks.result import Result
@@ -30,16 +32,50 @@ REFERENCE = "reference_lcp --cells 1 --frequency-ratio 0.9"
 
 def test_documentation_has_the_table() -> None:
     document = (ROOT / "docs/exit_codes.md").read_text()
-    rows = re.findall(r"^\| (\d+) \| `(\w+)` \| (.+) \|$", document, flags=re.MULTILINE)
+    rows = re.findall(r"^\| (\d+) \| `([A-Z_]+)` \| (.+) \|$", document, flags=re.MULTILINE)
     assert {name: int(code) for code, name, _ in rows} == dict(ExitCode.__members__)
     source = " ".join((ROOT / "reference_lcp/exit_code.py").read_text().split())
     assert all(f'"""{meaning}"""' in source for _, _, meaning in rows)
 
 
+def codes_of(path: str) -> dict[int, str]:
+    """What the codes of a command mean, by its help."""
+    _, _, text = " ".join(COMMANDS[path].help.split()).partition("Exit code ")
+    parts = re.findall(r"(?:^|; )(\d+): (.*?)(?=; \d+:|\.? ?$)", text.partition("Example:")[0])
+    return {int(code): meaning for code, meaning in parts}
+
+
+def name_of(path: str) -> str:
+    """Give a command as it is typed under the console script; all scenarios are one."""
+    words = path.removeprefix("python -m ")
+    scenario = words.removeprefix("scenarios run ")
+    if scenario in {*DESCRIPTIONS, ALL_SCENARIOS}:
+        return "run SCENARIO"
+    for name, (own, _) in sorted(console_script.COMMANDS.items(), key=lambda command: -len(command[1][0])):
+        if words == own or words.startswith(f"{own} "):
+            return name + words.removeprefix(own)
+    return path
+
+
+def test_documentation_has_every_command_with_what_its_codes_mean() -> None:
+    """The table is made of the help of the commands: this is what it has to be."""
+    rows = {}
+    for path in COMMANDS.keys() - GROUPS:
+        codes = codes_of(path)
+        assert codes.pop(ExitCode.INTERRUPTED) == "interrupted"
+        cells = " | ".join(codes.get(code, "–") for code in sorted(set(ExitCode) - {ExitCode.INTERRUPTED}))
+        rows.setdefault(name_of(path), set()).add(f"| `{name_of(path)}` | {cells} |")
+    assert [name for name, own in rows.items() if len(own) > 1] == []
+    expected = sorted(row for own in rows.values() for row in own)
+    document = (ROOT / "docs/exit_codes.md").read_text()
+    table = [line for line in document.splitlines() if re.match(r"\| `[a-z]", line)]
+    assert sorted(table) == expected, "\n".join(expected)
+
+
 @pytest.mark.parametrize("path", sorted(COMMANDS.keys() - GROUPS))
 def test_help_of_every_command_says_its_codes(path) -> None:
-    _, _, text = " ".join(COMMANDS[path].help.split()).partition("Exit code ")
-    codes = [int(code) for code in re.findall(r"(?:^|; )(\d+):", text.partition("Example:")[0])]
+    text = codes_of(path)
+    codes = list(text)
     assert codes == sorted(set(codes))
     assert set(codes) <= set(ExitCode)
     needed = {ExitCode.DONE, ExitCode.WRONG_INPUT, ExitCode.INTERRUPTED}
