@@ -6,6 +6,7 @@ This module imports little but the standard library: a command calls `heed_inter
 import os
 import select
 import signal
+import socket
 import sys
 import time
 from collections.abc import Iterator
@@ -48,9 +49,9 @@ def heed_interrupts() -> None:
     if _State.watched or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         return
     _State.watched = True
-    reader, writer = os.pipe()
-    os.set_blocking(writer, False)
-    signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    reader, writer = socket.socketpair()  # Windows waits for sockets only
+    writer.setblocking(False)
+    signal.set_wakeup_fd(writer.detach(), warn_on_full_buffer=False)
     signal.signal(signal.SIGINT, _pass)
     Thread(target=_end_process, args=(reader,), daemon=True).start()
 
@@ -102,7 +103,7 @@ def _raise(_signal: int, _frame: object) -> None:
     raise KeyboardInterrupt
 
 
-def _end_process(reader: int) -> None:
+def _end_process(reader: socket.socket) -> None:
     """End this process at the first Ctrl-C, or so long after it, or at the second one."""
     _wait_for_interrupt(reader, None)
     _wait_for_interrupt(reader, _State.seconds)
@@ -111,9 +112,9 @@ def _end_process(reader: int) -> None:
     os._exit(ExitCode.INTERRUPTED)
 
 
-def _wait_for_interrupt(reader: int, seconds: float | None) -> None:
+def _wait_for_interrupt(reader: socket.socket, seconds: float | None) -> None:
     """Return at the next Ctrl-C, or after so many seconds; other signals are passed over."""
     end = None if seconds is None else time.monotonic() + seconds
     while select.select([reader], [], [], None if end is None else max(0.0, end - time.monotonic()))[0]:
-        if signal.SIGINT in os.read(reader, 1):
+        if signal.SIGINT in reader.recv(1):
             return

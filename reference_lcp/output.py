@@ -22,7 +22,7 @@ def replacing(file: Path) -> Iterator[Path]:
     part = target.with_name(f".{uuid.uuid4().hex}.part{target.suffix}")
     try:
         yield part
-        with part.open("rb") as written:
+        with part.open("r+b") as written:  # Windows writes out what is open for writing only
             os.fsync(written.fileno())
         part.replace(target)
     except OSError as problem:

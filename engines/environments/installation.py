@@ -1,8 +1,6 @@
 """Making environments: what will be installed is found out and said first, and an environment is whole or not there."""
 
 import contextlib
-import fcntl
-import os
 import shutil
 import sys
 import time
@@ -183,18 +181,20 @@ def _check_space(plan: Plan) -> None:
 @contextlib.contextmanager
 def _reserved(environment: Environment) -> Iterator[None]:
     """Let no other process make or remove the same environment meanwhile; a lock ends with its process."""
+    from filelock import FileLock, Timeout
+
     folder = environments_folder()
+    lock = FileLock(folder / f".{environment.name}.lock", timeout=0)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock = os.open(folder / f".{environment.name}.lock", os.O_CREAT | os.O_RDWR)
+        lock.acquire()
+    except Timeout:
+        raise ParameterError(f"{environment.name} is being installed or removed by another process") from None
     except OSError as problem:
         raise ParameterError(
             f"{folder} cannot be written: {problem.strerror}; {FOLDER_VARIABLE} names another"
         ) from None
     try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         yield
-    except BlockingIOError:
-        raise ParameterError(f"{environment.name} is being installed or removed by another process") from None
     finally:
-        os.close(lock)
+        lock.release()

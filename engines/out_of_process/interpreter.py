@@ -11,8 +11,11 @@ from engines.out_of_process.process import EngineProcess, EngineProcessError
 START_LIMIT = 60.0
 """Seconds that a worker may take to start and to import its engine, on a machine that is busy."""
 
-SYSTEM_PYTHON = "/usr/bin/python3"
-"""Where distributions keep the Python that their packages are for; a virtual environment's own comes first in PATH."""
+
+def system_python() -> str:
+    """Give the Python that the packages of a distribution are for; a virtual environment's own comes first in PATH."""
+    search = os.pathsep.join([os.defpath, os.environ.get("PATH", "")])
+    return shutil.which("python3", path=search) or "python3"
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ class Installation:
     @property
     def interpreter(self) -> str:
         """The Python that is chosen, as a path or as a command."""
-        return os.environ.get(self.variable) or SYSTEM_PYTHON
+        return os.environ.get(self.variable) or system_python()
 
     def process(self) -> EngineProcess:
         """Give the worker process that all lanes of this engine share."""

@@ -1,11 +1,11 @@
 """A worker process that runs an engine in another Python; its loss is an error here, and no more."""
 
 import contextlib
-import fcntl
 import itertools
 import os
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import weakref
@@ -175,8 +175,7 @@ class _WorkerProcess:
     def __init__(self, command: list[str]):
         with contextlib.ExitStack() as undone:
             self._errors = undone.enter_context(tempfile.TemporaryFile())
-            # The worker goes on writing at the end, wherever that is after a truncation.
-            fcntl.fcntl(self._errors, fcntl.F_SETFL, fcntl.fcntl(self._errors, fcntl.F_GETFL) | os.O_APPEND)
+            _append(self._errors)
             self._process: subprocess.Popen[bytes] = subprocess.Popen(
                 command,
                 stdin=subprocess.PIPE,
@@ -240,6 +239,21 @@ class _WorkerProcess:
             timer.join()
             if expired.is_set():
                 self._process.wait()
+
+
+def _append(file: Any) -> None:
+    """Let a process go on writing at the end of a file, wherever that is after a truncation.
+
+    Raises
+    ------
+    OSError
+        Where the system is not POSIX.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        raise OSError(f"engines in another Python need a POSIX system, and this is {sys.platform}") from None
+    fcntl.fcntl(file, fcntl.F_SETFL, fcntl.fcntl(file, fcntl.F_GETFL) | os.O_APPEND)
 
 
 def _caches() -> dict[str, str]:

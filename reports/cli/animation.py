@@ -19,7 +19,7 @@ from reference_lcp.validation import checked_count
 from reference_lcp.visible import visible
 from scenarios.cli.evaluation import store_of_run
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalExecutor
+from scenarios.execution.local_processes import executor_here
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
@@ -115,5 +115,5 @@ def animate_period(task: SteadyStateTask, out: Path, frames: int, time_limit: fl
 
 def period_of(task: SteadyStateTask, time_limit: float) -> RecordedPeriod:
     """Compute the period that is drawn, in a worker process that may take so many seconds."""
-    with store_of_run(None) as store, Evaluator(store, LocalExecutor(1, time_limit)) as evaluator:
+    with store_of_run(None) as store, Evaluator(store, executor_here(1, time_limit)) as evaluator:
         return RecordedPeriod.of_result(evaluator.evaluate([RecordedPeriodTask.of(task)])[0])

@@ -9,11 +9,11 @@ from typing import Any
 from reference_lcp.refusal import ParameterError, shown
 from scenarios.execution.batch import Batch
 from scenarios.execution.dask_worker import run_on_cluster
-from scenarios.execution.executor import WorkerDied, WorkerExecutor
+from scenarios.execution.executor import InProcessExecutor, WorkerDied, WorkerExecutor
 from scenarios.execution.failures import ExecutorError, text_of
 from scenarios.execution.identity import identity_of
 from scenarios.execution.limits import TIME_LIMIT
-from scenarios.execution.local_processes import LocalExecutor
+from scenarios.execution.local_processes import executor_here
 from scenarios.tasks.result import Result
 
 NOISY = ("distributed", "distributed.client", "distributed.core", "distributed.utils", "tornado.application", "asyncio")
@@ -35,8 +35,10 @@ CLOSE_SECONDS = 1
 """How long disconnecting may take, from a scheduler that does not reply either."""
 
 
-def executor_for(workers: int | None, time_limit: float, scheduler: str | None) -> "LocalExecutor | DaskExecutor":
-    """Give the workers of a scheduler where one is named, processes on this machine otherwise.
+def executor_for(
+    workers: int | None, time_limit: float, scheduler: str | None
+) -> "WorkerExecutor[Any] | InProcessExecutor":
+    """Give the workers of a scheduler where one is named, those of this machine otherwise.
 
     Raises
     ------
@@ -44,7 +46,7 @@ def executor_for(workers: int | None, time_limit: float, scheduler: str | None) 
         If a number is outside its range, both workers and a scheduler are named, or the scheduler cannot be used.
     """
     if scheduler is None:
-        return LocalExecutor(workers, time_limit)
+        return executor_here(workers, time_limit)
     if not isinstance(scheduler, str):
         raise ParameterError(f"scheduler = {shown(scheduler)}; allowed: an address such as 'tcp://node1:8786'")
     if workers is not None:

@@ -1,14 +1,16 @@
 """Worker processes on this machine, each of which can crash, hang or be stopped without harm to the others."""
 
 import os
+import sys
 import time
 from collections.abc import Collection
 from contextlib import suppress
 from queue import Empty, SimpleQueue
 
 from engines.interface import registry
+from reference_lcp.refusal import ParameterError
 from scenarios.execution.batch import Batch
-from scenarios.execution.executor import WorkerDied, WorkerExecutor
+from scenarios.execution.executor import InProcessExecutor, WorkerDied, WorkerExecutor
 from scenarios.execution.identity import identity_of
 from scenarios.execution.limits import TIME_LIMIT
 from scenarios.execution.local_worker import LocalWorker
@@ -18,6 +20,37 @@ from scenarios.tasks.result import Result
 
 IDLE_WORKERS = 8
 """Idle processes that are kept for their engine beside the busy ones: importing an engine takes up to a second."""
+
+
+def executor_here(workers: int | None = None, time_limit: float = TIME_LIMIT) -> "LocalExecutor | InProcessExecutor":
+    """Give what runs batches on this machine: worker processes, or this process where the system has none.
+
+    Parameters
+    ----------
+    workers, time_limit
+        As for `LocalExecutor`; without processes there is one worker, and nothing is stopped at the limit.
+
+    Raises
+    ------
+    ParameterError
+        If a number is outside its range, or there are more workers than this system can have.
+    """
+    executor = LocalExecutor(workers, time_limit)  # it starts nothing so far
+    reason = unavailable_reason()
+    if reason is None:
+        return executor
+    if workers not in (None, 1):
+        raise ParameterError(f"workers = {workers}; allowed here: 1, since {reason}")
+    print(f"{reason}: one that crashes or hangs ends the command; what is stored stays", file=sys.stderr)
+    return InProcessExecutor()
+
+
+def unavailable_reason() -> str | None:
+    """Give the reason why there are no worker processes here; ``None`` where there are."""
+    system: str = sys.platform
+    if system == "linux":
+        return None
+    return f"worker processes need Linux, and this is {system}; engines run in the process of the command"
 
 
 class LocalExecutor(WorkerExecutor[LocalWorker]):

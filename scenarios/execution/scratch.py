@@ -1,19 +1,25 @@
 """A folder of this process in the temporary folder: crash logs, temporary stores, what engines leave there."""
 
-import fcntl
 import os
 import shutil
 import tempfile
+import uuid
+import weakref
 from contextlib import suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from scenarios.execution.closing import Closing
+
+if TYPE_CHECKING:
+    from filelock import BaseFileLock
 
 PREFIX = "multibody-xval-"
 """How the names of such folders begin."""
 
-LOCK = "lock"
-"""File of such a folder that its process keeps locked; the system unlocks it when the process ends, however it does."""
+LOCK = ".lock"
+"""Ending of the file beside a folder that its process keeps locked; the system unlocks it when the process ends in
+whatever way."""
 
 
 class ScratchFolder(Closing):
@@ -21,35 +27,44 @@ class ScratchFolder(Closing):
 
     def __init__(self) -> None:
         remove_abandoned()
-        self._folder = tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True)
-        self.path = Path(self._folder.name)
-        # locked before it has its name: what has no lock is being made
-        new = self.path / "new"
-        self._lock = os.open(new, os.O_CREAT | os.O_RDWR)
-        fcntl.flock(self._lock, fcntl.LOCK_EX)
-        new.rename(self.path / LOCK)
+        self.path = Path(tempfile.gettempdir()) / f"{PREFIX}{uuid.uuid4().hex}"
+        # locked before it is made: a folder whose lock is free is nobody's any more
+        lock = _lock_of(self.path)
+        lock.acquire()
+        self._remove = weakref.finalize(self, _remove, self.path, lock)
+        self.path.mkdir(mode=0o700)
 
     def close(self) -> None:
         """Remove the folder."""
-        self._folder.cleanup()
-        os.close(self._lock)
+        self._remove()
 
 
 def remove_abandoned() -> None:
     """Remove the folders of processes that have ended without it; those of living ones and of other users stay."""
-    for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
-        with suppress(OSError):  # removed meanwhile, or another user's
-            if not folder.is_symlink() and folder.stat().st_uid == os.getuid() and _is_abandoned(folder):
-                shutil.rmtree(folder, ignore_errors=True)
+    for file in Path(tempfile.gettempdir()).glob(f"{PREFIX}*{LOCK}"):
+        folder = file.with_suffix("")
+        with suppress(OSError):  # locked, removed meanwhile, or another user's
+            if _is_own(file) and not folder.is_symlink():
+                lock = _lock_of(folder)
+                lock.acquire()
+                _remove(folder, lock)
 
 
-def _is_abandoned(folder: Path) -> bool:
-    """Tell whether nobody holds the lock of a folder."""
-    lock = os.open(folder / LOCK, os.O_RDWR)
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    finally:
-        os.close(lock)
-    return True
+def _lock_of(folder: Path) -> "BaseFileLock":
+    """Give the lock of a folder; taking it is a `TimeoutError` at once where another process has it."""
+    from filelock import FileLock  # on first use: not every command needs a folder
+
+    return FileLock(folder.with_name(folder.name + LOCK), timeout=0, thread_local=False)
+
+
+def _remove(folder: Path, lock: "BaseFileLock") -> None:
+    """Remove a folder and its lock, which this process holds."""
+    shutil.rmtree(folder, ignore_errors=True)
+    with suppress(OSError):  # where a file that is open cannot be removed, the next process does it
+        Path(lock.lock_file).unlink(missing_ok=True)
+    lock.release()
+
+
+def _is_own(file: Path) -> bool:
+    """Tell whether a file is this user's; on Windows every user has a temporary folder of their own."""
+    return not hasattr(os, "getuid") or file.lstat().st_uid == os.getuid()

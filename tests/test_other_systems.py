@@ -1,0 +1,87 @@
+"""Without what only POSIX or Linux has, modules are imported, and what can run does; the rest says why it cannot.
+
+The system is another one in a process of its own: modules are gone, and `sys.platform` says so.
+"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+GONE = {"win32": ("fcntl", "resource", "pwd", "grp", "termios", "syslog"), "darwin": ()}
+"""Modules of the standard library that the systems do not have."""
+
+FUNCTIONS = {
+    "win32": ("fork", "killpg", "setsid", "getuid", "waitid", "pidfd_open", "sched_getaffinity"),
+    "darwin": ("pidfd_open", "sched_getaffinity"),
+}
+"""Functions of `os` that they do not have."""
+
+AS_IF = """
+import os, sys
+# Libraries that have chosen their files for this system when they were installed are imported as they are.
+import matplotlib.pyplot, numba, numpy, pandas, scipy.optimize, h5netcdf, xarray, typer, rich.console, filelock
+import dask.array, multiprocessing.connection, subprocess, tempfile, uuid, platformdirs, exudyn, mujoco
+for module in {gone}:
+    sys.modules[module] = None
+for function in {functions}:
+    if hasattr(os, function):
+        delattr(os, function)
+sys.platform = {system!r}
+sys.argv = ["multibody-xval", *sys.argv[1:]]
+"""
+
+MAIN = "from reports.cli.entry_point import main; main()"
+
+
+def elsewhere(system: str, code: str, *arguments: str, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    """Run Python as if on another system."""
+    begin = AS_IF.format(gone=GONE[system], functions=FUNCTIONS[system], system=system)
+    return subprocess.run(
+        [sys.executable, "-c", begin + code, *arguments],
+        cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+
+systems = pytest.mark.parametrize("system", GONE)
+
+
+@systems
+def test_one_chain_is_simulated(system) -> None:
+    done = elsewhere(system, MAIN, "reference", "--friction-ratio", "0.3", "--frequency-ratio", "0.9")
+    assert done.returncode == 0, done.stderr
+    assert "-9.56" in done.stdout
+
+
+@systems
+def test_engines_are_listed_with_what_is_unavailable(system) -> None:
+    done = elsewhere(system, MAIN, "engines")
+    assert done.returncode == 0, done.stderr
+    if system == "win32":
+        assert "engines in another Python need a POSIX system, and this is win32" in " ".join(done.stdout.split())
+
+
+@systems
+def test_a_sweep_runs_in_the_process_of_the_command_and_says_so(system, tmp_path) -> None:
+    (tmp_path / "sweep.toml").write_text(
+        'engines = ["reference:joint", "mujoco:joint"]\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]\n'
+    )
+    done = elsewhere(system, MAIN, "sweep", "sweep.toml", "--out", "sweep.csv", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert f"worker processes need Linux, and this is {system}; engines run in the process" in done.stderr
+    assert (tmp_path / "sweep.csv").read_text().count("converged") == 2
+    assert not list(tmp_path.glob("*.lock"))
+
+
+@systems
+def test_more_workers_than_there_can_be_are_refused(system, tmp_path) -> None:
+    (tmp_path / "sweep.toml").write_text(
+        'engines = ["reference"]\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]\n'
+    )
+    done = elsewhere(system, MAIN, "sweep", "sweep.toml", "--workers", "3", folder=tmp_path)
+    assert done.returncode == 2
+    assert f"workers = 3; allowed here: 1, since worker processes need Linux, and this is {system}" in done.stderr
