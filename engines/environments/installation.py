@@ -19,7 +19,7 @@ from engines.environments.environment import (
 from engines.environments.process import tried_versions
 from engines.environments.requirement import Requirement
 from engines.environments.uv import run_uv
-from engines.out_of_process.process import EngineProcessError
+from engines.out_of_process.process import EngineProcessError, unavailable_reason
 from reference_lcp.refusal import ParameterError
 
 UNPACKED = 4.0
@@ -67,8 +67,12 @@ class Plan:
         Raises
         ------
         ParameterError
-            If there is no such version or no such Python, the package index cannot be reached, or uv is missing.
+            If the system has no environments, there is no such version or no such Python, the package index cannot be
+            reached, or uv is missing.
         """
+        reason = unavailable_reason()
+        if reason is not None:
+            raise ParameterError(f"{requirement.name} cannot be installed: {reason}")
         interpreter = sys.executable
         try:
             if python is not None:

@@ -137,6 +137,9 @@ class EngineProcess:
     def _usable_worker(self) -> "_WorkerProcess":
         if not self.alive():
             self._lose()
+            reason = unavailable_reason()
+            if reason is not None:
+                raise EngineProcessError(f"{self.engine}: {reason}")
             try:
                 self._worker = _WorkerProcess(self._command)
             except OSError as problem:
@@ -241,18 +244,19 @@ class _WorkerProcess:
                 self._process.wait()
 
 
-def _append(file: Any) -> None:
-    """Let a process go on writing at the end of a file, wherever that is after a truncation.
-
-    Raises
-    ------
-    OSError
-        Where the system is not POSIX.
-    """
+def unavailable_reason() -> str | None:
+    """Give the reason why no engine can run in another Python here; ``None`` where they can."""
     try:
-        import fcntl
+        import fcntl  # noqa: F401 - every POSIX system has it
     except ImportError:
-        raise OSError(f"engines in another Python need a POSIX system, and this is {sys.platform}") from None
+        return f"engines in another Python need a POSIX system, and this is {sys.platform}"
+    return None
+
+
+def _append(file: Any) -> None:
+    """Let a process go on writing at the end of a file, wherever that is after a truncation."""
+    import fcntl
+
     fcntl.fcntl(file, fcntl.F_SETFL, fcntl.fcntl(file, fcntl.F_GETFL) | os.O_APPEND)
 
 

@@ -11,6 +11,7 @@ from engines.interface import registry
 from reference_lcp.refusal import ParameterError
 from scenarios.execution.batch import Batch
 from scenarios.execution.executor import InProcessExecutor, WorkerDied, WorkerExecutor
+from scenarios.execution.failures import ExecutorError
 from scenarios.execution.identity import identity_of
 from scenarios.execution.limits import TIME_LIMIT
 from scenarios.execution.local_worker import LocalWorker
@@ -146,6 +147,9 @@ class LocalExecutor(WorkerExecutor[LocalWorker]):
         return worker
 
     def _new_worker(self, engine: str) -> LocalWorker:
+        reason = unavailable_reason()
+        if reason is not None:
+            raise ExecutorError(reason)
         if self._folder is None:
             self._folder = ScratchFolder()
         if self._template is None:

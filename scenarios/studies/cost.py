@@ -11,7 +11,7 @@ from engines.interface.variant import Variant
 from engines.shared.step_cost import StepCost, step_cost
 from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
 from scenarios.execution.batch import Batch
-from scenarios.execution.local_processes import LocalExecutor
+from scenarios.execution.local_processes import executor_here
 from scenarios.studies.limits import COST_SECONDS
 from scenarios.tables import Column
 from scenarios.tasks.parameters import ChainRatios
@@ -106,7 +106,7 @@ def _batches(variant: Variant, point: float, seconds: float) -> list[Batch]:
 
 def _timed(batches: Sequence[Batch], workers: int) -> tuple[float, list[Result]]:
     """Run batches in so many workers; gives the seconds, and the results."""
-    with LocalExecutor(workers) as executor:
+    with executor_here(workers) as executor:
         for _ in executor.run([batches[0][:1]] * workers):  # starts the processes, and imports the engine in each
             pass
         begin = time.perf_counter()

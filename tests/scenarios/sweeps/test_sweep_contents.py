@@ -45,7 +45,7 @@ transmittance_db = 0.01
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(dask_cluster, "LocalExecutor", lambda *_: InProcessExecutor())
+    monkeypatch.setattr(dask_cluster, "executor_here", lambda *_: InProcessExecutor())
     return written(tmp_path, CONTENT)
 
 
