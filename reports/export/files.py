@@ -67,7 +67,10 @@ def report_dataset(result: ComparedSweep) -> xr.Dataset:
     etas = tuple(sorted({point.frequency_ratio for point in result.points}))
     sweep = dataclasses.replace(result.sweep, axes={**result.sweep.axes, "frequency_ratio": etas})
     data = sweep_dataset(sweep, result.table)
-    return data.assign(_edges(result)).assign_coords(edge=[str(edge) for edge in Edge]) if result.edges else data
+    if not result.edges:
+        return data
+    edge = ("edge", [str(edge) for edge in Edge], {"long_name": "edge of the attenuation band"})
+    return data.assign(_edges(result)).assign_coords(edge=edge)
 
 
 def _edges(result: ComparedSweep) -> dict[str, Any]:
@@ -79,5 +82,14 @@ def _edges(result: ComparedSweep) -> dict[str, Any]:
     differences = [edge.comparison.difference for edge in edges]
     return {
         "band_edge": (dimensions, np.reshape(etas, sizes), {"units": "1", "long_name": "η_r of the edge"}),
-        "band_edge_difference": (dimensions, np.reshape(differences, sizes), {"units": "1"}),
+        "band_edge_difference": (
+            dimensions,
+            np.reshape(differences, sizes),
+            {"units": "1", "long_name": "edge less that of the baseline", "ancillary_variables": "band_edge_allowed"},
+        ),
+        "band_edge_allowed": (
+            dimensions,
+            np.reshape([edge.comparison.tolerance for edge in edges], sizes),
+            {"units": "1", "long_name": "largest such difference that counts as agreement"},
+        ),
     }

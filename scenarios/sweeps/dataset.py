@@ -37,6 +37,7 @@ STATUSES = (
 
 VERDICTS = tuple(Verdict)
 MODES = tuple(Mode)
+CERTIFIED = ("not certified", "certified")
 
 PREDICTED = ((TRANSMITTANCE, "db", "dB"), (PHASE, "phase", "degree"))
 """Metrics that laws predict, with the end of the names of their variables, and their unit there."""
@@ -54,6 +55,15 @@ _AXES = {
     "inner_damping_ratio": "c_i / (2 sqrt(k_i m_i))",
     "steps_per_period": "fewest steps a period",
 }
+
+_FIXED = {
+    **_AXES,
+    "outer_mass_ratio": "outer masses over the unit of mass",
+    "chain_stiffness_ratio": "chain stiffnesses over their unit",
+    "friction_profile": "friction bounds over that of friction_ratio",
+    "drive_amplitude": "of the base U0 [m], or of the force P0 [N]",
+}
+"""Attributes of what is not varied."""
 
 
 def _mean(values: Sequence[float]) -> float:
@@ -76,7 +86,13 @@ _NUMBERS: dict[str, tuple[Callable[[Point], float], str, str]] = {
     "difference_db": (
         lambda point: point.difference(TRANSMITTANCE), "dB", "transmittance less that of the baseline",
     ),
+    "allowed_db": (
+        lambda point: point.allowed(TRANSMITTANCE), "dB", "largest such difference that counts as agreement",
+    ),
     "difference_phase": (lambda point: point.difference(PHASE), "degree", "phase less that of the baseline"),
+    "allowed_phase": (
+        lambda point: point.allowed(PHASE), "degree", "largest such difference that counts as agreement",
+    ),
     "residual": (lambda point: point.result.residual, "1", "periodicity residual"),
     "amplification": (
         lambda point: point.result.amplification, "1", "how many residuals the reference may be from its steady state"
@@ -103,8 +119,18 @@ _NUMBERS: dict[str, tuple[Callable[[Point], float], str, str]] = {
     },
     "law_distance": (_of_law(None, "distance"), "1", "positions of variant and law after a period, over U0"),
     "law_period_bound": (_of_law(None, "period_bound"), "1", "largest such distance that the law allows"),
-    "law_certified": (_of_law(None, "certified"), "1", "1 where the steady state of the law is certified"),
 }  # fmt: skip
+
+_BESIDE = {
+    "transmittance_db": "transmittance_error_db status",
+    "phase": "status",
+    "difference_db": "allowed_db verdict",
+    "difference_phase": "allowed_phase verdict",
+}
+"""Variables that say how good another one is, by the CF conventions."""
+
+NO_POINT = -1
+"""Verdict where the sweep has no point."""
 
 
 def sweep_dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) -> xr.Dataset:
@@ -145,14 +171,19 @@ def sweep_dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) 
     }
     grid = ("variant", *sweep.axes)
     sizes = tuple(len(values) for values in (sweep.variants, *sweep.axes.values()))
+    cells = arrays["stuck_fraction"][1].shape[1]
     variables = {
-        name: ((*grid, *more), _on_grid(values, numbers, sizes, _ABSENT.get(name, math.nan)), attributes)
+        name: (
+            (*grid, *more),
+            _on_grid(values, numbers, sizes, _ABSENT.get(name, math.nan)),
+            attributes | ({"ancillary_variables": _BESIDE[name]} if name in _BESIDE else {}),
+        )
         for name, (more, values, attributes) in arrays.items()
     }
-    return xr.Dataset(variables, coords=_coordinates(sweep), attrs=_attributes(sweep, store))
+    return xr.Dataset(variables, coords=_coordinates(sweep, cells), attrs=_attributes(sweep, store))
 
 
-_ABSENT = {"status": STATUSES.index(ResultStatus.MISSING), "verdict": -1, "reason": ""}
+_ABSENT = {"status": STATUSES.index(ResultStatus.MISSING), "verdict": NO_POINT, "reason": ""}
 """Where the sweep has no point; NaN in all other variables."""
 
 
@@ -176,8 +207,13 @@ def _of_points(points: Sequence[Point]) -> Arrays:
     statuses = [point.result.status for point in points]
     verdicts = [point.comparison.verdict for point in points]
     reasons = [point.result.reason for point in points]
+    certified = np.array([_of_law(None, "certified")(point) for point in points], dtype=np.float64)
+    arrays["law_certified"] = ((), certified, _meaning(CERTIFIED, "steady state of the law", np.float64))
     arrays["status"] = ((), _numbers(statuses, STATUSES), _meaning(STATUSES, "how the search for a steady state ended"))
-    arrays["verdict"] = ((), _numbers(verdicts, VERDICTS), _meaning(VERDICTS, "comparison with the baseline"))
+    meaning = _meaning(VERDICTS, "comparison with the baseline")
+    meaning["flag_values"] = np.append(meaning["flag_values"], np.int8(NO_POINT))
+    meaning["flag_meanings"] += " no_point"
+    arrays["verdict"] = ((), _numbers(verdicts, VERDICTS), meaning)
     arrays["reason"] = ((), np.array(reasons, dtype=object), {"long_name": "why there is no result"})
     return arrays
 
@@ -240,18 +276,38 @@ def _meaning(every: Sequence[str], text: str, kind: type = np.int8) -> dict[str,
     return {"long_name": text, "flag_values": np.arange(len(every), dtype=kind), "flag_meanings": meanings}
 
 
-def _coordinates(sweep: Sweep) -> dict[str, Any]:
+def _coordinates(sweep: Sweep, cells: int) -> dict[str, Any]:
     axes = {name: (name, list(values), {"units": "1", "long_name": _AXES[name]}) for name, values in sweep.axes.items()}
     names = [str(variant) for variant in sweep.variants]
     variant = ("variant", names, {"long_name": "engine, formulation and preset; joint and tuned are left out"})
+    parts = {
+        name: ("variant", [read(variant) for variant in sweep.variants], {"long_name": text})
+        for name, (read, text) in _PARTS.items()
+    }
+    cell = ("cell", np.arange(1, cells + 1), {"units": "1", "long_name": "cell, from the base on"})
     factors = factors_of(sweep)
     steps = ("refinement", factors, {"units": "1", "long_name": "steps a period over those of the sweep"})
-    return {"variant": variant, **axes, **({"refinement": steps} if factors else {})}
+    return {"variant": variant, **parts, "cell": cell, **axes, **({"refinement": steps} if factors else {})}
+
+
+def _version(variant: Variant) -> str:
+    """Give the version of the engine as it is on this machine; empty where it is not installed."""
+    own = engine(variant.engine)
+    return own.version() if own.unavailable_reason() is None else ""
+
+
+_PARTS: dict[str, tuple[Callable[[Variant], str], str]] = {
+    "engine": (lambda variant: variant.engine, "engine of the variant"),
+    "formulation": (lambda variant: str(variant.formulation), "formulation of friction"),
+    "preset": (lambda variant: variant.preset_name, "preset of options"),
+    "version": (_version, "version of the engine"),
+}
+"""What a variant consists of."""
 
 
 def _attributes(sweep: Sweep, store: Path | None) -> dict[str, Any]:
     """Give everything that a reader of the numbers needs to know, and the sweep itself."""
-    ratios = {name: value for name, value in sweep.ratios.as_data().items() if name not in sweep.axes}
+    ratios = {name: value for name, value in vars(sweep.ratios).items() if name not in sweep.axes}
     steps = {} if "steps_per_period" in sweep.axes else {"steps_per_period": sweep.steps_per_period}
     tolerance = {} if sweep.tolerance is None else {
         "tolerance_db": sweep.tolerance.transmittance_db, "baseline": str(sweep.tolerance.baseline),
@@ -260,6 +316,7 @@ def _attributes(sweep: Sweep, store: Path | None) -> dict[str, Any]:
         "Conventions": "CF-1.11",
         "title": "Steady states of a frictional mass-in-mass chain",
         "source": f"{DISTRIBUTION} {version(DISTRIBUTION)}",
+        "comment": "; ".join(f"{name}: {text}" for name, text in _FIXED.items() if name not in sweep.axes),
         **{name: list(value) if isinstance(value, tuple) else value for name, value in ratios.items()},
         **steps,
         "drive_kind": sweep.excitation.kind,
@@ -298,7 +355,7 @@ def write_dataset(data: xr.Dataset, file: Path) -> None:
         write_whole(file, bytes(data.to_netcdf(engine="h5netcdf")))
         return
     grid = data.status.dims
-    plain = data[[name for name, values in data.data_vars.items() if values.dims == grid]]
+    plain = data[[name for name, values in data.data_vars.items() if values.dims == grid]].reset_coords(drop=True)
     table = plain.to_dataframe(dim_order=list(grid)).reset_index()
     table["status"] = [str(STATUSES[number]) for number in table["status"]]
     table["verdict"] = ["" if number < 0 else str(VERDICTS[number]) for number in table["verdict"]]

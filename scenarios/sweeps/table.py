@@ -68,6 +68,10 @@ class Point(NamedTuple):
         """Give the difference from the baseline in the unit of a metric; NaN where it was not compared."""
         return next((own.comparison.difference for own in self.findings if own.metric == metric), math.nan)
 
+    def allowed(self, metric: Metric) -> float:
+        """Give the largest such difference that counts as agreement; likewise."""
+        return next((own.comparison.tolerance for own in self.findings if own.metric == metric), math.nan)
+
 
 def table_of(points: Iterable[GridPoint]) -> pd.DataFrame:
     """Give a table of grid points: a column an axis, beside the variant and the case."""
