@@ -358,9 +358,10 @@ def test_versions_of_an_engine_are_compared_with_each_other(before, tmp_path, ca
     now = write_results(tmp_path / "now.sqlite", renamed)
     assert compared(before, now) == ExitCode.DONE
     assert "softening:joint:tuned: engine softening → softening@2.0" in capsys.readouterr().out
-    assert compared(before, write_results(tmp_path / "both.sqlite", renamed | results)) == ExitCode.DONE
+    crashes = dict.fromkeys(renamed, Result.blocked("crashed").to_json())
+    assert compared(before, write_results(tmp_path / "both.sqlite", results | crashes)) == ExitCode.DONE
     assert compared(now, before) == ExitCode.DONE
-    assert compared(now, tmp_path / "both.sqlite") == ExitCode.DONE
+    assert compared(now, tmp_path / "both.sqlite") == ExitCode.FAILED
     laws = {content.replace('"softening"', '"softening@law"'): result for content, result in results.items()}
     assert compared(before, write_results(tmp_path / "laws.sqlite", laws)) == ExitCode.WRONG_INPUT
 
