@@ -64,7 +64,7 @@ def connected(file: Path, *, read_only: bool = False) -> sqlite3.Connection:
         If it cannot be opened.
     """
     address = f"{checked_store(file).resolve().as_uri()}?mode={'ro' if read_only else 'rwc'}"
-    connection = sqlite3.connect(address, ATTEMPT_SECONDS, uri=True, isolation_level=None)
+    connection = sqlite3.connect(address, timeout=ATTEMPT_SECONDS, uri=True, isolation_level=None)
     connection.text_factory = bytes
     connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_TEXT)
     # views, triggers and generated columns, which no store has, could not call anything either
