@@ -12,8 +12,8 @@ from reports.export.changes import (
     CHANGE_FORMATS,
     PRINTED_COLUMNS,
     Regression,
+    counted_by_variant,
     identities,
-    overview,
 )
 from scenarios.cli.evaluation import evaluator_of_run
 from scenarios.execution.dask_cluster import executor_for
@@ -66,8 +66,7 @@ def _computed(tasks: Sequence[Task]) -> list[Result]:
 
 def _print(regression: Regression) -> None:
     console = Console()
-    console.print(printed_table(overview(regression.comparison)))
-    for line in identities(regression.comparison):
+    for line in (*counted_by_variant(regression.comparison), *identities(regression.comparison)):
         console.print(plain(line), soft_wrap=True)
     shown = regression.comparison.beyond[:MOST_ROWS]
     for variant in dict.fromkeys(change.variant for change in shown):

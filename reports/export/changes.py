@@ -104,10 +104,7 @@ class Regression:
     @property
     def summary(self) -> str:
         """One sentence: how many points were compared, and where the changed ones went."""
-        count = Counter(change.direction for change in self.comparison.changes)
-        changed = ", ".join(f"{count[direction]} {WORDS[direction]}" for direction in WORDS if count[direction])
-        total = len(self.comparison.changes)
-        return f"{total} points: {changed or 'none changed'}; {len(self.failing)} fail"
+        return f"{counted(self.comparison.changes)}; {len(self.failing)} fail"
 
 
 WORDS = {
@@ -120,17 +117,37 @@ WORDS = {
 """Directions in sentences, the worst first."""
 
 
+def counted(changes: Sequence[Change]) -> str:
+    """Say how many points there are, and where the changed ones went."""
+    count = Counter(change.direction for change in changes)
+    changed = ", ".join(f"{count[direction]} {WORDS[direction]}" for direction in WORDS if count[direction])
+    return f"{len(changes)} points: {changed or 'none changed'}"
+
+
+def counted_by_variant(comparison: StoreComparison) -> list[str]:
+    """Say so of each variant, with its largest change of transmittance."""
+    return [
+        f"{variant}: {counted(changes)}, by {_largest(changes)} dB at most"
+        for variant, changes in _by_variant(comparison.changes).items()
+    ]
+
+
 def overview(comparison: StoreComparison) -> pd.DataFrame:
     """Give a row for each variant: its points by the directions that occur."""
     rows = []
     occurring = {change.direction for change in comparison.changes}
     for variant, changes in _by_variant(comparison.changes).items():
         count = Counter(change.direction for change in changes)
-        sizes = [abs(change.transmittance_db) for change in changes if not math.isnan(change.transmittance_db)]
         row = {"engine:formulation:preset": variant, "points": str(len(changes))}
         row |= {str(direction): str(count[direction]) for direction in WORDS if direction in occurring}
-        rows.append({**row, "max dB": f"{max(sizes):.3g}" if sizes else "–"})
+        rows.append({**row, "max dB": _largest(changes)})
     return pd.DataFrame(rows)
+
+
+def _largest(changes: Sequence[Change]) -> str:
+    """Give the largest change of transmittance [dB]; a dash where there is none."""
+    sizes = [abs(change.transmittance_db) for change in changes if not math.isnan(change.transmittance_db)]
+    return f"{max(sizes):.3g}" if sizes else "–"
 
 
 def identities(comparison: StoreComparison) -> list[str]:

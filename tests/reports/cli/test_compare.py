@@ -114,7 +114,10 @@ def test_a_changed_option_is_found_with_the_points_that_it_changed(
     assert compared(before, now, "--out", table) == 1
     printed = capsys.readouterr().out
     assert "softening:joint:tuned: option iterations 100 → 1" in printed
+    assert "softening:joint:tuned: 3 points: 2 changed with the truth unknown, by 0.5 dB at most" in printed
     assert "3 points: 2 changed with the truth unknown; 2 fail" in printed
+    table_lines = [line for line in printed.splitlines() if "│" in line or "──" in line or "η_r" in line]
+    assert max(map(len, table_lines)) <= 80
     rows = {row["frequency_ratio"]: row for row in csv.DictReader(table.read_text().splitlines())}
     assert {eta for eta, row in rows.items() if row["beyond"]} == {"0.6", "0.9"}
     assert float(rows["0.6"]["transmittance_db_change"]) == pytest.approx(0.5)
