@@ -18,7 +18,7 @@ from reports.export.changes import (
 from scenarios.cli.evaluation import evaluator_of_run
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.limits import TIME_LIMIT
-from scenarios.tables import plain, printed_table, text_table
+from scenarios.tables import plain, print_table, text_table
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import Task
 from scenarios.verdicts.regression import compare_stores
@@ -71,7 +71,7 @@ def _print(regression: Regression) -> None:
     shown = regression.comparison.beyond[:MOST_ROWS]
     for variant in dict.fromkeys(change.variant for change in shown):
         own = [change for change in shown if change.variant == variant]
-        console.print(printed_table(text_table(PRINTED_COLUMNS, own), title=variant))
+        print_table(text_table(PRINTED_COLUMNS, own), title=variant)
     left = len(regression.comparison.beyond) - len(shown)
     if left:
         console.print(f"{left} more changed points; --out writes all of them")
