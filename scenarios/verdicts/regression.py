@@ -16,8 +16,8 @@ from scenarios.tasks.result import Result, ResultStatus
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.judge import metric_difference
 from scenarios.verdicts.stored_results import StoredResult, read_all
+from scenarios.verdicts.stored_truth import Compute, StoredTruth, truths_of
 from scenarios.verdicts.thresholds import Thresholds
-from scenarios.verdicts.truth import Compute, Truth, truths_of
 
 NUMBERS = ("transmittance_db", "residual", "period", "stuck_fraction", "creep", "open_fraction", "largest_gap")
 """Numbers of a result, one or one a contact, that do not depend on how it was found."""
@@ -174,7 +174,7 @@ class Change:
     shifts: tuple[Shift, ...] = ()
     lost: tuple[str, ...] = ()
     gained: str = ""
-    truth: Truth | None = None
+    truth: StoredTruth | None = None
 
     @property
     def variant(self) -> str:
@@ -210,7 +210,7 @@ class Change:
         """Give the error of one of the results [dB]; NaN where it, or the truth, is not known."""
         return math.nan if self.truth is None else abs(transmittance_difference(stored.result, self.truth.result))
 
-    def judged(self, truth: Truth | None) -> "Change":
+    def judged(self, truth: StoredTruth | None) -> "Change":
         """Hold what has shifted to the truth."""
         if truth is None:
             return self

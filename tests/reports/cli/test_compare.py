@@ -31,8 +31,8 @@ from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.regression import Change, Direction, StoreComparison, change, compare_stores
 from scenarios.verdicts.steady_case import EXACT
 from scenarios.verdicts.stored_results import StoredResult
+from scenarios.verdicts.stored_truth import StoredTruth
 from scenarios.verdicts.thresholds import Thresholds
-from scenarios.verdicts.truth import Truth
 from tests.junit import checked_junit
 
 SOFT, HARD = Option(1, 5, "soft"), Option(100, 5, "hard")
@@ -323,7 +323,7 @@ def judged(old: dict[str, object], new: dict[str, object], true: dict[str, objec
     task = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
     results = [dataclasses.replace(answered(task, 0.0), **own) for own in (old, new, true)]
     stored = [StoredResult({"frequency_ratio": 0.9}, 4, "1", {}, result) for result in results]
-    return change(*stored[:2], Thresholds()).judged(Truth(results[2], "exact motion"))
+    return change(*stored[:2], Thresholds()).judged(StoredTruth(results[2], "exact motion"))
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ Compute = Callable[[Sequence[SteadyStateTask]], Sequence[Result]]
 
 
 @dataclass(frozen=True)
-class Truth:
+class StoredTruth:
     """What is true of a case.
 
     Parameters
@@ -45,7 +45,7 @@ class Truth:
 
 def truths_of(
     tasks: Iterable[Mapping[str, Any]], stored: Sequence[StoredResult], compute: Compute | None
-) -> dict[str, Truth]:
+) -> dict[str, StoredTruth]:
     """Give what is true of tasks, as plain data, where that is known.
 
     That is the exact motion, from a store or computed, and the converged motion of a store where there is no exact one.
@@ -75,21 +75,21 @@ def _case(task: Mapping[str, Any]) -> str:
     return json.dumps({name: value for name, value in task.items() if name not in NOT_OF_THE_CASE}, sort_keys=True)
 
 
-def _stored_truths(stored: Iterable[StoredResult], variant: Variant, source: str) -> dict[str, Truth]:
+def _stored_truths(stored: Iterable[StoredResult], variant: Variant, source: str) -> dict[str, StoredTruth]:
     """Give the steady states of a variant by their cases, of several the one with the most steps."""
     name = f"{variant.engine}:{variant.formulation}:{variant.preset_name}"
     own = [each for each in stored if each.variant == name and each.result.converged]
     own.sort(key=lambda each: each.result.steps_per_period)
-    return {_case(each.task): Truth(each.result, source) for each in own}
+    return {_case(each.task): StoredTruth(each.result, source) for each in own}
 
 
-def _computed(cases: Iterable[str], compute: Compute | None) -> dict[str, Truth]:
+def _computed(cases: Iterable[str], compute: Compute | None) -> dict[str, StoredTruth]:
     """Compute the exact motion of cases; those that have none, or take long, are left out."""
     tasks = {case: task for case in sorted(cases) if (task := _exact_task(case)) is not None}
     if compute is None or not tasks:
         return {}
     results = dict(zip(tasks, compute(list(tasks.values())), strict=True))
-    return {case: Truth(result, "exact motion") for case, result in results.items() if result.converged}
+    return {case: StoredTruth(result, "exact motion") for case, result in results.items() if result.converged}
 
 
 def _exact_task(case: str) -> SteadyStateTask | None:
