@@ -26,6 +26,7 @@ from scenarios.sweeps.dataset_results import DatasetResults
 from scenarios.sweeps.start_check import LEAST_POINTS, check_starts
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import grid, tasks_of
+from scenarios.sweeps.truths import exact_tasks, recorded_truths, truths
 from scenarios.tasks.parameters import ChainRatios, OperatingPoint
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.task import SteadyStateTask
@@ -103,6 +104,7 @@ def collect(
         steps=_step_study(sweep, evaluator if scope.step_study else StoredResults(store)),
         friction_map=None if mapped is None else friction_map(mapped, evaluator),
         starts=starts,
+        truths=truths(result, evaluator),
     )
 
 
@@ -118,7 +120,8 @@ def collect_dataset(data: xr.Dataset, command: str) -> Report:
     recorded = recorded_variants(data)
     points = sorted(results.points, key=lambda point: point[2])
     result = judged_points(results.sweep.ascending(), points, results, results.predictions)
-    return Report(result, command, steps=None, recorded=recorded)
+    known = recorded_truths(data, results.sweep) or truths(result)
+    return Report(result, command, steps=None, recorded=recorded, truths=known)
 
 
 def _varies_friction_alone(sweep: Sweep) -> bool:
@@ -154,6 +157,7 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
     if scope.step_study and _has_step_study(sweep):
         tasks += [task for variant in sweep.variants for task in step_tasks(variant, sweep.excitation)]
         tasks += exact_step_tasks(sweep.excitation)
+    tasks += exact_tasks(sweep, [(case, eta) for case in sweep.cases for eta in sweep.frequency_ratios]).values()
     return list(dict.fromkeys([*tasks, *_recorded_tasks(sweep, scope.recorded_points).values()]))
 
 

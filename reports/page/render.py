@@ -28,6 +28,7 @@ from reports.page.sections import (
     StickSlip,
     Summary,
     Transmittance,
+    Verdicts,
     Versions,
     WorkPrecision,
 )
@@ -36,8 +37,8 @@ LARGEST_PAGE = 5 * 2**20
 """Bytes that a page takes at most, so that it can be sent by mail and opens at once."""
 
 DEFAULT_SECTIONS = (
-    Summary, Versions, DeparturesSection, BandEdges, Transmittance, FrictionMapSection, StickSlip, WorkPrecision,
-    OpenPoints,
+    Summary, Verdicts, Versions, DeparturesSection, BandEdges, Transmittance, FrictionMapSection, StickSlip,
+    WorkPrecision, OpenPoints,
 )  # fmt: skip
 """Sections of every report, in order; those of other packages follow, and how the numbers were made comes last."""
 

@@ -83,6 +83,7 @@ class Elements(HTMLParser):
 def test_page_has_every_section_in_order(page: str) -> None:
     assert Elements(page).headings == [
         "Summary",
+        "Verdicts",
         "Departures and laws",
         "Band edges",
         "Transmittance",
@@ -155,7 +156,7 @@ def test_points_and_edges_that_do_not_agree_are_named(result: ComparedSweep) -> 
 def test_every_axis_and_every_table_of_edges_names_the_definition_of_the_band(page: str, result: ComparedSweep) -> None:
     definition = "first deep attenuation (transmittance below −10 dB)"
     assert definition in band_definition(result.sweep)
-    assert page.count(definition) == 5
+    assert page.count(definition) == 4
 
 
 def test_departures_stand_beside_what_laws_leave_of_them_and_fail_the_comparison(report: Report, page: str) -> None:
@@ -174,8 +175,6 @@ def test_findings_count_verdicts_and_name_the_worst_place(result: ComparedSweep)
     assert found.verdicts == {
         "agree": 6, "disagree": 1, "own step too coarse": 0, "inconclusive": 1, "blocked": 0,
     }  # fmt: skip
-    assert found.worst_difference.difference == pytest.approx(0.03, abs=1e-12)
-    assert (found.worst_difference.case.friction_ratio, found.worst_difference.frequency_ratio) == (0.0, 0.9)
     assert found.worst_edge.difference == pytest.approx(0.01)
     assert found.median_periods == 30
     assert found.seconds == pytest.approx(3.5)
