@@ -46,7 +46,7 @@ def report(
             "--engine",
             metavar="NAME[:FORMULATION[:PRESET]]",
             help="An engine to compare, in the formulation joint and the preset tuned unless others are named; "
-            "may be repeated. Without it: the suite's, tuned and, where a model predicts it, default; all: every one.",
+            "may be repeated. Without it: those that come with the suite, tuned and default; all: every one.",
         ),
     ] = None,
     sweep: Annotated[
@@ -70,6 +70,9 @@ def report(
 ) -> None:
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
+    Without --engine and --sweep: joints on the whole grid, tuned and, where a law predicts it everywhere, default;
+    contacts and other defaults at a few points, without a verdict: they never change the exit code.
+
     Results are kept: a second run takes seconds, and an interrupted one goes on where it was.
     Exit code 0: the page is written, and every disagreement, if there is any, is as its law predicts; 1: it is
     written, and not so, or too little of a variant is certified; 2: wrong input; 3: results or the page could not be
@@ -80,7 +83,7 @@ def report(
     if context.invoked_subcommand is not None:
         return
     check_retry(ask, retry_blocked)
-    from reports.cli.report import command_of, planned_sweep, report_of_dataset, report_of_sweep
+    from reports.cli.report import command_of, default_scope, planned_sweep, report_of_dataset, report_of_sweep
 
     if data is not None:
         if sweep is not None or chosen or quick:
@@ -91,10 +94,11 @@ def report(
     from scenarios.execution.dask_cluster import executor_for
 
     planned = planned_sweep(chosen, sweep, quick=quick)
+    scope = (QUICK if quick else Scope()) if chosen or sweep else default_scope(planned, quick=quick)
     executor = executor_for(workers, time_limit, scheduler)
     report_of_sweep(
         planned, out, store, executor, command_of(chosen, quick, sweep), file=sweep,
-        is_default=not (chosen or sweep), scope=QUICK if quick else Scope(), ask=ask, retry_blocked=retry_blocked,
+        scope=scope, ask=ask, retry_blocked=retry_blocked,
     )  # fmt: skip
 
 

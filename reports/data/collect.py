@@ -11,6 +11,7 @@ from reports.data.report import Report
 from reports.data.stick_slip import CasePoint
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.store import ResultStore
+from scenarios.studies.as_installed import FEW_POINTS, QUICK_POINTS, few_points
 from scenarios.studies.friction_map import (
     MAP_FREQUENCY_RATIOS,
     MAP_FRICTION_RATIOS,
@@ -54,6 +55,10 @@ class Scope:
         Whether every variant is simulated at several step sizes; if not, what the store holds of it is shown.
     starts
         Fewest points of each variant whose steady state is searched from harmonic balance too.
+    beside
+        Variants that are compared with the truth at `beside_points` only, and have no verdict.
+    beside_points
+        Those of them that the grid does not hold are left out.
     """
 
     recorded_points: tuple[OperatingPoint, ...] = RECORDED_POINTS
@@ -61,9 +66,14 @@ class Scope:
     map_frequency_ratios: tuple[float, ...] = MAP_FREQUENCY_RATIOS
     step_study: bool = True
     starts: int = LEAST_POINTS
+    beside: tuple[Variant, ...] = ()
+    beside_points: tuple[OperatingPoint, ...] = FEW_POINTS
 
 
-QUICK = Scope(RECORDED_POINTS[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, step_study=False, starts=2)
+QUICK = Scope(
+    RECORDED_POINTS[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, step_study=False, starts=2,
+    beside_points=QUICK_POINTS,
+)  # fmt: skip
 """Two points a variant are searched both ways: a preview."""
 
 
@@ -104,6 +114,7 @@ def collect(
         steps=_step_study(sweep, evaluator if scope.step_study else StoredResults(store)),
         friction_map=None if mapped is None else friction_map(mapped, evaluator),
         starts=starts,
+        beside=few_points(result, scope.beside, scope.beside_points, evaluator),
         truths=truths(result, evaluator),
     )
 

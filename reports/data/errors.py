@@ -1,6 +1,7 @@
 """How far every variant is from the truth, in one row of numbers: one ruler for all."""
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from statistics import median
@@ -57,16 +58,26 @@ class VariantErrors:
         return abs(self.worst.difference)
 
 
-def variant_errors(result: ComparedSweep, truths: Truths) -> dict[Variant, VariantErrors]:
-    """Compare every variant with the truth, the smallest error first; variants without any come last."""
-    by_variant: dict[Variant, list[tuple[Point, TruthError]]] = {variant: [] for variant in result.sweep.variants}
-    for point, error in truth_errors(result, truths):
-        if truths[point.case, point.frequency_ratio].above_floor:
+def variant_errors(result: ComparedSweep, truths: Truths, beside: Sequence[Point] = ()) -> dict[Variant, VariantErrors]:
+    """Compare every variant with the truth, the smallest error first; variants without any come last.
+
+    `beside` are points of variants that are compared at a few points only.
+    """
+    counted = Counter(point.variant for point in [*result.points, *beside] if _above_floor(truths, point))
+    by_variant: dict[Variant, list[tuple[Point, TruthError]]] = {
+        variant: [] for variant in (*result.sweep.variants, *(point.variant for point in beside))
+    }
+    for point, error in truth_errors(result, truths, beside):
+        if _above_floor(truths, point):
             by_variant[point.variant].append((point, error))
-    points = sum(truth.above_floor for truth in truths.values())
     scheme = {(p.case, p.frequency_ratio): p for p, _ in by_variant.get(REFERENCE, [])}
-    every = [_errors(variant, own, points, scheme) for variant, own in by_variant.items()]
+    every = [_errors(variant, own, counted[variant], scheme) for variant, own in by_variant.items()]
     return {own.variant: own for own in sorted(every, key=lambda own: math.inf if math.isnan(own.size) else own.size)}
+
+
+def _above_floor(truths: Truths, point: Point) -> bool:
+    truth = truths.get((point.case, point.frequency_ratio))
+    return truth is not None and truth.above_floor
 
 
 def _errors(

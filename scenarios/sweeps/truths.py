@@ -1,7 +1,8 @@
 """The truth at every point of a compared sweep, and its place in a dataset."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -57,11 +58,20 @@ def _by_point(result: ComparedSweep) -> dict[tuple[Case, float], PointResults]:
     return {(case, eta): results for (variant, case, eta), results in known.items() if variant == CONVERGED}
 
 
-def truth_errors(result: ComparedSweep, every: Truths) -> list[tuple[Point, TruthError]]:
-    """Give every point of every variant that can be compared with the truth, with how far it is from that."""
+def truth_errors(result: ComparedSweep, every: Truths, beside: Sequence[Point] = ()) -> list[tuple[Point, TruthError]]:
+    """Give every point of every variant that can be compared with the truth, with how far it is from that.
+
+    `beside` are points of variants that are not among those of the sweep.
+    """
     known = results_at(result.sweep, result.table)
+    known |= {
+        point[:3]: replace(
+            known[CONVERGED, point.case, point.frequency_ratio], variant=point.variant, result=point.result
+        )
+        for point in beside
+    }
     errors = []
-    for point in result.points:
+    for point in [*result.points, *beside]:
         truth = every.get((point.case, point.frequency_ratio))
         error = None if truth is None else truth_error(known[point[:3]], truth)
         if error is not None:

@@ -4,6 +4,8 @@ import math
 from typing import Any
 
 from reports.data.descriptions import axis_name, drive_description
+from reports.data.errors import VariantErrors
+from reports.data.installed import Installed, by_engine
 from reports.formatting import ratio
 from reports.page.section import Section
 from scenarios.verdicts.finding import FLOOR_DB
@@ -22,6 +24,8 @@ class Summary(Section):
         shown = [truth for truth in truths if truth.above_floor]
         return {
             "errors": list(self.report.errors.values()),
+            "sentences": [sentence(name, own) for name, own in by_engine(self.report.installed).items()],
+            "few": self._few(),
             "points": len(shown),
             "exact": sum(truth.exact for truth in shown),
             "truth_error": max((truth.error_db for truth in shown), default=math.nan),
@@ -38,3 +42,38 @@ class Summary(Section):
             "cells": " or ".join(ratio(n) for n in sweep.axes.get("cells", (sweep.ratios.cells,))),
             "drive": drive_description(sweep),
         }
+
+    def _few(self) -> dict[str, Any] | None:
+        """Name the variants that are compared at a few points only, and their points; ``None`` without any."""
+        beside = self.report.beside
+        if not beside:
+            return None
+        places = [f"({point.case.numbers}, {ratio(point.frequency_ratio)})" for point in beside]
+        return {
+            "variants": list(dict.fromkeys(point.variant.title for point in beside)),
+            "points": list(dict.fromkeys(places)),
+        }
+
+
+def sentence(name: str, own: list[Installed]) -> dict[str, Any]:
+    """Say of an engine how far it is off as installed, and how far with which options."""
+    options = list(dict.fromkeys(option for pair in own for option in pair.options))
+    return {
+        "engine": name,
+        "default": " and ".join(_off(pair.default, several=len(own) > 1) for pair in own),
+        "tuned": _tuned([pair.tuned for pair in own]),
+        "options": options,
+        "values": [(pair.tuned.variant.formulation, pair.options) for pair in own],
+    }
+
+
+def _off(own: VariantErrors, *, several: bool) -> str:
+    """Give the largest error, with the formulation where there are several."""
+    size = f"{own.size:.4g} dB"
+    return f"{size} ({own.variant.formulation})" if several else size
+
+
+def _tuned(every: list[VariantErrors]) -> str:
+    """Give the largest errors of the formulations; once where all are equal as printed."""
+    sizes = {f"{own.size:.4g} dB" for own in every}
+    return sizes.pop() if len(sizes) == 1 else " and ".join(_off(own, several=True) for own in every)
