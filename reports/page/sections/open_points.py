@@ -8,6 +8,7 @@ from typing import Any
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reports.data.departures import outcome
+from reports.figures.style import compared_variants
 from reports.page.section import Section
 from scenarios.sweeps.sweep import Case
 from scenarios.sweeps.table import Point
@@ -36,10 +37,12 @@ class OpenPoints(Section):
                 notes = " ".join(note for note in (of.capabilities.notes, departs) if note)
                 left_out = max(len(rows) - LONGEST, 0)
                 shown.append({"title": variant.title, "notes": notes, "rows": rows[:LONGEST], "left_out": left_out})
-        return {"variants": shown}
+        return {"variants": shown, "compared": [variant.title for variant in compared_variants(self.result.sweep)]}
 
     def _rows(self, variant: Variant) -> list[dict[str, Any]]:
         reason = self.report.findings[variant].blocked
+        if not self.result.points_of(variant):
+            reason = "the dataset holds none of its points"
         if reason is not None:
             everywhere = "every point and every edge"
             blocked = {"verdict": str(Verdict.BLOCKED), "outcome": "", "law": "", "size": math.nan, "reason": reason}

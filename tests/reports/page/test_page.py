@@ -3,6 +3,7 @@
 import base64
 import math
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -10,13 +11,16 @@ import pytest
 
 from engines.interface.variant import Variant
 from reports.data.descriptions import band_definition, compared_with
-from reports.data.findings import findings
+from reports.data.errors import VariantErrors
+from reports.data.findings import Extreme, findings
+from reports.data.installed import by_engine, installed
 from reports.data.report import Report
 from reports.data.stick_slip import stick_slip_rows
 from reports.export.files import files_of
 from reports.page.render import LARGEST_PAGE
-from reports.page.sections import OpenPoints
+from reports.page.sections import OpenPoints, Verdicts
 from reports.page.sections.band_edges import absent_edge
+from reports.page.sections.summary import sentence
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
@@ -30,6 +34,7 @@ from scenarios.verdicts.finding import TRANSMITTANCE, Finding
 from scenarios.verdicts.judge import missing
 from scenarios.verdicts.pointwise import CONVERGED, refinements
 from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.verdict import Comparison, Verdict
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
 
@@ -250,3 +255,70 @@ def test_page_links_the_cards_that_lie_beside_it(report: Report, page: str) -> N
     assert '<a href="card-mujoco.html">mujoco</a>' in linked
     assert "card-mujoco.html" not in page
     assert "python -m reports card NAME" in page
+
+
+def test_tiles_do_not_count_the_reference_beside_itself(report: Report) -> None:
+    """Of 8 points of the engine that runs 6 agree; 16 of the reference, which agree with themselves, stand nowhere."""
+    shown = Verdicts(report).context()
+    assert shown["headline"] == {
+        "agree": 6, "disagree": 1, "own step too coarse": 0, "inconclusive": 1, "blocked": 8,
+    }  # fmt: skip
+    assert shown["sentences"]["all"] == []
+
+
+def without_faults(result: ComparedSweep) -> ComparedSweep:
+    """The engine that runs does as the reference does; the other one is not installed."""
+    points = [
+        point._replace(findings=tuple(map(agreeing, point.findings))) if point.variant == RUNS else point
+        for point in result.points
+    ]
+    return replace(result, table=judged_table(points), edges=())
+
+
+def agreeing(finding: Finding) -> Finding:
+    return replace(finding, comparison=Comparison(Verdict.AGREE, "", 0.0, 1.0))
+
+
+def test_a_page_does_not_say_that_all_agree_where_an_engine_is_missing(result: ComparedSweep) -> None:
+    def said(shown: ComparedSweep) -> str:
+        return files_of(Report(shown, ""))["index.html"].decode()
+
+    whole = without_faults(result)
+    page = said(whole)
+    assert "there is nothing of PyBullet" in page
+    assert "The comparison does not fail: every" not in page
+    assert "None: every point and every edge" not in page
+    lost = replace(whole, table=judged_table([point for point in whole.points if point.variant != MISSING]))
+    page = said(lost)
+    assert "there is nothing of PyBullet" in page
+    assert "None: every point and every edge" not in page
+    alone = replace(lost, sweep=figure3((RUNS,), (0.0, 0.3), (0.3, 0.6, 0.9, 1.3)))
+    page = said(alone)
+    assert "The comparison does not fail: every" in page
+    assert "None: every point and every edge of MuJoCo agrees" in page
+
+
+def test_the_page_says_of_each_engine_what_it_does_as_installed_and_with_which_options() -> None:
+    default = VariantErrors(
+        Variant("mujoco", "joint", "default"), 4, 4, Extreme(14.734, Case.of(friction_ratio=0.1), 1.6)
+    )
+    tuned = VariantErrors(Variant("mujoco"), 4, 4, Extreme(-0.12449, Case.of(friction_ratio=0.1), 1.5))
+    contact = [replace(own, variant=replace(own.variant, formulation="contact")) for own in (default, tuned)]
+    contact[0] = replace(contact[0], worst=Extreme(-42.851, case, 1.6))
+    pairs = installed({own.variant: own for own in (tuned, default, *contact)})
+    assert [pair.default.size for pair in pairs] == [42.851, 14.734]
+    ((name, own),) = by_engine(pairs).items()
+    said = sentence(name, own)
+    assert said["default"] == "14.73 dB (joint) and 42.85 dB (contact)"
+    assert said["tuned"] == "0.1245 dB"
+    assert {"solver", "noslip_iterations", "solref_friction", "cone"} <= set(said["options"])
+    assert "tolerance" not in said["options"], "both presets have it"
+
+
+def test_table_and_page_have_the_smallest_error_to_truth_first(markup: str) -> None:
+    table = markup.split('id="summary"')[1].split("</table>", maxsplit=1)[0]
+    assert re.findall(r'<th class="nowrap">([^<]*)<', table) == [
+        "Reference (LCP), converged", "Reference (LCP)", "MuJoCo", "PyBullet",
+    ]  # fmt: skip
+    assert "same equations" in table
+    assert "worst difference" not in markup
