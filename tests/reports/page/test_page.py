@@ -299,10 +299,9 @@ def test_a_page_does_not_say_that_all_agree_where_an_engine_is_missing(result: C
 
 
 def test_the_page_says_of_each_engine_what_it_does_as_installed_and_with_which_options() -> None:
-    default = VariantErrors(
-        Variant("mujoco", "joint", "default"), 4, 4, Extreme(14.734, Case.of(friction_ratio=0.1), 1.6)
-    )
-    tuned = VariantErrors(Variant("mujoco"), 4, 4, Extreme(-0.12449, Case.of(friction_ratio=0.1), 1.5))
+    case = Case.of(friction_ratio=0.1)
+    default = VariantErrors(Variant("mujoco", "joint", "default"), 4, 4, Extreme(14.734, case, 1.6))
+    tuned = VariantErrors(Variant("mujoco"), 4, 4, Extreme(-0.12449, case, 1.5))
     contact = [replace(own, variant=replace(own.variant, formulation="contact")) for own in (default, tuned)]
     contact[0] = replace(contact[0], worst=Extreme(-42.851, case, 1.6))
     pairs = installed({own.variant: own for own in (tuned, default, *contact)})
