@@ -13,7 +13,7 @@ from reference_lcp.output import write_whole
 from reports.data.report import Report
 from reports.export.tables import table_files
 from reports.figures.drawn import DrawnFigures
-from reports.page.render import page, sections
+from reports.page.render import FIGURES, page, sections
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.dataset import sweep_dataset
@@ -24,9 +24,6 @@ PAGE = "index.html"
 NETCDF = "report.nc"
 CARD = "card-"
 """What the names of an engine's card begin with."""
-FIGURES = "figures"
-"""Folder of the figures, in the report's."""
-
 FILES = ("errors.csv", "band_edges.csv", "transmittance.csv", "transitions.csv", "report.json", NETCDF, PAGE)
 
 

@@ -46,9 +46,10 @@ class OpenPoints(Section):
         if reason is not None:
             everywhere = "every point and every edge"
             blocked = {"verdict": str(Verdict.BLOCKED), "outcome": "", "law": "", "size": math.nan, "reason": reason}
+            blocked |= {"difference": math.nan, "unit": ""}
             return [{"places": everywhere} | blocked]
         rows = [*self._edges(variant), *self._points(variant)]
-        return sorted(rows, key=lambda row: 0.0 if math.isnan(row["size"]) else -row["size"])
+        return sorted(rows, key=_order)
 
     def _points(self, variant: Variant) -> list[dict[str, Any]]:
         groups: dict[tuple[Case, Verdict, str], list[Point]] = defaultdict(list)
@@ -75,6 +76,11 @@ class OpenPoints(Section):
         ]
 
 
+def _order(row: dict[str, Any]) -> tuple[bool, float]:
+    """Differences in dB first, the largest of them on top; edges and what has no number after them."""
+    return row["unit"] != "dB", 0.0 if math.isnan(row["difference"]) else -abs(row["difference"])
+
+
 def _judged(finding: Finding, findings: Sequence[Finding]) -> dict[str, Any]:
     """Give the verdict, what the law says of it, and the reason; `findings` are all of the point."""
     comparison, prediction = finding.comparison, finding.prediction
@@ -83,6 +89,8 @@ def _judged(finding: Finding, findings: Sequence[Finding]) -> dict[str, Any]:
         "outcome": outcome(findings),
         "law": "" if prediction is None else _law(finding, prediction),
         "size": comparison.excess,
+        "difference": comparison.difference,
+        "unit": finding.metric.unit,
         "reason": comparison.reason,
     }
 

@@ -6,6 +6,9 @@ from typing import Any
 from reports.data.descriptions import axis_name, drive_description
 from reports.data.errors import VariantErrors
 from reports.data.installed import Installed, by_engine
+from reports.figures.chain_drawing import chain_drawing
+from reports.figures.figure import Figure
+from reports.figures.installed import installed_figure
 from reports.formatting import ratio
 from reports.page.section import Section
 from scenarios.verdicts.finding import FLOOR_DB
@@ -17,6 +20,12 @@ class Summary(Section):
 
     title = "Summary"
     template = "summary"
+    numbers = "errors.csv"
+
+    def figures(self) -> list[Figure]:
+        """Engines as installed and tuned, where any error is known."""
+        figure = installed_figure(self.report.errors)
+        return [] if figure is None else [figure]
 
     def context(self) -> dict[str, Any]:
         """Rows and the definitions that they need."""
@@ -26,6 +35,7 @@ class Summary(Section):
             "errors": list(self.report.errors.values()),
             "sentences": [sentence(name, own) for name, own in by_engine(self.report.installed).items()],
             "few": self._few(),
+            "drawing": chain_drawing(int(max(sweep.axes.get("cells", (sweep.ratios.cells,)))), sweep.excitation.kind),
             "points": len(shown),
             "exact": sum(truth.exact for truth in shown),
             "truth_error": max((truth.error_db for truth in shown), default=math.nan),
