@@ -37,7 +37,7 @@ def installed_figure(errors: Mapping[Variant, VariantErrors]) -> Figure | None:
     count = len(names)
     ends = [own.size for row in rows.values() for own in row.values()]
     panel = Panel(
-        Axis("largest error to the truth [dB]", (min(0.5 * min(ends), 0.01), 2 * max(*ends, WRONG_DB)), "log"),
+        Axis("largest error [dB]", (min(0.5 * min(ends), 0.01), 2 * max(*ends, WRONG_DB)), "log"),
         Axis(range=(count - 0.5, -0.5), ticks={float(k): name for k, name in enumerate(names)}, grid=False),
         [Rule("x", WRONG_DB, LIMIT), *_marks([rows[name] for name in names])],
     )

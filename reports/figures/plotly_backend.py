@@ -121,7 +121,7 @@ def _name_shared(axes: dict[str, Any], figure: Figure) -> None:
 def _axis(axis: Axis, title: str) -> dict[str, Any]:
     given: dict[str, Any] = {"title": {"text": _text(title), "standoff": 8}, "showgrid": axis.grid}
     if axis.scale == "log":
-        given |= {"type": "log", "exponentformat": "power", "dtick": 1}
+        given |= {"type": "log", "exponentformat": "power", "dtick": 1, "tickangle": 0}
     if axis.range is not None:
         ends = np.log10(axis.range) if axis.scale == "log" else _position(axis, axis.range)
         given["range"] = [float(end) for end in ends]

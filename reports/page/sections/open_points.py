@@ -15,7 +15,7 @@ from scenarios.sweeps.table import Point
 from scenarios.verdicts.finding import Finding, Prediction
 from scenarios.verdicts.verdict import Verdict
 
-LONGEST = 30
+LONGEST = 10
 """Rows of one variant that the page shows, the largest differences first; files hold all of them."""
 
 

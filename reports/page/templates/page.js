@@ -112,6 +112,10 @@ function arranged(plot, width) {
     for (const name of Object.keys(layout)) if (name.startsWith("yaxis")) layout[name].showticklabels = true;
   }
   if (width < NARROW && layout.xaxis.ticktext) layout.xaxis.tickangle = -60;
+  for (const [name, axis] of Object.entries(width < NARROW ? layout : {})) {
+    if (/^xaxis/.test(name) && layout.grid) axis.title = { ...axis.title, font: { size: 10 } };
+    if (/^yaxis/.test(name) && axis.ticktext) axis.tickfont = { size: 10 };
+  }
   layout.height += layout.margin.t;
   layout.legend.y = 1 - TOOLBAR / layout.height;
   if (matchMedia("(pointer: coarse)").matches) layout.dragmode = false;
