@@ -1,6 +1,6 @@
 """How far every engine is from the truth, as installed and tuned: a line from one to the other, by powers of ten."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from engines.interface.variant import Variant
 from reports.data.errors import VariantErrors
@@ -70,11 +70,11 @@ def _marks(rows: list[Row]) -> list[Mark]:
     return [*joining, *(_preset(rows, title, names, style) for title, names, style in presets if _any(rows, names))]
 
 
-def _any(rows: list[Row], names: tuple[str, ...] | list[str]) -> bool:
+def _any(rows: list[Row], names: Sequence[str]) -> bool:
     return any(name in row for row in rows for name in names)
 
 
-def _preset(rows: list[Row], title: str, names: tuple[str, ...] | list[str], style: Style) -> Series:
+def _preset(rows: list[Row], title: str, names: Sequence[str], style: Style) -> Series:
     every = [(k, own) for k, row in enumerate(rows) for name, own in row.items() if name in names]
     return Series(
         [own.size for _, own in every], [float(k) for k, _ in every], style, title, "markers", "%{text}\n%{x:.4g} dB",

@@ -29,6 +29,8 @@ from scenarios.verdicts.steady_case import EXACT, REFERENCE
 
 RUNS = Variant("mujoco")
 MISSING = Variant("pybullet")
+AS_INSTALLED = Variant("mujoco", preset_name="default")
+"""Is compared with the truth at two points only."""
 REASON = "not installed: the package <pybullet> is missing & has no wheel"
 GRID = (0.3, 0.6, 0.9, 1.3)
 FRICTION_RATIOS = (0.0, 0.3)
@@ -181,6 +183,10 @@ def report(result: ComparedSweep) -> Report:
         (*step_points(REFERENCE, 0.01), *step_points(RUNS, 0.02)),
         friction_map,
         truths=truths(result, ExactMotion()),
+        beside=tuple(
+            Point(AS_INSTALLED, case, eta, answer(RUNS, case.friction_ratio, eta), (), ())
+            for case, eta in ((result.cases[0], 0.9), (result.cases[1], 0.6))
+        ),
     )
 
 

@@ -145,6 +145,9 @@ def test_errors_of_the_table_are_those_that_a_reader_computes_from_the_points(te
         name = ("engine", "formulation", "preset")
         own = [p for p in points if all(p[part] == row[part] for part in name) and p["error_db"] != "nan"]
         errors = [float(p["transmittance_db"]) - float(p["truth_db"]) for p in own]
+        if row["preset"] == "default":
+            assert (row["points_known"], row["points"]) == ("2", "2"), "compared at a few points, without a verdict"
+            continue
         if not own:
             assert (row["engine"], row["class"]) == ("pybullet", "")
             continue
@@ -152,7 +155,7 @@ def test_errors_of_the_table_are_those_that_a_reader_computes_from_the_points(te
         assert float(row["median_error_db"]) == pytest.approx(statistics.median(map(abs, errors)), abs=1e-12)
         worst.append(abs(float(row["worst_error_db"])))
     assert worst == sorted(worst)
-    assert [row["engine"] for row in table] == ["reference", "reference", "mujoco", "pybullet"]
+    assert [row["engine"] for row in table] == ["reference", "reference", "mujoco", "mujoco", "pybullet"]
 
 
 def test_agreement_with_the_scheme_is_a_column_of_its_own(texts: dict[str, str]) -> None:

@@ -11,7 +11,8 @@ from tests.reports.page.browser import CHROMIUM, Browser
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no chromium on this machine")
 
-DRAWN = "[...document.querySelectorAll('figure:not([hidden]) .plot')].map((place) => [place.dataset.plot, place.dataset.drawn])"
+DRAWN = """[...document.querySelectorAll('figure:not([hidden]) .plot')].map(
+    (place) => [place.dataset.plot, place.dataset.drawn])"""
 
 
 @pytest.fixture(scope="module")
@@ -187,7 +188,8 @@ def test_one_raster_at_a_time_is_shown_and_chosen_from_a_list(browser: Browser, 
         const list = document.querySelector('.choice select');
         list.selectedIndex = 1;
         list.dispatchEvent(new Event('change'));
-        await drawAll();
+        const place = document.querySelectorAll('#rasters .plot')[1];
+        while (place.dataset.drawn !== 'done') await new Promise((wake) => setTimeout(wake, 20));
     })()"""
     browser.run(choose)
     assert browser.run(shown) == [False, True]

@@ -371,7 +371,8 @@ def test_the_page_says_of_each_engine_what_it_does_as_installed_and_with_which_o
 def test_table_and_page_have_the_smallest_error_to_truth_first(markup: str) -> None:
     table = markup.split('id="summary"')[1].split("</table>", maxsplit=1)[0]
     assert re.findall(r'<th class="nowrap">([^<]*)<', table) == [
-        "Reference (LCP), converged", "Reference (LCP)", "MuJoCo", "PyBullet",
+        "Reference (LCP), converged", "Reference (LCP)", "MuJoCo", "MuJoCo, default", "PyBullet",
     ]  # fmt: skip
     assert "same equations" in table
+    assert "Compared with the truth at 2 points only, and without a verdict: MuJoCo, default" in markup
     assert "worst difference" not in markup
