@@ -58,7 +58,7 @@ def report(
         typer.Option(
             "--engine",
             metavar=NAME_METAVAR,
-            help=f"{ENGINE_HELP}Without it: the suite's, tuned and, where a model predicts it, default.",
+            help=f"{ENGINE_HELP}Without it: those that come with the suite, tuned and default.",
             autocompletion=complete_variant,
         ),
     ] = None,
@@ -84,6 +84,9 @@ def report(
 ) -> None:
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
+    Without --engine and --sweep: joints on the whole grid, tuned and, where a law predicts it everywhere, default;
+    contacts and other defaults at a few points, without a verdict: they never change the exit code.
+
     Results are kept: a second run takes seconds, and an interrupted one goes on where it was.
     Exit code 0: the page is written, and every disagreement, if there is any, is as its law predicts; 1: it is
     written, and not so, or too little of a variant is certified; 2: wrong input; 3: results or the page could not be
@@ -95,24 +98,25 @@ def report(
         return
     check_retry(ask, retry_blocked)
     names = with_settings(chosen, settings)
-    from reports.cli.report import command_of, planned_sweep, report_of_dataset, report_of_sweep, stored_sweep
+    from reports.cli import report as command
 
     if data is not None:
         if sweep is not None or names or quick:
             raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
-        report_of_dataset(data, out)
+        command.report_of_dataset(data, out)
         return
     from reports.data.collect import QUICK, Scope
     from reports.write import STORE
     from scenarios.execution.dask_cluster import executor_for
 
     stored = None if ask or names or sweep or quick else store or out / STORE
-    planned = planned_sweep(names, sweep, quick=quick) if stored is None else stored_sweep(stored)
+    planned = command.planned_sweep(names, sweep, quick=quick) if stored is None else command.stored_sweep(stored)
+    named = names or sweep or stored
+    scope = (QUICK if quick else Scope()) if named else command.default_scope(planned, quick=quick)
     executor = executor_for(workers, time_limit, scheduler)
-    report_of_sweep(
-        planned, out, store, executor, command_of(names, quick, sweep, stored), file=sweep,
-        is_default=not (names or sweep or stored), scope=QUICK if quick else Scope(), ask=ask,
-        retry_blocked=retry_blocked,
+    command.report_of_sweep(
+        planned, out, store, executor, command.command_of(names, quick, sweep, stored), file=sweep,
+        scope=scope, ask=ask, retry_blocked=retry_blocked,
     )  # fmt: skip
 
 

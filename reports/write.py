@@ -12,8 +12,9 @@ from reference_lcp.refusal import ParameterError, checked_path
 from reports.data.collect import Scope, collect, collect_dataset, expected_tasks
 from reports.data.report import Report
 from reports.export.earlier import check_loses_nothing
-from reports.export.files import FIGURES, FILES, PAGE, cards_beside, files_of, write_all
+from reports.export.files import FILES, PAGE, cards_beside, files_of, write_all
 from reports.figures.drawn import DrawnFigures
+from reports.page.render import FIGURES
 from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.executor import Executor

@@ -2,8 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 
-from engines.interface.law import NotModelled
-from engines.interface.presets import Formulation
 from engines.interface.registry import default_engine_names, engine, engine_names
 from engines.interface.variant import Variant, name_parts
 from reference_lcp.refusal import ParameterError, checked_choice
@@ -101,14 +99,14 @@ def check_installed(name: str, missing: str | None) -> None:
 
 
 def default_variants() -> list[Variant]:
-    """Give the variants that are compared where none is named: joints, tuned and as the engine comes.
+    """Give the variants that are compared where none is named: every formulation, tuned and as the engine comes.
 
-    Those of the engines that come with the suite. Presets whose steps no model predicts take part where they are named.
+    Those of the engines that come with the suite.
     """
-    pairs = [(name, engine(name).capabilities.presets.get(Formulation.JOINT, {})) for name in default_engine_names()]
     return [
-        Variant(name, preset_name=preset_name)
-        for name, presets in pairs
+        Variant(name, str(formulation), preset_name)
+        for name in default_engine_names()
+        for formulation, presets in engine(name).capabilities.presets.items()
         for preset_name in ("tuned", "default")
-        if preset_name in presets and not isinstance(presets[preset_name].stated_law(), NotModelled)
+        if preset_name in presets
     ]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import typer
 
+from engines.interface.presets import Formulation
 from engines.interface.selection import default_variants, variants_named
 from engines.interface.variant import Variant
 from engines.shared.law_distance import stepped_by, unclaimed_reason
@@ -16,7 +17,7 @@ from reference_lcp.exit_code import ExitCode
 from reference_lcp.interrupt import announce_interrupt
 from reference_lcp.refusal import ParameterError
 from reference_lcp.visible import visible
-from reports.data.collect import Scope
+from reports.data.collect import QUICK, Scope
 from reports.write import STORE, Written, check_folder, write_dataset_report, write_sweep_report
 from scenarios.catalogue.verdict_table import verdict_table
 from scenarios.execution.executor import Executor
@@ -70,7 +71,6 @@ def report_of_sweep(
     command: str,
     *,
     file: Path | None,
-    is_default: bool,
     scope: Scope,
     ask: bool,
     retry_blocked: bool,
@@ -88,8 +88,6 @@ def report_of_sweep(
     except KeyboardInterrupt:
         announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
         raise typer.Exit(ExitCode.INTERRUPTED) from None
-    if is_default:
-        _announce_left_out(planned)
     _end(written)
 
 
@@ -105,26 +103,25 @@ def _end(written: Written) -> None:
 
 
 def _default_sweep(quick: bool) -> Sweep:
-    """Give the sweep of Figure 3 with the default variants whose laws say what they do at every point.
+    """Give the sweep of Figure 3 with all joints, tuned and default, whose laws say what they do at every point.
 
     What no law predicts is unexplained wherever it departs, and the comparison would always fail.
     """
-    planned = _figure3(default_variants(), quick)
-    unpredicted = {task.variant for task in planned.tasks() if not _is_predicted(task)}
+    joints = [variant for variant in default_variants() if variant.formulation == Formulation.JOINT]
+    planned = _figure3(joints, quick)
+    unpredicted = {task.variant for task in planned.tasks() if task.variant in joints and not _is_predicted(task)}
     return replace(planned, variants=tuple(variant for variant in planned.variants if variant not in unpredicted))
 
 
-def _announce_left_out(planned: Sweep) -> None:
-    """Name the default variants that are not in the default sweep."""
-    for variant in default_variants():
-        if variant not in planned.variants:
-            reason = "whose law does not say what it does at every point"
-            print(f"left out: {variant.title}, {reason}; --engine {variant} compares it", file=sys.stderr)
+def default_scope(planned: Sweep, *, quick: bool) -> Scope:
+    """Give the parts of the default report: every other default variant is compared at a few points."""
+    beside = tuple(variant for variant in default_variants() if variant not in planned.variants)
+    return replace(QUICK if quick else Scope(), beside=beside)
 
 
 def _is_predicted(task: SteadyStateTask) -> bool:
     law = stepped_by(task.variant)
-    return law is None or unclaimed_reason(law, task.lane()[0]) is None
+    return law is not None and unclaimed_reason(law, task.lane()[0]) is None
 
 
 def _figure3(variants: list[Variant], quick: bool) -> Sweep:

@@ -11,6 +11,7 @@ from reports.data.report import Report
 from reports.data.stick_slip import CasePoint
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.store import ResultStore
+from scenarios.studies.as_installed import FEW_POINTS, QUICK_POINTS, few_points
 from scenarios.studies.friction_map import (
     MAP_FREQUENCY_RATIOS,
     MAP_FRICTION_RATIOS,
@@ -26,6 +27,7 @@ from scenarios.sweeps.dataset_results import DatasetResults
 from scenarios.sweeps.start_check import LEAST_POINTS, check_starts
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import grid, tasks_of
+from scenarios.sweeps.truths import exact_tasks, recorded_truths, truths
 from scenarios.tasks.parameters import ChainRatios, OperatingPoint
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.task import SteadyStateTask
@@ -53,6 +55,10 @@ class Scope:
         Whether every variant is simulated at several step sizes; if not, what the store holds of it is shown.
     starts
         Fewest points of each variant whose steady state is searched from harmonic balance too.
+    beside
+        Variants that are compared with the truth at `beside_points` only, and have no verdict.
+    beside_points
+        Those of them that the grid does not hold are left out.
     """
 
     recorded_points: tuple[OperatingPoint, ...] = RECORDED_POINTS
@@ -60,9 +66,14 @@ class Scope:
     map_frequency_ratios: tuple[float, ...] = MAP_FREQUENCY_RATIOS
     step_study: bool = True
     starts: int = LEAST_POINTS
+    beside: tuple[Variant, ...] = ()
+    beside_points: tuple[OperatingPoint, ...] = FEW_POINTS
 
 
-QUICK = Scope(RECORDED_POINTS[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, step_study=False, starts=2)
+QUICK = Scope(
+    RECORDED_POINTS[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, step_study=False, starts=2,
+    beside_points=QUICK_POINTS,
+)  # fmt: skip
 """Two points a variant are searched both ways: a preview."""
 
 
@@ -103,6 +114,8 @@ def collect(
         steps=_step_study(sweep, evaluator if scope.step_study else StoredResults(store)),
         friction_map=None if mapped is None else friction_map(mapped, evaluator),
         starts=starts,
+        beside=few_points(result, scope.beside, scope.beside_points, evaluator),
+        truths=truths(result, evaluator),
     )
 
 
@@ -118,7 +131,8 @@ def collect_dataset(data: xr.Dataset, command: str) -> Report:
     recorded = recorded_variants(data)
     points = sorted(results.points, key=lambda point: point[2])
     result = judged_points(results.sweep.ascending(), points, results, results.predictions)
-    return Report(result, command, steps=None, recorded=recorded)
+    known = recorded_truths(data, results.sweep) or truths(result)
+    return Report(result, command, steps=None, recorded=recorded, truths=known)
 
 
 def _varies_friction_alone(sweep: Sweep) -> bool:
@@ -154,6 +168,7 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
     if scope.step_study and _has_step_study(sweep):
         tasks += [task for variant in sweep.variants for task in step_tasks(variant, sweep.excitation)]
         tasks += exact_step_tasks(sweep.excitation)
+    tasks += exact_tasks(sweep, [(case, eta) for case in sweep.cases for eta in sweep.frequency_ratios]).values()
     return list(dict.fromkeys([*tasks, *_recorded_tasks(sweep, scope.recorded_points).values()]))
 
 

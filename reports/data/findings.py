@@ -7,12 +7,9 @@ from dataclasses import dataclass
 from statistics import median
 
 from engines.interface.variant import Variant
-from reports.data.curves import baseline_curve
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.table import Point
 from scenarios.tasks.result import ResultStatus
-from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE
 from scenarios.verdicts.verdict import Verdict
 
 
@@ -35,11 +32,8 @@ class VariantFindings:
         Which.
     verdicts
         Points of the grid by verdict.
-    worst_difference
-        Of transmittance [dB] where the baseline is above `FLOOR_DB`, from what the variant is
-        compared with.
     worst_edge
-        Of the band edges, likewise.
+        Of the band edges, from those of what the variant is compared with.
     worst_residual
         Largest periodicity residual of the points that converged.
     median_periods
@@ -53,7 +47,6 @@ class VariantFindings:
 
     variant: Variant
     verdicts: dict[str, int]
-    worst_difference: Extreme
     worst_edge: Extreme
     worst_residual: float
     median_periods: float
@@ -70,8 +63,7 @@ def findings(result: ComparedSweep, variant: Variant) -> VariantFindings:
     return VariantFindings(
         variant=variant,
         verdicts={str(verdict): counted[str(verdict)] for verdict in Verdict},
-        worst_difference=_worst(_above_floor(result, points)),
-        worst_edge=_worst(_of_edges(result, variant)),
+        worst_edge=worst(_of_edges(result, variant)),
         worst_residual=max((result.residual for result in converged), default=math.nan),
         median_periods=float(median([result.periods for result in converged])) if converged else math.nan,
         seconds=sum(seconds) if seconds else math.nan,
@@ -87,15 +79,6 @@ def blocked_reason(result: ComparedSweep, variant: Variant) -> str | None:
     return results[0].reason
 
 
-def _above_floor(result: ComparedSweep, points: Iterable[Point]) -> list[Extreme]:
-    levels = {case: baseline_curve(result, case) for case in result.cases}
-    return [
-        Extreme(point.difference(TRANSMITTANCE), point.case, point.frequency_ratio)
-        for point in points
-        if levels[point.case].get(point.frequency_ratio, -math.inf) > FLOOR_DB
-    ]
-
-
 def _of_edges(result: ComparedSweep, variant: Variant) -> list[Extreme]:
     return [
         Extreme(edge.comparison.difference, edge.case, edge.frequency_ratio)
@@ -104,7 +87,7 @@ def _of_edges(result: ComparedSweep, variant: Variant) -> list[Extreme]:
     ]
 
 
-def _worst(extremes: Iterable[Extreme]) -> Extreme:
+def worst(extremes: Iterable[Extreme]) -> Extreme:
     """Give the largest of those that are known."""
     known = [extreme for extreme in extremes if not math.isnan(extreme.difference)]
     return max(known, key=lambda extreme: abs(extreme.difference), default=Extreme())

@@ -8,7 +8,9 @@ from typing import Any
 
 from engines.interface.variant import Variant
 from reports.data.departures import Departures, departures
+from reports.data.errors import VariantErrors, variant_errors
 from reports.data.findings import VariantFindings, findings
+from reports.data.installed import Installed, installed
 from reports.data.provenance import provenance
 from reports.data.stick_slip import CasePoint, stick_slip_rows
 from reports.data.versions import VersionPair, version_pairs
@@ -16,6 +18,8 @@ from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.start_check import StartCheck
+from scenarios.sweeps.table import Point
+from scenarios.sweeps.truths import Truths
 from scenarios.tasks.recorded import RecordedPeriod
 from scenarios.tasks.result import ResultStatus
 from scenarios.verdicts.failure import failures
@@ -41,6 +45,10 @@ class Report:
         Of which points steady states were searched from elsewhere too, by variant.
     recorded
         Package, version, description and options by the name of a variant, where they were noted with the results.
+    truths
+        The true transmittance by case and frequency ratio.
+    beside
+        Points of variants that are compared with the truth at a few points only, and have no verdict.
     """
 
     result: ComparedSweep
@@ -50,6 +58,8 @@ class Report:
     friction_map: FrictionMap | None = None
     starts: tuple[StartCheck, ...] = ()
     recorded: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    truths: Truths = field(default_factory=dict)
+    beside: tuple[Point, ...] = ()
 
     @property
     def missing(self) -> Mapping[Variant, int]:
@@ -60,6 +70,16 @@ class Report:
     def findings(self) -> Mapping[Variant, VariantFindings]:
         """What each variant comes to."""
         return {variant: findings(self.result, variant) for variant in self.result.sweep.variants}
+
+    @cached_property
+    def errors(self) -> Mapping[Variant, VariantErrors]:
+        """How far each variant is from the truth, the smallest error first."""
+        return variant_errors(self.result, self.truths, self.beside)
+
+    @cached_property
+    def installed(self) -> list[Installed]:
+        """Engines as installed beside their tuned presets, the largest error first."""
+        return installed(self.errors)
 
     @cached_property
     def departures(self) -> list[Departures]:

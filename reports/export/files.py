@@ -13,20 +13,18 @@ from reference_lcp.output import write_whole
 from reports.data.report import Report
 from reports.export.tables import table_files
 from reports.figures.drawn import DrawnFigures
-from reports.page.render import page, sections
+from reports.page.render import FIGURES, page, sections
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.dataset import sweep_dataset
+from scenarios.sweeps.truths import Truths, with_truths
 
 TITLE = "Dry friction in multibody engines: a frictional mass-in-mass chain against its LCP reference"
 PAGE = "index.html"
 NETCDF = "report.nc"
 CARD = "card-"
 """What the names of an engine's card begin with."""
-FIGURES = "figures"
-"""Folder of the figures, in the report's."""
-
-FILES = ("band_edges.csv", "transmittance.csv", "transitions.csv", "report.json", NETCDF, PAGE)
+FILES = ("errors.csv", "band_edges.csv", "transmittance.csv", "transitions.csv", "report.json", NETCDF, PAGE)
 
 
 def files_of(
@@ -40,7 +38,7 @@ def files_of(
     return {
         **{name: text.encode() for name, text in table_files(report).items()},
         **{f"{FIGURES}/{name}": content for name, content in rendered.figures.items()},
-        NETCDF: bytes(report_dataset(report.result).to_netcdf(engine="h5netcdf")),
+        NETCDF: bytes(report_dataset(report.result, report.truths).to_netcdf(engine="h5netcdf")),
         PAGE: rendered.html.encode(),
     }
 
@@ -58,15 +56,16 @@ def write_all(folder: Path, contents: Mapping[str, bytes]) -> None:
         write_whole(file, content)
 
 
-def report_dataset(result: ComparedSweep) -> xr.Dataset:
+def report_dataset(result: ComparedSweep, truths: Truths | None = None) -> xr.Dataset:
     """Give the dataset of the sweep over the frequency ratios of all cases together, with the edges of the band.
 
-    Beside what `scenarios.sweeps.dataset.sweep_dataset` holds: ``band_edge`` and ``band_edge_difference`` in η_r, along
-    ``edge``; NaN where there is no number.
+    Beside what `scenarios.sweeps.dataset.sweep_dataset` holds: ``truth_db`` with ``truth_error_db`` and
+    ``truth_exact``, along the axes; ``error_db``, of every variant from the truth; ``band_edge`` and
+    ``band_edge_difference`` in η_r, along ``edge``; NaN where there is no number.
     """
     etas = tuple(sorted({point.frequency_ratio for point in result.points}))
     sweep = dataclasses.replace(result.sweep, axes={**result.sweep.axes, "frequency_ratio": etas})
-    data = sweep_dataset(sweep, result.table)
+    data = with_truths(sweep_dataset(sweep, result.table), sweep, result, truths or {})
     if not result.edges:
         return data
     edge = ("edge", [str(edge) for edge in Edge], {"long_name": "edge of the attenuation band"})

@@ -7,14 +7,17 @@ from typing import Any
 import pandas as pd
 
 from reports.data.departures import outcome
+from reports.data.errors import VariantErrors
 from reports.data.findings import Extreme, VariantFindings
 from reports.data.report import Report
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.table import Point
+from scenarios.sweeps.truths import Truths, truth_errors
 from scenarios.tables import Column, csv_text, full_table, json_text, records
 from scenarios.verdicts.finding import TRANSMITTANCE, Metric
 from scenarios.verdicts.phase import PHASE
+from scenarios.verdicts.truth import Truth
 
 NAME_COLUMNS: tuple[Column[BandEdge | Point], ...] = (
     Column("engine", lambda row: row.variant.engine),
@@ -71,6 +74,26 @@ TRANSMITTANCE_COLUMNS: tuple[Column[Point], ...] = (
     Column("reason", lambda point: point.comparison.reason),
 )
 
+LEVEL = 3
+"""Columns of a point up to its transmittance."""
+
+ERROR_COLUMNS: tuple[Column[VariantErrors], ...] = (
+    Column("engine", lambda own: own.variant.engine),
+    Column("formulation", lambda own: own.variant.formulation),
+    Column("preset", lambda own: own.variant.preset_name),
+    Column("worst_error_db", lambda own: own.worst.difference),
+    Column("worst_frequency_ratio", lambda own: own.worst.frequency_ratio),
+    Column("median_error_db", lambda own: own.median),
+    Column("class", lambda own: "" if own.error_class is None else str(own.error_class)),
+    Column("points_beyond_step", lambda own: own.beyond_step),
+    Column("points_known", lambda own: own.known),
+    Column("points", lambda own: own.points),
+    Column("same_equations", lambda own: "yes" if own.shares_scheme else "no"),
+    Column("difference_from_scheme_db", lambda own: own.from_scheme.difference),
+)
+WORST = 4
+"""Columns up to the worst error, whose place follows."""
+
 
 def _of_curve(result: ComparedSweep, columns: tuple[Column[Any], ...]) -> tuple[Column[Any], ...]:
     """Give the columns of a table: names of the variant and the values of its case come first."""
@@ -87,9 +110,33 @@ def band_edge_table(result: ComparedSweep) -> pd.DataFrame:
     return full_table(_of_curve(result, BAND_EDGE_COLUMNS), result.edges)
 
 
-def transmittance_table(result: ComparedSweep) -> pd.DataFrame:
-    """Every point of every curve."""
-    return full_table(_of_curve(result, TRANSMITTANCE_COLUMNS), result.points)
+def transmittance_table(result: ComparedSweep, truths: Truths) -> pd.DataFrame:
+    """Every point of every curve, with the truth there."""
+    errors = {point[:3]: error.error_db for point, error in truth_errors(result, truths)}
+    unknown = Truth(math.nan, math.nan, exact=False)
+
+    def truth(point: Point) -> Truth:
+        return truths.get((point.case, point.frequency_ratio), unknown)
+
+    columns: tuple[Column[Point], ...] = (
+        Column("truth_db", lambda point: truth(point).transmittance_db),
+        Column("truth_error_db", lambda point: truth(point).error_db),
+        Column("error_db", lambda point: errors.get(point[:3], math.nan)),
+    )
+    before, after = TRANSMITTANCE_COLUMNS[:LEVEL], TRANSMITTANCE_COLUMNS[LEVEL:]
+    return full_table(_of_curve(result, (*before, *columns, *after)), result.points)
+
+
+def error_table(report: Report) -> pd.DataFrame:
+    """Every variant against the truth, the smallest error first."""
+    rows = list(report.errors.values())
+    axes = report.result.sweep.case_axes
+    places = (Column(f"worst_{name}", partial(_worst_value, axis=name)) for name in axes)
+    return full_table((*ERROR_COLUMNS[:WORST], *places, *ERROR_COLUMNS[WORST:]), rows)
+
+
+def _worst_value(own: VariantErrors, axis: str) -> float:
+    return math.nan if own.worst.case is None else own.worst.case.by_axis[axis]
 
 
 def transition_table(result: ComparedSweep) -> pd.DataFrame:
@@ -107,9 +154,10 @@ def transition_table(result: ComparedSweep) -> pd.DataFrame:
 def table_files(report: Report) -> dict[str, str]:
     """Give every table as CSV, and the numbers of all but the transitions as JSON, with where they come from."""
     result = report.result
-    edges, points = band_edge_table(result), transmittance_table(result)
+    edges, points, errors = band_edge_table(result), transmittance_table(result, report.truths), error_table(report)
     content = {
         "provenance": report.provenance,
+        "errors": records(errors),
         "summary": [_summary(own) for own in report.findings.values()],
         "failures": report.failures,
         "band_edges": records(edges),
@@ -117,6 +165,7 @@ def table_files(report: Report) -> dict[str, str]:
         "transmittance": records(points),
     }
     return {
+        "errors.csv": csv_text(errors),
         "band_edges.csv": csv_text(edges),
         "transmittance.csv": csv_text(points),
         "transitions.csv": csv_text(transition_table(result)),
@@ -126,8 +175,7 @@ def table_files(report: Report) -> dict[str, str]:
 
 def _summary(own: VariantFindings) -> dict[str, Any]:
     numbers = {name: value for name, value in vars(own).items() if name not in ("variant", "blocked")}
-    worst = {name: _extreme(numbers[name]) for name in ("worst_difference", "worst_edge")}
-    return {**vars(own.variant), **numbers, **worst}
+    return {**vars(own.variant), **numbers, "worst_edge": _extreme(own.worst_edge)}
 
 
 def _extreme(extreme: Extreme) -> dict[str, Any]:

@@ -164,6 +164,8 @@ class Figure:
     dense
         It holds so much that the page has a still picture of pixels of it, which is smaller than the drawing, and that
         points are pixels in print too.
+    together
+        The pointer tells the values of all series at its x on the page, and not of the nearest point alone.
     """
 
     name: str
@@ -179,6 +181,7 @@ class Figure:
     y_label: str = ""
     wide: bool = False
     dense: bool = False
+    together: bool = False
 
     @property
     def rows(self) -> int:

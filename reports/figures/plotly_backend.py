@@ -61,6 +61,8 @@ def plot(figure: Figure) -> dict[str, Any]:
     if figure.legend_title:
         legend["title"] = {"text": _text(figure.legend_title), "font": {"size": 13}}
     layout = _LAYOUT | {"height": figure.pixels, "legend": legend, "shapes": shapes} | _axes(figure)
+    if figure.together:
+        layout |= {"hovermode": "x unified"}
     return {"data": data, "layout": layout}
 
 
@@ -91,6 +93,7 @@ def _axes(figure: Figure) -> dict[str, Any]:
         axes[f"yaxis{_number(k)}"] = _axis(panel.y, panel.y.label)
         axes[f"xaxis{_number(k)}"] = _axis(panel.x, panel.x.label or panel.title)
     if figure.columns > 1:
+        _name_shared(axes, figure)
         grid = {"rows": figure.rows, "columns": figure.columns, "pattern": "independent", "xgap": 0.12}
         for k in range(1, len(figure.panels)):
             axes[f"yaxis{k + 1}"] |= {"matches": "y", "showticklabels": k % figure.columns == 0}
@@ -106,12 +109,22 @@ def _axes(figure: Figure) -> dict[str, Any]:
     return {name: axis for name, axis in axes.items() if name.startswith("y")} | {"xaxis": shared}
 
 
+def _name_shared(axes: dict[str, Any], figure: Figure) -> None:
+    """Write what all panels share at the first of every row, and below every panel."""
+    for k in range(len(figure.panels)):
+        title = axes[f"xaxis{_number(k)}"]["title"]
+        title["text"] = "<br>".join(text for text in (title["text"], _text(figure.x_label)) if text)
+        if k % figure.columns == 0 and figure.y_label:
+            axes[f"yaxis{_number(k)}"]["title"]["text"] = _text(figure.y_label)
+
+
 def _axis(axis: Axis, title: str) -> dict[str, Any]:
     given: dict[str, Any] = {"title": {"text": _text(title), "standoff": 8}, "showgrid": axis.grid}
     if axis.scale == "log":
-        given |= {"type": "log", "exponentformat": "power", "dtick": 1}
+        given |= {"type": "log", "exponentformat": "power", "dtick": 1, "tickangle": 0}
     if axis.range is not None:
-        given["range"] = [float(end) for end in _position(axis, axis.range)]
+        ends = np.log10(axis.range) if axis.scale == "log" else _position(axis, axis.range)
+        given["range"] = [float(end) for end in ends]
     if axis.most_ticks:
         given["nticks"] = axis.most_ticks
     if axis.ticks is not None:

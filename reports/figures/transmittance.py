@@ -39,7 +39,7 @@ def overview(result: ComparedSweep) -> Figure:
     curves = [
         Series(
             *reference_line(result, case), curve_style(number), case.numbers,
-            hover=f"{case}\nη_r %{{x}}\n%{{y:.2f}} dB",
+            hover="%{y:.2f} dB",
         )
         for number, case in enumerate(result.cases)
     ]  # fmt: skip
@@ -50,6 +50,7 @@ def overview(result: ComparedSweep) -> Figure:
         height=2.9,
         pixels=440,
         legend_columns=min(len(curves), 6),
+        together=True,
         legend_title=named_axes(result.sweep, plural=False).replace("friction ratio", "friction ratio μλ̃_N [-]"),
     )
 
@@ -58,7 +59,7 @@ def panel(result: ComparedSweep, case: Case) -> Figure:
     """Draw one case: every variant over the reference, and below it their differences."""
     variants = compared_variants(result.sweep)
     edges = [Rule("x", eta, EDGE_LINE) for eta in converged_edges(result, case)]
-    reference = Series(*reference_line(result, case), Style("#000000"), REFERENCE.title, hover="η_r %{x}\n%{y:.3f} dB")
+    reference = Series(*reference_line(result, case), Style("#000000"), REFERENCE.title, hover="%{y:.3f} dB")
     drawn = [variant for variant in variants if _points(result, variant, case)]
     upper = [_variant(result, variant, case) for variant in drawn]
     lower = [_difference(result, variant, case) for variant in drawn]
@@ -82,6 +83,7 @@ def panel(result: ComparedSweep, case: Case) -> Figure:
         height=3.6 + 0.13 * math.ceil((len(variants) + 2) / 2),
         pixels=540,
         heights=(3, 2),
+        together=True,
         dense=sum(len(result.curve(variant, case)) for variant in variants) > MOST_VECTOR_MARKERS,
     )  # fmt: skip
 
@@ -95,7 +97,7 @@ def _variant(result: ComparedSweep, variant: Variant, case: Case) -> Series:
     points = _points(result, variant, case)
     return Series(
         [point.frequency_ratio for point in points], [point.result.transmittance_db for point in points],
-        style_of(result.sweep, variant), variant.title, "markers", "η_r %{x}\n%{y:.4f} dB, %{text}",
+        style_of(result.sweep, variant), variant.title, "markers", "%{y:.4f} dB, %{text}",
         [str(point.comparison.verdict) for point in points],
     )  # fmt: skip
 
@@ -103,7 +105,7 @@ def _variant(result: ComparedSweep, variant: Variant, case: Case) -> Series:
 def _difference(result: ComparedSweep, variant: Variant, case: Case) -> Series:
     return Series(
         *differences(result, variant, case), style_of(result.sweep, variant), variant.title, "markers",
-        "η_r %{x}\ndifference %{y:+.5f} dB",
+        "difference %{y:+.5f} dB",
     )  # fmt: skip
 
 
@@ -111,7 +113,7 @@ def _step_error(result: ComparedSweep, case: Case) -> Series:
     """Mark what the scheme itself errs by at the common time step."""
     return Series(
         *differences(result, REFERENCE, case), STEP_ERROR, "scheme's own step error",
-        hover="η_r %{x}\ndifference %{y:+.5f} dB", draw="lines+markers",
+        hover="difference %{y:+.5f} dB", draw="lines+markers",
     )  # fmt: skip
 
 

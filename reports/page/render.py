@@ -28,16 +28,23 @@ from reports.page.sections import (
     StickSlip,
     Summary,
     Transmittance,
+    Verdicts,
     Versions,
     WorkPrecision,
 )
+
+FIGURES = "figures"
+"""Folder of the figures, beside the page."""
+
+TABLES = ("errors.csv", "transmittance.csv", "band_edges.csv", "transitions.csv", "report.json", "report.nc")
+"""Files of numbers beside the page."""
 
 LARGEST_PAGE = 5 * 2**20
 """Bytes that a page takes at most, so that it can be sent by mail and opens at once."""
 
 DEFAULT_SECTIONS = (
-    Summary, Versions, DeparturesSection, BandEdges, Transmittance, FrictionMapSection, StickSlip, WorkPrecision,
-    OpenPoints,
+    Summary, Verdicts, Versions, DeparturesSection, BandEdges, Transmittance, FrictionMapSection, StickSlip,
+    WorkPrecision, OpenPoints,
 )  # fmt: skip
 """Sections of every report, in order; those of other packages follow, and how the numbers were made comes last."""
 
@@ -93,6 +100,7 @@ def page(
         plots=_packed(json.dumps(registry.plots, allow_nan=False, separators=(",", ":"))),
         library=_packed(get_plotlyjs() if registry.plots else ""),
         cards=cards or {},
+        tables=TABLES,
     )  # fmt: skip
     return RenderedPage(html, registry.files)
 
@@ -105,8 +113,8 @@ class _Registry:
         self.plots: dict[str, Any] = {}
         self._printed: list[tuple[Figure, dict[str, bytes]]] = []
 
-    def html(self, figure: Figure) -> Markup:
-        """Draw a figure, keep its files, and give its element."""
+    def html(self, figure: Figure, numbers: str = "") -> Markup:
+        """Draw a figure, keep its files, and give its element, which links them and the file of its `numbers`."""
         if figure.name in self.plots:
             raise ValueError(f"two figures are called {figure.name!r}; allowed: names of their own")
         self.plots[figure.name] = plot(figure)
@@ -114,7 +122,13 @@ class _Registry:
         self._printed.append((figure, files))
         kind, image = ("png", files["png"]) if "png" in files else ("svg+xml", files["svg"])
         template = environment(SUITE_TEMPLATES).get_template("figure.html")
-        return Markup(template.render(figure=figure, kind=kind, image=base64.b64encode(image).decode("ascii")))
+        downloads = [f"{FIGURES}/{figure.name}.{ending}" for ending in ("svg", "pdf")]
+        return Markup(
+            template.render(
+                figure=figure, kind=kind, image=base64.b64encode(image).decode("ascii"),
+                files=[*downloads, *([numbers] if numbers else [])],
+            )
+        )  # fmt: skip
 
     @property
     def files(self) -> dict[str, bytes]:
@@ -145,7 +159,7 @@ def _rendered(part: Section, figures: Sequence[Figure] | Exception, registry: _R
 def _content(part: Section, figures: Sequence[Figure] | Exception, registry: _Registry) -> str:
     if isinstance(figures, Exception):
         raise figures
-    drawn = {figure.name: registry.html(figure) for figure in figures}
+    drawn = {figure.name: registry.html(figure, part.numbers) for figure in figures}
     template = environment(part.templates).get_template(f"{part.template}.html")
     return template.render(**part.context(), figure=drawn.__getitem__, figures=list(drawn.values()))
 

@@ -33,6 +33,8 @@ class Section(ABC):
     """Name of the template, without its ending; also the anchor of the section."""
     templates: ClassVar[str] = SUITE_TEMPLATES
     """Package that holds the template."""
+    numbers: ClassVar[str] = ""
+    """File beside the page that holds the numbers of the figures; none without."""
 
     def __init__(self, report: Report):
         self.report = report

@@ -52,11 +52,11 @@ class Steps:
         return self.values[max(self.values) if self.at is None else self.at]
 
     def error(self, metric: Metric) -> float:
-        """Estimate the error of the judged value on the scale of the metric; zero where there is one step only.
+        """Estimate the error of the judged value on the scale of the metric; zero where one step only says nothing.
 
         Of values whose limit is known it is `SAFETY` times the largest error of first order that any of them shows.
         """
-        if len(self.values) == 1:
+        if len(self.values) == 1 and self.limit is None:
             return 0.0
         steps = sorted(self.values)
         scaled = np.array([_scaled(metric, self.values[count]) for count in steps])

@@ -197,9 +197,8 @@ def _tolerance(known: PointResults, against: Variant, metric: Metric, read: Read
     left_open = point_resolution(known, against, metric)
     if against == REFERENCE:
         return Tolerance(resolution=left_open)
-    scheme = _by_steps(read, known.reference, *known.refined)
-    finest = known.converged.steps_per_period * CONVERGED_SUBSTEPS
-    scheme[finest] = read(known.converged)
+    scheme = scheme_by_steps(known, read)
+    finest = max(scheme)
     own = {known.result.steps_per_period: read(known.result)} | _by_steps(read, *known.others)
     at = known.reference.steps_per_period if known.reference.converged else finest
     return Tolerance(
@@ -209,6 +208,14 @@ def _tolerance(known: PointResults, against: Variant, metric: Metric, read: Read
         # the reference itself is judged by its own steps alone: its error cannot excuse itself
         scheme=0.0 if known.variant == REFERENCE else Steps(scheme, at).error(metric),
     )
+
+
+def scheme_by_steps(known: PointResults, read: Read) -> dict[int, Number]:
+    """Read a number of the reference's results by steps a period; that of the converged reference is the finest."""
+    scheme = _by_steps(read, known.reference, *known.refined)
+    if known.converged.converged:
+        scheme[known.converged.steps_per_period * CONVERGED_SUBSTEPS] = read(known.converged)
+    return scheme
 
 
 def point_resolution(known: PointResults, against: Variant, metric: Metric) -> float:

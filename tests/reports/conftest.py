@@ -1,6 +1,8 @@
 """A report made by hand: two friction ratios, one engine that runs and one that is not installed."""
 
+import dataclasses
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -16,15 +18,19 @@ from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.sweep import Case
 from scenarios.sweeps.table import Point, judged_table
+from scenarios.sweeps.truths import truths
 from scenarios.tasks.recorded import RecordedPeriod
 from scenarios.tasks.result import Result
+from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.band_edge import Crossing, compare_edge
 from scenarios.verdicts.finding import Finding
 from scenarios.verdicts.pointwise import CONVERGED, PointResults, point_findings, refinements
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.steady_case import EXACT, REFERENCE
 
 RUNS = Variant("mujoco")
 MISSING = Variant("pybullet")
+AS_INSTALLED = Variant("mujoco", preset_name="default")
+"""Is compared with the truth at two points only."""
 REASON = "not installed: the package <pybullet> is missing & has no wheel"
 GRID = (0.3, 0.6, 0.9, 1.3)
 FRICTION_RATIOS = (0.0, 0.3)
@@ -34,6 +40,8 @@ EDGES = {(0.0, Edge.LOWER): 0.84, (0.0, Edge.UPPER): 1.25, (0.3, Edge.LOWER): 0.
 TRANSITION = {CONVERGED: 0.1, REFERENCE: 0.101, RUNS: 0.10125}
 STEP_ERROR = 0.0125
 """Of the reference's scheme at the common step [dB]; it halves with the step, and `RUNS` shares it."""
+CONVERGED_ERROR = STEP_ERROR / 32
+"""Of the converged reference [dB]: its step is so much finer."""
 OFF = (RUNS, 0.0, 0.9)
 """Where the engine that runs is wrong."""
 
@@ -137,6 +145,21 @@ def step_points(variant: Variant, error: float) -> tuple[StepPoint, ...]:
     )  # fmt: skip
 
 
+class ExactMotion:
+    """Gives the exact motion, from which the converged reference of `answer` is `CONVERGED_ERROR` away."""
+
+    def evaluate(self, tasks: Sequence[SteadyStateTask]) -> list[Result]:
+        return [self._exact(task) for task in tasks]
+
+    @staticmethod
+    def _exact(task: SteadyStateTask) -> Result:
+        assert task.variant == EXACT
+        nearly = answer(CONVERGED, float(task.friction_ratio), task.frequency_ratio)
+        return dataclasses.replace(
+            nearly, transmittance_db=nearly.transmittance_db - CONVERGED_ERROR, residual=1e-12, amplification=math.nan
+        )
+
+
 @pytest.fixture(scope="session")
 def report(result: ComparedSweep) -> Report:
     eta = np.array([0.3, 0.6, 0.9, 1.3])
@@ -159,6 +182,11 @@ def report(result: ComparedSweep) -> Report:
         },
         (*step_points(REFERENCE, 0.01), *step_points(RUNS, 0.02)),
         friction_map,
+        truths=truths(result, ExactMotion()),
+        beside=tuple(
+            Point(AS_INSTALLED, case, eta, answer(RUNS, case.friction_ratio, eta), (), ())
+            for case, eta in ((result.cases[0], 0.9), (result.cases[1], 0.6))
+        ),
     )
 
 

@@ -109,11 +109,12 @@ def test_results_out_of_a_file_are_those_of_the_store(
 
 
 def test_report_of_a_dataset_has_the_verdicts_of_the_store(data: xr.Dataset, result: ComparedSweep) -> None:
-    found = records(transmittance_table(collect_dataset(data, "").result))
+    read = collect_dataset(data, "")
+    found = records(transmittance_table(read.result, read.truths))
     places = {
         (row["engine"], row["preset"], row["mass_ratio"], row["cells"], row["frequency_ratio"]): row for row in found
     }
-    expected = [row for row in records(transmittance_table(result)) if row["verdict"] != "inconclusive"]
+    expected = [row for row in records(transmittance_table(result, read.truths)) if row["verdict"] != "inconclusive"]
     assert len(expected) > 12
     for row in expected:
         assert places[row["engine"], row["preset"], row["mass_ratio"], row["cells"], row["frequency_ratio"]] == row

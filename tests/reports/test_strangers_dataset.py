@@ -168,7 +168,8 @@ def test_a_damaged_dataset_is_refused_or_read(file, tmp_path, trials) -> None:
         damaged = tmp_path / f"{seed}.nc"
         damaged.write_bytes(changed[: draw.randrange(len(changed))] if seed % 5 == 0 else changed)
         try:
-            table = transmittance_table(collect_dataset(read_dataset(damaged), "").result)
+            read = collect_dataset(read_dataset(damaged), "")
+            table = transmittance_table(read.result, read.truths)
         except ParameterError as problem:
             message, refused = str(problem), refused + 1
         else:

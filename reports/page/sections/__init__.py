@@ -8,6 +8,7 @@ from reports.page.sections.provenance import Provenance
 from reports.page.sections.stick_slip import StickSlip
 from reports.page.sections.summary import Summary
 from reports.page.sections.transmittance import Transmittance
+from reports.page.sections.verdicts import Verdicts
 from reports.page.sections.versions import Versions
 from reports.page.sections.work_precision import WorkPrecision
 
@@ -20,6 +21,7 @@ __all__ = [
     "StickSlip",
     "Summary",
     "Transmittance",
+    "Verdicts",
     "Versions",
     "WorkPrecision",
 ]

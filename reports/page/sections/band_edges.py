@@ -5,7 +5,7 @@ from typing import Any
 
 from engines.interface.variant import Variant
 from reports.data.departures import outcome
-from reports.data.descriptions import axis_name, band_definition
+from reports.data.descriptions import axis_name
 from reports.figures.edges import edge_forest, reference_error
 from reports.figures.figure import Figure
 from reports.formatting import ratio
@@ -22,6 +22,7 @@ class BandEdges(Section):
 
     title = "Band edges"
     template = "band_edges"
+    numbers = "band_edges.csv"
 
     @property
     def shown(self) -> bool:
@@ -48,7 +49,6 @@ class BandEdges(Section):
                 for case in self.result.cases
                 for edge in Edge
             ],
-            "band": band_definition(self.result.sweep),
             "resolution": EDGE_RESOLUTION,
         }
 

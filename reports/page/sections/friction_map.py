@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from reports.data.descriptions import band_definition
 from reports.figures.figure import Figure
 from reports.figures.friction_map import HIGHEST_DB, LOWEST_DB, friction_map_figure
 from reports.page.section import Section
@@ -16,19 +15,18 @@ class FrictionMapSection(Section):
 
     @property
     def shown(self) -> bool:
-        """Whether the map is part of the report."""
-        return self.report.friction_map is not None
+        """Whether any point of the map is known."""
+        return self.report.friction_map is not None and self.report.friction_map.known > 0
 
     def figures(self) -> list[Figure]:
-        """The map, if any of its points is known."""
+        """The map."""
         data = self.report.friction_map
-        return [friction_map_figure(data)] if data is not None and data.known else []
+        return [] if data is None else [friction_map_figure(data)]
 
     def context(self) -> dict[str, Any]:
         """What the caption names, and how much is missing."""
         data = self.report.friction_map
         return {
-            "band": band_definition(self.result.sweep),
             "lowest": LOWEST_DB,
             "highest": HIGHEST_DB,
             "points": 0 if data is None else data.transmittance_db.size,

@@ -8,13 +8,14 @@ from typing import Any
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reports.data.departures import outcome
+from reports.figures.style import compared_variants
 from reports.page.section import Section
 from scenarios.sweeps.sweep import Case
 from scenarios.sweeps.table import Point
 from scenarios.verdicts.finding import Finding, Prediction
 from scenarios.verdicts.verdict import Verdict
 
-LONGEST = 30
+LONGEST = 10
 """Rows of one variant that the page shows, the largest differences first; files hold all of them."""
 
 
@@ -36,16 +37,19 @@ class OpenPoints(Section):
                 notes = " ".join(note for note in (of.capabilities.notes, departs) if note)
                 left_out = max(len(rows) - LONGEST, 0)
                 shown.append({"title": variant.title, "notes": notes, "rows": rows[:LONGEST], "left_out": left_out})
-        return {"variants": shown}
+        return {"variants": shown, "compared": [variant.title for variant in compared_variants(self.result.sweep)]}
 
     def _rows(self, variant: Variant) -> list[dict[str, Any]]:
         reason = self.report.findings[variant].blocked
+        if not self.result.points_of(variant):
+            reason = "the dataset holds none of its points"
         if reason is not None:
             everywhere = "every point and every edge"
             blocked = {"verdict": str(Verdict.BLOCKED), "outcome": "", "law": "", "size": math.nan, "reason": reason}
+            blocked |= {"difference": math.nan, "unit": ""}
             return [{"places": everywhere} | blocked]
         rows = [*self._edges(variant), *self._points(variant)]
-        return sorted(rows, key=lambda row: 0.0 if math.isnan(row["size"]) else -row["size"])
+        return sorted(rows, key=_order)
 
     def _points(self, variant: Variant) -> list[dict[str, Any]]:
         groups: dict[tuple[Case, Verdict, str], list[Point]] = defaultdict(list)
@@ -72,6 +76,11 @@ class OpenPoints(Section):
         ]
 
 
+def _order(row: dict[str, Any]) -> tuple[bool, float]:
+    """Differences in dB first, the largest of them on top; edges and what has no number after them."""
+    return row["unit"] != "dB", 0.0 if math.isnan(row["difference"]) else -abs(row["difference"])
+
+
 def _judged(finding: Finding, findings: Sequence[Finding]) -> dict[str, Any]:
     """Give the verdict, what the law says of it, and the reason; `findings` are all of the point."""
     comparison, prediction = finding.comparison, finding.prediction
@@ -80,6 +89,8 @@ def _judged(finding: Finding, findings: Sequence[Finding]) -> dict[str, Any]:
         "outcome": outcome(findings),
         "law": "" if prediction is None else _law(finding, prediction),
         "size": comparison.excess,
+        "difference": comparison.difference,
+        "unit": finding.metric.unit,
         "reason": comparison.reason,
     }
 

@@ -1,5 +1,6 @@
 """Provenance: what a reader needs to get the same numbers."""
 
+import math
 from typing import Any
 
 from reports.page.section import Section
@@ -12,5 +13,8 @@ class Provenance(Section):
     template = "provenance"
 
     def context(self) -> dict[str, Any]:
-        """The data, as they are."""
-        return self.report.provenance
+        """The data, as they are, but for the values of the grid: their number and their ends."""
+        grids = self.report.provenance["frequency_ratios"].values()
+        every = [eta for grid in grids for eta in grid]
+        ends = {"first": min(every, default=math.nan), "last": max(every, default=math.nan)}
+        return {**self.report.provenance, "grid": {"points": [len(grid) for grid in grids], **ends}}

@@ -25,6 +25,7 @@ class StickSlip(Section):
 
     title = "Stick and slip"
     template = "stick_slip"
+    numbers = "transitions.csv"
 
     @property
     def shown(self) -> bool:
@@ -54,6 +55,7 @@ class StickSlip(Section):
             "rows": rows,
             "window": MATCHING_WINDOW,
             "rasters": len(self._results),
+            "points": [f"{case.title}, frequency ratio {ratio(eta)}" for case, eta in self._results],
             "unknown": unknown,
         }
 

@@ -1,73 +1,89 @@
-"""Summary: every variant in one row, and what it was compared with."""
+"""Summary: what is compared, and how far every variant is from the truth."""
 
+import math
 from typing import Any
 
-from engines.interface.registry import engine
-from engines.interface.variant import Variant
-from reports.data.descriptions import axis_name, band_definition, compared_with, drive_description
+from reports.data.descriptions import axis_name, drive_description
+from reports.data.errors import VariantErrors
+from reports.data.installed import Installed, by_engine
+from reports.figures.chain_drawing import chain_drawing
+from reports.figures.figure import Figure
+from reports.figures.installed import installed_figure
 from reports.formatting import ratio
 from reports.page.section import Section
 from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.verdict import Verdict
+from scenarios.verdicts.truth import WRONG_DB
 
 
 class Summary(Section):
-    """One row a variant."""
+    """One row a variant, the smallest error first."""
 
     title = "Summary"
     template = "summary"
+    numbers = "errors.csv"
+
+    def figures(self) -> list[Figure]:
+        """Engines as installed and tuned, where any error is known."""
+        figure = installed_figure(self.report.errors)
+        return [] if figure is None else [figure]
 
     def context(self) -> dict[str, Any]:
-        """Rows, the headline and the definitions that they need."""
-        sweep = self.result.sweep
-        rows = [self._row(variant) for variant in sweep.variants]
-        compared = [row for row in rows if not row["is_baseline"]]
-        verdicts = [str(verdict) for verdict in Verdict]
+        """Rows and the definitions that they need."""
+        sweep, truths = self.result.sweep, self.report.truths.values()
+        shown = [truth for truth in truths if truth.above_floor]
         return {
-            "rows": rows,
-            "headline": {verdict: sum(row["findings"].verdicts[verdict] for row in compared) for verdict in verdicts},
-            "failures": self.report.failures,
-            "missing": sum(row["missing"] for row in rows),
-            "sentences": self._sentences(compared),
-            "band": band_definition(self.result.sweep),
+            "errors": list(self.report.errors.values()),
+            "sentences": [sentence(name, own) for name, own in by_engine(self.report.installed).items()],
+            "few": self._few(),
+            "drawing": chain_drawing(int(max(sweep.axes.get("cells", (sweep.ratios.cells,)))), sweep.excitation.kind),
+            "points": len(shown),
+            "exact": sum(truth.exact for truth in shown),
+            "truth_error": max((truth.error_db for truth in shown), default=math.nan),
+            "wrong": WRONG_DB,
+            "missing": sum(self.report.missing.values()),
             "floor": FLOOR_DB,
             "axes": [
                 (axis_name(name, plural=True), [ratio(value) for value in sweep.axes[name]]) for name in sweep.case_axes
             ],
             "axes_of_points": ", ".join(axis_name(name) for name in sweep.case_axes),
-            "has_edges": bool(self.result.edges),
             "complete_by_command": not self.report.recorded,
             "first": sweep.frequency_ratios[0],
             "last": sweep.frequency_ratios[-1],
             "cells": " or ".join(ratio(n) for n in sweep.axes.get("cells", (sweep.ratios.cells,))),
             "drive": drive_description(sweep),
-            "verdicts": verdicts,
         }
 
-    def _row(self, variant: Variant) -> dict[str, Any]:
+    def _few(self) -> dict[str, Any] | None:
+        """Name the variants that are compared at a few points only, and their points; ``None`` without any."""
+        beside = self.report.beside
+        if not beside:
+            return None
+        places = [f"({point.case.numbers}, {ratio(point.frequency_ratio)})" for point in beside]
         return {
-            "variant": variant,
-            "findings": self.report.findings[variant],
-            "points": len(self.result.points_of(variant)),
-            "missing": self.report.missing.get(variant, 0),
-            "friction_law": str(engine(variant.engine).capabilities.friction_law),
-            "compared_with": compared_with(variant, self.result.sweep.tolerance),
-            "is_baseline": variant == CONVERGED,
+            "variants": list(dict.fromkeys(point.variant.title for point in beside)),
+            "points": list(dict.fromkeys(places)),
         }
 
-    @staticmethod
-    def _sentences(rows: list[dict[str, Any]]) -> dict[str, list[str]]:
-        """Group variants: all points agree, some do, or the variant is blocked."""
-        sorted_rows: dict[str, list[str]] = {"all": [], "some": [], "blocked": []}
-        for row in rows:
-            if row["variant"].engine == CONVERGED.engine:
-                continue
-            title, agreed, points = row["variant"].title, row["findings"].verdicts["agree"], row["points"]
-            if row["findings"].blocked is not None:
-                sorted_rows["blocked"].append(title)
-            elif agreed == points:
-                sorted_rows["all"].append(title)
-            else:
-                sorted_rows["some"].append(f"{title} ({agreed} of {points})")
-        return sorted_rows
+
+def sentence(name: str, own: list[Installed]) -> dict[str, Any]:
+    """Say of an engine how far it is off as installed, and how far with which options."""
+    options = list(dict.fromkeys(option for pair in own for option in pair.options))
+    return {
+        "engine": name,
+        "default": " and ".join(_off(pair.default, several=len(own) > 1) for pair in own),
+        "tuned": _tuned([pair.tuned for pair in own]),
+        "options": options,
+        "values": [(pair.tuned.variant.formulation, pair.options) for pair in own],
+    }
+
+
+def _off(own: VariantErrors, *, several: bool) -> str:
+    """Give the largest error, with the formulation where there are several."""
+    size = f"{own.size:.4g} dB"
+    return f"{size} ({own.variant.formulation})" if several else size
+
+
+def _tuned(every: list[VariantErrors]) -> str:
+    """Give the largest errors of the formulations; once where all are equal as printed."""
+    sizes = {f"{own.size:.4g} dB" for own in every}
+    return sizes.pop() if len(sizes) == 1 else " and ".join(_off(own, several=True) for own in every)

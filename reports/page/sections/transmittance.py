@@ -3,7 +3,6 @@
 from typing import Any
 
 from engines.interface.tolerances import CONVERGED_TOLERANCE_DB
-from reports.data.descriptions import band_definition
 from reports.figures.figure import Figure
 from reports.figures.transmittance import LINEAR_DB, LOWEST_DB, overview, panel
 from reports.page.section import Section
@@ -19,6 +18,7 @@ class Transmittance(Section):
 
     title = "Transmittance"
     template = "transmittance"
+    numbers = "transmittance.csv"
 
     def figures(self) -> list[Figure]:
         """The overview, then the panels."""
@@ -31,7 +31,6 @@ class Transmittance(Section):
             "panels": min(len(self.result.cases), MOST_PANELS),
             "left_out": max(len(self.result.cases) - MOST_PANELS, 0),
             "over": "P0 / k_c" if self.result.sweep.excitation.kind == "force" else "the base's",
-            "band": band_definition(self.result.sweep),
             "floor": FLOOR_DB,
             "lowest": LOWEST_DB,
             "linear": LINEAR_DB,

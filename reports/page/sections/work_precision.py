@@ -17,8 +17,8 @@ class WorkPrecision(Section):
 
     @property
     def shown(self) -> bool:
-        """Whether steps are part of the report."""
-        return self.report.steps is not None
+        """Whether any variant was simulated at these steps."""
+        return any(point.evaluated for point in self.report.steps or ())
 
     def figures(self) -> list[Figure]:
         """The diagrams, if any variant was simulated at these steps."""

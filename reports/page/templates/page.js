@@ -4,7 +4,8 @@
 function sortValue(cell) {
   const text = (cell.dataset.value ?? cell.textContent).trim().replaceAll("\u2212", "-");
   const number = parseFloat(text);
-  return Number.isNaN(number) ? text : number;
+  if (Number.isNaN(number)) return text;
+  return /^[+-]/.test(text) ? Math.abs(number) : number; // differences with a sign: by their size
 }
 
 function inOrder(first, second) {
@@ -36,6 +37,32 @@ for (const heading of document.querySelectorAll("table.sortable thead th")) {
     event.preventDefault();
     sortBy(heading);
   });
+}
+
+// On a telephone a row becomes a card: every number stands beside the heading of its column.
+function asCards(table) {
+  const names = [...table.tHead.rows[0].cells].map((cell) => cell.innerText.replace(/\s+/g, " "));
+  for (const row of table.tBodies[0].rows) {
+    [...row.cells].forEach((cell, column) => {
+      if (cell.colSpan === 1) cell.dataset.label = names[column];
+    });
+  }
+  table.classList.add("cards");
+}
+
+document.querySelectorAll("main table").forEach(asCards);
+
+// One of several figures at a time.
+for (const choice of document.querySelectorAll(".choice")) {
+  const figures = [...document.getElementById(choice.dataset.of).querySelectorAll("figure")];
+  const show = (number) => figures.forEach((figure, k) => { figure.hidden = k !== number; });
+  const list = choice.querySelector("select");
+  list.addEventListener("change", () => {
+    show(list.selectedIndex);
+    drawAll();
+  });
+  choice.hidden = false;
+  show(0);
 }
 
 // Plots: the still image of each is replaced when it comes into view. Without the browser's own decompression,
@@ -85,23 +112,46 @@ function arranged(plot, width) {
     for (const name of Object.keys(layout)) if (name.startsWith("yaxis")) layout[name].showticklabels = true;
   }
   if (width < NARROW && layout.xaxis.ticktext) layout.xaxis.tickangle = -60;
+  for (const [name, axis] of Object.entries(width < NARROW ? layout : {})) {
+    if (/^xaxis/.test(name) && layout.grid) axis.title = { ...axis.title, font: { size: 10 } };
+    if (/^yaxis/.test(name) && axis.ticktext) axis.tickfont = { size: 10 };
+  }
   layout.height += layout.margin.t;
   layout.legend.y = 1 - TOOLBAR / layout.height;
   if (matchMedia("(pointer: coarse)").matches) layout.dragmode = false;
+  if (DARK.matches) darken(layout);
   return layout;
+}
+
+const DARK = matchMedia("(prefers-color-scheme: dark)");
+const LIGHTER = { "#000000": "#f0f3f6", "#2b2b2b": "#8b949e", "#0072B2": "#4aa8e0" };
+
+function darken(layout) {
+  Object.assign(layout, { paper_bgcolor: "#14181d", plot_bgcolor: "#14181d" });
+  layout.font = { ...layout.font, color: "#e6e9ed" };
+  layout.hoverlabel = { ...layout.hoverlabel, bgcolor: "#1e242b", font: { color: "#e6e9ed" } };
+  for (const [name, axis] of Object.entries(layout)) {
+    if (/^[xy]axis/.test(name)) Object.assign(axis, { gridcolor: "#2b333c", linecolor: "#a3adb8", tickcolor: "#a3adb8" });
+  }
+}
+
+// Black lines would not be seen on a dark page; on a map they lie on its colours, and stay.
+function traces(plot) {
+  if (!DARK.matches || plot.data.some((trace) => trace.type === "heatmap")) return plot.data;
+  return JSON.parse(JSON.stringify(plot.data).replace(/#[0-9A-Fa-f]{6}/g, (colour) => LIGHTER[colour] ?? colour));
 }
 
 const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"] };
 let library = null;
 
 async function draw(place) {
-  if (place.dataset.drawn) return;
+  if (place.dataset.drawn || place.closest("[hidden]")) return;
   place.dataset.drawn = "begun";
   library ??= load();
   await library;
   const plot = plots[place.dataset.plot];
   place.closest("figure").classList.add("plotted");
-  await Plotly.newPlot(place, plot.data, arranged(plot, place.clientWidth), CONFIG);
+  await Plotly.newPlot(place, traces(plot), arranged(plot, place.clientWidth), CONFIG);
   place.dataset.drawn = "done";
   place.dataset.width = place.clientWidth;
 }
@@ -128,8 +178,14 @@ if ("DecompressionStream" in window) {
         if (!place.clientWidth || place.dataset.width === String(place.clientWidth)) continue;
         place.dataset.width = place.clientWidth;
         const plot = plots[place.dataset.plot];
-        Plotly.react(place, plot.data, arranged(plot, place.clientWidth), CONFIG);
+        Plotly.react(place, traces(plot), arranged(plot, place.clientWidth), CONFIG);
       }
     }, 200);
+  });
+  DARK.addEventListener("change", () => {
+    for (const place of document.querySelectorAll('.plot[data-drawn="done"]')) {
+      const plot = plots[place.dataset.plot];
+      Plotly.react(place, traces(plot), arranged(plot, place.clientWidth), CONFIG);
+    }
   });
 }

@@ -137,7 +137,7 @@ def test_card_of_an_engine_without_scripts_names_no_command_that_would_be_refuse
 
 def test_an_engine_that_is_not_there_is_refused_before_any_work(monkeypatch) -> None:
     monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _: "the package mujoco is not installed")
-    with pytest.raises(ParameterError, match="engine = 'mujoco' cannot be used: the package mujoco is not installed"):
+    with pytest.raises(ParameterError, match="engine = mujoco is not installed: the package mujoco is not installed"):
         card_variants("mujoco")
 
 

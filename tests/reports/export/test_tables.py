@@ -5,23 +5,31 @@ import dataclasses
 import io
 import json
 import math
+import statistics
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from reference_lcp.refusal import ParameterError
 from reports.data.report import Report
 from reports.export.files import report_dataset, write_all
 from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.truths import recorded_truths
+from tests.reports.conftest import CONVERGED_ERROR, STEP_ERROR
 
 COLUMNS = {
+    "errors.csv": (
+        "engine,formulation,preset,worst_error_db,worst_friction_ratio,worst_frequency_ratio,median_error_db,class,"
+        "points_beyond_step,points_known,points,same_equations,difference_from_scheme_db"
+    ),
     "band_edges.csv": (
         "engine,formulation,preset,friction_ratio,edge,frequency_ratio,difference,verdict,outcome,"
         "law_value,law_left,law_allowed,law_distance,law_period_bound,reason"
     ),
     "transmittance.csv": (
-        "engine,formulation,preset,friction_ratio,frequency_ratio,status,transmittance_db,residual,difference_db,"
+        "engine,formulation,preset,friction_ratio,frequency_ratio,status,transmittance_db,truth_db,truth_error_db,error_db,residual,difference_db,"
         "phase_rad,difference_phase_deg,verdict,outcome,law_value_db,law_left_db,law_allowed_db,law_value_phase_deg,"
         "law_left_phase_deg,law_allowed_phase_deg,law_distance,law_period_bound,reason"
     ),
@@ -58,7 +66,7 @@ def test_csv_numbers_are_in_full(texts: dict[str, str], result: ComparedSweep) -
         assert row["residual"] == repr(point.result.residual)
 
 
-@pytest.mark.parametrize("name", ["band_edges.csv", "transmittance.csv"])
+@pytest.mark.parametrize("name", ["errors.csv", "band_edges.csv", "transmittance.csv"])
 def test_json_holds_the_numbers_of_the_csv(texts: dict[str, str], name: str) -> None:
     listed = json.loads(texts["report.json"])[name.removesuffix(".csv")]
     for written, read in zip(listed, rows(texts[name]), strict=True):
@@ -126,3 +134,49 @@ def test_points_that_were_not_asked_are_told_from_those_without_a_number(result:
     fewer = dataclasses.replace(result, table=result.table[1:])
     assert int(report_dataset(fewer).verdict.min()) == -1
     assert int(report_dataset(result).verdict.min()) == 0
+
+
+def test_errors_of_the_table_are_those_that_a_reader_computes_from_the_points(texts: dict[str, str]) -> None:
+    """Worst and median of |transmittance - truth|, the smallest worst error first, whatever a variant is judged by."""
+    points = rows(texts["transmittance.csv"])
+    table = rows(texts["errors.csv"])
+    worst = []
+    for row in table:
+        name = ("engine", "formulation", "preset")
+        own = [p for p in points if all(p[part] == row[part] for part in name) and p["error_db"] != "nan"]
+        errors = [float(p["transmittance_db"]) - float(p["truth_db"]) for p in own]
+        if row["preset"] == "default":
+            assert (row["points_known"], row["points"]) == ("2", "2"), "compared at a few points, without a verdict"
+            continue
+        if not own:
+            assert (row["engine"], row["class"]) == ("pybullet", "")
+            continue
+        assert float(row["worst_error_db"]) == pytest.approx(max(errors, key=abs), abs=1e-12)
+        assert float(row["median_error_db"]) == pytest.approx(statistics.median(map(abs, errors)), abs=1e-12)
+        worst.append(abs(float(row["worst_error_db"])))
+    assert worst == sorted(worst)
+    assert [row["engine"] for row in table] == ["reference", "reference", "mujoco", "mujoco", "pybullet"]
+
+
+def test_agreement_with_the_scheme_is_a_column_of_its_own(texts: dict[str, str]) -> None:
+    """Beside an error of its step, which it shares with the scheme."""
+    by_name = {(row["engine"], row["preset"]): row for row in rows(texts["errors.csv"])}
+    own = by_name["mujoco", "tuned"]
+    assert own["same_equations"] == "yes"
+    assert float(own["difference_from_scheme_db"]) == pytest.approx(0.03, abs=1e-12)
+    assert float(own["worst_error_db"]) == pytest.approx(0.03 + STEP_ERROR + CONVERGED_ERROR, abs=1e-12)
+    assert own["class"] == "visible"
+    scheme = by_name["reference", "tuned"]
+    assert (scheme["class"], float(scheme["difference_from_scheme_db"])) == ("within the step's error", 0.0)
+
+
+def test_a_dataset_holds_the_truth_and_gives_it_back(report: Report) -> None:
+    data = report_dataset(report.result, report.truths)
+    read = recorded_truths(data, report.result.sweep)
+    assert read == report.truths
+    assert all(truth.exact for truth in read.values())
+    off = data.error_db.sel(variant="mujoco", friction_ratio=0.0, frequency_ratio=0.9)
+    assert float(off) == pytest.approx(0.03 + STEP_ERROR + CONVERGED_ERROR, abs=1e-12)
+    assert recorded_truths(report_dataset(report.result), report.result.sweep) == {}
+    with pytest.raises(ParameterError, match="truth_error_db"):
+        recorded_truths(data.drop_vars("truth_error_db"), report.result.sweep)

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from reports.data.report import Report
-from reports.export.files import FIGURES, files_of, write_all
+from reports.export.files import files_of, write_all
 from reports.figures import drawn, matplotlib_backend
 from reports.figures.drawn import INDEX, DrawnFigures, described
 from reports.figures.figure import Figure
-from reports.page.render import sections
+from reports.page.render import FIGURES, sections
 
 
 def figures_of(report: Report) -> list[Figure]:

@@ -76,9 +76,10 @@ class Browser:
         """Change the size of the window."""
         self._ask("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
-    def media(self, name: str) -> None:
-        """Show the page as on this medium: ``screen`` or ``print``."""
-        self._ask("Emulation.setEmulatedMedia", media=name)
+    def media(self, name: str, scheme: str = "light") -> None:
+        """Show the page as on this medium, ``screen`` or ``print``, where people prefer this scheme of colours."""
+        features = [{"name": "prefers-color-scheme", "value": scheme}]
+        self._ask("Emulation.setEmulatedMedia", media=name, features=features)
 
     def run(self, expression: str) -> Any:
         """Evaluate JavaScript, promises too; gives its value."""
