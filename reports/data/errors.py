@@ -15,7 +15,7 @@ from scenarios.sweeps.truths import Truths, truth_errors
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.judge import metric_difference
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.truth import ErrorClass, TruthError, error_class
+from scenarios.verdicts.truth_error import ErrorClass, TruthError, error_class
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from scenarios.sweeps.truths import Truths, truth_errors
 from scenarios.tables import Column, csv_text, full_table, json_text, records
 from scenarios.verdicts.finding import TRANSMITTANCE, Metric
 from scenarios.verdicts.phase import PHASE
-from scenarios.verdicts.truth import Truth
+from scenarios.verdicts.truth_error import TrueTransmittance
 
 NAME_COLUMNS: tuple[Column[BandEdge | Point], ...] = (
     Column("engine", lambda row: row.variant.engine),
@@ -113,9 +113,9 @@ def band_edge_table(result: ComparedSweep) -> pd.DataFrame:
 def transmittance_table(result: ComparedSweep, truths: Truths) -> pd.DataFrame:
     """Every point of every curve, with the truth there."""
     errors = {point[:3]: error.error_db for point, error in truth_errors(result, truths)}
-    unknown = Truth(math.nan, math.nan, exact=False)
+    unknown = TrueTransmittance(math.nan, math.nan, exact=False)
 
-    def truth(point: Point) -> Truth:
+    def truth(point: Point) -> TrueTransmittance:
         return truths.get((point.case, point.frequency_ratio), unknown)
 
     columns: tuple[Column[Point], ...] = (

@@ -7,7 +7,7 @@ from reports.data.errors import VariantErrors
 from reports.figures.figure import Axis, Figure, Mark, Panel, Rule, Series
 from reports.figures.style import DASHED, Style
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.truth import WRONG_DB
+from scenarios.verdicts.truth_error import WRONG_DB
 
 JOINING = Style("#9aa4ae", width=2.0)
 DEFAULT = Style("#D55E00", "circle", 7.0)

@@ -16,9 +16,9 @@ from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import FLOOR_DB
 from scenarios.verdicts.pointwise import CONVERGED, PointResults
 from scenarios.verdicts.steady_case import EXACT
-from scenarios.verdicts.truth import Truth, TruthError, truth_error, truth_of
+from scenarios.verdicts.truth_error import TrueTransmittance, TruthError, truth_error, truth_of
 
-Truths = Mapping[tuple[Case, float], Truth]
+Truths = Mapping[tuple[Case, float], TrueTransmittance]
 """The truth by case and frequency ratio; points where it is not known are left out."""
 
 MOST_EXACT_POINTS = 500
@@ -43,7 +43,7 @@ def exact_tasks(sweep: Sweep, points: list[tuple[Case, float]]) -> dict[tuple[Ca
     return {point: task for point, task in tasks.items() if task.ratios.cells <= MOST_EXACT_CELLS}
 
 
-def truths(result: ComparedSweep, evaluator: GivesResults | None = None) -> dict[tuple[Case, float], Truth]:
+def truths(result: ComparedSweep, evaluator: GivesResults | None = None) -> dict[tuple[Case, float], TrueTransmittance]:
     """Give the truth at every point of a sweep; where nothing gives exact results, the converged reference's."""
     at_points = _by_point(result)
     tasks = exact_tasks(result.sweep, list(at_points)) if evaluator is not None else {}
@@ -104,13 +104,13 @@ def _places(sweep: Sweep) -> list[tuple[Case, float]]:
     return [(case, eta) for variant, case, eta in sweep.grid_points() if variant == sweep.variants[0]]
 
 
-def _line(truth: Truth | None) -> tuple[float, float, float]:
+def _line(truth: TrueTransmittance | None) -> tuple[float, float, float]:
     if truth is None:
         return math.nan, math.nan, math.nan
     return truth.transmittance_db, truth.error_db, float(truth.exact)
 
 
-def recorded_truths(data: xr.Dataset, sweep: Sweep) -> dict[tuple[Case, float], Truth]:
+def recorded_truths(data: xr.Dataset, sweep: Sweep) -> dict[tuple[Case, float], TrueTransmittance]:
     """Read the truth out of a dataset of this sweep; nothing where it holds none.
 
     Raises
@@ -123,7 +123,7 @@ def recorded_truths(data: xr.Dataset, sweep: Sweep) -> dict[tuple[Case, float], 
     whole = data.expand_dims([name for name in sweep.axes if name not in data.dims])
     columns = [_column(whole, name, tuple(sweep.axes)) for name in TRUTH_VARIABLES]
     return {
-        place: Truth(level, bar, exact=bool(exact))
+        place: TrueTransmittance(level, bar, exact=bool(exact))
         for place, level, bar, exact in zip(_places(sweep), *columns, strict=True)
         if not math.isnan(level)
     }

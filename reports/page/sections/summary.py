@@ -12,7 +12,7 @@ from reports.figures.installed import installed_figure
 from reports.formatting import ratio
 from reports.page.section import Section
 from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.truth import WRONG_DB
+from scenarios.verdicts.truth_error import WRONG_DB
 
 
 class Summary(Section):

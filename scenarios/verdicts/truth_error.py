@@ -32,7 +32,7 @@ class ErrorClass(StrEnum):
 
 
 @dataclass(frozen=True)
-class Truth:
+class TrueTransmittance:
     """The true transmittance of a point.
 
     Parameters
@@ -77,7 +77,7 @@ class TruthError:
         return abs(self.error_db) <= self.step_db
 
 
-def truth_of(known: PointResults, exact: Result) -> Truth | None:
+def truth_of(known: PointResults, exact: Result) -> TrueTransmittance | None:
     """Give the truth at a point; ``None`` where neither the exact motion nor the converged reference is certified.
 
     Parameters
@@ -91,14 +91,14 @@ def truth_of(known: PointResults, exact: Result) -> Truth | None:
         steps = max(exact.periods, 1) * exact.steps_per_period
         left_open = unresolved_amplitude(exact.residual, amplification(known.reference), steps, exact.transmittance_db)
         level = max(exact.transmittance_db, FLOOR_DB)
-        return Truth(exact.transmittance_db, amplitude_in_db(left_open, level), exact=True)
+        return TrueTransmittance(exact.transmittance_db, amplitude_in_db(left_open, level), exact=True)
     if known.converged.converged:
         values = Steps(scheme_by_steps(known, _level))
-        return Truth(known.converged.transmittance_db, values.error(TRANSMITTANCE), exact=False)
+        return TrueTransmittance(known.converged.transmittance_db, values.error(TRANSMITTANCE), exact=False)
     return None
 
 
-def truth_error(known: PointResults, truth: Truth) -> TruthError | None:
+def truth_error(known: PointResults, truth: TrueTransmittance) -> TruthError | None:
     """Compare a variant with the truth at a point; ``None`` where it has no steady state that can be compared."""
     if not known.is_known:
         return None
@@ -116,7 +116,7 @@ def error_class(errors: Sequence[TruthError]) -> ErrorClass | None:
     return ErrorClass.WITHIN_STEP if all(error.within_step for error in errors) else ErrorClass.VISIBLE
 
 
-def _scheme_error(known: PointResults, truth: Truth) -> float:
+def _scheme_error(known: PointResults, truth: TrueTransmittance) -> float:
     """Give what the reference's scheme errs by with the steps of the variant [dB]: measured, the truth being known."""
     values = scheme_by_steps(known, _level)
     steps = known.reference.steps_per_period

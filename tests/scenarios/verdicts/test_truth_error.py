@@ -10,7 +10,7 @@ from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.pointwise import CONVERGED, PointResults
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from scenarios.verdicts.truth import WRONG_DB, ErrorClass, TruthError, error_class, truth_error, truth_of
+from scenarios.verdicts.truth_error import WRONG_DB, ErrorClass, TruthError, error_class, truth_error, truth_of
 
 ENGINE = Variant("exudyn-bristle")
 """Has an integrator of its own, and so a verdict against the converged reference."""
