@@ -33,7 +33,7 @@ class Summary(Section):
         shown = [truth for truth in truths if truth.above_floor]
         return {
             "errors": list(self.report.errors.values()),
-            "sentences": [sentence(name, own) for name, own in by_engine(self.report.installed).items()],
+            "sentences": [sentence(name, own, len(shown)) for name, own in by_engine(self.report.installed).items()],
             "few": self._few(),
             "drawing": chain_drawing(int(max(sweep.axes.get("cells", (sweep.ratios.cells,)))), sweep.excitation.kind),
             "points": len(shown),
@@ -65,25 +65,36 @@ class Summary(Section):
         }
 
 
-def sentence(name: str, own: list[Installed]) -> dict[str, Any]:
-    """Say of an engine how far it is off as installed, and how far with which options."""
+def sentence(name: str, own: list[Installed], points: int) -> dict[str, Any]:
+    """Say of an engine how far it is off as installed, and how far with which options.
+
+    Parameters
+    ----------
+    name
+        Title of the engine.
+    own
+        Its formulations.
+    points
+        Of the whole grid; of a variant that is compared at fewer, it is said at how many.
+    """
     options = list(dict.fromkeys(option for pair in own for option in pair.options))
     return {
         "engine": name,
-        "default": " and ".join(_off(pair.default, several=len(own) > 1) for pair in own),
-        "tuned": _tuned([pair.tuned for pair in own]),
+        "default": " and ".join(_off(pair.default, points, several=len(own) > 1) for pair in own),
+        "tuned": _tuned([pair.tuned for pair in own], points),
         "options": options,
-        "values": [(pair.tuned.variant.formulation, pair.options) for pair in own],
     }
 
 
-def _off(own: VariantErrors, *, several: bool) -> str:
-    """Give the largest error, with the formulation where there are several."""
-    size = f"{own.size:.4g} dB"
-    return f"{size} ({own.variant.formulation})" if several else size
+def _off(own: VariantErrors, points: int, *, several: bool) -> str:
+    """Give the largest error, with the formulation where there are several, and the points where they are few."""
+    formulation = [own.variant.formulation] if several else []
+    few = [f"at {own.known} points"] if own.points < points else []
+    notes = ", ".join(formulation + few)
+    return f"{own.size:.4g} dB ({notes})" if notes else f"{own.size:.4g} dB"
 
 
-def _tuned(every: list[VariantErrors]) -> str:
+def _tuned(every: list[VariantErrors], points: int) -> str:
     """Give the largest errors of the formulations; once where all are equal as printed."""
     sizes = {f"{own.size:.4g} dB" for own in every}
-    return sizes.pop() if len(sizes) == 1 else " and ".join(_off(own, several=True) for own in every)
+    return sizes.pop() if len(sizes) == 1 else " and ".join(_off(own, points, several=True) for own in every)

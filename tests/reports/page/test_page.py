@@ -361,9 +361,11 @@ def test_the_page_says_of_each_engine_what_it_does_as_installed_and_with_which_o
     pairs = installed({own.variant: own for own in (tuned, default, *contact)})
     assert [pair.default.size for pair in pairs] == [42.851, 14.734]
     ((name, own),) = by_engine(pairs).items()
-    said = sentence(name, own)
+    said = sentence(name, own, 4)
     assert said["default"] == "14.73 dB (joint) and 42.85 dB (contact)"
     assert said["tuned"] == "0.1245 dB"
+    few = sentence(name, own, 299)
+    assert few["default"] == "14.73 dB (joint, at 4 points) and 42.85 dB (contact, at 4 points)"
     assert {"solver", "noslip_iterations", "solref_friction", "cone"} <= set(said["options"])
     assert "tolerance" not in said["options"], "both presets have it"
 
