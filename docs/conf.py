@@ -1,11 +1,16 @@
 """Configuration of the documentation: `python -m sphinx -W -b html docs docs/_build`."""
 
 import re
+import sys
 from html import escape
 from importlib.metadata import version as version_of
+from pathlib import Path
 
 import ziamath
 from docutils.nodes import SkipNode
+
+VERDICTS = Path(__file__).parent / "verdicts"
+sys.path.append(str(VERDICTS))
 
 project = "multibody-xval"
 author = "the authors of multibody-xval"
@@ -89,8 +94,16 @@ def visit_display_math(writer, node):
     raise SkipNode
 
 
+def write_verdicts(_app):
+    """Write the pages of verdicts from their table."""
+    import pages
+
+    pages.write(VERDICTS / "verdicts.csv", VERDICTS)
+
+
 def setup(app):
     """Connect what is above."""
+    app.connect("builder-inited", write_verdicts)
     app.add_html_math_renderer("svg", (visit_inline_math, None), (visit_display_math, None))
     app.connect("autodoc-process-docstring", bars_are_absolute_values, priority=900)
     app.connect("autodoc-process-signature", short_types)

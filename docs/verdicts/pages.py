@@ -1,0 +1,115 @@
+"""Pages of verdicts: a heat map of engines over scenarios, and a page an engine and a scenario, from one table.
+
+The documentation calls `write` before it is built; what it writes is not kept.
+"""
+
+from collections.abc import Iterator, Mapping
+from html import escape
+from pathlib import Path
+
+import pandas as pd
+
+from scenarios.catalogue import CATALOGUE
+from scenarios.tables import markdown_lines
+
+NUMBERS = ("value", "expected", "difference", "allowed")
+"""Columns that can be empty."""
+
+OUTCOMES = ("unexplained", "as predicted", "undecided", "blocked", "agrees")
+"""Of one number; a group has that of its worst."""
+
+SIGNS = {"unexplained": "✗", "as predicted": "≈", "undecided": "?", "blocked": "–", "agrees": "✓"}
+"""What a cell shows beside its colour."""
+
+
+def read(table: Path) -> pd.DataFrame:
+    """Read the table that `summary.py` writes."""
+    rows = pd.read_csv(table, keep_default_na=False, na_values=dict.fromkeys(NUMBERS, ""))
+    absent = {name: 0 for name in OUTCOMES if name not in rows}
+    return rows.assign(**absent, variant=rows["formulation"] + " " + rows["preset"])
+
+
+def write(table: Path, folder: Path) -> None:
+    """Write the heat map as HTML, and the pages as Markdown."""
+    rows = read(table)
+    texts = {"heat_map.html": heat_map(rows)}
+    for kind, page in (("engine", engine_page), ("scenario", scenario_page)):
+        texts |= {f"{kind}s/{name}.md": page(str(name), own) for name, own in rows.groupby(kind, sort=False)}
+    for file, lines in texts.items():
+        (folder / file).parent.mkdir(exist_ok=True)
+        (folder / file).write_text("\n".join(lines), encoding="utf-8")
+
+
+def outcomes(rows: pd.DataFrame) -> dict[str, int]:
+    """Count the numbers of each outcome that there is, the worst first."""
+    counts = rows[list(OUTCOMES)].sum()
+    return {name: int(count) for name, count in counts.items() if count}
+
+
+def words(counts: Mapping[str, int]) -> str:
+    """Say how many numbers have which outcome."""
+    return ", ".join(f"{number} {name}" for name, number in counts.items())
+
+
+def heat_map(rows: pd.DataFrame) -> Iterator[str]:
+    """Give the lines of an HTML table: a row a variant, a column a scenario."""
+    scenarios = [name for name in CATALOGUE if name in set(rows["scenario"])]
+    yield '<div class="verdict-map"><table><thead><tr><th>engine, formulation, preset</th>'
+    yield from (f'<th><a href="scenarios/{name}.html"><span>{name}</span></a></th>' for name in scenarios)
+    yield "</tr></thead><tbody>"
+    for (engine, variant), own in rows.groupby(["engine", "variant"], sort=False):
+        yield f'<tr><th><a href="engines/{engine}.html">{engine}</a> {escape(str(variant))}</th>'
+        by_scenario = dict(list(own.groupby("scenario")))
+        yield from (_cell(str(engine), str(variant), name, by_scenario.get(name)) for name in scenarios)
+        yield "</tr>"
+    yield "</tbody></table></div>"
+
+
+def _cell(engine: str, variant: str, scenario: str, rows: pd.DataFrame | None) -> str:
+    if rows is None:
+        return "<td></td>"
+    counts = outcomes(rows)
+    worst = next(iter(counts))
+    number = "" if len(counts) == 1 else f" {counts[worst]}"
+    return (
+        f'<td class="{worst.replace(" ", "-")}"><a href="engines/{engine}.html#{scenario}" '
+        f'title="{engine} {variant}, {scenario}: {words(counts)}">{SIGNS[worst]}{number}</a></td>'
+    )
+
+
+def engine_page(engine: str, rows: pd.DataFrame) -> Iterator[str]:
+    """Give the lines of the page of an engine: a table a scenario."""
+    yield from (f"# {engine}: verdicts", "", "[All engines](../index.md).", "")
+    for scenario, own in rows.groupby("scenario", sort=False):
+        yield from (f"## {scenario}", "", f"[{CATALOGUE[str(scenario)].question}](../scenarios/{scenario}.md)", "")
+        yield from (*_table(own), "")
+
+
+def scenario_page(name: str, rows: pd.DataFrame) -> Iterator[str]:
+    """Give the lines of the page of a scenario: what it asks, and a table an engine."""
+    scenario = CATALOGUE[name]
+    yield from (f"# {name}: verdicts", "", scenario.question, "", "[All scenarios](../index.md).", "")
+    yield from (f"- from: {scenario.source}", f"- compared with: {scenario.expects}")
+    yield from (f"- {_with_unit(each.name, each.unit)}: {each.meaning}" for each in scenario.metrics)
+    yield from (f"- {line}" for line in scenario.parameters())
+    for engine, own in rows.groupby("engine", sort=False):
+        yield from ("", f"## {engine}", "", *_table(own))
+    yield ""
+
+
+def _table(rows: pd.DataFrame) -> list[str]:
+    """Give the lines of a table with one row a preset and metric."""
+    counts = (outcomes(row.to_frame().T) for _, row in rows.iterrows())
+    shown = pd.DataFrame({
+        "preset": rows["variant"],
+        "metric": list(map(_with_unit, rows["metric"], rows["unit"])),
+        "verdicts": list(map(words, counts)),
+        "worst at": rows["case"],
+        **{name: rows[name].map("{:.4g}".format).replace("nan", "–") for name in ("value", "expected")},
+        "why": rows["reason"],
+    })  # fmt: skip
+    return markdown_lines(shown.astype(object))
+
+
+def _with_unit(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit else name

@@ -1,0 +1,64 @@
+"""The table of verdicts that the documentation is made of: a row a scenario, variant and metric, from all findings.
+
+multibody-xval run figure3 --engine all --out figure3.csv
+python docs/verdicts/summary.py docs/verdicts/verdicts.csv figure3.csv ...
+"""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+
+VARIANT = ["engine", "formulation", "preset"]
+
+GROUP = ["scenario", *VARIANT, "metric", "unit"]
+"""What one row is about."""
+
+WORDS = {"agree": "agrees", "own step too coarse": "undecided", "inconclusive": "undecided"}
+"""Outcomes by verdict, where the law has no say."""
+
+WORST = ["case", "value", "expected", "difference", "allowed", "reason"]
+"""Of the finding whose difference is largest beside what is allowed; the reason where one does not agree."""
+
+DIGITS = 5
+"""Significant ones of a number."""
+
+
+def outcomes(findings: pd.DataFrame) -> pd.Series:
+    """Give one word a finding."""
+    words = findings["verdict"].replace(
+        {"agree": "agrees", "own step too coarse": "undecided", "inconclusive": "undecided"}
+    )
+    predicted = findings["as predicted"].astype(str) == "True"
+    return words.mask(words == "disagree", predicted.map({True: "as predicted", False: "unexplained"}))
+
+
+def summarised(findings: pd.DataFrame) -> pd.DataFrame:
+    """Count outcomes, and keep the worst finding of each group."""
+    findings = findings.assign(
+        unit=findings["unit"].fillna(""),
+        outcome=outcomes(findings),
+        excess=(findings["difference"].abs() / findings["allowed"]).fillna(-1.0),
+    )
+    counts = findings.groupby([*GROUP, "outcome"], sort=False).size().unstack("outcome", fill_value=0)
+    worst = findings.loc[findings.groupby(GROUP, sort=False)["excess"].idxmax()].set_index(GROUP)[WORST]
+    agreed = counts.get("agrees", 0) == counts.sum(axis="columns")
+    worst["reason"] = worst["reason"].mask(agreed.reindex(worst.index), "")
+    return counts.join(worst).reset_index()
+
+
+def run_anywhere(findings: pd.DataFrame) -> pd.DataFrame:
+    """Leave out variants that nothing was run of: their engines were not there."""
+    ran = (findings["verdict"] != "blocked").groupby([findings[name] for name in VARIANT]).transform("any")
+    return findings[ran].reset_index(drop=True)
+
+
+def main(table: Path, findings: Sequence[Path]) -> None:
+    """Write the table."""
+    rows = summarised(run_anywhere(pd.concat(map(pd.read_csv, findings)).reset_index(drop=True)))
+    rows.to_csv(table, index=False, float_format=f"%.{DIGITS}g", lineterminator="\n")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), [Path(name) for name in sys.argv[2:]])
