@@ -1,63 +1,94 @@
 """The page in a browser: plots have their data, hover tells values, tables sort, every width and paper work."""
 
+import os
+import shutil
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
 
 from reports.export.files import write_all
-from tests.reports.page.browser import CHROMIUM, Browser
 
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no chromium on this machine")
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
 DRAWN = """[...document.querySelectorAll('figure:not([hidden]) .plot')].map(
     (place) => [place.dataset.plot, place.dataset.drawn])"""
 
+HEIGHT = 900
+"""Of the window, in pixels."""
+
 
 @pytest.fixture(scope="module")
-def page(files: dict[str, bytes], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def address(files: dict[str, bytes], tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The address of a page."""
     folder = tmp_path_factory.mktemp("report")
     write_all(folder, files)
-    return folder / "index.html"
+    return (folder / "index.html").as_uri()
 
 
 @pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    opened = Browser(tmp_path_factory.mktemp("profile"))
-    yield opened
-    opened.close()
+def browser() -> Iterator[Browser]:
+    if CHROMIUM is None:
+        (pytest.fail if os.environ.get("CI") else pytest.skip)("there is no chromium on this machine")
+    with sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])
+        yield browser
+        browser.close()
+
+
+def opened(browser: Browser, address: str, width: int = 1440, **options: Any) -> Page:
+    """Open an address in a window of its own."""
+    page = browser.new_page(viewport={"width": width, "height": HEIGHT}, **options)
+    page.goto(address)
+    return page
+
+
+@pytest.fixture
+def page(browser: Browser, address: str) -> Iterator[Page]:
+    """The page at 1440 pixels."""
+    page = opened(browser, address)
+    yield page
+    page.close()
 
 
 @pytest.fixture(scope="module")
-def wide(browser: Browser, page: Path) -> Browser:
-    """The page at 1440 pixels, with every plot drawn."""
-    browser.open(page, 1440)
-    browser.run("drawAll()")
-    return browser
+def drawn(browser: Browser, address: str) -> Page:
+    """The same with every plot drawn; for all tests."""
+    page = opened(browser, address)
+    page.evaluate("drawAll()")
+    return page
 
 
-def test_the_page_loads_and_draws_without_a_complaint(wide: Browser) -> None:
-    assert wide.problems == []
-    drawn = wide.run(DRAWN)
-    assert {state for _, state in drawn} == {"done"}
-    assert {name for name, _ in drawn} >= {"figure3", "band-edges", "friction-map", "work-precision", "convergence"}
+@pytest.mark.parametrize("width", [1440, 390])
+def test_the_page_loads_and_draws_without_a_complaint(browser: Browser, address: str, width: int) -> None:
+    page = browser.new_page(viewport={"width": width, "height": HEIGHT})
+    problems: list[str] = []
+    page.on("pageerror", lambda error: problems.append(str(error)))
+    page.on("console", lambda said: problems.append(said.text) if said.type in ("error", "warning", "assert") else None)
+    page.goto(address)
+    page.evaluate("drawAll()")
+    plots = page.evaluate(DRAWN)
+    page.close()
+    assert problems == []
+    assert {state for _, state in plots} == {"done"}
+    assert {name for name, _ in plots} >= {"figure3", "band-edges", "friction-map", "work-precision", "convergence"}
 
 
-def test_every_plot_has_its_data(wide: Browser) -> None:
+def test_every_plot_has_its_data(drawn: Page) -> None:
     """What plotly has drawn is what the page holds: as many traces, as many points."""
     counted = """[...document.querySelectorAll('figure:not([hidden]) .plot')].map((place) => {
         const size = (trace) => (trace.z ? trace.z.flat() : trace.y).length;
         return [place.dataset.plot, place.calcdata.length, plots[place.dataset.plot].data.length,
                 place.data.map(size), plots[place.dataset.plot].data.map(size)];
     })"""
-    for name, drawn, given, sizes, expected in wide.run(counted):
-        assert drawn == given > 0, name
+    for name, shown, given, sizes, expected in drawn.evaluate(counted):
+        assert shown == given > 0, name
         assert sizes == expected, name
         assert sum(sizes) > 1, name
 
 
-def test_hover_tells_the_values_of_a_point(wide: Browser) -> None:
+def test_hover_tells_the_values_of_a_point(drawn: Page) -> None:
     """The mouse over the marker of the only steady state at 0.6 in the panel of friction 0.3.
 
     Two pixels beside its middle: to within a pixel, plotly tells of a point of the line beneath instead.
@@ -71,13 +102,14 @@ def test_hover_tells_the_values_of_a_point(wide: Browser) -> None:
         return [box.left + xaxis._offset + xaxis.d2p(place.data[trace].x[1]),
                 box.top + yaxis._offset + yaxis.d2p(place.data[trace].y[1])];
     })()"""
-    x, y = wide.run(place)
-    wide.move_mouse(x - 40, y + 3)
-    wide.move_mouse(x + 2, y + 2)
-    told = "new Promise((done) => setTimeout(() => done([...document.querySelectorAll('.hoverlayer text')].map((one) => one.textContent).join('|')), 300))"  # noqa: E501
-    text = wide.run(told)
+    x, y = drawn.evaluate(place)
+    drawn.mouse.move(x - 40, y + 3)
+    drawn.mouse.move(x + 2, y + 2)
+    drawn.wait_for_selector(".hoverlayer text:has-text('agree')", state="attached")
+    texts = drawn.locator(".hoverlayer text").all_text_contents()
+    assert {"Reference (LCP)", "MuJoCo"} <= {name.partition(" : ")[0] for name in texts}, "of all at once"
+    text = " ".join(texts)
     assert "0.6" in text
-    assert {"Reference (LCP)", "MuJoCo"} <= {name.partition(" : ")[0] for name in text.split("|")}, "of all at once"
     assert "2.3125 dB, agree" in text
     assert "MuJoCo" in text
 
@@ -96,92 +128,84 @@ SORTED = """(() => {
 @pytest.mark.parametrize(
     "press", ["click()", "dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}))"]
 )
-def test_tables_sort_by_number_and_back(browser: Browser, page: Path, press: str) -> None:
+def test_tables_sort_by_number_and_back(page: Page, press: str) -> None:
     """Errors of a hundredth and below: neither in order from the start, nor ordered alike as texts and as numbers."""
-    browser.open(page, 1440)
     sort = SORTED % ("work_precision", "largest error", press)
-    order, before, values = browser.run(sort)
+    order, before, values = page.evaluate(sort)
     numbers = [float(value) for value in values]
     assert order == "ascending"
     assert numbers == sorted(map(float, before)) != list(map(float, before))
-    order, _, values = browser.run(sort)
+    order, _, values = page.evaluate(sort)
     assert order == "descending"
     assert [float(value) for value in values] == numbers[::-1]
 
 
-def test_what_has_no_number_comes_after_what_has_one(browser: Browser, page: Path) -> None:
-    browser.open(page, 1440)
-    _, _, values = browser.run(SORTED % ("stick_slip", "transitions", "click()"))
+def test_what_has_no_number_comes_after_what_has_one(page: Page) -> None:
+    _, _, values = page.evaluate(SORTED % ("stick_slip", "transitions", "click()"))
     assert values[0].isdigit()
     assert values[-1] == "–"
 
 
-def test_every_row_of_a_table_has_as_many_cells_as_its_heading(browser: Browser, page: Path) -> None:
-    browser.open(page, 1440)
+def test_every_row_of_a_table_has_as_many_cells_as_its_heading(page: Page) -> None:
     counts = "[...document.querySelectorAll('table.sortable')].map((table) => [table.tHead.rows[0].cells.length, [...new Set([...table.tBodies[0].rows].map((row) => row.cells.length))]])"  # noqa: E501
-    tables = browser.run(counts)
+    tables = page.evaluate(counts)
     assert tables
     for heading, rows in tables:
         assert rows == [heading]
 
 
 @pytest.mark.parametrize("width", [1440, 390])
-def test_nothing_is_wider_than_the_window(browser: Browser, page: Path, width: int) -> None:
-    browser.open(page, width)
-    browser.run("drawAll()")
-    assert browser.problems == []
-    assert browser.run("document.documentElement.scrollWidth") == width
-    boxes: list[Any] = browser.run(
+def test_nothing_is_wider_than_the_window(browser: Browser, address: str, width: int) -> None:
+    page = opened(browser, address, width)
+    page.evaluate("drawAll()")
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    boxes: list[Any] = page.evaluate(
         "[...document.querySelectorAll('figure:not([hidden]) .plot')].map((one) => [one.dataset.plot, one.clientWidth, "
         "one.querySelector('.main-svg').getBoundingClientRect().width, one.querySelector('.plot, .draglayer') "
         ".getBoundingClientRect().height, one.clientHeight])"
     )
+    page.close()
     assert len(boxes) > 8
     for name, room, drawn, panels, height in boxes:
         assert abs(drawn - room) <= 1, name
         assert panels > 0.35 * height, name  # the legend leaves room for what it explains
 
 
-def test_plots_follow_a_window_that_is_made_narrow(browser: Browser, page: Path) -> None:
-    browser.open(page, 1440)
-    browser.run("drawAll()")
-    browser.resize(390)
-    widths = "new Promise((done) => setTimeout(() => done([...document.querySelectorAll('figure:not([hidden]) .plot')].map((one) => one._fullLayout.width)), 1500))"  # noqa: E501
-    drawn = browser.run(widths)
-    assert len(drawn) > 8
-    assert max(drawn) <= 390
+def test_plots_follow_a_window_that_is_made_narrow(drawn: Page) -> None:
+    drawn.set_viewport_size({"width": 390, "height": HEIGHT})
+    widths = "[...document.querySelectorAll('figure:not([hidden]) .plot')].map((one) => one._fullLayout.width)"
+    drawn.wait_for_function(f"Math.max(...{widths}) <= 390")
+    assert len(drawn.evaluate(widths)) > 8
+    drawn.set_viewport_size({"width": 1440, "height": HEIGHT})
 
 
-def test_on_paper_every_plot_is_its_printed_figure(browser: Browser, page: Path, tmp_path: Path) -> None:
-    browser.open(page, 1440)
-    browser.run("drawAll()")
-    browser.media("print")
-    shown = browser.run(
+def test_on_paper_every_plot_is_its_printed_figure(drawn: Page) -> None:
+    drawn.emulate_media(media="print")
+    shown = drawn.evaluate(
         "[...document.querySelectorAll('figure.chart:not([hidden])')].map((one) => ["
         "getComputedStyle(one.querySelector('.plot')).display, "
         "one.querySelector('.still').getBoundingClientRect().width])"
     )
-    browser.media("screen")
     assert {display for display, _ in shown} == {"none"}
     assert all(width > 100 for _, width in shown)
-    browser.print_pdf(tmp_path / "page.pdf")
-    assert (tmp_path / "page.pdf").read_bytes().startswith(b"%PDF")
+    assert drawn.pdf(prefer_css_page_size=True).startswith(b"%PDF")
+    drawn.emulate_media(media="screen")
 
 
-def test_without_scripts_the_printed_figures_stand_on_the_page(browser: Browser, page: Path) -> None:
-    browser.open(page, 1440, scripts=False)
-    shown = browser.run(
+def test_without_scripts_the_printed_figures_stand_on_the_page(browser: Browser, address: str) -> None:
+    page = opened(browser, address, java_script_enabled=False)
+    shown = page.evaluate(
         "[...document.querySelectorAll('figure.chart')].map((one) => [one.querySelectorAll('.main-svg').length, "
         "one.querySelector('.still').getBoundingClientRect().width])"
     )
+    page.close()
     assert len(shown) > 8
     assert all(plots == 0 and width > 100 for plots, width in shown)
 
 
-def test_one_raster_at_a_time_is_shown_and_chosen_from_a_list(browser: Browser, page: Path) -> None:
-    browser.open(page, 1440)
+def test_one_raster_at_a_time_is_shown_and_chosen_from_a_list(page: Page) -> None:
     shown = "[...document.querySelectorAll('#rasters figure')].map((one) => !one.hidden)"
-    before = browser.run(shown)
+    before = page.evaluate(shown)
     assert len(before) == 2
     assert before == [True, False]
     choose = """(async () => {
@@ -191,30 +215,29 @@ def test_one_raster_at_a_time_is_shown_and_chosen_from_a_list(browser: Browser, 
         const place = document.querySelectorAll('#rasters .plot')[1];
         while (place.dataset.drawn !== 'done') await new Promise((wake) => setTimeout(wake, 20));
     })()"""
-    browser.run(choose)
-    assert browser.run(shown) == [False, True]
+    page.evaluate(choose)
+    assert page.evaluate(shown) == [False, True]
     drawn = "document.querySelectorAll('#rasters figure')[1].querySelector('.main-svg').getBoundingClientRect().width"
-    assert browser.run(drawn) > 900
+    assert page.evaluate(drawn) > 900
 
 
-def test_the_first_screen_holds_sentence_drawing_and_picture(browser: Browser, page: Path) -> None:
+def test_the_first_screen_holds_sentence_drawing_and_picture(drawn: Page) -> None:
     """At 1440 x 900, and the way to every section stays in sight."""
-    browser.open(page, 1440)
-    browser.run("drawAll()")
     bottom = "document.querySelector('%s').getBoundingClientRect().bottom"
-    assert browser.run(bottom % ".lead") < browser.run(bottom % ".chain") < 900
-    assert browser.run(bottom % "[data-plot=installed] .main-svg") < 900
-    browser.run("document.querySelector('#provenance').scrollIntoView()")
-    top, last = browser.run("(({top, bottom}) => [top, bottom])(document.querySelector('nav').getBoundingClientRect())")
+    assert drawn.evaluate(bottom % ".lead") < drawn.evaluate(bottom % ".chain") < 900
+    assert drawn.evaluate(bottom % "[data-plot=installed] .main-svg") < 900
+    drawn.evaluate("document.querySelector('#provenance').scrollIntoView()")
+    top, last = drawn.evaluate(
+        "(({top, bottom}) => [top, bottom])(document.querySelector('nav').getBoundingClientRect())"
+    )
     assert top == 0
-    assert browser.run("document.querySelector('#provenance').getBoundingClientRect().top") >= last - 1
+    assert drawn.evaluate("document.querySelector('#provenance').getBoundingClientRect().top") >= last - 1
 
 
-def test_figures_and_tables_fill_the_window(browser: Browser, page: Path) -> None:
+def test_figures_and_tables_fill_the_window(page: Page) -> None:
     """No third of it stays empty at the right."""
-    browser.open(page, 1440)
-    browser.run("drawAll()")
-    ends = browser.run(
+    page.evaluate("drawAll()")
+    ends = page.evaluate(
         "[...document.querySelectorAll('section')].map((one) => [one.id, Math.max(0, ...[...one.querySelectorAll("
         "'figure:not([hidden]) .main-svg, .scroll')].map((part) => part.getBoundingClientRect().right))])"
     )
@@ -223,25 +246,25 @@ def test_figures_and_tables_fill_the_window(browser: Browser, page: Path) -> Non
     assert min(wide.values()) > 1300, wide
 
 
-def test_tables_fit_a_telephone(browser: Browser, page: Path) -> None:
+def test_tables_fit_a_telephone(browser: Browser, address: str) -> None:
     """Each row is a card there: no table is wider than its place, and each number has the name of its column."""
-    browser.open(page, 390)
-    widths = browser.run("[...document.querySelectorAll('.scroll')].map((one) => [one.scrollWidth, one.clientWidth])")
+    page = opened(browser, address, 390)
+    widths = page.evaluate("[...document.querySelectorAll('.scroll')].map((one) => [one.scrollWidth, one.clientWidth])")
     assert len(widths) > 6
     assert all(inside <= room for inside, room in widths)
     label = "getComputedStyle(document.querySelector('#summary td.n'), '::before').content"
-    assert "error to truth" in browser.run(label)
+    assert "error to truth" in page.evaluate(label)
+    page.close()
 
 
-def test_differences_sort_by_their_size(browser: Browser, page: Path) -> None:
-    browser.open(page, 1440)
-    _, _, values = browser.run(SORTED % ("summary", "difference from", "click()"))
+def test_differences_sort_by_their_size(page: Page) -> None:
+    _, _, values = page.evaluate(SORTED % ("summary", "difference from", "click()"))
     numbers = [abs(float(value.replace("\u2212", "-"))) for value in values if value != "–"]
     assert numbers == sorted(numbers)
     assert any(value.startswith("\u2212") for value in values)
 
 
-def test_a_dark_page_has_dark_plots_on_which_the_reference_is_seen(browser: Browser, page: Path) -> None:
+def test_a_dark_page_has_dark_plots_on_which_the_reference_is_seen(browser: Browser, address: str) -> None:
     colours = """(() => {
         const place = document.querySelector('[data-plot="transmittance-0.3"]');
         const line = place.data.find((one) => one.name === 'Reference (LCP)').line.color;
@@ -249,10 +272,9 @@ def test_a_dark_page_has_dark_plots_on_which_the_reference_is_seen(browser: Brow
     })()"""
     seen = {}
     for scheme in ("light", "dark"):
-        browser.media("screen", scheme)
-        browser.open(page, 1440)
-        browser.run("drawAll()")
-        seen[scheme] = browser.run(colours)
-    browser.media("screen")
+        page = opened(browser, address, color_scheme=scheme)
+        page.evaluate("drawAll()")
+        seen[scheme] = page.evaluate(colours)
+        page.close()
     assert seen["light"] == ["rgb(255, 255, 255)", "#fff", "#000000"]
     assert seen["dark"] == ["rgb(20, 24, 29)", "#14181d", "#f0f3f6"]
