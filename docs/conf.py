@@ -9,8 +9,9 @@ from pathlib import Path
 import ziamath
 from docutils.nodes import SkipNode
 
-VERDICTS = Path(__file__).parent / "verdicts"
-sys.path.append(str(VERDICTS))
+DOCS = Path(__file__).parent
+VERDICTS = DOCS / "verdicts"
+sys.path += [str(DOCS), str(VERDICTS)]
 
 project = "multibody-xval"
 author = "the authors of multibody-xval"
@@ -94,16 +95,18 @@ def visit_display_math(writer, node):
     raise SkipNode
 
 
-def write_verdicts(_app):
-    """Write the pages of verdicts from their table."""
+def write_pages(_app):
+    """Write the pages of verdicts from their table, and that of commands from the commands."""
+    import commands
     import pages
 
     pages.write(VERDICTS / "verdicts.csv", VERDICTS)
+    commands.write(DOCS / "commands.md")
 
 
 def setup(app):
     """Connect what is above."""
-    app.connect("builder-inited", write_verdicts)
+    app.connect("builder-inited", write_pages)
     app.add_html_math_renderer("svg", (visit_inline_math, None), (visit_display_math, None))
     app.connect("autodoc-process-docstring", bars_are_absolute_values, priority=900)
     app.connect("autodoc-process-signature", short_types)

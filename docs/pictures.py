@@ -19,7 +19,13 @@ from reports.figures.style import PALETTE
 WIDTH = 6.4
 """Of the pictures [inch]: that of a page of text, and still read on a telephone."""
 
-STYLE = PRINT_STYLE | {"font.size": 11.0, "axes.labelsize": 11.0, "xtick.labelsize": 10.0, "ytick.labelsize": 10.0, "legend.fontsize": 10.5}
+STYLE = PRINT_STYLE | {
+    "font.size": 11.0,
+    "axes.labelsize": 11.0,
+    "xtick.labelsize": 10.0,
+    "ytick.labelsize": 10.0,
+    "legend.fontsize": 10.5,
+}
 
 ERROR = "map, 800 [dB]"
 FORMULATIONS = {"joint": (PALETTE[0], "o", -0.17), "contact": (PALETTE[1], "s", 0.17)}
@@ -40,7 +46,9 @@ def errors(table: Path) -> pd.DataFrame:
 
 def scheme_error(table: Path) -> float:
     """Give the error of the reference itself with the same steps [dB]."""
-    line = next(line for line in table.read_text(encoding="utf-8").splitlines() if "| reference | joint | tuned" in line)
+    line = next(
+        line for line in table.read_text(encoding="utf-8").splitlines() if "| reference | joint | tuned" in line
+    )
     return float(line.strip("|").split("|")[5])
 
 
@@ -82,7 +90,11 @@ def draw_chain(picture: Path) -> None:
             left = 1.9 * cell
             _spring(axes, left - (0.75 if cell == 0 else 0.5), left, 0.5)
             _cell(axes, left)
-        for x, name, colour in ((1.9, "outer mass", DARK), (7.6, "inner mass", PALETTE[0]), (11.4, "friction", PALETTE[1])):
+        for x, name, colour in (
+            (1.9, "outer mass", DARK),
+            (7.6, "inner mass", PALETTE[0]),
+            (11.4, "friction", PALETTE[1]),
+        ):
             axes.text(x + 0.7, 1.35, name, ha="center", color=colour)
         axes.set(xlim=(-1.5, 1.9 * CELLS), ylim=(-0.3, 2.0), aspect="equal")
         axes.axis("off")

@@ -76,7 +76,9 @@ def test_every_command_runs_in_order(tmp_path: Path, monkeypatch, capsys: pytest
         if "compare" in command:
             for folder in ("before", "now"):
                 (tmp_path / folder).mkdir()
-                (tmp_path / folder / "results.sqlite").write_bytes((tmp_path / "report" / "results.sqlite").read_bytes())
+                (tmp_path / folder / "results.sqlite").write_bytes(
+                    (tmp_path / "report" / "results.sqlite").read_bytes()
+                )
         _, *arguments = shlex.split(command)
         capsys.readouterr()
         assert run_command(console_script.app, arguments) == 0, line

@@ -1,0 +1,83 @@
+"""The page of all commands with their options, from the commands themselves.
+
+The documentation calls `write` before it is built; what it writes is not kept.
+"""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from reports.cli.console_script import COMMANDS, loaded
+
+INTRODUCTION = """# Commands and options
+
+All commands are those of `multibody-xval`; `multibody-xval COMMAND --help` prints what is here. [](exit_codes.md) has the
+exit codes, [](glossary.md) the words. `python -m engines`, `python -m reference_lcp`, `python -m scenarios` and
+`python -m reports` have the same commands, but search the working folder first.
+"""
+
+PROGRAMS = {package: name for name, (package, _) in COMMANDS.items()}
+"""Names below ``multibody-xval`` by what is typed after ``python -m``."""
+
+
+def write(page: Path) -> None:
+    """Write the page as Markdown."""
+    lines = [INTRODUCTION]
+    for name in COMMANDS:
+        lines += _command([name], loaded(name))
+    page.write_text("\n".join(lines), encoding="utf-8")
+
+
+def _command(path: list[str], command: Any, above: list[str] | None = None) -> Iterator[str]:
+    """Give the lines of a command, then those of the ones below it, unless they have names of their own."""
+    name = " ".join(path)
+    yield from ("", f"{'#' * (len(path) + 1)} `{name}`", "", *_help(command.help))
+    options = list(_options(command.params))
+    if options and options == above:
+        yield "Options: as above."
+    elif options:
+        yield from ("| option | what it does |", "|---|---|", *options)
+    below = {} if path == ["report"] else getattr(command, "commands", {})
+    before: list[str] = []
+    for child, own in below.items():
+        yield from _command([*path, child], own, before)
+        before = list(_options(own.params))
+
+
+def _help(text: str) -> Iterator[str]:
+    """Give the paragraphs of a help, with the example as a block."""
+    for paragraph in text.split("\n\n"):
+        line = " ".join(paragraph.split())
+        if line.startswith("Example: "):
+            yield from ("```console", _typed(line.removeprefix("Example: ")), "```", "")
+        else:
+            yield from (_escaped(_typed(line)), "")
+
+
+def _options(params: list[Any]) -> Iterator[str]:
+    """Give a row a parameter."""
+    for param in params:
+        text = _escaped(_typed(" ".join((getattr(param, "help", None) or "").split())))
+        if param.param_type_name == "argument":
+            yield f"| `{param.metavar or param.name.upper()}` | {text} |"
+        else:
+            names = ", ".join(f"`{name}`" for name in [*param.opts, *param.secondary_opts])
+            yield f"| {names} | {text}{_default(param)} |"
+
+
+def _default(param: Any) -> str:
+    """Say what holds without an option, where that is a number or a text."""
+    shown = isinstance(param.default, str | int | float | Path) and not isinstance(param.default, bool)
+    return f" Without it: `{param.default}`." if shown and "ithout it" not in (param.help or "") else ""
+
+
+def _typed(text: str) -> str:
+    """Name commands as they are typed."""
+    for package in sorted(PROGRAMS, key=len, reverse=True):
+        text = re.sub(rf"python -m {package}\b", f"multibody-xval {PROGRAMS[package]}", text)
+    return text.replace("python -m scenarios", "multibody-xval")
+
+
+def _escaped(text: str) -> str:
+    return re.sub(r"([\\*_<>|\[\]#])", r"\\\1", text)

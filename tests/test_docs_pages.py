@@ -1,0 +1,67 @@
+"""Pages of the documentation that are made by programs, and its pictures, are what these programs make now."""
+
+import importlib.util
+import re
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from reports.cli.console_script import COMMANDS
+
+DOCS = Path(__file__).parents[1] / "docs"
+
+
+def program(name: str) -> ModuleType:
+    """Import a program of the documentation from its file."""
+    spec = importlib.util.spec_from_file_location(f"docs_{name}", DOCS / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory) -> str:
+    file = tmp_path_factory.mktemp("docs") / "commands.md"
+    program("commands").write(file)
+    return file.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_page_of_commands_has_every_command_with_an_example(page, name) -> None:
+    _, _, section = page.partition(f"\n## `{name}`\n")
+    assert "```console\nmultibody-xval " in section.split("\n## ")[0]
+
+
+def test_page_of_commands_has_options_with_their_help(page) -> None:
+    assert re.search(r"\| `--steps-per-period` \| .*Without it: `400`\. \|", page)
+    assert "`--ask`, `--no-ask`" in page
+    assert "| `--engine` |" in page.partition("### `run unit-cell`")[2]
+
+
+def test_page_of_commands_names_commands_as_they_are_typed(page) -> None:
+    _, _, sections = page.partition("\n## ")
+    assert "python -m" not in sections
+
+
+def markers(picture: Path) -> list[float]:
+    """Give the places of all markers along the axis: fonts differ from machine to machine, they do not."""
+    return [float(x) for x in re.findall(r'<use xlink:href="#m\w+" x="([\d.]+)"', picture.read_text(encoding="utf-8"))]
+
+
+def test_picture_is_that_of_the_measured_table(tmp_path: Path) -> None:
+    program("pictures").main(DOCS / "accuracy.md", tmp_path)
+    made = markers(tmp_path / "errors.svg")
+    assert len(made) > 60
+    assert made == pytest.approx(markers(DOCS / "_static" / "errors.svg"), abs=0.5)
+
+
+def test_picture_of_another_table_is_another_one(tmp_path: Path) -> None:
+    table = (DOCS / "accuracy.md").read_text(encoding="utf-8")
+    row = next(line for line in table.splitlines() if line.startswith("| mujoco | joint | default |"))
+    largest = row.split("|")[6]
+    (tmp_path / "accuracy.md").write_text(table.replace(row, row.replace(largest, " 1.000 ", 1)), encoding="utf-8")
+    program("pictures").draw_errors(tmp_path / "accuracy.md", tmp_path / "errors.svg")
+    assert markers(tmp_path / "errors.svg") != pytest.approx(markers(DOCS / "_static" / "errors.svg"), abs=0.5)
