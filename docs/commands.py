@@ -12,9 +12,9 @@ from reports.cli.console_script import COMMANDS, loaded
 
 INTRODUCTION = """# Commands and options
 
-All commands are those of `multibody-xval`; `multibody-xval COMMAND --help` prints what is here. [](exit_codes.md) has the
-exit codes, [](glossary.md) the words. `python -m engines`, `python -m reference_lcp`, `python -m scenarios` and
-`python -m reports` have the same commands, but search the working folder first.
+All commands are those of `multibody-xval`; `multibody-xval COMMAND --help` prints what is here.
+[](exit_codes.md) has the exit codes, [](glossary.md) the words. `python -m engines`, `python -m reference_lcp`,
+`python -m scenarios` and `python -m reports` have the same commands, but search the working folder first.
 """
 
 PROGRAMS = {package: name for name, (package, _) in COMMANDS.items()}
@@ -46,12 +46,12 @@ def _command(path: list[str], command: Any, above: list[str] | None = None) -> I
 
 
 def _help(text: str) -> Iterator[str]:
-    """Give the paragraphs of a help, with the example as a block."""
+    """Give the paragraphs of a help, with the example as a block and without the exit codes, which have a page."""
     for paragraph in text.split("\n\n"):
-        line = " ".join(paragraph.split())
+        line = " ".join(paragraph.partition("Exit code 0:")[0].split())
         if line.startswith("Example: "):
             yield from ("```console", _typed(line.removeprefix("Example: ")), "```", "")
-        else:
+        elif line:
             yield from (_escaped(_typed(line)), "")
 
 

@@ -76,7 +76,7 @@ _SHARED_DEFAULTS = {
 
 # A restart has to find the accelerations anew, which generalised alpha carries from step to step: runs split inexactly.
 REGULARISED_DEFAULT = Preset(
-    "The solver as it comes, and a proportional zone as narrow as one would write without trying.",
+    "The solver with its own settings, and a proportional zone as narrow as one would write without trying.",
     {
         **_SHARED_DEFAULTS,
         "frictionProportionalZone": Option(
@@ -95,7 +95,7 @@ REGULARISED_DEFAULT = Preset(
 )
 
 BRISTLE_DEFAULT = Preset(
-    "The solver as it comes, and the bristle of Exudyn's own friction oscillator.",
+    "The solver with its own settings, and the bristle of Exudyn's own friction oscillator.",
     {
         **_SHARED_DEFAULTS,
         "stickingStiffness": Option(1e4, 0.0, "[N/m] Needed; the value of Exudyn's example of a friction oscillator."),
@@ -172,7 +172,7 @@ class BristleLane(JointLane):
         }
 
     def _static_decay(self, cell: int) -> float:
-        """Velocity at which static friction decays, in the units of the lane: as it comes, or a part of a kick."""
+        """Velocity at which static friction decays, in the units of the lane: the default, or a part of a kick."""
         if "stickingStiffness" in self._preset.options:
             return STATIC_DECAY / self._units.velocity
         kick = self._chain.friction_bound[cell] / self._reduced_mass[cell] * self._time_step / self._substeps

@@ -11,7 +11,7 @@ JOINT_TUNED = Preset(
         "units": Option("lane", "SI", "Numbers near one, beside which the solver's tolerance is small."),
         "solver": Option("Newton", "Newton", "MJX has no dual solver."),
         "tolerance": Option(1e-20, 1e-8, "The solver ends where a step of it gains no more than round-off."),
-        "noslip_iterations": Option(0, 0, "MJX has no sweep without softness, and would ignore one without a word."),
+        "noslip_iterations": Option(0, 0, "MJX has no sweep without softness, and would ignore one without a warning."),
         "jacobian": Option("dense", "auto", "The matrices are small."),
         "integrator": Option("Euler", "Euler", "Velocities first, then positions, as equation (5)."),
         "disable": Option(("eulerdamp", "warmstart"), (), "Damping at the start of the step; no memory between runs."),

@@ -44,7 +44,9 @@ JOINT_DEFAULT = Preset(
         "springs": Option("own", "own", "Stiffness and damping matrix of LagrangianLinearTIDS."),
         "newton": Option("nonlinear", "nonlinear", "Siconos's own."),
         "activation": Option(
-            "always", "gap <= 0", "Needed: an inner mass ahead of its outer one would feel no friction, without a word."
+            "always",
+            "gap <= 0",
+            "Needed: an inner mass ahead of its outer one would feel no friction, unwarned.",
         ),
         "interactions": Option("one a contact", "one a contact", "As examples do."),
         "solver": Option("AVI_CAOFERRIS", "AVI_CAOFERRIS", "Siconos's own."),

@@ -15,8 +15,8 @@ INCLINED_REFINEMENT = 4
 
 TRANSIENT_EXPECTS = (
     f"the reference with {REFERENCE_REFINEMENT} times as many steps; allowed: its error from three step sizes, and "
-    "the engine's own from three, or the reference's at the same ones if that is larger; a variant that disagrees, "
-    "and not by far for a law of its own, is simulated again with twice as many steps"
+    "the engine's own from three, or the reference's at the same ones if that is larger; a variant that disagrees "
+    "by little, and has no law for it, is simulated again with twice as many steps"
 )
 
 
@@ -40,19 +40,19 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "the event-driven solver, exact to round-off",
         ),
         "den-hartog": Description(
-            "How does a mass move that slides under dry friction and a harmonic force, and when does it turn?",
-            "the closed form; its error bar is the motion of the mass that stands",
+            "How does a mass slide with dry friction under a harmonic force, and when does it turn back?",
+            "the closed form; its error bar is the motion of the heavy outer mass",
         ),
         "frictionless-limit": Description(
-            "Is the chain without friction the linear one: masses, springs, dashpots, drive, time step?",
+            "Without friction, does the chain move as linear theory says?",
             "closed form",
         ),
         "locked-limit": Description(
-            "Does a contact that must not slip hold?",
+            "Does a contact with a very high friction bound hold?",
             "closed form",
         ),
         "free-decay": Description(
-            "When, where and with what loss of energy does a chain come to rest that is let go?",
+            "When and where does a stretched chain come to rest, and how does it lose its energy?",
             "the event-driven motion, exact to round-off; energy balance and growth: zero; loss a cycle: 4 F / k; "
             "allowed: "
             "the engine's error from three step sizes, or the reference's from the same ones if that is larger",
@@ -62,7 +62,7 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "no slip; allowed: round-off, and the creep that the options of the preset state",
         ),
         "breakaway": Description(
-            "At which part of its bound does a contact slip under a load that grows slowly?",
+            "Under a load that grows slowly, at which part of its bound does a contact begin to slip?",
             f"the reference with {REFERENCE_REFINEMENT} times as many steps; allowed: two steps",
         ),
         "stopping-distance": Description(
@@ -71,23 +71,23 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "from three step sizes, or the reference's from the same ones if that is larger",
         ),
         "static-above-kinetic": Description(
-            "Does a contact at rest hold more than it does in motion, and how far does the block jump that it lets go?",
+            "Does a contact hold more at rest than in motion, and how far does the block jump when it slips?",
             "the event-driven motion, exact to round-off: μ_s λ_N, then 2 (μ_s − μ_k) λ_N / k and what the load grows; "
             "allowed: two steps of a breakaway; the engine's error of a jump from three step sizes, or the reference's "
             "from the same ones if that is larger",
         ),
         "direction": Description(
             "Does the bound of friction depend on the direction in which a block slides over its contact?",
-            "the event-driven motion, exact to round-off, which knows no direction; allowed: the engine's error from "
-            "three step sizes, round-off, and what the options of the preset state of creep",
+            "the event-driven motion, exact to round-off, the same in all directions; allowed: the engine's error from "
+            "three step sizes, round-off, and the creep that the options of the preset state",
         ),
         "published": Description(
-            "Does a block turn, wear and stop as others have published it?",
+            "Do turning points, wear and stopping times agree with published numbers?",
             "the published number, to its printed digits; allowed: the engine's error from three step sizes, or the "
             "reference's from the same ones if that is larger",
         ),
         "inclined-chain": Description(
-            "How does a chain move whose contacts are inclined to the row, so that normal forces depend on the motion?",
+            "How does a chain with inclined contacts move, where normal forces depend on the motion?",
             f"the reference, equation (7) in full, with {INCLINED_REFINEMENT} times as many steps; allowed: its error "
             "from three step sizes, and the engine's own from three, or the reference's at the same ones if that is "
             "larger",
@@ -98,23 +98,23 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "all contacts stick",
         ),
         "ricker-pulse": Description(
-            "What of a Ricker pulse of the base, with its peak at ω_r, arrives at the end of the chain?",
+            "How much of a Ricker pulse of the base, with its peak at ω_r, arrives at the end of the chain?",
             TRANSIENT_EXPECTS,
         ),
         "swept-sine": Description(
-            "What of a logarithmic sine sweep of the base, from 0.2 to 2.4 ω_r, arrives at the end of the chain?",
+            "How much of a logarithmic sine sweep of the base, from 0.2 to 2.4 ω_r, arrives at the end of the chain?",
             TRANSIENT_EXPECTS,
         ),
         "filtered-noise": Description(
-            "What of noise of the base, flat from 0.2 to 2.4 ω_r, arrives at the end of the chain?",
+            "How much of noise of the base, flat from 0.2 to 2.4 ω_r, arrives at the end of the chain?",
             TRANSIENT_EXPECTS,
         ),
         "record": Description(
-            "What of a recorded motion of the base (CSV) arrives at the end of the chain?",
+            "How much of a recorded motion of the base (CSV) arrives at the end of the chain?",
             TRANSIENT_EXPECTS,
         ),
         "disordered-chain": Description(
-            "Does each cell have its own parameters, and its own stick and slip?",
+            "With other parameters in each cell, when does each contact stick and slip?",
             "the event-driven solver, exact to round-off",
         ),
         "graded-chain": Description(
@@ -122,12 +122,12 @@ DESCRIPTIONS: Mapping[str, Description] = MappingProxyType(
             "the event-driven solver, exact to round-off",
         ),
         "long-chain": Description(
-            "How many cells can an engine take, and is it as right with fifty as with seven?",
+            "Is an engine as accurate with fifty cells as with seven?",
             "the reference with 32 times the steps, and its error bar",
         ),
         "modulated-normal-force": Description(
             "Does friction follow a normal force that changes in time, until contacts open and land?",
-            "the reference at the same step with its error bar; of flights the closed form",
+            "the reference at the same step with its error bar; for flights the closed form",
         ),
     }
 )
