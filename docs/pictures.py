@@ -57,7 +57,7 @@ def draw_errors(table: Path, picture: Path) -> None:
     rows, own = errors(table), scheme_error(table)
     names = rows["default"].groupby("engine").max().sort_values(ascending=False).index.tolist()
     with plt.rc_context(STYLE):
-        figure, axes = plt.subplots(figsize=(WIDTH, 0.36 * len(names) + 1.2), layout="constrained")
+        figure, axes = plt.subplots(figsize=(WIDTH, 0.28 * len(names) + 1.2), layout="constrained")
         axes.axvline(own, color=DARK, linewidth=0.8, linestyle="--")
         axes.text(1.08 * own, -0.62, f"error of the scheme’s own time step: {own:g} dB", color=DARK, fontsize=9.5)
         for formulation, (colour, shape, shift) in FORMULATIONS.items():
@@ -66,7 +66,7 @@ def draw_errors(table: Path, picture: Path) -> None:
             axes.hlines(heights, drawn["tuned"], drawn["default"], color=colour, linewidth=1.6)
             for preset, filling in (("default", "white"), ("tuned", colour)):
                 axes.plot(
-                    drawn[preset], heights, shape, color=colour, markerfacecolor=filling, markersize=6,
+                    drawn[preset], heights, shape, color=colour, markerfacecolor=filling, markersize=5.5,
                     label=f"{formulation}, {preset}",
                 )  # fmt: skip
         axes.set(xscale="log", xlabel="largest error to the exact motion [dB]", ylim=(len(names) - 0.4, -1.1))
