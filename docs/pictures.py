@@ -9,10 +9,9 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.patches import Rectangle
 
 from engines import engine
+from reports.figures.chain_drawing import chain_drawing
 from reports.figures.matplotlib_backend import PRINT_STYLE
 from reports.figures.style import PALETTE
 
@@ -33,6 +32,12 @@ FORMULATIONS = {"joint": (PALETTE[0], "o", -0.17), "contact": (PALETTE[1], "s", 
 
 DARK = "0.2"
 CELLS = 7
+
+CHAIN_STYLE = (
+    "svg{fill:none;stroke:#333;stroke-width:1.6;background:#fff}text{fill:#333;stroke:none;font:15px sans-serif}"
+    ".outer{fill:#f4f5f7}.inner{fill:#d5dbe1}.rub{stroke:#d55e00;stroke-width:3.5}"
+)
+"""Colours of the drawing, which takes those of the page elsewhere."""
 
 
 def errors(table: Path) -> pd.DataFrame:
@@ -80,41 +85,11 @@ def draw_errors(table: Path, picture: Path) -> None:
 
 
 def draw_chain(picture: Path) -> None:
-    """Draw the base and the cells: outer masses in a row, each with an inner mass that slides in it."""
-    with plt.rc_context(STYLE):
-        figure, axes = plt.subplots(figsize=(WIDTH, 1.2), layout="constrained")
-        axes.add_patch(Rectangle((-1.1, -0.1), 0.35, 1.2, facecolor="0.8", edgecolor=DARK))
-        axes.annotate("", (-0.45, 1.45), (-1.4, 1.45), arrowprops={"arrowstyle": "<->", "color": DARK})
-        axes.text(-0.92, 1.6, "base", ha="center")
-        for cell in range(CELLS):
-            left = 1.9 * cell
-            _spring(axes, left - (0.75 if cell == 0 else 0.5), left, 0.5)
-            _cell(axes, left)
-        for x, name, colour in (
-            (1.9, "outer mass", DARK),
-            (7.6, "inner mass", PALETTE[0]),
-            (11.4, "friction", PALETTE[1]),
-        ):
-            axes.text(x + 0.7, 1.35, name, ha="center", color=colour)
-        axes.set(xlim=(-1.5, 1.9 * CELLS), ylim=(-0.3, 2.0), aspect="equal")
-        axes.axis("off")
-        figure.savefig(picture, metadata={"Date": None})
-    plt.close(figure)
-
-
-def _cell(axes: Axes, left: float) -> None:
-    """Draw a cell whose outer mass begins at `left`."""
-    axes.add_patch(Rectangle((left, -0.1), 1.4, 1.2, facecolor="white", edgecolor=DARK, linewidth=2.0))
-    _spring(axes, left, left + 0.55, 0.5)
-    axes.add_patch(Rectangle((left + 0.55, -0.1), 0.6, 0.95, facecolor=PALETTE[0], alpha=0.75))
-    axes.plot([left + 0.5, left + 1.2], [-0.1, -0.1], color=PALETTE[1], linewidth=4.0, solid_capstyle="butt")
-
-
-def _spring(axes: Axes, start: float, end: float, height: float) -> None:
-    """Draw a spring."""
-    along = np.linspace(start, end, 9)
-    across = height + 0.13 * np.array([0, 0, 1, -1, 1, -1, 1, 0, 0])
-    axes.plot(along, across, color=DARK, linewidth=1.0)
+    """Write the drawing of the chain as a picture of its own, on white: it has no page around it."""
+    drawing = str(chain_drawing(CELLS, "base"))
+    drawing = drawing.replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" ', 1)
+    opening, rest = drawing.split(">", 1)
+    picture.write_text(f"{opening}><style>{CHAIN_STYLE}</style>{rest}\n", encoding="utf-8")
 
 
 def main(table: Path, folder: Path) -> None:
