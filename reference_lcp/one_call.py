@@ -169,8 +169,8 @@ def exact_steady_state(
 ) -> SteadyState:
     """Find the steady state of `chain` under `drive` by event-driven integration.
 
-    Newton's method leads from the Euler scheme's steady state to round-off. Where it does not, Anderson acceleration leads
-    from rest to a residual of `DEFAULT_RESIDUAL`, and Newton's method from there.
+    Newton's method leads from the Euler scheme's steady state to round-off. Where it does not, Anderson acceleration
+    leads from rest to a residual of `DEFAULT_RESIDUAL`, and Newton's method from there.
 
     Transmittance, stuck fractions and times of transitions carry no error of a time step or of
     sampling: what is left is round-off and the periodicity residual.
