@@ -4,6 +4,7 @@ Labels and hover texts write an index as ``η_r``. Hover texts name the numbers 
 of d3: ``%{x}``, ``%{y:.3f}``, and ``%{text}`` for its note; they break lines where the text does.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -97,7 +98,23 @@ class Bars:
 
 @dataclass(frozen=True)
 class HeatMap:
-    """Values `z`, shape (y, x), in colours from `low` to `high`, and the label of their scale."""
+    """Values in colours; the scale of the first one of a figure is shown, and is that of all others.
+
+    Parameters
+    ----------
+    x, y, z
+        Middles of the columns and rows, and values, shape (y, x); NaN is blank.
+    low, high
+        Ends of the colours.
+    label
+        Of the scale, with its unit.
+    hover
+        Text at the pointer, see the module.
+    scale
+        ``log``: colours are even in the logarithm, and `z` is positive.
+    notes
+        Text of each value in the hover text, shape (y, x).
+    """
 
     x: FloatArray
     y: FloatArray
@@ -106,6 +123,14 @@ class HeatMap:
     high: float
     label: str
     hover: str
+    scale: Literal["linear", "log"] = "linear"
+    notes: Sequence[Sequence[str]] = ()
+
+    @property
+    def decades(self) -> list[float]:
+        """Powers of ten on a scale of logarithms."""
+        first, last = round(math.log10(self.low)), round(math.log10(self.high))
+        return [float(f"1e{power}") for power in range(first, last + 1)]
 
 
 @dataclass(frozen=True)

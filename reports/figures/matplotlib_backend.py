@@ -7,12 +7,14 @@ from typing import Any, Literal
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import PolyCollection, QuadMesh
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure as Canvas
 from PIL import Image
 
 from reports.figures.figure import Axis, Bars, Figure, HeatMap, Mark, Panel, Rule, Series
 from reports.figures.style import Style
+from reports.formatting import ratio
 
 COLUMN = 3.5
 """Width of one column of a journal [inch]."""
@@ -95,6 +97,7 @@ def drawn(figure: Figure) -> Canvas:
         _draw_panel(axes, panel, figure.dense)
     for axes in grid[len(figure.panels) :]:
         axes.set_visible(False)
+    _draw_colour_scale(canvas, list(grid[: len(figure.panels)]), figure)
     canvas.supxlabel(mathtext(figure.x_label))
     canvas.supylabel(mathtext(figure.y_label))
     if figure.legend_columns:
@@ -106,6 +109,17 @@ def drawn(figure: Figure) -> Canvas:
             title=mathtext(figure.legend_title),
         )  # fmt: skip
     return canvas
+
+
+def _draw_colour_scale(canvas: Canvas, every: list[Axes], figure: Figure) -> None:
+    """Draw the scale of the first map beside all panels, if there is a map."""
+    maps = [mark for panel in figure.panels for mark in panel.marks if isinstance(mark, HeatMap)]
+    meshes = [mesh for axes in every for mesh in axes.collections if isinstance(mesh, QuadMesh)]
+    if not maps:
+        return
+    scale = canvas.colorbar(meshes[0], ax=every, label=mathtext(maps[0].label), extend="both")
+    if maps[0].scale == "log":
+        scale.set_ticks(maps[0].decades, labels=list(map(ratio, maps[0].decades)))
 
 
 def mathtext(label: str) -> str:
@@ -159,10 +173,8 @@ def _draw(axes: Axes, mark: Mark, dense: bool, depth: float) -> None:
                 PolyCollection(_corners(mark), facecolors=mark.colour, linewidths=0, label=mark.name, zorder=depth)
             )
         case HeatMap():
-            mesh = axes.pcolormesh(
-                mark.x, mark.y, mark.z, cmap=COLOURS, vmin=mark.low, vmax=mark.high, shading="nearest", rasterized=True
-            )
-            axes.figure.colorbar(mesh, ax=axes, label=mathtext(mark.label), extend="both")
+            norm = (LogNorm if mark.scale == "log" else Normalize)(mark.low, mark.high)
+            axes.pcolormesh(mark.x, mark.y, mark.z, cmap=COLOURS, norm=norm, shading="nearest", rasterized=True)
         case Rule():
             across = axes.axvline if mark.axis == "x" else axes.axhline
             across(mark.at, color=mark.style.colour, linewidth=mark.style.width, linestyle=_line(mark.style))

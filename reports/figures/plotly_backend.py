@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from reports.figures.figure import Axis, Bars, Figure, HeatMap, Panel, Rule, Series
 from reports.figures.style import Style
-from reports.formatting import typeset
+from reports.formatting import ratio, typeset
 
 PIXELS_A_POINT = 1.6
 """Sizes and widths on the page over those in print."""
@@ -57,6 +57,9 @@ def plot(figure: Figure) -> dict[str, Any]:
             else:
                 data.append(_trace(mark, panel) | {"xaxis": f"x{x}", "yaxis": f"y{y}"})
     _name_once(data, bool(figure.legend_columns))
+    for trace in [trace for trace in data if trace["type"] == "heatmap"][1:]:
+        trace["showscale"] = False
+        del trace["colorbar"]
     legend = dict(_LEGEND)
     if figure.legend_title:
         legend["title"] = {"text": _text(figure.legend_title), "font": {"size": 13}}
@@ -110,10 +113,11 @@ def _axes(figure: Figure) -> dict[str, Any]:
 
 
 def _name_shared(axes: dict[str, Any], figure: Figure) -> None:
-    """Write what all panels share at the first of every row, and below every panel."""
+    """Write what all panels share at the first of every row, and below the last of every column."""
     for k in range(len(figure.panels)):
         title = axes[f"xaxis{_number(k)}"]["title"]
-        title["text"] = "<br>".join(text for text in (title["text"], _text(figure.x_label)) if text)
+        if k + figure.columns >= len(figure.panels):
+            title["text"] = "<br>".join(text for text in (title["text"], _text(figure.x_label)) if text)
         if k % figure.columns == 0 and figure.y_label:
             axes[f"yaxis{_number(k)}"]["title"]["text"] = _text(figure.y_label)
 
@@ -157,12 +161,21 @@ def _trace(mark: Series | Bars | HeatMap, panel: Panel) -> dict[str, Any]:
         case Bars():
             return _bars(mark, panel)
         case HeatMap():
-            return {
-                "type": "heatmap", "x": _numbers(panel.x, mark.x), "y": _numbers(panel.y, mark.y),
-                "z": [_rounded(row, 2) for row in mark.z], "zmin": mark.low, "zmax": mark.high, "colorscale": COLOURS,
-                "colorbar": {"title": {"text": _text(mark.label), "side": "right"}, "thickness": 14},
-                "hovertemplate": f"{_text(mark.hover)}<extra></extra>",
-            }  # fmt: skip
+            return _heat_map(mark, panel)
+
+
+def _heat_map(mark: HeatMap, panel: Panel) -> dict[str, Any]:
+    """Give the map; plotly has no scale of logarithms for colours, which are those of the logarithm then."""
+    bar: dict[str, Any] = {"title": {"text": _text(mark.label), "side": "right"}, "thickness": 14}
+    z, ends = mark.z, [mark.low, mark.high]
+    if mark.scale == "log":
+        z, ends = np.log10(mark.z), [math.log10(end) for end in ends]
+        bar |= {"tickvals": [math.log10(tick) for tick in mark.decades], "ticktext": list(map(ratio, mark.decades))}
+    return {
+        "type": "heatmap", "x": _numbers(panel.x, mark.x), "y": _numbers(panel.y, mark.y),
+        "z": [_rounded(row, 2) for row in z], "zmin": ends[0], "zmax": ends[1], "colorscale": COLOURS,
+        "colorbar": bar, "hovertemplate": f"{_text(mark.hover)}<extra></extra>",
+    } | ({"text": [list(row) for row in mark.notes]} if mark.notes else {})  # fmt: skip
 
 
 def _series(mark: Series, panel: Panel) -> dict[str, Any]:

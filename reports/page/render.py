@@ -22,6 +22,7 @@ from reports.page.section import SUITE_TEMPLATES, Section, registered_sections
 from reports.page.sections import (
     BandEdges,
     DeparturesSection,
+    ErrorMaps,
     FrictionMapSection,
     OpenPoints,
     Provenance,
@@ -43,8 +44,8 @@ LARGEST_PAGE = 5 * 2**20
 """Bytes that a page takes at most, so that it can be sent by mail and opens at once."""
 
 DEFAULT_SECTIONS = (
-    Summary, Verdicts, Versions, DeparturesSection, BandEdges, Transmittance, FrictionMapSection, StickSlip,
-    WorkPrecision, OpenPoints,
+    Summary, Verdicts, Versions, DeparturesSection, BandEdges, Transmittance, ErrorMaps, FrictionMapSection,
+    StickSlip, WorkPrecision, OpenPoints,
 )  # fmt: skip
 """Sections of every report, in order; those of other packages follow, and how the numbers were made comes last."""
 

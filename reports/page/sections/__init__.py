@@ -2,6 +2,7 @@
 
 from reports.page.sections.band_edges import BandEdges
 from reports.page.sections.departures import DeparturesSection
+from reports.page.sections.error_map import ErrorMaps
 from reports.page.sections.friction_map import FrictionMapSection
 from reports.page.sections.open_points import OpenPoints
 from reports.page.sections.provenance import Provenance
@@ -15,6 +16,7 @@ from reports.page.sections.work_precision import WorkPrecision
 __all__ = [
     "BandEdges",
     "DeparturesSection",
+    "ErrorMaps",
     "FrictionMapSection",
     "OpenPoints",
     "Provenance",

@@ -70,6 +70,7 @@ for (const choice of document.querySelectorAll(".choice")) {
 let plots = {};
 const NARROW = 600; // pixels
 const TOOLBAR = 30; // pixels above the legend for plotly's buttons
+const SCALE = 66; // pixels of a scale of colours below panels
 
 async function unpacked(name) {
   const bytes = Uint8Array.from(atob(document.getElementById(name).textContent), (letter) => letter.charCodeAt(0));
@@ -109,25 +110,35 @@ function arranged(plot, width) {
     const height = layout.height / layout.grid.rows;
     layout.grid = { ...layout.grid, columns, rows: Math.ceil(panels / columns), xgap: 0.28 };
     layout.height = height * layout.grid.rows;
-    for (const name of Object.keys(layout)) if (name.startsWith("yaxis")) layout[name].showticklabels = true;
+    const label = layout.yaxis.title.text;
+    for (const name of Object.keys(layout).filter((name) => name.startsWith("yaxis"))) {
+      const number = parseInt(name.slice(5) || "1") - 1;
+      layout[name].showticklabels = true;
+      layout[name].title = { ...layout[name].title, text: number % columns ? "" : label };
+    }
   }
   if (width < NARROW && layout.xaxis.ticktext) layout.xaxis.tickangle = -60;
   for (const [name, axis] of Object.entries(width < NARROW ? layout : {})) {
     if (/^xaxis/.test(name) && layout.grid) axis.title = { ...axis.title, font: { size: 10 } };
     if (/^yaxis/.test(name) && axis.ticktext) axis.tickfont = { size: 10 };
   }
-  layout.height += layout.margin.t;
+  const scale = width < NARROW && isMap(plot) ? SCALE : 0;
+  layout.margin.b += scale;
+  layout.height += layout.margin.t + scale;
   layout.legend.y = 1 - TOOLBAR / layout.height;
   if (matchMedia("(pointer: coarse)").matches) layout.dragmode = false;
-  if (DARK.matches) darken(layout);
+  if (DARK.matches) darken(layout, isMap(plot) ? "#4a535e" : "#14181d");
   return layout;
 }
 
 const DARK = matchMedia("(prefers-color-scheme: dark)");
 const LIGHTER = { "#000000": "#f0f3f6", "#2b2b2b": "#8b949e", "#0072B2": "#4aa8e0" };
 
-function darken(layout) {
-  Object.assign(layout, { paper_bgcolor: "#14181d", plot_bgcolor: "#14181d" });
+const isMap = (plot) => plot.data.some((trace) => trace.type === "heatmap");
+
+// What a map leaves blank is lighter than its darkest colour.
+function darken(layout, blank) {
+  Object.assign(layout, { paper_bgcolor: "#14181d", plot_bgcolor: blank });
   layout.font = { ...layout.font, color: "#e6e9ed" };
   layout.hoverlabel = { ...layout.hoverlabel, bgcolor: "#1e242b", font: { color: "#e6e9ed" } };
   for (const [name, axis] of Object.entries(layout)) {
@@ -135,9 +146,18 @@ function darken(layout) {
   }
 }
 
+// On a telephone the scale of colours lies below the panels.
+function flat(trace) {
+  if (!trace.colorbar) return trace;
+  const title = { ...trace.colorbar.title, side: "bottom" };
+  const place = { orientation: "h", yref: "container", y: 0, yanchor: "bottom", x: 0.5, xanchor: "center" };
+  return { ...trace, colorbar: { ...trace.colorbar, ...place, title } };
+}
+
 // Black lines would not be seen on a dark page; on a map they lie on its colours, and stay.
-function traces(plot) {
-  if (!DARK.matches || plot.data.some((trace) => trace.type === "heatmap")) return plot.data;
+function traces(plot, width) {
+  if (isMap(plot)) return width < NARROW ? plot.data.map(flat) : plot.data;
+  if (!DARK.matches) return plot.data;
   return JSON.parse(JSON.stringify(plot.data).replace(/#[0-9A-Fa-f]{6}/g, (colour) => LIGHTER[colour] ?? colour));
 }
 
@@ -151,7 +171,7 @@ async function draw(place) {
   await library;
   const plot = plots[place.dataset.plot];
   place.closest("figure").classList.add("plotted");
-  await Plotly.newPlot(place, traces(plot), arranged(plot, place.clientWidth), CONFIG);
+  await Plotly.newPlot(place, traces(plot, place.clientWidth), arranged(plot, place.clientWidth), CONFIG);
   place.dataset.drawn = "done";
   place.dataset.width = place.clientWidth;
 }
@@ -178,14 +198,14 @@ if ("DecompressionStream" in window) {
         if (!place.clientWidth || place.dataset.width === String(place.clientWidth)) continue;
         place.dataset.width = place.clientWidth;
         const plot = plots[place.dataset.plot];
-        Plotly.react(place, traces(plot), arranged(plot, place.clientWidth), CONFIG);
+        Plotly.react(place, traces(plot, place.clientWidth), arranged(plot, place.clientWidth), CONFIG);
       }
     }, 200);
   });
   DARK.addEventListener("change", () => {
     for (const place of document.querySelectorAll('.plot[data-drawn="done"]')) {
       const plot = plots[place.dataset.plot];
-      Plotly.react(place, traces(plot), arranged(plot, place.clientWidth), CONFIG);
+      Plotly.react(place, traces(plot, place.clientWidth), arranged(plot, place.clientWidth), CONFIG);
     }
   });
 }

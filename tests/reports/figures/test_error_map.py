@@ -1,0 +1,82 @@
+"""Error maps: every point of the grid at its place, blank where nothing can be compared, colours common to all."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reports.data.error_maps import error_maps
+from reports.data.report import Report
+from reports.figures.error_map import HIGHEST_DB, LOWEST_DB, error_map_figure
+from reports.figures.matplotlib_backend import drawn
+from reports.figures.plotly_backend import plot
+from reports.page.sections import ErrorMaps
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.table import judged_table
+from scenarios.verdicts.steady_case import REFERENCE
+from tests.reports.conftest import CONVERGED_ERROR, GRID, OFF, RUNS, STEP_ERROR
+
+ERROR = STEP_ERROR + CONVERGED_ERROR
+"""Of the scheme's step to the truth [dB]."""
+
+
+def test_a_variant_is_off_where_it_is_wrong_and_by_the_step_elsewhere(report: Report) -> None:
+    maps = {own.variant: own for own in error_maps(report.result, report.truths, list(report.errors))}
+    assert list(maps) == [REFERENCE, RUNS], "neither the converged reference nor what is not installed"
+    assert maps[REFERENCE].error_db == pytest.approx(np.full((2, 4), ERROR), abs=1e-9)
+    own = maps[RUNS]
+    expected = np.full((2, 4), ERROR)
+    expected[0, GRID.index(OFF[2])] += 0.03
+    expected[1, 3] = math.nan
+    assert own.error_db == pytest.approx(expected, abs=1e-9, nan_ok=True)
+    assert own.unsteady == ((1, 1.3),)
+    assert maps[REFERENCE].unsteady == ()
+
+
+def test_a_case_with_fewer_frequencies_shows_the_nearest_of_its_own(report: Report) -> None:
+    """Where one curve is resolved more finely than the others."""
+    coarse = Case.of(friction_ratio=0.3)
+    points = [p for p in report.result.points if p.case != coarse or p.frequency_ratio in (0.3, 0.9)]
+    result = replace(report.result, table=judged_table(points), edges=())
+    own = next(m for m in error_maps(result, report.truths, [RUNS]))
+    wrong = result.curve(RUNS, Case.of(friction_ratio=0.0))[2]
+    assert own.frequency_ratios.tolist() == list(GRID)
+    assert own.error_db[0, 2] == pytest.approx(ERROR + 0.03)
+    assert wrong.frequency_ratio == 0.9
+    assert np.isfinite(own.error_db).all()
+
+
+def test_where_the_truth_is_too_small_a_map_is_blank_and_complains_of_nothing(report: Report) -> None:
+    truths = {
+        (case, eta): replace(truth, transmittance_db=-100.0) if eta == 1.3 else truth
+        for (case, eta), truth in report.truths.items()
+    }
+    own = next(m for m in error_maps(report.result, truths, [RUNS]))
+    assert np.isnan(own.error_db[:, 3]).all()
+    assert np.isfinite(own.error_db[:, :3]).all()
+    assert own.unsteady == ()
+
+
+def test_colours_are_of_the_logarithm_and_common_to_all_maps_with_one_scale(report: Report) -> None:
+    figure = error_map_figure(error_maps(report.result, report.truths, list(report.errors)), "friction ratio")
+    maps = [trace for trace in plot(figure)["data"] if trace["type"] == "heatmap"]
+    assert [(trace["zmin"], trace["zmax"]) for trace in maps] == [(-3.0, 1.0)] * 2
+    assert ["colorbar" in trace for trace in maps] == [True, False]
+    assert maps[0]["colorbar"]["ticktext"] == ["0.001", "0.01", "0.1", "1", "10"]
+    assert maps[1]["z"][0][2] == pytest.approx(math.log10(ERROR + 0.03), abs=0.005)
+    assert maps[1]["text"][0][2] == "0: +0.0429 dB"
+    assert maps[1]["z"][1][3] is None
+    canvas = drawn(figure)
+    meshes = [axes.collections[0] for axes in canvas.axes[: len(maps)]]
+    assert {(mesh.norm.vmin, mesh.norm.vmax) for mesh in meshes} == {(LOWEST_DB, HIGHEST_DB)}
+    assert sum(axes.get_ylabel() == "error to truth [dB]" for axes in canvas.axes) == 1
+
+
+def test_a_sweep_of_one_curve_has_no_map(result: ComparedSweep, report: Report) -> None:
+    sweep = replace(result.sweep, axes={**result.sweep.axes, "friction_ratio": (0.3,)})
+    points = [point for point in result.points if point.case.friction_ratio == 0.3]
+    single = replace(report, result=ComparedSweep(sweep, judged_table(points)), beside=())
+    assert ErrorMaps(report).shown
+    assert not ErrorMaps(single).shown
