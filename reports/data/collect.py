@@ -20,7 +20,7 @@ from scenarios.studies.friction_map import (
     friction_map,
     map_sweep,
 )
-from scenarios.studies.work_precision import StepPoint, exact_step_tasks, step_study, step_tasks
+from scenarios.studies.work_precision import STUDY_STEPS, StepPoint, exact_step_tasks, step_study, step_tasks
 from scenarios.sweeps.compared import compare_sweep, judged_points
 from scenarios.sweeps.dataset_check import recorded_variants
 from scenarios.sweeps.dataset_results import DatasetResults
@@ -51,8 +51,8 @@ class Scope:
         Points whose period is recorded.
     map_friction_ratios, map_frequency_ratios
         Grid of the friction map.
-    step_study
-        Whether every variant is simulated at several step sizes; if not, what the store holds of it is shown.
+    steps
+        Steps a period at which every variant is simulated at six points; what the store holds of others is shown too.
     starts
         Fewest points of each variant whose steady state is searched from harmonic balance too.
     beside
@@ -64,14 +64,14 @@ class Scope:
     recorded_points: tuple[OperatingPoint, ...] = RECORDED_POINTS
     map_friction_ratios: tuple[float, ...] = MAP_FRICTION_RATIOS
     map_frequency_ratios: tuple[float, ...] = MAP_FREQUENCY_RATIOS
-    step_study: bool = True
+    steps: tuple[int, ...] = STUDY_STEPS
     starts: int = LEAST_POINTS
     beside: tuple[Variant, ...] = ()
     beside_points: tuple[OperatingPoint, ...] = FEW_POINTS
 
 
 QUICK = Scope(
-    RECORDED_POINTS[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, step_study=False, starts=2,
+    RECORDED_POINTS[:1], QUICK_MAP_FRICTION_RATIOS, QUICK_MAP_FREQUENCY_RATIOS, steps=(), starts=2,
     beside_points=QUICK_POINTS,
 )  # fmt: skip
 """Two points a variant are searched both ways: a preview."""
@@ -107,15 +107,16 @@ def collect(
     periods: dict[CasePoint, dict[Variant, RecordedPeriod]] = {}
     for (point, variant), recorded in zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True):
         periods.setdefault(point, {})[variant] = RecordedPeriod.of_result(recorded)
+    known = truths(result, evaluator)  # before steps that are read from the store: these compare with the exact motion
     return Report(
         result,
         command,
         periods,
-        steps=_step_study(sweep, evaluator if scope.step_study else StoredResults(store)),
+        steps=_step_study(sweep, scope, evaluator, StoredResults(store)),
         friction_map=None if mapped is None else friction_map(mapped, evaluator),
         starts=starts,
         beside=few_points(result, scope.beside, scope.beside_points, evaluator),
-        truths=truths(result, evaluator),
+        truths=known,
     )
 
 
@@ -151,12 +152,24 @@ def _has_step_study(sweep: Sweep) -> bool:
     return _varies_friction_alone(sweep) and sweep.ratios == ChainRatios()
 
 
-def _step_study(sweep: Sweep, evaluator: Evaluator) -> tuple[StepPoint, ...] | None:
-    """Give error and cost of the step sizes under the drive of the sweep; ``None`` for other chains."""
+def _step_study(
+    sweep: Sweep, scope: Scope, evaluator: Evaluator, stored: StoredResults
+) -> tuple[StepPoint, ...] | None:
+    """Give error and cost by steps under the drive of the sweep; ``None`` for other chains.
+
+    Those of the scope come from the evaluator, all others from what is stored.
+    """
     if not _has_step_study(sweep):
         return None
-    study = step_study(sweep.variants, evaluator, sweep.excitation)
-    return tuple(point for point in study if point.evaluated or point.reason)
+    others = [steps for steps in STUDY_STEPS if steps not in scope.steps]
+    parts = ((evaluator, scope.steps), (stored, others)) if scope.steps else ((stored, others),)
+    study = [
+        point
+        for source, steps in parts
+        for point in step_study(sweep.variants, source, sweep.excitation, steps)
+        if point.evaluated or point.reason
+    ]
+    return tuple(sorted(study, key=lambda point: (sweep.variants.index(point.variant), point.steps_per_period)))
 
 
 def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
@@ -165,8 +178,8 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
     mapped = _map(sweep, scope)
     if mapped is not None:
         tasks += mapped.tasks()
-    if scope.step_study and _has_step_study(sweep):
-        tasks += [task for variant in sweep.variants for task in step_tasks(variant, sweep.excitation)]
+    if scope.steps and _has_step_study(sweep):
+        tasks += [task for variant in sweep.variants for task in step_tasks(variant, sweep.excitation, scope.steps)]
         tasks += exact_step_tasks(sweep.excitation)
     tasks += exact_tasks(sweep, [(case, eta) for case in sweep.cases for eta in sweep.frequency_ratios]).values()
     return list(dict.fromkeys([*tasks, *_recorded_tasks(sweep, scope.recorded_points).values()]))

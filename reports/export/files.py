@@ -24,7 +24,16 @@ PAGE = "index.html"
 NETCDF = "report.nc"
 CARD = "card-"
 """What the names of an engine's card begin with."""
-FILES = ("errors.csv", "band_edges.csv", "transmittance.csv", "transitions.csv", "report.json", NETCDF, PAGE)
+FILES = (
+    "errors.csv",
+    "band_edges.csv",
+    "transmittance.csv",
+    "transitions.csv",
+    "work_precision.csv",
+    "report.json",
+    NETCDF,
+    PAGE,
+)
 
 
 def files_of(

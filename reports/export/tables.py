@@ -10,6 +10,7 @@ from reports.data.departures import outcome
 from reports.data.errors import VariantErrors
 from reports.data.findings import Extreme, VariantFindings
 from reports.data.report import Report
+from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.table import Point
@@ -19,7 +20,7 @@ from scenarios.verdicts.finding import TRANSMITTANCE, Metric
 from scenarios.verdicts.phase import PHASE
 from scenarios.verdicts.truth_error import TrueTransmittance
 
-NAME_COLUMNS: tuple[Column[BandEdge | Point], ...] = (
+NAME_COLUMNS: tuple[Column[Any], ...] = (
     Column("engine", lambda row: row.variant.engine),
     Column("formulation", lambda row: row.variant.formulation),
     Column("preset", lambda row: row.variant.preset_name),
@@ -78,9 +79,7 @@ LEVEL = 3
 """Columns of a point up to its transmittance."""
 
 ERROR_COLUMNS: tuple[Column[VariantErrors], ...] = (
-    Column("engine", lambda own: own.variant.engine),
-    Column("formulation", lambda own: own.variant.formulation),
-    Column("preset", lambda own: own.variant.preset_name),
+    *NAME_COLUMNS,
     Column("worst_error_db", lambda own: own.worst.difference),
     Column("worst_frequency_ratio", lambda own: own.worst.frequency_ratio),
     Column("median_error_db", lambda own: own.median),
@@ -93,6 +92,17 @@ ERROR_COLUMNS: tuple[Column[VariantErrors], ...] = (
 )
 WORST = 4
 """Columns up to the worst error, whose place follows."""
+
+STEP_COLUMNS: tuple[Column[StepPoint], ...] = (
+    *NAME_COLUMNS,
+    Column("steps_per_period", lambda point: point.steps_per_period),
+    Column("largest_error_db", lambda point: point.error_db),
+    Column("step_s", lambda point: point.step_seconds),
+    Column("steady_state_s", lambda point: point.seconds),
+    Column("points_certified", lambda point: point.certified),
+    Column("points_evaluated", lambda point: point.evaluated),
+    Column("reason", lambda point: point.reason),
+)
 
 
 def _of_curve(result: ComparedSweep, columns: tuple[Column[Any], ...]) -> tuple[Column[Any], ...]:
@@ -169,6 +179,7 @@ def table_files(report: Report) -> dict[str, str]:
         "band_edges.csv": csv_text(edges),
         "transmittance.csv": csv_text(points),
         "transitions.csv": csv_text(transition_table(result)),
+        "work_precision.csv": csv_text(full_table(STEP_COLUMNS, report.steps or ())),
         "report.json": json_text(content),
     }
 

@@ -15,6 +15,9 @@ from scenarios.sweeps.sweep import Sweep
 SMALLEST_DB = 1e-5
 """Errors below are drawn here: less than the steady states of engines repeat to."""
 
+MOST_VECTOR_POINTS = 40
+"""Points beyond which the page has a still picture of pixels, a quarter of the drawing's size."""
+
 ERROR_LABEL = "largest error at six points [dB]"
 
 Curves = dict[Variant, list[StepPoint]]
@@ -32,13 +35,19 @@ def curves(points: Iterable[StepPoint]) -> Curves:
     return complete
 
 
+def steps_of(drawn: Curves) -> list[int]:
+    """Give the steps a period of all curves, ascending."""
+    return sorted({point.steps_per_period for own in drawn.values() for point in own})
+
+
 def work_precision_figure(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
     """Draw the error over the cost of a step and over the time to the steady state."""
     drawn = curves(points)
+    steps = steps_of(drawn)
     return Figure(
         "work-precision",
         "Work and precision: error over the cost of a step, and over the time to a certified steady state; "
-        "points of one variant from 400 to 1600 steps a period are joined",
+        f"points of one variant from {steps[0]} to {steps[-1]} steps a period are joined",
         [
             Panel(
                 Axis("time of a step, seven cells [µs]", scale="log"), Axis(ERROR_LABEL, scale="log"),
@@ -54,13 +63,14 @@ def work_precision_figure(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
         columns=2,
         legend_columns=4,
         wide=True,
+        dense=_is_dense(drawn),
     )  # fmt: skip
 
 
 def convergence_figure(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
     """Draw the error over the number of steps a period, with the slope of a first-order scheme."""
     drawn = curves(points)
-    steps = sorted({point.steps_per_period for own in drawn.values() for point in own})
+    steps = steps_of(drawn)
     return Figure(
         "convergence",
         "Convergence in the time step",
@@ -73,7 +83,12 @@ def convergence_figure(sweep: Sweep, points: Sequence[StepPoint]) -> Figure:
         ],
         height=2.9 + 0.13 * (len(drawn) // 2),
         pixels=430,
+        dense=_is_dense(drawn),
     )
+
+
+def _is_dense(drawn: Curves) -> bool:
+    return sum(map(len, drawn.values())) > MOST_VECTOR_POINTS
 
 
 def _series(sweep: Sweep, drawn: Curves, cost: Callable[[StepPoint], float]) -> list[Series]:

@@ -37,7 +37,15 @@ from reports.page.sections import (
 FIGURES = "figures"
 """Folder of the figures, beside the page."""
 
-TABLES = ("errors.csv", "transmittance.csv", "band_edges.csv", "transitions.csv", "report.json", "report.nc")
+TABLES = (
+    "errors.csv",
+    "transmittance.csv",
+    "band_edges.csv",
+    "transitions.csv",
+    "work_precision.csv",
+    "report.json",
+    "report.nc",
+)
 """Files of numbers beside the page."""
 
 LARGEST_PAGE = 5 * 2**20

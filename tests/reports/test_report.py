@@ -8,13 +8,15 @@ import xarray as xr
 
 from reference_lcp import ParameterError
 from reports import report
-from reports.data.collect import collect_dataset
+from reports.data.collect import Scope, collect, collect_dataset
 from reports.export.files import files_of, report_dataset
 from reports.export.tables import transmittance_table
 from scenarios.execution.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
+from scenarios.studies.figure3 import figure3
+from scenarios.studies.work_precision import exact_step_tasks, step_tasks
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.dataset_results import DatasetResults
@@ -24,6 +26,7 @@ from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.sweeps.table import grid, tasks_of
 from scenarios.tables import records
+from scenarios.verdicts.steady_case import REFERENCE
 
 CONTENT = """\
 engines = ["reference:joint", "reference:joint:converged", "mujoco:joint", "mujoco:joint:default"]
@@ -200,3 +203,20 @@ def test_adaptive_frequencies_are_those_of_all_curves_together(tmp_path: Path) -
     assert len(again.points) == len(result.points)
     page = files_of(collect_dataset(report_dataset(result), ""))["index.html"].decode()
     assert "are not evaluated so far" not in page
+
+
+def test_a_report_shows_the_numbers_of_steps_that_its_store_holds_and_says_nothing_of_others(tmp_path: Path) -> None:
+    """In a preview nothing is run for their sake."""
+    planned = figure3((), (0.3,), (0.6, 0.9))
+    with ResultStore(tmp_path / "results.sqlite") as kept:
+        for own in (exact_step_tasks(), step_tasks(REFERENCE, steps=(50, 400))):
+            kept.keep(zip(own, run_batch(own), strict=True))
+        shown = collect(planned, kept, StoredResults(kept), "", scope=Scope(steps=()))
+    assert shown.steps is not None
+    assert [(point.variant, point.steps_per_period) for point in shown.steps] == [(REFERENCE, 50), (REFERENCE, 400)]
+    coarse, fine = (point.error_db for point in shown.steps)
+    assert coarse > 4 * fine > 0, "eight times the step"
+    page = files_of(shown)["index.html"].decode()
+    assert "at 50, 400 steps a period" in page
+    assert "from 50 to 400 steps a period" in page
+    assert "6400" not in page.split('id="work_precision"')[1].split("</section>")[0].split("<img")[0]

@@ -6,7 +6,6 @@ from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from reports.figures.figure import Figure
 from reports.figures.work_precision import convergence_figure, curves, work_precision_figure
 from reports.page.section import Section
-from scenarios.studies.accuracy import ORDER_STEPS
 
 
 class WorkPrecision(Section):
@@ -14,6 +13,7 @@ class WorkPrecision(Section):
 
     title = "Work and precision"
     template = "work_precision"
+    numbers = "work_precision.csv"
 
     @property
     def shown(self) -> bool:
@@ -43,6 +43,6 @@ class WorkPrecision(Section):
         return {
             "rows": [point for point in steps if point.evaluated],
             "points": STICK_SLIP_POINTS,
-            "steps": ORDER_STEPS,
+            "steps": sorted({point.steps_per_period for point in steps if point.evaluated}),
             "absent": absent,
         }

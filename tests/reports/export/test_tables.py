@@ -33,6 +33,10 @@ COLUMNS = {
         "phase_rad,difference_phase_deg,verdict,outcome,law_value_db,law_left_db,law_allowed_db,law_value_phase_deg,"
         "law_left_phase_deg,law_allowed_phase_deg,law_distance,law_period_bound,reason"
     ),
+    "work_precision.csv": (
+        "engine,formulation,preset,steps_per_period,largest_error_db,step_s,steady_state_s,points_certified,"
+        "points_evaluated,reason"
+    ),
     "transitions.csv": "engine,formulation,preset,friction_ratio,frequency_ratio,cell,time_s,kind",
 }
 

@@ -13,7 +13,7 @@ from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
 from scenarios.studies.accuracy import ORDER_STEPS
-from scenarios.studies.work_precision import exact_step_tasks, step_study, step_tasks
+from scenarios.studies.work_precision import STUDY_STEPS, exact_step_tasks, step_study, step_tasks
 from scenarios.tasks.parameters import Excitation
 from scenarios.tasks.result import Result
 
@@ -84,3 +84,12 @@ def test_another_drive_has_other_tasks_and_an_exact_motion_of_its_own(store: Res
         exact_steady_state(*exact_step_tasks(force)[0].setting()).transmittance_db, abs=1e-12
     )
     assert pushed.transitions != moved.transitions
+
+
+def test_other_numbers_of_steps_than_those_of_the_order_are_a_study_too(store: ResultStore) -> None:
+    store.keep((task, answer(task.steps_per_period)) for task in step_tasks(REFERENCE, steps=(50, 6400)))
+    points = step_study([REFERENCE], StoredResults(with_exact(store)), steps=STUDY_STEPS)
+    assert [point.steps_per_period for point in points] == [50, 100, 200, 400, 800, 1600, 3200, 6400]
+    assert [point.evaluated for point in points] == [6, 0, 0, 0, 0, 0, 0, 6]
+    assert points[0].error_db == pytest.approx(4 / 50)
+    assert points[-1].error_db == pytest.approx(4 / 6400)
