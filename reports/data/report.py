@@ -11,6 +11,7 @@ from reports.data.departures import Departures, departures
 from reports.data.errors import VariantErrors, variant_errors
 from reports.data.findings import VariantFindings, findings
 from reports.data.installed import Installed, installed
+from reports.data.option_curves import OptionCurve, option_curves
 from reports.data.provenance import provenance
 from reports.data.stick_slip import CasePoint, stick_slip_rows
 from reports.data.versions import VersionPair, version_pairs
@@ -80,6 +81,11 @@ class Report:
     def installed(self) -> list[Installed]:
         """Engines as installed beside their tuned presets, the largest error first."""
         return installed(self.errors)
+
+    @cached_property
+    def option_curves(self) -> list[OptionCurve]:
+        """Errors over one option of an engine, where variants differ in that alone."""
+        return option_curves(self.errors, [*self.result.points, *self.beside])
 
     @cached_property
     def departures(self) -> list[Departures]:

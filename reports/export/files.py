@@ -30,6 +30,7 @@ FILES = (
     "transmittance.csv",
     "transitions.csv",
     "work_precision.csv",
+    "options.csv",
     "report.json",
     NETCDF,
     PAGE,

@@ -9,6 +9,7 @@ import pandas as pd
 from reports.data.departures import outcome
 from reports.data.errors import VariantErrors
 from reports.data.findings import Extreme, VariantFindings
+from reports.data.option_curves import OptionCurve
 from reports.data.report import Report
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.compared import ComparedSweep
@@ -149,6 +150,17 @@ def _worst_value(own: VariantErrors, axis: str) -> float:
     return math.nan if own.worst.case is None else own.worst.case.by_axis[axis]
 
 
+def option_table(curves: list[OptionCurve]) -> pd.DataFrame:
+    """Every variant of every curve over one option."""
+    rows = [
+        (*vars(own.errors.variant).values(), curve.option, own.value, own.errors.size, own.errors.median, own.creep)
+        for curve in curves
+        for own in curve.points
+    ]
+    names = ("option", "value", "largest_error_db", "median_error_db", "largest_creep")
+    return pd.DataFrame(rows, columns=[*(column.key for column in NAME_COLUMNS), *names])
+
+
 def transition_table(result: ComparedSweep) -> pd.DataFrame:
     """Every change of mode at every point of every curve that has a steady state."""
     columns = _of_curve(result, POINT_COLUMNS)
@@ -179,6 +191,7 @@ def table_files(report: Report) -> dict[str, str]:
         "band_edges.csv": csv_text(edges),
         "transmittance.csv": csv_text(points),
         "transitions.csv": csv_text(transition_table(result)),
+        "options.csv": csv_text(option_table(report.option_curves)),
         "work_precision.csv": csv_text(full_table(STEP_COLUMNS, report.steps or ())),
         "report.json": json_text(content),
     }

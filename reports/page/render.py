@@ -25,6 +25,7 @@ from reports.page.sections import (
     ErrorMaps,
     FrictionMapSection,
     OpenPoints,
+    OptionCurves,
     Provenance,
     StickSlip,
     Summary,
@@ -43,6 +44,7 @@ TABLES = (
     "band_edges.csv",
     "transitions.csv",
     "work_precision.csv",
+    "options.csv",
     "report.json",
     "report.nc",
 )
@@ -53,7 +55,7 @@ LARGEST_PAGE = 5 * 2**20
 
 DEFAULT_SECTIONS = (
     Summary, Verdicts, Versions, DeparturesSection, BandEdges, Transmittance, ErrorMaps, FrictionMapSection,
-    StickSlip, WorkPrecision, OpenPoints,
+    StickSlip, WorkPrecision, OptionCurves, OpenPoints,
 )  # fmt: skip
 """Sections of every report, in order; those of other packages follow, and how the numbers were made comes last."""
 

@@ -5,6 +5,7 @@ from reports.page.sections.departures import DeparturesSection
 from reports.page.sections.error_map import ErrorMaps
 from reports.page.sections.friction_map import FrictionMapSection
 from reports.page.sections.open_points import OpenPoints
+from reports.page.sections.option_curves import OptionCurves
 from reports.page.sections.provenance import Provenance
 from reports.page.sections.stick_slip import StickSlip
 from reports.page.sections.summary import Summary
@@ -19,6 +20,7 @@ __all__ = [
     "ErrorMaps",
     "FrictionMapSection",
     "OpenPoints",
+    "OptionCurves",
     "Provenance",
     "StickSlip",
     "Summary",

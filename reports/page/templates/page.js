@@ -164,14 +164,19 @@ function traces(plot, width) {
 const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"] };
 let library = null;
 
+// Anew, also where it was drawn: plotly does not move a scale of colours from the side to the foot of panels.
+function plotted(place) {
+  const plot = plots[place.dataset.plot];
+  return Plotly.newPlot(place, traces(plot, place.clientWidth), arranged(plot, place.clientWidth), CONFIG);
+}
+
 async function draw(place) {
   if (place.dataset.drawn || place.closest("[hidden]")) return;
   place.dataset.drawn = "begun";
   library ??= load();
   await library;
-  const plot = plots[place.dataset.plot];
   place.closest("figure").classList.add("plotted");
-  await Plotly.newPlot(place, traces(plot, place.clientWidth), arranged(plot, place.clientWidth), CONFIG);
+  await plotted(place);
   place.dataset.drawn = "done";
   place.dataset.width = place.clientWidth;
 }
@@ -197,15 +202,13 @@ if ("DecompressionStream" in window) {
       for (const place of document.querySelectorAll('.plot[data-drawn="done"]')) {
         if (!place.clientWidth || place.dataset.width === String(place.clientWidth)) continue;
         place.dataset.width = place.clientWidth;
-        const plot = plots[place.dataset.plot];
-        Plotly.react(place, traces(plot, place.clientWidth), arranged(plot, place.clientWidth), CONFIG);
+        plotted(place);
       }
     }, 200);
   });
   DARK.addEventListener("change", () => {
     for (const place of document.querySelectorAll('.plot[data-drawn="done"]')) {
-      const plot = plots[place.dataset.plot];
-      Plotly.react(place, traces(plot, place.clientWidth), arranged(plot, place.clientWidth), CONFIG);
+      plotted(place);
     }
   });
 }

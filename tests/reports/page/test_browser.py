@@ -172,10 +172,13 @@ def test_nothing_is_wider_than_the_window(browser: Browser, address: str, width:
 
 
 def test_plots_follow_a_window_that_is_made_narrow(drawn: Page) -> None:
+    problems: list[str] = []
+    drawn.on("pageerror", lambda error: problems.append(str(error)))
     drawn.set_viewport_size({"width": 390, "height": HEIGHT})
     widths = "[...document.querySelectorAll('figure:not([hidden]) .plot')].map((one) => one._fullLayout.width)"
     drawn.wait_for_function(f"Math.max(...{widths}) <= 390")
     assert len(drawn.evaluate(widths)) > 8
+    assert problems == []
     drawn.set_viewport_size({"width": 1440, "height": HEIGHT})
 
 

@@ -1,0 +1,104 @@
+"""One option at a time: variants that differ in one number alone are a curve, and no others are."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from engines.interface.presets import Option
+from engines.interface.registry import engine
+from engines.interface.variant import Variant
+from reports.data.errors import VariantErrors
+from reports.data.findings import Extreme
+from reports.data.option_curves import option_curves
+from reports.data.report import Report
+from reports.export.tables import option_table
+from reports.figures.matplotlib_backend import drawn
+from reports.figures.option_curves import SMALLEST_CREEP, option_figure
+from reports.figures.plotly_backend import plot
+from reports.page.render import sections
+from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.table import Point
+from scenarios.tasks.result import Result
+
+SWEEPS = {"zero": 0, "three": 3, "fifty": 50}
+ERRORS = {"zero": 4.0, "three": 0.3, "fifty": 0.2}
+CREEPS = {"zero": 2e-2, "three": 1e-4, "fifty": 0.0}
+CASE = Case.of(friction_ratio=0.3)
+
+
+def with_option(preset: str, name: str, value: object) -> None:
+    """Register a preset that is the tuned one of MuJoCo but for an option."""
+    tuned = engine("mujoco").preset("joint", "tuned")
+    changed = replace(tuned.options.get(name, Option(value, None, "")), value=value)
+    presets = engine("mujoco").capabilities.presets["joint"]
+    presets[preset] = replace(tuned, options={**tuned.options, name: changed})
+
+
+@pytest.fixture
+def presets(monkeypatch: pytest.MonkeyPatch) -> None:
+    every = engine("mujoco").capabilities.presets
+    monkeypatch.setitem(every, "joint", dict(every["joint"]))
+    for name, value in SWEEPS.items():
+        with_option(name, "noslip_iterations", value)
+
+
+def errors_of(*names: str) -> dict[Variant, VariantErrors]:
+    variants = [Variant("mujoco", "joint", name) for name in names]
+    return {v: VariantErrors(v, 6, 6, Extreme(-ERRORS.get(v.preset_name, 1.0), CASE, 0.9), 1e-3) for v in variants}
+
+
+def points() -> list[Point]:
+    return [
+        Point(Variant("mujoco", "joint", name), CASE, 0.9, Result(status="converged", creep=(0.0, creep)), (), ())
+        for name, creep in CREEPS.items()
+    ]
+
+
+@pytest.mark.usefixtures("presets")
+def test_variants_that_differ_in_one_number_are_a_curve_by_its_value() -> None:
+    (curve,) = option_curves(errors_of("fifty", "zero", "three", "default"), points())
+    assert (curve.option, curve.title) == ("noslip_iterations", "MuJoCo")
+    assert [point.value for point in curve.points] == [0, 3, 50]
+    assert [point.errors.size for point in curve.points] == [4.0, 0.3, 0.2]
+    assert [point.creep for point in curve.points] == [2e-2, 1e-4, 0.0]
+
+
+@pytest.mark.usefixtures("presets")
+def test_two_values_are_no_curve_and_neither_are_variants_that_differ_in_more() -> None:
+    assert option_curves(errors_of("zero", "three"), []) == []
+    with_option("other", "impratio", 7.0)
+    assert option_curves(errors_of("zero", "three", "other"), []) == []
+    with_option("fast", "cone", "elliptic of another kind")
+    assert option_curves(errors_of("zero", "three", "fast"), []) == [], "that is no number"
+
+
+@pytest.mark.usefixtures("presets")
+def test_an_option_that_a_preset_does_not_set_has_the_value_of_the_engine() -> None:
+    every = engine("mujoco").capabilities.presets["joint"]
+    tuned = every["tuned"]
+    own = tuned.options["noslip_iterations"]
+    every["unset"] = replace(tuned, options={n: o for n, o in tuned.options.items() if o is not own})
+    (curve,) = option_curves(errors_of("unset", "three", "fifty"), [])
+    assert [(p.value, p.errors.variant.preset_name) for p in curve.points] == [
+        (own.default, "unset"), (3, "three"), (50, "fifty"),
+    ]  # fmt: skip
+
+
+@pytest.mark.usefixtures("presets")
+def test_a_curve_is_drawn_with_its_zero_and_its_creep_and_written_in_full() -> None:
+    (curve,) = option_curves(errors_of(*SWEEPS), points())
+    figure = option_figure(1, curve)
+    data, layout = plot(figure)["data"], plot(figure)["layout"]
+    assert [trace["name"] for trace in data] == ["largest error", "median error", "largest creep"]
+    assert data[0]["x"] == pytest.approx([0.0, math.asinh(1.0), math.asinh(50 / 3)], abs=1e-4)
+    assert data[2]["y"] == [2e-2, 1e-4, SMALLEST_CREEP], "no creep at all has no logarithm"
+    assert layout["xaxis"]["ticktext"] == ["0", "3", "50"]
+    assert len(drawn(figure).axes) == 2
+    table = option_table([curve])
+    assert table["largest_creep"].tolist() == [2e-2, 1e-4, 0.0]
+    assert table["preset"].tolist() == ["zero", "three", "fifty"]
+
+
+def test_a_report_without_such_variants_has_no_section_of_them(report: Report) -> None:
+    assert "One option at a time" not in [part.title for part in sections(report)]
