@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import xarray as xr
 
 from engines.interface.variant import Variant
+from reports.data.catalogue import catalogue_outcomes
 from reports.data.report import Report
 from reports.data.stick_slip import CasePoint
 from scenarios.execution.evaluator import Evaluator, StoredResults
@@ -117,6 +118,7 @@ def collect(
         starts=starts,
         beside=few_points(result, scope.beside, scope.beside_points, evaluator),
         truths=known,
+        catalogue=catalogue_outcomes((*sweep.variants, *scope.beside), store),
     )
 
 

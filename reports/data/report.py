@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from engines.interface.variant import Variant
+from reports.data.catalogue import Outcomes
 from reports.data.departures import Departures, departures
 from reports.data.errors import VariantErrors, variant_errors
 from reports.data.findings import VariantFindings, findings
@@ -50,6 +51,8 @@ class Report:
         The true transmittance by case and frequency ratio.
     beside
         Points of variants that are compared with the truth at a few points only, and have no verdict.
+    catalogue
+        What is known of the scenarios of the catalogue.
     """
 
     result: ComparedSweep
@@ -61,6 +64,7 @@ class Report:
     recorded: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     truths: Truths = field(default_factory=dict)
     beside: tuple[Point, ...] = ()
+    catalogue: Outcomes = field(default_factory=dict)
 
     @property
     def missing(self) -> Mapping[Variant, int]:

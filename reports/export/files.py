@@ -31,6 +31,7 @@ FILES = (
     "transitions.csv",
     "work_precision.csv",
     "options.csv",
+    "catalogue.csv",
     "report.json",
     NETCDF,
     PAGE,

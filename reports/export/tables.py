@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from reports.data.catalogue import Outcome, Outcomes
 from reports.data.departures import outcome
 from reports.data.errors import VariantErrors
 from reports.data.findings import Extreme, VariantFindings
@@ -150,6 +151,16 @@ def _worst_value(own: VariantErrors, axis: str) -> float:
     return math.nan if own.worst.case is None else own.worst.case.by_axis[axis]
 
 
+def catalogue_table(known: Outcomes) -> pd.DataFrame:
+    """Numbers by outcome of every variant in every scenario that is known."""
+    rows = [
+        (scenario, *vars(variant).values(), *(counts.get(each, 0) for each in Outcome))
+        for scenario, own in known.items()
+        for variant, counts in own.items()
+    ]
+    return pd.DataFrame(rows, columns=["scenario", *(column.key for column in NAME_COLUMNS), *map(str, Outcome)])
+
+
 def option_table(curves: list[OptionCurve]) -> pd.DataFrame:
     """Every variant of every curve over one option."""
     rows = [
@@ -191,6 +202,7 @@ def table_files(report: Report) -> dict[str, str]:
         "band_edges.csv": csv_text(edges),
         "transmittance.csv": csv_text(points),
         "transitions.csv": csv_text(transition_table(result)),
+        "catalogue.csv": csv_text(catalogue_table(report.catalogue)),
         "options.csv": csv_text(option_table(report.option_curves)),
         "work_precision.csv": csv_text(full_table(STEP_COLUMNS, report.steps or ())),
         "report.json": json_text(content),

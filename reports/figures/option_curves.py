@@ -3,7 +3,7 @@
 import math
 
 from reports.data.option_curves import OptionCurve
-from reports.figures.figure import Axis, Figure, Panel, Rule, Series
+from reports.figures.figure import Axis, Figure, Mark, Panel, Rule, Series
 from reports.figures.style import DASHED, DOTTED, Style
 from reports.formatting import ratio
 from scenarios.verdicts.truth import WRONG_DB
@@ -28,7 +28,7 @@ def option_figure(number: int, curve: OptionCurve) -> Figure:
     median = [max(point.errors.median, SMALLEST_DB) for point in curve.points]
     notes = [point.errors.variant.title for point in curve.points]
     hover = "%{text}\n%{y:.3g} dB"
-    errors = [
+    errors: list[Mark] = [
         Rule("y", WRONG_DB, LIMIT),
         Series(values, largest, LARGEST, "largest error", "lines+markers", hover, notes),
         Series(values, median, MEDIAN, "median error", "lines+markers", hover, notes),

@@ -21,6 +21,7 @@ from reports.formatting import fixed, per_cell, ratio, scientific, signed, span,
 from reports.page.section import SUITE_TEMPLATES, Section, registered_sections
 from reports.page.sections import (
     BandEdges,
+    Catalogue,
     DeparturesSection,
     ErrorMaps,
     FrictionMapSection,
@@ -45,6 +46,7 @@ TABLES = (
     "transitions.csv",
     "work_precision.csv",
     "options.csv",
+    "catalogue.csv",
     "report.json",
     "report.nc",
 )
@@ -54,7 +56,7 @@ LARGEST_PAGE = 5 * 2**20
 """Bytes that a page takes at most, so that it can be sent by mail and opens at once."""
 
 DEFAULT_SECTIONS = (
-    Summary, Verdicts, Versions, DeparturesSection, BandEdges, Transmittance, ErrorMaps, FrictionMapSection,
+    Summary, Verdicts, Versions, DeparturesSection, BandEdges, Transmittance, Catalogue, ErrorMaps, FrictionMapSection,
     StickSlip, WorkPrecision, OptionCurves, OpenPoints,
 )  # fmt: skip
 """Sections of every report, in order; those of other packages follow, and how the numbers were made comes last."""

@@ -1,6 +1,7 @@
 """Sections of reports: one module, one class and one template each."""
 
 from reports.page.sections.band_edges import BandEdges
+from reports.page.sections.catalogue import Catalogue
 from reports.page.sections.departures import DeparturesSection
 from reports.page.sections.error_map import ErrorMaps
 from reports.page.sections.friction_map import FrictionMapSection
@@ -16,6 +17,7 @@ from reports.page.sections.work_precision import WorkPrecision
 
 __all__ = [
     "BandEdges",
+    "Catalogue",
     "DeparturesSection",
     "ErrorMaps",
     "FrictionMapSection",

@@ -1,0 +1,58 @@
+"""What the store knows of other scenarios: outcomes of what was run in full, and of nothing else."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from engines.interface.variant import Variant
+from reports.data.catalogue import Outcome, catalogue_outcomes
+from reports.data.report import Report
+from reports.export.tables import catalogue_table
+from reports.page.render import page, sections
+from reports.page.sections import Catalogue
+from scenarios.catalogue import CATALOGUE
+from scenarios.execution.evaluator import Evaluator
+from scenarios.execution.executor import InProcessExecutor
+from scenarios.execution.store import ResultStore
+from scenarios.verdicts.steady_case import REFERENCE
+from tests.reports.conftest import MISSING, RUNS
+
+DEFAULT = Variant("mujoco", "joint", "default")
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Holds one scenario, of two variants."""
+    file = tmp_path_factory.mktemp("store") / "results.sqlite"
+    with ResultStore(file) as kept:
+        CATALOGUE["breakaway"].run([RUNS, DEFAULT], Evaluator(kept, InProcessExecutor()))
+    return file
+
+
+def test_a_scenario_that_was_run_has_its_outcomes_and_others_are_left_out(store: Path) -> None:
+    with ResultStore(store) as kept:
+        known = catalogue_outcomes([REFERENCE, RUNS, DEFAULT, MISSING], kept)
+    assert set(known) == {"breakaway"}
+    own = known["breakaway"]
+    assert RUNS in own
+    assert MISSING not in own, "it was not run"
+    assert set(own[RUNS]) == {Outcome.AGREES}
+    assert next(iter(own[DEFAULT])) in (Outcome.UNEXPLAINED, Outcome.PREDICTED), "it creeps before it breaks away"
+
+
+def test_a_store_without_scenarios_has_no_section(report: Report, tmp_path: Path) -> None:
+    with ResultStore(tmp_path / "empty.sqlite") as kept:
+        assert catalogue_outcomes([REFERENCE, RUNS], kept) == {}
+    assert "Other scenarios" not in [part.title for part in sections(report)]
+
+
+def test_cells_show_the_worst_outcome_with_its_number_and_tell_all(report: Report) -> None:
+    counts = {Outcome.UNEXPLAINED: 2, Outcome.AGREES: 10}
+    shown = replace(report, catalogue={"breakaway": {RUNS: counts}, "unit-cell": {REFERENCE: {Outcome.AGREES: 3}}})
+    html = page("A page", [Catalogue(shown)]).html
+    assert '<td class="outcome unexplained" title="2 unexplained, 10 agrees">✗ 2</td>' in html
+    assert '<td class="outcome agrees" title="3 agrees">✓</td>' in html
+    assert '<td class="outcome " title="not known"></td>' in html
+    table = catalogue_table(shown.catalogue)
+    assert table.loc[0, ["scenario", "engine", "unexplained", "agrees"]].tolist() == ["breakaway", "mujoco", 2, 10]
