@@ -7,6 +7,7 @@ from enum import StrEnum
 from engines.interface.variant import Variant
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import Scenario
+from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.store import ResultStore
 from scenarios.tasks.result import Result, ResultStatus
@@ -41,12 +42,13 @@ def _outcomes(
 ) -> dict[Variant, Mapping[Outcome, int]]:
     """Give the outcomes of one scenario, the worst first; nothing where no variant is known in full.
 
+    Without the results of its law nothing is known of a variant: whether it departs as predicted would be left open.
     A variant that the scenario cannot be run with stands beside those that are known.
     """
     stored.begin()
-    findings = scenario.run(variants, stored)
-    known = [variant for variant in variants if variant in stored.known - stored.missing]
-    shown = [variant for variant in variants if variant not in stored.missing] if known else []
+    findings = run_with_predictions(scenario, variants, stored)
+    whole = [v for v in variants if not {v, scenario.law_variant(v)} & stored.missing]
+    shown = whole if stored.known.intersection(whole) else []
     return {variant: _counted([own for own in findings if own.variant == variant]) for variant in shown}
 
 

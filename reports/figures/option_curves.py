@@ -6,7 +6,7 @@ from reports.data.option_curves import OptionCurve
 from reports.figures.figure import Axis, Figure, Mark, Panel, Rule, Series
 from reports.figures.style import DASHED, DOTTED, Style
 from reports.formatting import ratio
-from scenarios.verdicts.truth import WRONG_DB
+from scenarios.verdicts.truth_error import WRONG_DB
 
 LARGEST = Style("#D55E00", "circle", 5.0)
 MEDIAN = Style("#0072B2", "square", 4.2, dash=DASHED)

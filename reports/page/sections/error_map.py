@@ -9,7 +9,7 @@ from reports.figures.error_map import HIGHEST_DB, LOWEST_DB, error_map_figure
 from reports.figures.figure import Figure
 from reports.page.section import Section
 from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.truth import WRONG_DB
+from scenarios.verdicts.truth_error import WRONG_DB
 
 MOST_MAPS = 24
 """Variants whose maps are drawn, those that are farthest from the truth; the files hold the numbers of all."""
