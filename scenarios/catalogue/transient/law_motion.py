@@ -29,8 +29,8 @@ def motion_distance(task: TransientTask, of_law: TransientTask, series: str, eva
     assert law is not None, "it is the model of a law"
     bound = law.period_bound * max(1.0, task.steps / STEPS)
     own, predicted = evaluator.evaluate([task, of_law])
-    blocked = (each.reason for each in (own, predicted) if each.status is ResultStatus.BLOCKED)
-    reason = law.other_contact_reason(task.lane()) or next(blocked, None)
+    absent = (each.reason for each in (own, predicted) if each.status in (ResultStatus.BLOCKED, ResultStatus.MISSING))
+    reason = law.other_contact_reason(task.lane()) or next(absent, None)
     if reason is not None:
         return LawPeriod(np.nan, bound, reason)
     motions = (np.array(result.series[series]) for result in (own, predicted))
