@@ -1,5 +1,7 @@
 """Every table that a command prints fits a terminal of 80 columns, and 80 columns where there is none."""
 
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -39,14 +41,14 @@ LINES = [
     pytest.param("scenarios run cost --engine mujoco:contact:default --seconds 0.1", marks=pytest.mark.slow),
     "scenarios run cost --engine exudyn-regularised:contact:default --lanes 1 --lanes 2",
     "scenarios sweep sweep.toml --store sweep.sqlite --workers 1",
-    "reports compare sweep.sqlite sweep.sqlite",
+    "reports compare sweep.sqlite lost.sqlite",
     "reports --sweep sweep.toml --store sweep.sqlite --no-ask",
 ]
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A sweep and its store."""
+    """A sweep, its store, and a copy that has lost a result."""
     folder = tmp_path_factory.mktemp("tables")
     (folder / "sweep.toml").write_text(SWEEP)
     assert (
@@ -56,6 +58,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         )
         == 0
     )
+    (folder / "lost.sqlite").write_bytes((folder / "sweep.sqlite").read_bytes())
+    with closing(sqlite3.connect(folder / "lost.sqlite", isolation_level=None)) as store:
+        store.execute(
+            "DELETE FROM answers WHERE rowid = (SELECT max(rowid) FROM answers WHERE content LIKE '%mujoco%')"
+        )
     return folder
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from engines.interface.law_engine import LAW_SUFFIX
+from engines.interface.variant import Variant
 from reference_lcp.refusal import ParameterError
 from scenarios.execution.store import ResultStore
 from scenarios.execution.store_file import existing_store
@@ -63,8 +64,8 @@ class StoredResult:
 
     @property
     def variant(self) -> str:
-        """Engine, formulation and preset, joined by colons."""
-        return ":".join(self.task["variant"][name] for name in ("engine", "formulation", "preset_name"))
+        """Give its name, as everywhere."""
+        return str(Variant(*(self.task["variant"][name] for name in ("engine", "formulation", "preset_name"))))
 
     def key(self, *, versioned: bool = True) -> str:
         """Give the task as one text, with or without the version in the name of the engine."""

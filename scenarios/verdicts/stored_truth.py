@@ -77,8 +77,7 @@ def _case(task: Mapping[str, Any]) -> str:
 
 def _stored_truths(stored: Iterable[StoredResult], variant: Variant, source: str) -> dict[str, StoredTruth]:
     """Give the steady states of a variant by their cases, of several the one with the most steps."""
-    name = f"{variant.engine}:{variant.formulation}:{variant.preset_name}"
-    own = [each for each in stored if each.variant == name and each.result.converged]
+    own = [each for each in stored if each.variant == str(variant) and each.result.converged]
     own.sort(key=lambda each: each.result.steps_per_period)
     return {_case(each.task): StoredTruth(each.result, source) for each in own}
 

@@ -44,7 +44,7 @@ def test_each_formulation_has_a_line_of_its_own(
     lines = capsys.readouterr().out.splitlines()
     (mujoco,) = (number for number, line in enumerate(lines) if line.startswith(" mujoco "))
     assert "joint: tuned, yield, default" in lines[mujoco]
-    assert lines[mujoco + 1].split() == ["contact:", "tuned,", "newton,", "default"]
+    assert lines[mujoco + 1].split() == ["double", "contact:", "tuned,", "newton,", "default"]
 
 
 def test_unknown_option_is_one_line_and_exit_code_2(capsys: pytest.CaptureFixture[str]) -> None:

@@ -114,5 +114,5 @@ def test_every_clause_of_the_contract_has_its_fault() -> None:
 
 
 def test_a_sound_engine_passes_whatever_its_name(install) -> None:
-    command = "-m pytest -q -n 0 -p no:cacheprovider --engine mine+fast"
+    command = "-m pytest -q -n 0 -p no:cacheprovider --xval-engine mine+fast"
     install("faulty").run(*command.split(), f"engines/contract/{DECLARED}.py", f"engines/contract/{MODULATED}.py")

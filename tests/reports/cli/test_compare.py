@@ -113,8 +113,8 @@ def test_a_changed_option_is_found_with_the_points_that_it_changed(
     table = tmp_path / "changes.csv"
     assert compared(before, now, "--out", table) == 1
     printed = capsys.readouterr().out
-    assert "softening:joint:tuned: option iterations 100 → 1" in printed
-    assert "softening:joint:tuned: 3 points: 2 changed with the truth unknown, by 0.5 dB at most" in printed
+    assert "softening: option iterations 100 → 1" in printed
+    assert "softening: 3 points: 2 changed with the truth unknown, by 0.5 dB at most" in printed
     assert "3 points: 2 changed with the truth unknown; 2 fail" in printed
     table_lines = [line for line in printed.splitlines() if "│" in line or "──" in line or "η_r" in line]
     assert max(map(len, table_lines)) <= 80
@@ -147,7 +147,7 @@ def test_points_of_one_store_alone_are_counted(before: Path, tmp_path: Path) -> 
     shutil.copy(before, tmp_path / "first.sqlite")
     with ResultStore(before) as store:
         store.keep([(other, answered(other, 0.0))])
-    assert compare_stores(tmp_path / "first.sqlite", before).only_second == {"reference:joint:tuned": 1}
+    assert compare_stores(tmp_path / "first.sqlite", before).only_second == {"reference": 1}
     assert [own.direction for own in compare_stores(before, now).changes] == [*[Direction.LOST] * 3, None]
 
 
@@ -360,7 +360,7 @@ def test_versions_of_an_engine_are_compared_with_each_other(before, tmp_path, ca
     renamed = {content.replace('"softening"', '"softening@2.0"'): result for content, result in results.items()}
     now = write_results(tmp_path / "now.sqlite", renamed)
     assert compared(before, now) == ExitCode.DONE
-    assert "softening:joint:tuned: engine softening → softening@2.0" in capsys.readouterr().out
+    assert "softening: engine softening → softening@2.0" in capsys.readouterr().out
     crashes = dict.fromkeys(renamed, Result.blocked("crashed").to_json())
     assert compared(before, write_results(tmp_path / "both.sqlite", results | crashes)) == ExitCode.DONE
     assert compared(now, before) == ExitCode.DONE
@@ -379,9 +379,7 @@ def test_files_say_what_the_command_says(before, tmp_path, monkeypatch) -> None:
     assert [own["fails"] for own in content["changes"]] == [True, True]
     document = outs[0].read_text()
     assert document.startswith("## Engine regression: fails\n\n3 points: 2 farther from the truth; 2 fail.\n")
-    assert (
-        "| softening:joint:tuned | μ 0.3, η_r 0.6, steps 400 | 0.1 | 0.6 | transmittance +0.5 dB, farther |" in document
-    )
+    assert "| softening | μ 0.3, η_r 0.6, steps 400 | 0.1 | 0.6 | transmittance +0.5 dB, farther |" in document
     assert "<details>" not in document
     checked_junit(outs[2], failures=2, tests=3)
 
