@@ -105,7 +105,7 @@ def _table(rows: pd.DataFrame) -> list[str]:
         "metric": list(map(_with_unit, rows["metric"], rows["unit"])),
         "verdicts": list(map(words, counts)),
         "worst at": rows["case"],
-        **{name: rows[name].map("{:.4g}".format).replace("nan", "–") for name in ("value", "expected")},
+        **{name: rows[name].map("{:.4g}".format).replace("nan", "–") for name in NUMBERS},
         "why": rows["reason"],
     })  # fmt: skip
     return markdown_lines(shown.astype(object))

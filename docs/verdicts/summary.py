@@ -19,7 +19,7 @@ WORDS = {"agree": "agrees", "own step too coarse": "undecided", "inconclusive": 
 """Outcomes by verdict, where the law has no say."""
 
 WORST = ["case", "value", "expected", "difference", "allowed", "reason"]
-"""Of the finding whose difference is largest beside what is allowed; the reason where one does not agree."""
+"""Of the finding whose difference is largest beside what is allowed; the reason where there is no difference."""
 
 DIGITS = 5
 """Significant ones of a number."""
@@ -43,8 +43,7 @@ def summarised(findings: pd.DataFrame) -> pd.DataFrame:
     )
     counts = findings.groupby([*GROUP, "outcome"], sort=False).size().unstack("outcome", fill_value=0)
     worst = findings.loc[findings.groupby(GROUP, sort=False)["excess"].idxmax()].set_index(GROUP)[WORST]
-    agreed = counts.get("agrees", 0) == counts.sum(axis="columns")
-    worst["reason"] = worst["reason"].mask(agreed.reindex(worst.index), "")
+    worst["reason"] = worst["reason"].mask(worst["difference"].notna(), "")
     return counts.join(worst).reset_index()
 
 

@@ -14,7 +14,8 @@ def test_another_version_is_a_reason_with_those_that_the_adapter_takes(
     if engine.unavailable_reason() is not None:
         pytest.skip(f"{engine.name} is not installed")
     monkeypatch.setattr("engines.shared.wheel_engine.installed_version", lambda _: version)
-    lacking = f"{engine.capabilities.package} {version} is installed, and its adapter takes {engine.versions}; multibody-xval "
+    package, allowed = engine.capabilities.package, engine.versions
+    lacking = f"{package} {version} is installed, and its adapter takes {allowed}; multibody-xval "
     assert str(engine.unavailable_reason()).startswith(lacking)
 
 
