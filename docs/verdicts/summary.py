@@ -10,6 +10,9 @@ from pathlib import Path
 
 import pandas as pd
 
+NOT_THERE = "is not installed|needs an environment|skipped"
+"""What reasons say of an engine that was not there, or of a chain that would take too long."""
+
 VARIANT = ["engine", "formulation", "preset"]
 
 GROUP = ["scenario", *VARIANT, "metric", "unit"]
@@ -47,15 +50,16 @@ def summarised(findings: pd.DataFrame) -> pd.DataFrame:
     return counts.join(worst).reset_index()
 
 
-def run_anywhere(findings: pd.DataFrame) -> pd.DataFrame:
-    """Leave out variants that nothing was run of: their engines were not there."""
-    ran = (findings["verdict"] != "blocked").groupby([findings[name] for name in VARIANT]).transform("any")
-    return findings[ran].reset_index(drop=True)
+def run_here(findings: pd.DataFrame) -> pd.DataFrame:
+    """Leave out variants that gave no number in a scenario because their engine was not there, or was left out."""
+    missing = findings["reason"].str.contains(NOT_THERE) & findings["value"].isna()
+    ran = findings["value"].notna().groupby([findings[name] for name in VARIANT]).transform("any")
+    return findings[ran & ~missing].reset_index(drop=True)
 
 
 def main(table: Path, findings: Sequence[Path]) -> None:
     """Write the table."""
-    rows = summarised(run_anywhere(pd.concat(map(pd.read_csv, findings)).reset_index(drop=True)))
+    rows = summarised(run_here(pd.concat(map(pd.read_csv, findings)).reset_index(drop=True)))
     rows.to_csv(table, index=False, float_format=f"%.{DIGITS}g", lineterminator="\n")
 
 
