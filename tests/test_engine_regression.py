@@ -1,5 +1,6 @@
 """The workflow that guards an engine: its steps are a script, which runs here as the service would run it."""
 
+import json
 import os
 import re
 import subprocess
@@ -126,6 +127,15 @@ def test_an_engine_that_cannot_be_had_is_said(tmp_path, step) -> None:
 def test_a_step_that_there_is_not_is_refused(tmp_path) -> None:
     assert script(tmp_path, "compile", ENGINE="mujoco") == 2
     assert script(tmp_path) == 1  # ENGINE is missing
+
+
+def test_all_formulations_and_presets_are_run_where_none_is_named(tmp_path) -> None:
+    (tmp_path / "grid.toml").write_text(TWO_POINTS)
+    assert script(tmp_path, "now", ENGINE="mujoco", GRID="grid.toml", VARIANTS="") == 0
+    assert 'engines = ["mujoco:all:all", ]' in (tmp_path / "regression/now.toml").read_text()
+    with ResultStore(tmp_path / "regression/now.sqlite") as store:
+        names = {json.loads(content)["task"]["variant"]["formulation"] for content, _ in store.all_results()}
+    assert names == {"joint", "contact"}
 
 
 @pytest.mark.slow
