@@ -11,7 +11,7 @@ import pandas as pd
 from scenarios.junit import JUnitCase, junit_text
 from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records, text_table
 from scenarios.tasks.result import ResultStatus
-from scenarios.verdicts.regression import Change, Direction, StoreComparison
+from scenarios.verdicts.regression import Change, StoreComparison, TruthDirection
 from scenarios.verdicts.thresholds import Thresholds
 
 MOST_SHOWN = 10
@@ -108,11 +108,11 @@ class Regression:
 
 
 WORDS = {
-    Direction.LOST: "lost",
-    Direction.FARTHER: "farther from the truth",
-    Direction.UNKNOWN: "changed with the truth unknown",
-    Direction.AS_FAR: "changed and as far from it",
-    Direction.CLOSER: "closer to the truth",
+    TruthDirection.LOST: "lost",
+    TruthDirection.FARTHER: "farther from the truth",
+    TruthDirection.UNKNOWN: "changed with the truth unknown",
+    TruthDirection.AS_FAR: "changed and as far from it",
+    TruthDirection.CLOSER: "closer to the truth",
 }
 """Directions in sentences, the worst first."""
 

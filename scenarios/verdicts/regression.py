@@ -35,7 +35,7 @@ BEST_FIRST = (
 """How much a result says by its status."""
 
 
-class Direction(StrEnum):
+class TruthDirection(StrEnum):
     """Where a change leads."""
 
     CLOSER = "closer"
@@ -52,7 +52,7 @@ class Direction(StrEnum):
     @property
     def fails(self) -> bool:
         """Whether a point that has changed so is a failure."""
-        return self in (Direction.UNKNOWN, Direction.FARTHER, Direction.LOST)
+        return self in (TruthDirection.UNKNOWN, TruthDirection.FARTHER, TruthDirection.LOST)
 
 
 @dataclass(frozen=True)
@@ -135,14 +135,14 @@ class Shift:
     now: float = math.nan
 
     @property
-    def direction(self) -> Direction:
+    def direction(self) -> TruthDirection:
         """Where it leads."""
         worse = self.now - self.before
         if math.isnan(worse):
-            return Direction.UNKNOWN
+            return TruthDirection.UNKNOWN
         if abs(worse) <= self.measure.threshold:
-            return Direction.AS_FAR
-        return Direction.FARTHER if worse > 0 else Direction.CLOSER
+            return TruthDirection.AS_FAR
+        return TruthDirection.FARTHER if worse > 0 else TruthDirection.CLOSER
 
     def __str__(self) -> str:
         return self.measure.pattern.format(self.change)
@@ -190,12 +190,12 @@ class Change:
         return (*self.lost, *([self.gained] if self.gained else []), *shifts)
 
     @property
-    def direction(self) -> Direction | None:
+    def direction(self) -> TruthDirection | None:
         """Where the worst of the changes leads; ``None`` without any."""
         directions = {shift.direction for shift in self.shifts}
-        directions |= {Direction.LOST} if self.lost else set()
-        directions |= {Direction.CLOSER} if self.gained else set()
-        return max(directions, key=list(Direction).index, default=None)
+        directions |= {TruthDirection.LOST} if self.lost else set()
+        directions |= {TruthDirection.CLOSER} if self.gained else set()
+        return max(directions, key=list(TruthDirection).index, default=None)
 
     def fails(self, *, strict: bool = False) -> bool:
         """Whether the point is a failure; a strict comparison takes every change for one."""
@@ -253,7 +253,7 @@ class StoreComparison:
 
 
 def _by_severity(change: Change) -> tuple[int, float]:
-    severity = -1 if change.direction is None else list(Direction).index(change.direction)
+    severity = -1 if change.direction is None else list(TruthDirection).index(change.direction)
     size = abs(change.transmittance_db)
     return -severity, -math.inf if math.isnan(size) else -size
 

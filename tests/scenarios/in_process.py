@@ -5,8 +5,11 @@ from collections.abc import Mapping
 
 from engines.interface.variant import Variant
 from reference_lcp import Chain, CompiledSimulation
+from reference_lcp.stepping.euler import euler_simulation
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
+from scenarios.verdicts.finding import Finding
+from scenarios.verdicts.verdict import Verdict
 
 
 def evaluator(store) -> Evaluator:
@@ -41,6 +44,23 @@ def press_harder(monkeypatch, spoilt: Variant, factor: float) -> None:
         return build(self, [dataclasses.replace(lane, chain=_scaled(lane.chain, factors)) for lane in lanes])
 
     monkeypatch.setattr(Variant, "build", harder)
+
+
+def incline_otherwise(monkeypatch, factor: float) -> None:
+    """Make the engine ``mujoco`` the reference with another inclination."""
+    build = Variant.build
+
+    def otherwise(self, lanes):
+        if self.engine != "mujoco":
+            return build(self, lanes)
+        return euler_simulation([dataclasses.replace(lane, inclination=factor * lane.inclination) for lane in lanes])
+
+    monkeypatch.setattr(Variant, "build", otherwise)
+
+
+def departing(judged: list[Finding]) -> list[Finding]:
+    """Give the findings that do not agree."""
+    return [finding for finding in judged if finding.comparison.verdict is not Verdict.AGREE]
 
 
 class Late(CompiledSimulation):

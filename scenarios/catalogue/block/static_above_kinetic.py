@@ -55,7 +55,7 @@ BREAKAWAY = Metric("breakaway", "", "Load at which the block jumps over that at 
 JUMP = Metric("jump", "", "Slip in the end over that of the exact motion.")
 
 
-class Pull(NamedTuple):
+class Release(NamedTuple):
     """One case: a scale, and μ_s / μ_k."""
 
     scale: Scale
@@ -121,7 +121,9 @@ class Pull(NamedTuple):
         return f"{self.scale.title}, {self.static_ratio:g}"
 
 
-PULLS = {str(pull): pull for scale in SCALES for ratio in STATIC_RATIOS for pull in (Pull(scale, ratio),)}
+RELEASES = {
+    str(release): release for scale in SCALES for ratio in STATIC_RATIOS for release in (Release(scale, ratio),)
+}
 
 
 class StaticAboveKinetic(BlockScenario):
@@ -143,11 +145,11 @@ class StaticAboveKinetic(BlockScenario):
 
     def tasks_by_case(self, variant: Variant) -> Mapping[str, BlockTask]:
         """Give the tasks; see `BlockScenario.tasks_by_case`."""
-        return {case: pull.task(variant) for case, pull in PULLS.items()}
+        return {case: release.task(variant) for case, release in RELEASES.items()}
 
     def baseline(self) -> list[BlockTask]:
         """Give the exact motions."""
-        return [pull.task(EXACT) for pull in PULLS.values()]
+        return [release.task(EXACT) for release in RELEASES.values()]
 
     def simulated(self, task: BlockTask) -> list[BlockTask]:
         """Give a task with three step sizes."""
@@ -158,32 +160,32 @@ class StaticAboveKinetic(BlockScenario):
 
         What breaks away two steps later does so under as much more load, and jumps as much farther over μ_s − μ_k.
         """
-        pull = PULLS[case]
-        (exact,) = evaluator.evaluate([pull.task(EXACT)])
+        release = RELEASES[case]
+        (exact,) = evaluator.evaluate([release.task(EXACT)])
         unknown = missing("exact motion", [exact])
         if unknown is not None:
             return Finding.without_numbers(variant, case, self.metrics, unknown)
-        expected = read(pull, exact.series)
+        expected = read(release, exact.series)
 
         def numbers(series: NamedNumbers) -> Mapping[Metric, Number]:
-            return {metric: value / expected[metric] for metric, value in read(pull, series).items()}
+            return {metric: value / expected[metric] for metric, value in read(release, series).items()}
 
-        own, scheme = (read_refined(pull.task(each), evaluator, numbers) for each in (variant, REFERENCE))
+        own, scheme = (read_refined(release.task(each), evaluator, numbers) for each in (variant, REFERENCE))
         if isinstance(own, Comparison) or isinstance(scheme, Comparison):
             gap = own if isinstance(own, Comparison) else scheme
             assert isinstance(gap, Comparison)
             return Finding.without_numbers(variant, case, self.metrics, gap)
-        above = (pull.static_ratio - 1) / pull.static_ratio
-        farther = pull.two_steps / above + round_off(task) * pull.travel / pull.length**2
+        above = (release.static_ratio - 1) / release.static_ratio
+        farther = release.two_steps / above + round_off(task) * release.travel / release.length**2
         findings = []
-        for metric, resolution, effect in ((BREAKAWAY, pull.two_steps, above), (JUMP, farther, 1.0)):
+        for metric, resolution, effect in ((BREAKAWAY, release.two_steps, above), (JUMP, farther, 1.0)):
             comparison = judge(metric, own[metric], 1.0, scheme=scheme[metric], resolution=resolution, effect=effect)
             findings.append(Finding(variant, case, metric, float(own[metric].judged), 1.0, comparison))
         return findings
 
 
-def read(pull: Pull, series: NamedNumbers) -> dict[Metric, float]:
+def read(release: Release, series: NamedNumbers) -> dict[Metric, float]:
     """Give the load at which a slip becomes fast, NaN if none does, and the slip in the end over the length."""
-    fast = np.flatnonzero(np.abs(series["slip_velocity"]) > FAST * pull.fastest)
-    load = pull.load((fast[0] + 1) * TIME_STEP) if fast.size else np.nan
+    fast = np.flatnonzero(np.abs(series["slip_velocity"]) > FAST * release.fastest)
+    load = release.load((fast[0] + 1) * TIME_STEP) if fast.size else np.nan
     return {BREAKAWAY: float(load), JUMP: abs(float(series["slip"][-1]))}

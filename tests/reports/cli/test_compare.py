@@ -28,7 +28,7 @@ from scenarios.tasks import task
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import RESULT_FORMAT, SteadyStateTask, key_of
 from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.regression import Change, Direction, StoreComparison, change, compare_stores
+from scenarios.verdicts.regression import Change, StoreComparison, TruthDirection, change, compare_stores
 from scenarios.verdicts.steady_case import EXACT
 from scenarios.verdicts.stored_results import StoredResult
 from scenarios.verdicts.stored_truth import StoredTruth
@@ -148,7 +148,7 @@ def test_points_of_one_store_alone_are_counted(before: Path, tmp_path: Path) -> 
     with ResultStore(before) as store:
         store.keep([(other, answered(other, 0.0))])
     assert compare_stores(tmp_path / "first.sqlite", before).only_second == {"reference": 1}
-    assert [own.direction for own in compare_stores(before, now).changes] == [*[Direction.LOST] * 3, None]
+    assert [own.direction for own in compare_stores(before, now).changes] == [*[TruthDirection.LOST] * 3, None]
 
 
 @pytest.mark.parametrize(
@@ -271,10 +271,10 @@ def test_thresholds_name_what_is_wrong() -> None:
 @pytest.mark.parametrize(
     ("truth", "direction", "code"),
     [
-        (-4.4, Direction.CLOSER, ExitCode.DONE),  # 0.6 dB before, 0.1 dB now
-        (-4.75, Direction.AS_FAR, ExitCode.DONE),  # to the other side
-        (-5.1, Direction.FARTHER, ExitCode.FAILED),
-        (None, Direction.UNKNOWN, ExitCode.FAILED),
+        (-4.4, TruthDirection.CLOSER, ExitCode.DONE),  # 0.6 dB before, 0.1 dB now
+        (-4.75, TruthDirection.AS_FAR, ExitCode.DONE),  # to the other side
+        (-5.1, TruthDirection.FARTHER, ExitCode.FAILED),
+        (None, TruthDirection.UNKNOWN, ExitCode.FAILED),
     ],
 )
 @pytest.mark.parametrize("variant", [EXACT, CONVERGED], ids=["exact", "converged"])
@@ -313,7 +313,7 @@ def test_an_exact_motion_that_no_store_has_is_computed(before, tmp_path, monkeyp
     now = fill(tmp_path / "now.sqlite", SOFT, 0.5, monkeypatch)
     changes = compare_stores(before, now, compute=run_steady_states).changes
     at = {own.first.task["frequency_ratio"]: own for own in changes}
-    assert [at[eta].direction for eta in (0.3, 0.6, 0.9)] == [None, Direction.CLOSER, Direction.FARTHER]
+    assert [at[eta].direction for eta in (0.3, 0.6, 0.9)] == [None, TruthDirection.CLOSER, TruthDirection.FARTHER]
     exact = exact_steady_state(Chain.from_ratios(friction_ratio=0.3), HarmonicBase.from_ratio(Chain.from_ratios(), 0.9))
     assert at[0.9].error_db(at[0.9].second) == pytest.approx(abs(-4.5 - exact.transmittance_db), abs=1e-6)
 
@@ -335,8 +335,8 @@ def judged(old: dict[str, object], new: dict[str, object], true: dict[str, objec
     ],
 )
 def test_stick_and_slip_are_held_to_the_truth_too(old, new) -> None:
-    assert judged(old, new, {}).direction is Direction.CLOSER
-    assert judged(new, old, {}).direction is Direction.FARTHER
+    assert judged(old, new, {}).direction is TruthDirection.CLOSER
+    assert judged(new, old, {}).direction is TruthDirection.FARTHER
 
 
 def test_a_point_whose_numbers_disagree_goes_by_the_worst() -> None:
@@ -348,10 +348,10 @@ def test_a_point_whose_numbers_disagree_goes_by_the_worst() -> None:
 def test_a_steady_state_that_was_not_certified_before_is_gained() -> None:
     gained = judged({"status": "period limit"}, {}, {})
     assert gained.beyond == ("period limit before, converged now",)
-    assert gained.direction is Direction.CLOSER
+    assert gained.direction is TruthDirection.CLOSER
     assert not gained.fails()
-    assert judged({"status": "period limit"}, {"transmittance_db": -3.0}, {}).direction is Direction.FARTHER
-    assert judged({}, {"status": "period limit"}, {}).direction is Direction.LOST
+    assert judged({"status": "period limit"}, {"transmittance_db": -3.0}, {}).direction is TruthDirection.FARTHER
+    assert judged({}, {"status": "period limit"}, {}).direction is TruthDirection.LOST
 
 
 def test_versions_of_an_engine_are_compared_with_each_other(before, tmp_path, capsys) -> None:

@@ -6,7 +6,6 @@ import pytest
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from reference_lcp.stepping.euler import euler_simulation
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.catalogue.transient import inclined_chain
 from scenarios.catalogue.transient.inclined_chain import CASES, RESPONSE, SLIPS, STEPS_PER_PERIOD, InclinedChainScenario
@@ -15,7 +14,7 @@ from scenarios.execution.transient import run_transients
 from scenarios.verdicts.finding import Finding
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Verdict
-from tests.scenarios.in_process import evaluator, press_harder
+from tests.scenarios.in_process import departing, evaluator, incline_otherwise, press_harder
 
 ALL_CASES, THREE_PERIODS = CASES, 3 * STEPS_PER_PERIOD
 MUJOCO = Variant("mujoco", "contact")
@@ -34,33 +33,17 @@ def findings(*variants: Variant) -> list[Finding]:
         return run_with_predictions(InclinedChainScenario(), variants, running)
 
 
-def wrong(judged: list[Finding]) -> list[Finding]:
-    return [finding for finding in judged if finding.comparison.verdict is not Verdict.AGREE]
-
-
-def incline_otherwise(monkeypatch, factor: float) -> None:
-    """Make the contact of MuJoCo the reference with another inclination."""
-    build = Variant.build
-
-    def otherwise(self, lanes):
-        if self.engine != "mujoco":
-            return build(self, lanes)
-        return euler_simulation([dataclasses.replace(lane, inclination=factor * lane.inclination) for lane in lanes])
-
-    monkeypatch.setattr(Variant, "build", otherwise)
-
-
 @pytest.mark.parametrize("name", ["mujoco", "dart"])
 def test_engines_that_solve_normal_and_tangential_direction_together_agree(name) -> None:
     if engine(name).unavailable_reason() is not None:
         pytest.skip(f"{name} is not installed")
-    assert not wrong(findings(Variant(name, "contact"), REFERENCE))
+    assert not departing(findings(Variant(name, "contact"), REFERENCE))
 
 
 def test_ode_bounds_friction_by_a_normal_force_that_knows_no_friction() -> None:
     if engine("ode").unavailable_reason() is not None:
         pytest.skip("ODE is not installed")
-    judged = wrong(findings(Variant("ode", "contact")))
+    judged = departing(findings(Variant("ode", "contact")))
     assert {finding.metric for finding in judged} == {RESPONSE, SLIPS}
     assert all(finding.as_predicted for finding in judged)
 
@@ -69,7 +52,7 @@ def test_ode_pressed_a_hundredth_harder_is_not_as_its_law_predicts(monkeypatch) 
     if engine("ode").unavailable_reason() is not None:
         pytest.skip("ODE is not installed")
     press_harder(monkeypatch, Variant("ode", "contact"), 1.01)
-    judged = wrong(findings(Variant("ode", "contact")))
+    judged = departing(findings(Variant("ode", "contact")))
     assert judged
     assert not any(finding.as_predicted for finding in judged)
 
@@ -77,7 +60,7 @@ def test_ode_pressed_a_hundredth_harder_is_not_as_its_law_predicts(monkeypatch) 
 @pytest.mark.parametrize("factor", [-1.0, 0.0, 0.9], ids=["wrong sign", "none", "a tenth too small"])
 def test_another_inclination_moves_otherwise(factor, monkeypatch) -> None:
     incline_otherwise(monkeypatch, factor)
-    assert {finding.metric for finding in wrong(findings(MUJOCO))} >= {SLIPS}
+    assert {finding.metric for finding in departing(findings(MUJOCO))} >= {SLIPS}
 
 
 @pytest.mark.parametrize(

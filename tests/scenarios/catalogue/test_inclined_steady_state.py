@@ -1,19 +1,16 @@
 """Steady states of a chain with inclined contacts: engines that take part, and those that are wrong."""
 
-import dataclasses
-
 import pytest
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from reference_lcp.stepping.euler import euler_simulation
 from scenarios.catalogue.steady import inclined_steady_state
 from scenarios.catalogue.steady.inclined_steady_state import STUCK, InclinedSteadyState
 from scenarios.execution.store import opened_store
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Verdict
-from tests.scenarios.in_process import evaluator
+from tests.scenarios.in_process import departing, evaluator, incline_otherwise
 
 SLIDING = InclinedSteadyState.cases[0]
 MUJOCO = Variant("mujoco", "contact")
@@ -31,10 +28,6 @@ def findings(*variants: Variant) -> list[Finding]:
         return InclinedSteadyState().run(variants, running)
 
 
-def wrong(judged: list[Finding]) -> list[Finding]:
-    return [finding for finding in judged if finding.comparison.verdict is not Verdict.AGREE]
-
-
 def installed(name: str, preset: str = "tuned") -> Variant:
     if engine(name).unavailable_reason() is not None:
         pytest.skip(f"{name} is not installed")
@@ -43,33 +36,26 @@ def installed(name: str, preset: str = "tuned") -> Variant:
 
 @pytest.mark.parametrize(("name", "preset"), [("mujoco", "tuned"), ("dart", "sphere")])
 def test_engines_that_solve_normal_and_tangential_direction_together_agree(name, preset) -> None:
-    assert not wrong(findings(installed(name, preset), REFERENCE))
+    assert not departing(findings(installed(name, preset), REFERENCE))
 
 
 def test_ode_slides_under_a_normal_force_that_knows_no_friction() -> None:
     judged = findings(installed("ode"))
-    (transmittance,) = (finding for finding in wrong(judged) if finding.metric is TRANSMITTANCE)
+    (transmittance,) = (finding for finding in departing(judged) if finding.metric is TRANSMITTANCE)
     assert -0.3 < transmittance.comparison.difference < -0.1
 
 
 @pytest.mark.parametrize("factor", [0.0, 0.9], ids=["none", "a tenth too small"])
 def test_another_inclination_has_another_transmittance(factor, monkeypatch) -> None:
     """But for that of the other sign: the mirrored motion has the same."""
-    build = Variant.build
-
-    def otherwise(self, lanes):
-        if self.engine != "mujoco":
-            return build(self, lanes)
-        return euler_simulation([dataclasses.replace(lane, inclination=factor * lane.inclination) for lane in lanes])
-
-    monkeypatch.setattr(Variant, "build", otherwise)
-    assert TRANSMITTANCE in {finding.metric for finding in wrong(findings(MUJOCO))}
+    incline_otherwise(monkeypatch, factor)
+    assert TRANSMITTANCE in {finding.metric for finding in departing(findings(MUJOCO))}
 
 
 def test_stuck_chain_is_the_linear_one(monkeypatch) -> None:
     monkeypatch.setattr(InclinedSteadyState, "cases", (STUCK,))
     judged = findings(REFERENCE, installed("ode"))
-    assert not wrong(judged)
+    assert not departing(judged)
     assert {abs(finding.expected + 0.503) < 1e-3 for finding in judged if finding.metric is TRANSMITTANCE} == {True}
 
 

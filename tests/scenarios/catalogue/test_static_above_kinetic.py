@@ -17,10 +17,10 @@ from scenarios.catalogue.block.static_above_kinetic import (
     FOLLOWED,
     JUMP,
     JUMP_TIME,
-    PULLS,
+    RELEASES,
     RISE_TIME,
     TIME_STEP,
-    Pull,
+    Release,
     StaticAboveKinetic,
     read,
 )
@@ -41,32 +41,32 @@ def findings(*variants: Variant) -> list[Finding]:
 
 @pytest.fixture
 def one_scale(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(static_above_kinetic, "PULLS", {KILOGRAM: PULLS[KILOGRAM]})
+    monkeypatch.setattr(static_above_kinetic, "RELEASES", {KILOGRAM: RELEASES[KILOGRAM]})
 
 
-def jump_under_growing_load(pull: Pull) -> float:
+def jump_under_growing_load(release: Release) -> float:
     """First rest of s̈ + Ω² s = Ω² (ΔF + Ḟ t) / k from rest, ΔF = (μ_s − μ_k) λ_N, over 2 ΔF / k.
 
     ṡ = 0 where tan(Ωt / 2) = −Ω ΔF / Ḟ, and there s = (ΔF (1 − cos Ωt) + Ḟ (t − sin Ωt / Ω)) / k.
     """
-    omega, left = math.pi / JUMP_TIME, pull.static_ratio - 1
-    rate = pull.static_ratio * (pull.load(RISE_TIME + 1e-6) - pull.load(RISE_TIME - 1e-6)) / 2e-6 / omega
+    omega, left = math.pi / JUMP_TIME, release.static_ratio - 1
+    rate = release.static_ratio * (release.load(RISE_TIME + 1e-6) - release.load(RISE_TIME - 1e-6)) / 2e-6 / omega
     angle = 2 * (math.pi - math.atan(left / rate))
     return (left * (1 - math.cos(angle)) + rate * (angle - math.sin(angle))) / (2 * left)
 
 
-@pytest.mark.parametrize("pull", PULLS.values(), ids=str)
-def test_exact_block_holds_the_static_bound_and_jumps_as_the_oscillator_does(pull) -> None:
+@pytest.mark.parametrize("release", RELEASES.values(), ids=str)
+def test_exact_block_holds_the_static_bound_and_jumps_as_the_oscillator_does(release) -> None:
     """But for the sine, whose growth falls during the jump: that is up to a hundredth of it."""
-    (result,) = run_transients([pull.task(EXACT)])
-    numbers = read(pull, result.series)
+    (result,) = run_transients([release.task(EXACT)])
+    numbers = read(release, result.series)
     counts = math.asin(FAST) / math.pi * JUMP_TIME
-    assert numbers[BREAKAWAY] == pytest.approx(pull.load(RISE_TIME + counts), abs=pull.two_steps)
-    assert numbers[JUMP] == pytest.approx(jump_under_growing_load(pull), rel=0.01)
+    assert numbers[BREAKAWAY] == pytest.approx(release.load(RISE_TIME + counts), abs=release.two_steps)
+    assert numbers[JUMP] == pytest.approx(jump_under_growing_load(release), rel=0.01)
 
 
 def test_block_rests_where_it_has_jumped_to() -> None:
-    (result,) = run_transients([PULLS[KILOGRAM].task(EXACT)])
+    (result,) = run_transients([RELEASES[KILOGRAM].task(EXACT)])
     slip = np.array(result.series["slip"])
     rested = round((RISE_TIME + 1.5 * JUMP_TIME) / TIME_STEP)
     assert rested < FOLLOWED * RISE_TIME / TIME_STEP
@@ -123,12 +123,12 @@ def test_engine_with_one_coefficient_is_blocked_with_the_reason(one_scale) -> No
 
 @pytest.mark.parametrize("ratio", [0.9, math.nan])
 def test_static_friction_below_kinetic_friction_is_refused(ratio) -> None:
-    lane = PULLS[KILOGRAM].task(REFERENCE).lane()
+    lane = RELEASES[KILOGRAM].task(REFERENCE).lane()
     with pytest.raises(ParameterError, match="static_ratio"):
         dataclasses.replace(lane, static_ratio=ratio)
 
 
 def test_tasks_without_static_friction_keep_their_keys() -> None:
-    task = PULLS[KILOGRAM].task(REFERENCE)
+    task = RELEASES[KILOGRAM].task(REFERENCE)
     assert "static_ratio" in task.content()["task"]
     assert "static_ratio" not in dataclasses.replace(task, static_ratio=1.0).content()["task"]
