@@ -21,7 +21,14 @@ from scenarios.studies.friction_map import (
     friction_map,
     map_sweep,
 )
-from scenarios.studies.work_precision import STUDY_STEPS, StepPoint, exact_step_tasks, step_study, step_tasks
+from scenarios.studies.work_precision import (
+    STUDY_STEPS,
+    StepPoint,
+    coarse_steps,
+    exact_step_tasks,
+    step_tasks,
+    thrifty_step_study,
+)
 from scenarios.sweeps.compared import compare_sweep, judged_points
 from scenarios.sweeps.dataset_check import recorded_variants
 from scenarios.sweeps.dataset_results import DatasetResults
@@ -53,7 +60,8 @@ class Scope:
     map_friction_ratios, map_frequency_ratios
         Grid of the friction map.
     steps
-        Steps a period at which every variant is simulated at six points; what the store holds of others is shown too.
+        Steps a period at which every variant is simulated at six points, `FINEST_STEPS` only where its error still
+        falls; what the store holds of others is shown too.
     starts
         Fewest points of each variant whose steady state is searched from harmonic balance too.
     beside
@@ -157,21 +165,10 @@ def _has_step_study(sweep: Sweep) -> bool:
 def _step_study(
     sweep: Sweep, scope: Scope, evaluator: Evaluator, stored: StoredResults
 ) -> tuple[StepPoint, ...] | None:
-    """Give error and cost by steps under the drive of the sweep; ``None`` for other chains.
-
-    Those of the scope come from the evaluator, all others from what is stored.
-    """
+    """Give error and cost by steps under the drive of the sweep; ``None`` for other chains."""
     if not _has_step_study(sweep):
         return None
-    others = [steps for steps in STUDY_STEPS if steps not in scope.steps]
-    parts = ((evaluator, scope.steps), (stored, others)) if scope.steps else ((stored, others),)
-    study = [
-        point
-        for source, steps in parts
-        for point in step_study(sweep.variants, source, sweep.excitation, steps)
-        if point.evaluated or point.reason
-    ]
-    return tuple(sorted(study, key=lambda point: (sweep.variants.index(point.variant), point.steps_per_period)))
+    return tuple(thrifty_step_study(sweep.variants, evaluator, stored, sweep.excitation, scope.steps))
 
 
 def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
@@ -181,7 +178,8 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
     if mapped is not None:
         tasks += mapped.tasks()
     if scope.steps and _has_step_study(sweep):
-        tasks += [task for variant in sweep.variants for task in step_tasks(variant, sweep.excitation, scope.steps)]
+        steps = coarse_steps(scope.steps)
+        tasks += [task for variant in sweep.variants for task in step_tasks(variant, sweep.excitation, steps)]
         tasks += exact_step_tasks(sweep.excitation)
     tasks += exact_tasks(sweep, [(case, eta) for case in sweep.cases for eta in sweep.frequency_ratios]).values()
     return list(dict.fromkeys([*tasks, *_recorded_tasks(sweep, scope.recorded_points).values()]))

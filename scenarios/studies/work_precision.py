@@ -13,8 +13,14 @@ from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import DEFAULT_EXCITATION, SteadyStateTask
 from scenarios.verdicts.steady_case import EXACT
 
-STUDY_STEPS = (50, 100, 200, *ORDER_STEPS, 3200, 6400)
+FINEST_STEPS = (3200, 6400)
+"""Steps a period that are worth their time only where the error still falls with the step."""
+
+STUDY_STEPS = (50, 100, 200, *ORDER_STEPS, *FINEST_STEPS)
 """Steps a period of the whole study: from what games take, a few steps a stick, to errors of a thousandth of a dB."""
+
+STILL_FALLS = 0.9
+"""Error after twice the steps over the error before: 1/2 for a first-order scheme, 1 where the law itself is off."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +102,48 @@ def step_study(
         for variant, own in tasks.items()
         for number in steps
     )
+
+
+def thrifty_step_study(
+    variants: Sequence[Variant], evaluator: Evaluator, stored: Evaluator, excitation: Excitation, steps: Sequence[int]
+) -> list[StepPoint]:
+    """Compare as `step_study` does, at `FINEST_STEPS` only where the error still falls.
+
+    Parameters
+    ----------
+    variants, evaluator, excitation, steps
+        As of `step_study`.
+    stored
+        Gives what is known already, at any of `STUDY_STEPS`: all of it is in the study.
+
+    Returns
+    -------
+    list of StepPoint
+        By variant, then by number of steps; without those that nothing is known of.
+    """
+    study: dict[tuple[Variant, int], StepPoint] = {}
+
+    def add(source: Evaluator, chosen: Sequence[Variant], numbers: Sequence[int]) -> None:
+        if numbers:
+            for point in step_study(chosen, source, excitation, numbers):
+                study.setdefault((point.variant, point.steps_per_period), point)
+
+    add(evaluator, variants, coarse_steps(steps))
+    falling = [variant for variant in variants if _falls([p for p in study.values() if p.variant == variant])]
+    add(evaluator, falling, [number for number in steps if number in FINEST_STEPS])
+    add(stored, variants, STUDY_STEPS)
+    known = (point for point in study.values() if point.evaluated or point.reason)
+    return sorted(known, key=lambda point: (variants.index(point.variant), point.steps_per_period))
+
+
+def coarse_steps(steps: Iterable[int]) -> list[int]:
+    """Give the numbers of steps at which every variant is simulated."""
+    return [number for number in steps if number not in FINEST_STEPS]
+
+
+def _falls(points: Sequence[StepPoint]) -> bool:
+    """Whether the error falls from the last but one number of steps to the last, or is not known."""
+    return len(points) < 2 or not points[-1].error_db > STILL_FALLS * points[-2].error_db
 
 
 def _step_point(

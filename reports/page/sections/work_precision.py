@@ -6,6 +6,7 @@ from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
 from reports.figures.figure import Figure
 from reports.figures.work_precision import convergence_figure, curves, work_precision_figure
 from reports.page.section import Section
+from scenarios.studies.work_precision import FINEST_STEPS
 
 
 class WorkPrecision(Section):
@@ -44,5 +45,6 @@ class WorkPrecision(Section):
             "rows": [point for point in steps if point.evaluated],
             "points": STICK_SLIP_POINTS,
             "steps": sorted({point.steps_per_period for point in steps if point.evaluated}),
+            "finest": FINEST_STEPS[0],
             "absent": absent,
         }

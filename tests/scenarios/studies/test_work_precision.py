@@ -1,6 +1,7 @@
 """What accuracy costs: the Euler scheme's error halves with its step, and what is missing is said."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -13,9 +14,16 @@ from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.store import ResultStore
 from scenarios.studies.accuracy import ORDER_STEPS
-from scenarios.studies.work_precision import STUDY_STEPS, exact_step_tasks, step_study, step_tasks
+from scenarios.studies.work_precision import (
+    STUDY_STEPS,
+    exact_step_tasks,
+    step_study,
+    step_tasks,
+    thrifty_step_study,
+)
 from scenarios.tasks.parameters import Excitation
 from scenarios.tasks.result import Result
+from scenarios.tasks.task import DEFAULT_EXCITATION, SteadyStateTask
 
 REFERENCE = Variant("reference")
 EXACT = Result(status="converged", transmittance_db=-5.0)
@@ -93,3 +101,27 @@ def test_other_numbers_of_steps_than_those_of_the_order_are_a_study_too(store: R
     assert [point.evaluated for point in points] == [6, 0, 0, 0, 0, 0, 0, 6]
     assert points[0].error_db == pytest.approx(4 / 50)
     assert points[-1].error_db == pytest.approx(4 / 6400)
+
+
+def test_the_finest_steps_are_not_run_where_the_error_of_a_law_stays(store: ResultStore) -> None:
+    """A law that is off by 0.3 dB is off at every step; what is known of it already is shown all the same."""
+    off = Variant("mujoco", "joint", "default")
+    asked: list[tuple[Variant, int]] = []
+
+    class Answers(StoredResults):
+        def evaluate(self, tasks: Sequence[SteadyStateTask]) -> list[Result]:
+            asked.extend((task.variant, task.steps_per_period) for task in tasks if task.variant in (REFERENCE, off))
+            errors = {REFERENCE: 0.0, off: 0.3}
+            return [
+                answer(task.steps_per_period, transmittance_db=-5 + 4 / task.steps_per_period + errors[task.variant])
+                if task.variant in errors
+                else EXACT
+                for task in tasks
+            ]
+
+    store.keep((task, answer(6400)) for task in step_tasks(off, steps=(6400,)))
+    with_exact(store)
+    study = thrifty_step_study([off, REFERENCE], Answers(store), StoredResults(store), DEFAULT_EXCITATION, STUDY_STEPS)
+    assert {steps for variant, steps in asked if variant == off} == {50, 100, 200, 400, 800, 1600}
+    assert {steps for variant, steps in asked if variant == REFERENCE} == set(STUDY_STEPS)
+    assert [point.steps_per_period for point in study if point.variant == off] == [50, 100, 200, 400, 800, 1600, 6400]
