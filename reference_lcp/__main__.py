@@ -16,7 +16,7 @@ import typer
 
 from reference_lcp.chain import canonical
 from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.console import checked_output_file, run_command
+from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.refusal import ParameterError
 from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL
@@ -70,7 +70,10 @@ def run(
         return
     from reference_lcp.chain.harmonic import HarmonicBase
     from reference_lcp.chain.mass_in_mass import Chain
+    from reference_lcp.cli.picture import check_picture
+    from reference_lcp.cli.steady_state import show_steady_state
     from reference_lcp.compilation import announce_compilation
+    from reference_lcp.one_call import steady_state
 
     announce_compilation()
     chain = Chain.from_ratios(
@@ -83,26 +86,12 @@ def run(
         base_amplitude=base_amplitude,
     )
     drive = HarmonicBase.from_ratio(chain, frequency_ratio, base_amplitude)
-    if plot is not None:
-        _check_picture(plot)
-    from reference_lcp.cli.steady_state import print_steady_state
-    from reference_lcp.one_call import steady_state
-
+    check_picture(plot)
     state = steady_state(
-        chain,
-        drive,
-        steps_per_period=steps_per_period,
-        solver=solver,
-        tolerance=tolerance,
-        max_periods=max_periods,
-        with_error_bar=error_bar,
-        with_exact_value=exact_value,
-    )
-    print_steady_state(state, steps_per_period, as_json=as_json)
-    if plot is not None:
-        from reference_lcp.accuracy.plot import plot_period
-
-        plot_period(state.orbit, plot)
+        chain, drive, steps_per_period=steps_per_period, solver=solver, tolerance=tolerance, max_periods=max_periods,
+        with_error_bar=error_bar, with_exact_value=exact_value,
+    )  # fmt: skip
+    show_steady_state(state, steps_per_period, plot, as_json=as_json)
     raise typer.Exit(ExitCode.DONE if state.orbit.converged else ExitCode.FAILED)
 
 
@@ -138,10 +127,10 @@ def print_convergence(
 
     Example: python -m reference_lcp convergence --plot convergence.png
     """
-    if plot is not None:
-        _check_picture(plot)
+    from reference_lcp.cli.picture import check_picture
     from reference_lcp.cli.studies import print_studies
 
+    check_picture(plot)
     print_studies(plot, as_json=as_json)
 
 
@@ -162,13 +151,6 @@ def print_coverage(
     from reference_lcp.cli.studies import print_covered
 
     print_covered(chains, seed, as_json=as_json)
-
-
-def _check_picture(plot: Path) -> None:
-    """Refuse a file that cannot be written, or whose ending names no format."""
-    from reference_lcp.accuracy.plot import checked_picture_format
-
-    checked_picture_format(checked_output_file("plot file", plot))
 
 
 if __name__ == "__main__":

@@ -17,7 +17,6 @@ import typer
 
 from engines.completion import complete_variant
 from reference_lcp.console import run_command
-from reference_lcp.refusal import ParameterError
 from reports.cli.animate import animate
 from reports.cli.card import card
 from reports.cli.compare import compare
@@ -99,25 +98,16 @@ def report(
     check_retry(ask, retry_blocked)
     names = with_settings(chosen, settings)
     from reports.cli import report as command
+    from reports.write import STORE
 
     if data is not None:
-        if sweep is not None or names or quick:
-            raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
-        command.report_of_dataset(data, out)
+        command.report_of_dataset(data, out, alone=not (sweep or names or quick))
         return
-    from reports.data.collect import QUICK, Scope
-    from reports.write import STORE
+    planned = command.planned_report(names, sweep, quick=quick, stored_in=None if ask else store or out / STORE)
     from scenarios.execution.dask_cluster import executor_for
 
-    stored = None if ask or names or sweep or quick else store or out / STORE
-    planned = command.planned_sweep(names, sweep, quick=quick) if stored is None else command.stored_sweep(stored)
-    named = names or sweep or stored
-    scope = (QUICK if quick else Scope()) if named else command.default_scope(planned, quick=quick)
     executor = executor_for(workers, time_limit, scheduler)
-    command.report_of_sweep(
-        planned, out, store, executor, command.command_of(names, quick, sweep, stored), file=sweep,
-        scope=scope, ask=ask, retry_blocked=retry_blocked,
-    )  # fmt: skip
+    command.report_of_sweep(planned, out, store, executor, file=sweep, ask=ask, retry_blocked=retry_blocked)
 
 
 if __name__ == "__main__":

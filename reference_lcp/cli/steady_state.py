@@ -2,24 +2,28 @@
 
 import json
 import math
+from pathlib import Path
 
 from rich.console import Console
 
 from reference_lcp.accuracy.error_bar import ErrorBar
+from reference_lcp.accuracy.plot import plot_period
 from reference_lcp.chain.step_limits import LARGEST_PHASE_STEP
 from reference_lcp.observables.stick_slip import Transition
 from reference_lcp.one_call import SteadyState
 from reference_lcp.terminal_table import print_table
 
 
-def print_steady_state(state: SteadyState, requested: int, *, as_json: bool) -> None:
-    """Print a steady state, with the reason for more steps a period than were requested, if there is one."""
+def show_steady_state(state: SteadyState, requested: int, plot: Path | None, *, as_json: bool) -> None:
+    """Print a steady state, with the reason for more steps than were requested, and draw it into a file, if any."""
     reason = _why_more_steps(state, requested)
     if as_json:
         steps = {"steps_per_period_requested": requested, "why_more_steps": reason}
         print(json.dumps(state.as_dict() | steps, indent=2))
     else:
         _print(state, reason)
+    if plot is not None:
+        plot_period(state.orbit, plot)
 
 
 def _print(state: SteadyState, why_more_steps: str | None) -> None:

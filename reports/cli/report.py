@@ -3,7 +3,7 @@
 import shlex
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import typer
@@ -22,6 +22,7 @@ from reports.write import STORE, Written, check_folder, write_dataset_report, wr
 from scenarios.catalogue.verdict_table import verdict_table
 from scenarios.execution.executor import Executor
 from scenarios.execution.store_file import existing_store
+from scenarios.studies.as_installed import FEW_POINTS, QUICK_POINTS
 from scenarios.studies.figure3 import (
     FRICTION_RATIOS,
     QUICK_FRICTION_RATIOS,
@@ -41,16 +42,35 @@ from scenarios.tasks.task import SteadyStateTask
 PROGRAM = ("python", "-m", "reports")
 
 
-def report_of_dataset(data: Path, out: Path) -> None:
-    """Write the report of a dataset; nothing is run."""
+@dataclass(frozen=True)
+class PlannedReport:
+    """What a report shows: its sweep, the parts beside its grid, and the command that gives the same numbers."""
+
+    sweep: Sweep
+    scope: Scope
+    command: str
+
+
+def report_of_dataset(data: Path, out: Path, *, alone: bool) -> None:
+    """Write the report of a dataset, which has to be `alone`; nothing is run."""
+    if not alone:
+        raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
     _end(write_dataset_report(read_dataset(data), out, shlex.join([*PROGRAM, "--data", str(data)]), data))
 
 
-def planned_sweep(chosen: Sequence[str], sweep: Path | None, *, quick: bool) -> Sweep:
-    """Read a sweep from its file, or give that of Figure 3; before any work."""
-    if sweep is not None:
-        return _sweep(sweep, chosen, quick)
-    return _figure3(variants_named(chosen), quick) if chosen else _default_sweep(quick)
+def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stored_in: Path | None) -> PlannedReport:
+    """Plan a report before any work: of a sweep's file, named variants, all that is stored, or the default one."""
+    scope = QUICK if quick else Scope()
+    if file is not None:
+        return PlannedReport(_sweep(file, names, quick), scope, command_of(names, quick, file))
+    if names:
+        return PlannedReport(_figure3(variants_named(names), quick), scope, command_of(names, quick, None))
+    if stored_in is not None and not quick:
+        stored = stored_sweep(stored_in)
+        scope = Scope(beside=_beside(stored), beside_points=(*FEW_POINTS, *QUICK_POINTS))
+        return PlannedReport(stored, scope, command_of((), False, None, stored_in))
+    planned = _default_sweep(quick)
+    return PlannedReport(planned, replace(scope, beside=_beside(planned)), command_of((), quick, None))
 
 
 def stored_sweep(store: Path) -> Sweep:
@@ -64,14 +84,12 @@ def stored_sweep(store: Path) -> Sweep:
 
 
 def report_of_sweep(
-    planned: Sweep,
+    planned: PlannedReport,
     out: Path,
     store: Path | None,
     executor: Executor,
-    command: str,
     *,
     file: Path | None,
-    scope: Scope,
     ask: bool,
     retry_blocked: bool,
 ) -> None:
@@ -83,8 +101,9 @@ def report_of_sweep(
     check_folder("--out", out, [store, file])
     try:
         written = write_sweep_report(
-            planned, out, command, store=store, ask=ask, scope=scope, executor=executor, retry_blocked=retry_blocked
-        )
+            planned.sweep, out, planned.command,
+            store=store, ask=ask, scope=planned.scope, executor=executor, retry_blocked=retry_blocked,
+        )  # fmt: skip
     except KeyboardInterrupt:
         announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
         raise typer.Exit(ExitCode.INTERRUPTED) from None
@@ -113,10 +132,9 @@ def _default_sweep(quick: bool) -> Sweep:
     return replace(planned, variants=tuple(variant for variant in planned.variants if variant not in unpredicted))
 
 
-def default_scope(planned: Sweep, *, quick: bool) -> Scope:
-    """Give the parts of the default report: every other default variant is compared at a few points."""
-    beside = tuple(variant for variant in default_variants() if variant not in planned.variants)
-    return replace(QUICK if quick else Scope(), beside=beside)
+def _beside(planned: Sweep) -> tuple[Variant, ...]:
+    """Give every other default variant: these are compared at a few points."""
+    return tuple(variant for variant in default_variants() if variant not in planned.variants)
 
 
 def _is_predicted(task: SteadyStateTask) -> bool:

@@ -16,7 +16,7 @@ from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.dataset import description_of
 from scenarios.sweeps.start_check import StartCheck
-from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.verdicts.finding import FLOOR_DB
 
 PACKAGES = ("multibody-xval", "numpy", "scipy", "numba")
@@ -54,11 +54,7 @@ def provenance(
         "packages": {package: version(package) for package in PACKAGES},
         "variants": [_variant(result, findings[variant], recorded.get(str(variant))) for variant in sweep.variants],
         "chain": {name: value for name, value in sweep.ratios.as_data().items() if name not in sweep.axes},
-        "drive": {
-            "kind": sweep.excitation.kind,
-            "amplitude": sweep.excitation.amplitude,
-            "description": drive_description(sweep),
-        },
+        "drive": _drive(sweep),
         **{_plural(name): list(values) for name, values in sweep.axes.items() if name != "frequency_ratio"},
         "frequency_ratios": {_name(case): _grid(result, case) for case in sweep.cases},
         "band": {
@@ -71,23 +67,31 @@ def provenance(
             f"dt = period / steps per period, with at least {sweep.fewest_steps} steps and as many as "
             f"dt ω_max ≤ {LARGEST_PHASE_STEP:g} needs, ω_max being the highest natural frequency of the linear chain"
         ),
-        "starts": [
-            {
-                "variant": str(check.variant),
-                "title": check.variant.title,
-                "searched_both_ways": check.searched,
-                "elsewhere": check.elsewhere,
-            }
-            for check in starts
-        ],
-        "tolerances": {
-            "residual": DEFAULT_RESIDUAL,
-            "floor_db": FLOOR_DB,
-            "given": None
-            if sweep.tolerance is None
-            else {"transmittance_db": sweep.tolerance.transmittance_db, "baseline": str(sweep.tolerance.baseline)},
-        },
+        "starts": [_start(check) for check in starts],
+        "tolerances": {"residual": DEFAULT_RESIDUAL, "floor_db": FLOOR_DB, "given": _given_tolerance(sweep)},
     }
+
+
+def _drive(sweep: Sweep) -> dict[str, Any]:
+    drive = sweep.excitation
+    return {"kind": drive.kind, "amplitude": drive.amplitude, "description": drive_description(sweep)}
+
+
+def _start(check: StartCheck) -> dict[str, Any]:
+    return {
+        "variant": str(check.variant),
+        "title": check.variant.title,
+        "searched_both_ways": check.searched,
+        "elsewhere": check.elsewhere,
+    }
+
+
+def _given_tolerance(sweep: Sweep) -> dict[str, Any] | None:
+    """Give the tolerance that the sweep sets itself, and what it is measured from."""
+    given = sweep.tolerance
+    if given is None:
+        return None
+    return {"transmittance_db": given.transmittance_db, "baseline": str(given.baseline)}
 
 
 def _variant(result: ComparedSweep, own: VariantFindings, recorded: Mapping[str, Any] | None) -> dict[str, Any]:

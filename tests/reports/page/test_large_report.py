@@ -74,9 +74,9 @@ def test_twenty_thousand_points_are_a_page_of_less_than_five_mebibytes(tmp_path:
     variants = [variant for name in installed for variant in variants_of(name)]
     sweep, store = tmp_path / "sweep.toml", tmp_path / "results.sqlite"
     sweep.write_text(sweep_text(variants))
-    from reports.cli.report import planned_sweep
+    from reports.cli.report import planned_report
 
-    asked = planned_sweep([], sweep, quick=False)
+    asked = planned_report([], sweep, quick=False, stored_in=None).sweep
     assert len(read_sweep(sweep).variants) == len(variants)
     with ResultStore(store) as kept:
         result = compare_sweep(asked, Inventor(kept))
