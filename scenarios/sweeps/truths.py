@@ -15,7 +15,7 @@ from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import FLOOR_DB
 from scenarios.verdicts.pointwise import CONVERGED, PointResults
-from scenarios.verdicts.steady_case import EXACT
+from scenarios.verdicts.steady_case import EXACT, MOST_EXACT_CELLS
 from scenarios.verdicts.truth_error import TrueTransmittance, TruthError, truth_error, truth_of
 
 Truths = Mapping[tuple[Case, float], TrueTransmittance]
@@ -23,9 +23,6 @@ Truths = Mapping[tuple[Case, float], TrueTransmittance]
 
 MOST_EXACT_POINTS = 500
 """Points beyond which none is computed exactly: one takes a tenth of a second, and these a minute of one processor."""
-
-MOST_EXACT_CELLS = 10
-"""Cells beyond which no exact motion is computed: every contact adds events, each of which all cells take part in."""
 
 TRUTH_VARIABLES = {
     "truth_db": ("dB", "transmittance of the exact motion; of the converged reference where that is not known"),

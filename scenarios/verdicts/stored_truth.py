@@ -12,11 +12,8 @@ from reference_lcp.refusal import ParameterError
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import EXACT
+from scenarios.verdicts.steady_case import EXACT, MOST_EXACT_CELLS
 from scenarios.verdicts.stored_results import StoredResult
-
-MOST_CELLS = 20
-"""Cells of the longest chain whose exact motion is computed here: two seconds; a tenth of one for the paper's seven."""
 
 NOT_OF_THE_CASE = ("variant", "steps_per_period", "start", "recorded")
 """What of a task says how its steady state is found, and not which."""
@@ -57,7 +54,7 @@ def truths_of(
     stored
         Results in which it may be.
     compute
-        Computes exact motions of up to `MOST_CELLS` cells; ``None`` where none is to be computed.
+        Computes exact motions of up to `MOST_EXACT_CELLS` cells; ``None`` where none is to be computed.
 
     Returns
     -------
@@ -97,4 +94,4 @@ def _exact_task(case: str) -> SteadyStateTask | None:
         task = _TASK.validate_python({**json.loads(case), "variant": EXACT})
     except (ValidationError, ParameterError):
         return None
-    return task if task.ratios.cells <= MOST_CELLS else None
+    return task if task.ratios.cells <= MOST_EXACT_CELLS else None
