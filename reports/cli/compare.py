@@ -24,6 +24,9 @@ def compare(
     transition: Annotated[
         float, typer.Option(help="Largest change of the time of a transition, over the period, that is none.")
     ] = Thresholds.transition,
+    motion: Annotated[
+        float, typer.Option(help="Largest change of a transient motion, over its displacement scale, that is none.")
+    ] = Thresholds.motion,
     strict: Annotated[
         bool, typer.Option("--strict", help="Let every change fail, one closer to the truth too.")
     ] = False,
@@ -45,7 +48,8 @@ def compare(
 
     Points are matched by their tasks; version and options may differ, and differences of them are named. Each changed
     point is closer to the truth than before, farther from it, or as far: the truth is the exact motion, or the
-    converged reference of either store. A point that was blocked before cannot fail.
+    converged reference of either store; of a transient motion the reference's with finer steps too. A point that was
+    blocked before cannot fail.
     Exit code 0: nothing has changed for the worse; 1: a point is farther from the truth, lost, blocked now, no longer
     finite, or changed where the truth is not known; 2: wrong input, no point in common, or results of different
     formats; 3: --out could not be written at the end; 130: interrupted.
@@ -55,5 +59,5 @@ def compare(
     outs = check_outs(out, ENDINGS, [first, second])
     from reports.cli.changes import print_changes
 
-    thresholds = Thresholds(decibel, stuck_fraction, transition)
+    thresholds = Thresholds(decibel, stuck_fraction, transition, motion)
     print_changes(first, second, thresholds, outs, strict=strict, exact=exact)

@@ -20,16 +20,25 @@ MOST_SHOWN = 10
 MOST_FOLDED = 200
 """Points that are folded; with as many the document has a third of the 65,536 characters of a comment on GitHub."""
 
+POINT_NAMES = {
+    "friction_ratio": "μ", "frequency_ratio": "η_r", "steps_per_period": "steps",
+    "kind": "base:", "mass": "m [kg]", "normal_force": "λ_N [N]", "slip": "slip [m]", "slip_velocity": "ġ [m/s]",
+    "carrier_velocity": "u̇ [m/s]", "time_step": "dt [s]",
+}  # fmt: skip
+"""What names a point within its variant: of a steady state, and of a motion."""
+
 
 def point_text(change: Change) -> str:
     """Name the point of a change within its variant."""
     task = change.first.task
-    names = {"friction_ratio": "μ", "frequency_ratio": "η_r", "steps_per_period": "steps"}
-    known = [f"{short} {_short(task[name])}" for name, short in names.items() if task.get(name) is not None]
+    values = {**task, **task.get("base", {}), **task.get("block", {})}
+    known = [f"{short} {_short(values[name])}" for name, short in POINT_NAMES.items() if values.get(name) is not None]
     return ", ".join(known)
 
 
 def _short(value: Any) -> str:
+    if isinstance(value, str):
+        return value
     return f"{value:g}" if isinstance(value, int | float) else f"({', '.join(f'{number:g}' for number in value)})"
 
 
@@ -65,6 +74,7 @@ CHANGE_COLUMNS: tuple[Column[Change], ...] = (
     Column("stuck_fraction_change", lambda change: change.differences.get("stuck fraction", math.nan)),
     Column("transition_change", lambda change: change.differences.get("transition", math.nan)),
     Column("unmatched_transitions", lambda change: change.differences.get("unmatched", math.nan)),
+    Column("motion_change", lambda change: change.differences.get("motion", math.nan)),
     BEFORE_COLUMN,
     NOW_COLUMN,
     Column("truth", lambda change: None if change.truth is None else change.truth.source),
@@ -222,7 +232,8 @@ def _explanation(regression: Regression) -> list[str]:
         f"From `{regression.before}` to `{regression.now}`; *before* and *now* are errors of the transmittance to the "
         f"exact motion, or to the converged reference. A change is one of more than {limits.transmittance_db:g} dB, of "
         f"{limits.stuck_fraction:g} of a contact's stuck fraction, of {limits.transition:g} periods in the time of a "
-        f"transition, or a transition without a partner. What fails: {fails}."
+        f"transition, a transition without a partner, or {limits.motion:.2g} of the displacement scale in a transient "
+        f"motion. What fails: {fails}."
     ]
 
 

@@ -25,6 +25,9 @@ NUMBERS = ("transmittance_db", "residual", "period", "stuck_fraction", "creep", 
 TRANSITION_TIME = "time of a transition"
 """Beside them; a transition that is gone is one without a partner."""
 
+MOTIONS = ("response", "slip", "slips", "swing", "offsets")
+"""Series of displacements over the displacement scale, see `scenarios.execution.transient`."""
+
 BEST_FIRST = (
     (ResultStatus.CONVERGED, ResultStatus.FINISHED),
     (ResultStatus.PERIOD_LIMIT,),
@@ -57,7 +60,7 @@ class TruthDirection(StrEnum):
 
 @dataclass(frozen=True)
 class Measure:
-    """A number by which two steady states of one task differ.
+    """A number by which two steady states, or two motions, of one task differ.
 
     Parameters
     ----------
@@ -77,8 +80,10 @@ class Measure:
     pattern: str
 
 
-def measures(thresholds: Thresholds) -> tuple[Measure, ...]:
-    """Give what is compared of two steady states."""
+def measures(thresholds: Thresholds, status: ResultStatus) -> tuple[Measure, ...]:
+    """Give what is compared of two motions (`FINISHED`), or of two steady states."""
+    if status is ResultStatus.FINISHED:
+        return (Measure("motion", _motion_difference, thresholds.motion, "motion {:.3g} of its scale"),)
     return (
         Measure("transmittance", transmittance_difference, thresholds.transmittance_db, "transmittance {:+.4g} dB"),
         Measure("stuck fraction", _stuck_difference, thresholds.stuck_fraction, "stuck fraction {:.3g}"),
@@ -109,6 +114,14 @@ def _unmatched(result: Result, other: Result) -> float:
     """Give the number of transitions of either that the other one does not have."""
     match = _match(result, other)
     return len(match.missed) + len(match.spurious)
+
+
+def _motion_difference(result: Result, other: Result) -> float:
+    """Give the largest difference of `MOTIONS` at any time; NaN where one of them has none of the other's."""
+    both = [(result.series[name], other.series[name]) for name in MOTIONS if name in {*result.series} & {*other.series}]
+    if not both or any(len(one) != len(two) for one, two in both):
+        return math.nan
+    return max(float(np.max(np.abs(np.subtract(one, two)), initial=0.0)) for one, two in both)
 
 
 def _match(result: Result, other: Result) -> TransitionMatch:
@@ -328,7 +341,7 @@ def change(first: StoredResult, second: StoredResult, thresholds: Thresholds) ->
     lost = _lost_numbers(old, new)
     if lost or not _comparable(old, new):
         return Change(first, second, {}, lost=lost, gained=status)
-    distances = [(measure, measure.distance(new, old)) for measure in measures(thresholds)]
+    distances = [(measure, measure.distance(new, old)) for measure in measures(thresholds, new.status)]
     return Change(
         first,
         second,
@@ -344,7 +357,9 @@ def _rank(result: Result) -> int:
 
 
 def _comparable(old: Result, new: Result) -> bool:
-    """Whether the numbers of a new steady state can be compared with those before, certified or not."""
+    """Whether the numbers of a motion, or a new steady state can be compared with those before, certified or not."""
+    if new.status is ResultStatus.FINISHED:
+        return old.status is ResultStatus.FINISHED
     return new.converged and old.status in (ResultStatus.CONVERGED, ResultStatus.PERIOD_LIMIT)
 
 

@@ -1,4 +1,4 @@
-"""What is true of a steady state in a store: the exact motion, or the reference's converged one."""
+"""What is true of a steady state or a motion in a store: the exact motion, or the reference's with fine steps."""
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -9,14 +9,21 @@ from pydantic import TypeAdapter, ValidationError
 
 from engines.interface.variant import Variant
 from reference_lcp.refusal import ParameterError
-from scenarios.tasks.result import Result
+from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import EXACT, MOST_EXACT_CELLS
+from scenarios.verdicts.steady_case import EXACT, MOST_EXACT_CELLS, REFERENCE
 from scenarios.verdicts.stored_results import StoredResult
 
-NOT_OF_THE_CASE = ("variant", "steps_per_period", "start", "recorded")
-"""What of a task says how its steady state is found, and not which."""
+NOT_OF_THE_CASE = ("variant", "steps_per_period", "start", "recorded", "time_step", "steps", "every")
+"""What of a task says how its steady state or motion is found, and not which."""
+
+FINER = 4
+"""Steps of the reference over those of a motion, from which on its own is the truth where there is no exact one. It is
+of first order: a quarter of the error is left, and scenarios of the catalogue compare with 4 to 16."""
+
+KNOWN = (ResultStatus.CONVERGED, ResultStatus.FINISHED)
+"""Results that say what is true."""
 
 _TASK = TypeAdapter(SteadyStateTask)
 
@@ -31,7 +38,7 @@ class StoredTruth:
     Parameters
     ----------
     result
-        A certified steady state.
+        A certified steady state, or a motion.
     source
         What it is, in words.
     """
@@ -45,38 +52,69 @@ def truths_of(
 ) -> dict[str, StoredTruth]:
     """Give what is true of tasks, as plain data, where that is known.
 
-    That is the exact motion, from a store or computed, and the converged motion of a store where there is no exact one.
+    That is the exact motion, from a store or computed, and the converged one of a store where there is no exact one; of
+    transient motions also the reference's with `FINER` steps.
 
     Parameters
     ----------
     tasks
-        Whose truth is wanted; those that are no steady states have none.
+        Whose truth is wanted; those that are neither steady states nor motions have none.
     stored
         Results in which it may be.
     compute
-        Computes exact motions of up to `MOST_EXACT_CELLS` cells; ``None`` where none is to be computed.
+        Computes exact steady states of up to `MOST_EXACT_CELLS` cells; ``None`` where none is to be computed.
 
     Returns
     -------
     Truths by the text of their task, as `StoredResult.key` has it.
     """
-    cases = {json.dumps(task, sort_keys=True): _case(task) for task in tasks if "frequency_ratio" in task}
+    wanted = [task for task in tasks if "frequency_ratio" in task or _is_motion(task)]
     exact = _stored_truths(stored, EXACT, "exact motion")
-    computed = _computed({case for case in cases.values() if case not in exact}, compute)
+    computed = _computed(
+        {case for task in wanted if (case := _case(task)) not in exact and not _is_motion(task)}, compute
+    )
     known = {**_stored_truths(stored, CONVERGED, "converged reference"), **computed, **exact}
-    return {text: known[case] for text, case in cases.items() if case in known}
+    finest = _finest_motions(stored)
+    truths = {json.dumps(task, sort_keys=True): known.get(_case(task)) or _finer(task, finest) for task in wanted}
+    return {text: truth for text, truth in truths.items() if truth is not None}
+
+
+def _is_motion(task: Mapping[str, Any]) -> bool:
+    return "time_step" in task
 
 
 def _case(task: Mapping[str, Any]) -> str:
-    """Give what a task has in common with all that search for the same steady state."""
-    return json.dumps({name: value for name, value in task.items() if name not in NOT_OF_THE_CASE}, sort_keys=True)
+    """Give what a task has in common with all that search for the same steady state, or give the same rows."""
+    case = {name: value for name, value in task.items() if name not in NOT_OF_THE_CASE}
+    if _is_motion(task):
+        case |= {"recorded": task["recorded"], "rows": task["steps"] // task["every"]}
+        case |= {"apart": f"{task['time_step'] * task['every']:.12g}"}  # refined steps are rounded
+    return json.dumps(case, sort_keys=True)
 
 
 def _stored_truths(stored: Iterable[StoredResult], variant: Variant, source: str) -> dict[str, StoredTruth]:
-    """Give the steady states of a variant by their cases, of several the one with the most steps."""
-    own = [each for each in stored if each.variant == str(variant) and each.result.converged]
-    own.sort(key=lambda each: each.result.steps_per_period)
+    """Give what a variant has by its cases, of several results the one with the most steps."""
+    own = [each for each in stored if each.variant == str(variant) and each.result.status in KNOWN]
+    own.sort(key=_steps)
     return {_case(each.task): StoredTruth(each.result, source) for each in own}
+
+
+def _steps(stored: StoredResult) -> int:
+    return int(stored.task["steps"]) if _is_motion(stored.task) else stored.result.steps_per_period
+
+
+def _finest_motions(stored: Iterable[StoredResult]) -> dict[str, StoredResult]:
+    """Give the reference's motions by their cases, each with the most steps."""
+    own = [each for each in stored if each.variant == str(REFERENCE) and _is_motion(each.task)]
+    return {_case(each.task): each for each in sorted(own, key=_steps) if each.result.status is ResultStatus.FINISHED}
+
+
+def _finer(task: Mapping[str, Any], finest: Mapping[str, StoredResult]) -> StoredTruth | None:
+    """Give the motion of the reference, where it has so many more steps that it says what is true of a task."""
+    best = finest.get(_case(task)) if _is_motion(task) else None
+    if best is None or best.task["steps"] < FINER * task["steps"]:
+        return None
+    return StoredTruth(best.result, "reference with finer steps")
 
 
 def _computed(cases: Iterable[str], compute: Compute | None) -> dict[str, StoredTruth]:

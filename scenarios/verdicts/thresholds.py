@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from engines.interface.tolerances import SCHEME_TOLERANCE_DB
+from engines.interface.tolerances import SCHEME_TOLERANCE_DB, TRAJECTORY_TOLERANCE
 from reference_lcp.refusal import ParameterError
 
 
@@ -19,6 +19,9 @@ class Thresholds:
         Largest difference of a contact's stuck fraction, in (0, 1]; by default two steps of 400.
     transition
         Largest difference of the time of a transition, over the period, in (0, 1]; by default two steps of 400.
+    motion
+        Largest difference of a displacement of a transient motion, over its displacement scale, in (0, 1]; by default
+        what single precision adds up to over forty periods.
 
     Raises
     ------
@@ -29,6 +32,7 @@ class Thresholds:
     transmittance_db: float = SCHEME_TOLERANCE_DB
     stuck_fraction: float = 0.005
     transition: float = 0.005
+    motion: float = max(TRAJECTORY_TOLERANCE.values())
 
     def __post_init__(self) -> None:
         from reference_lcp.validation import (  # NumPy is imported once numbers are compared
@@ -39,6 +43,6 @@ class Thresholds:
         level = checked_scalar("threshold of transmittance", self.transmittance_db, "> 0")
         if level > LARGEST_DECIBEL:
             raise ParameterError(f"threshold of transmittance = {level:g} dB; allowed: > 0 and <= {LARGEST_DECIBEL:g}")
-        for name in ("stuck_fraction", "transition"):
+        for name in ("stuck_fraction", "transition", "motion"):
             if not 0 < getattr(self, name) <= 1:
                 raise ParameterError(f"threshold of {name} = {getattr(self, name)}; allowed: > 0 and <= 1")

@@ -14,7 +14,7 @@ from engines.interface import variant
 from engines.interface.engine import Engine
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Option, Preset
 from engines.interface.variant import Variant
-from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.harmonic import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
@@ -25,6 +25,7 @@ from reports.export.changes import Regression, changes_markdown
 from scenarios.execution.steady import run_steady_states
 from scenarios.execution.store import ResultStore, digest_of
 from scenarios.tasks import task
+from scenarios.tasks.block import Block, BlockTask
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import RESULT_FORMAT, SteadyStateTask, key_of
 from scenarios.verdicts.pointwise import CONVERGED
@@ -337,6 +338,49 @@ def judged(old: dict[str, object], new: dict[str, object], true: dict[str, objec
 def test_stick_and_slip_are_held_to_the_truth_too(old, new) -> None:
     assert judged(old, new, {}).direction is TruthDirection.CLOSER
     assert judged(new, old, {}).direction is TruthDirection.FARTHER
+
+
+def motions(file: Path, slips: dict[tuple[str, int], float]) -> Path:
+    """Keep motions of a block that slips by so much, by variant and steps."""
+    block = Block(mass=1.0, normal_force=10.0, stiffness=1e3)
+    with ResultStore(file) as store:
+        for (name, steps), slip in slips.items():
+            task = BlockTask(
+                variant=Variant.parse(name), block=block, base=StillBase(0.01), time_step=0.1 / steps, steps=steps,
+                every=steps // 100, recorded="slip",
+            )  # fmt: skip
+            rows = {"slip": (0.0,) * 99 + (slip,)}
+            store.keep([(task, Result(status="finished", series=rows, seconds=1.0))])
+    return file
+
+
+@pytest.mark.parametrize(
+    ("name", "steps", "direction"),
+    [
+        ("reference:joint:exact", 100, TruthDirection.FARTHER),
+        ("reference:joint:converged", 100, TruthDirection.FARTHER),
+        ("reference", 400, TruthDirection.FARTHER),
+        ("reference", 200, TruthDirection.UNKNOWN),
+    ],
+)
+def test_a_block_that_creeps_now_and_did_not_is_farther_from_the_truth(
+    name: str, steps: int, direction: TruthDirection, tmp_path: Path
+) -> None:
+    """The reference with few steps more has an error like the engine's, and says nothing."""
+    before = motions(tmp_path / "before.sqlite", {("mujoco", 100): 0.0, (name, steps): 0.0})
+    now = motions(tmp_path / "now.sqlite", {("mujoco", 100): 1e-3, (name, steps): 0.0})
+    (changed,) = compare_stores(before, now).beyond
+    assert (changed.variant, changed.direction) == ("mujoco", direction)
+    assert changed.beyond == (f"motion 0.001 of its scale, {direction}",)
+    assert compared(before, now, "--motion", 0.01) == 0
+    (back,) = compare_stores(now, before).beyond
+    assert back.fails() is (direction is TruthDirection.UNKNOWN)
+
+
+def test_a_motion_is_named_by_its_base_and_its_block(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = motions(tmp_path / "before.sqlite", {("mujoco", 100): 0.0})
+    assert compared(before, motions(tmp_path / "now.sqlite", {("mujoco", 100): 1e-3})) == 1
+    assert "base: still base, m [kg] 1, λ_N [N] 10, slip [m] 0" in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_point_whose_numbers_disagree_goes_by_the_worst() -> None:
