@@ -17,6 +17,9 @@ from scenarios.verdicts.thresholds import Thresholds
 MOST_SHOWN = 10
 """Points that a summary shows; the others follow, folded."""
 
+NONE = "–"
+"""In place of a number that there is none of."""
+
 MOST_FOLDED = 200
 """Points that are folded; with as many the document has a third of the 65,536 characters of a comment on GitHub."""
 
@@ -135,11 +138,17 @@ def counted(changes: Sequence[Change]) -> str:
 
 
 def counted_by_variant(comparison: StoreComparison) -> list[str]:
-    """Say so of each variant, with its largest change of transmittance."""
+    """Say so of each variant, with its largest changes."""
     return [
-        f"{variant}: {counted(changes)}, by {_largest(changes)} dB at most"
+        f"{variant}: {', '.join([counted(changes), *_at_most(changes)])}"
         for variant, changes in _by_variant(comparison.changes).items()
     ]
+
+
+def _at_most(changes: Sequence[Change]) -> list[str]:
+    """Say by how much transmittances and motions have changed."""
+    largest = {"by {} dB at most": _largest(changes, "transmittance"), "motions by {}": _largest(changes, "motion")}
+    return [text.format(size) for text, size in largest.items() if size != NONE]
 
 
 def overview(comparison: StoreComparison) -> pd.DataFrame:
@@ -150,14 +159,15 @@ def overview(comparison: StoreComparison) -> pd.DataFrame:
         count = Counter(change.direction for change in changes)
         row = {"engine:formulation:preset": variant, "points": str(len(changes))}
         row |= {str(direction): str(count[direction]) for direction in WORDS if direction in occurring}
-        rows.append({**row, "max dB": _largest(changes)})
+        rows.append({**row, "max dB": _largest(changes, "transmittance")})
     return pd.DataFrame(rows)
 
 
-def _largest(changes: Sequence[Change]) -> str:
-    """Give the largest change of transmittance [dB]; a dash where there is none."""
-    sizes = [abs(change.transmittance_db) for change in changes if not math.isnan(change.transmittance_db)]
-    return f"{max(sizes):.3g}" if sizes else "–"
+def _largest(changes: Sequence[Change], measure: str) -> str:
+    """Give the largest change by the name of a `Measure`; a dash where there is none."""
+    sizes = [abs(change.differences.get(measure, math.nan)) for change in changes]
+    known = [size for size in sizes if not math.isnan(size)]
+    return f"{max(known):.3g}" if known else NONE
 
 
 def identities(comparison: StoreComparison) -> list[str]:
