@@ -38,7 +38,8 @@ def failures(findings: Sequence[Finding]) -> list[str]:
     lines = []
     wrong = unexplained(findings)
     if wrong:
-        lines.append(f"unexplained: {len(wrong)} disagreements, of {_names([finding.variant for finding in wrong])}")
+        what = "disagreement" if len(wrong) == 1 else "disagreements"
+        lines.append(f"unexplained: {len(wrong)} {what}, of {_names([finding.variant for finding in wrong])}")
     for variant in dict.fromkeys(finding.variant for finding in findings):
         own = [finding for finding in findings if finding.variant == variant]
         nothing = len(_too_silent(own))

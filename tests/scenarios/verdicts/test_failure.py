@@ -61,7 +61,7 @@ def test_a_failure_names_the_preset_and_the_share() -> None:
     assert line.startswith("drake: 2 of 2 numbers without a certified steady state")
     assert line.endswith("allowed: 25%")
     (line,) = failures([*AGREES, finding(Verdict.DISAGREE)])
-    assert line == "unexplained: 1 disagreements, of drake"
+    assert line == "unexplained: 1 disagreement, of drake"
 
 
 def test_a_law_without_a_steady_state_predicts_one_that_is_not_certified() -> None:
