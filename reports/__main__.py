@@ -104,7 +104,7 @@ def report(
         command.report_of_dataset(data, out, alone=not (sweep or names or quick))
         return
     planned = command.planned_report(names, sweep, quick=quick, stored_in=None if ask else store or out / STORE)
-    from scenarios.execution.dask_cluster import executor_for
+    from scenarios.execution.workers.dask_cluster import executor_for
 
     executor = executor_for(workers, time_limit, scheduler)
     command.report_of_sweep(planned, out, store, executor, file=sweep, ask=ask, retry_blocked=retry_blocked)

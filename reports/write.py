@@ -15,12 +15,12 @@ from reports.export.earlier import check_loses_nothing
 from reports.export.files import FILES, PAGE, cards_beside, files_of, write_all
 from reports.figures.drawn import DrawnFigures
 from reports.page.render import FIGURES
-from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.executor import Executor
 from scenarios.execution.limits import TIME_LIMIT
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
+from scenarios.execution.workers.dask_cluster import executor_for
 from scenarios.sweeps.dataset_file import read_dataset
 from scenarios.sweeps.noted import note_sweep, noted_sweeps
 from scenarios.sweeps.size import check_size

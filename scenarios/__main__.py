@@ -102,7 +102,7 @@ def sweep(
     """
     check_retry(ask, retry_blocked)
     from scenarios.cli.sweep import perform, planned_sweep
-    from scenarios.execution.dask_cluster import executor_for
+    from scenarios.execution.workers.dask_cluster import executor_for
 
     planned = planned_sweep(file, ask=ask, yes=yes, out=out)
     check_out(out, (".nc", ".csv"), [store, file])
@@ -133,7 +133,7 @@ def accuracy(
     """
     from scenarios.cli.accuracy import accuracy_rows, write_accuracy
     from scenarios.cli.evaluation import chosen_variants
-    from scenarios.execution.dask_cluster import executor_for
+    from scenarios.execution.workers.dask_cluster import executor_for
 
     names = with_settings(chosen, settings)
     variants = chosen_variants(names)
@@ -163,7 +163,7 @@ def laws(
     """
     from scenarios.cli.evaluation import chosen_variants
     from scenarios.cli.laws import perform
-    from scenarios.execution.dask_cluster import executor_for
+    from scenarios.execution.workers.dask_cluster import executor_for
 
     names = with_settings(chosen, settings)
     variants = chosen_variants(names)

@@ -22,11 +22,11 @@ from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.descriptions import ALL_SCENARIOS
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.catalogue.verdict_files import finding_table
-from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.executor import Executor
 from scenarios.execution.limits import TIME_LIMIT
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
-from scenarios.execution.store import ResultStore, opened_store
+from scenarios.execution.storage.store import ResultStore, opened_store
+from scenarios.execution.workers.dask_cluster import executor_for
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.predictions import predicted

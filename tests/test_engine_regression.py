@@ -14,7 +14,7 @@ import yaml
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.steady_case import EXACT

@@ -15,7 +15,7 @@ from reference_lcp.exit_code import ExitCode
 from reference_lcp.refusal import ParameterError, RunError
 from reports.cli import console_script
 from scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.sweeps.spec_file import EXAMPLE
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask

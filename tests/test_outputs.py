@@ -15,7 +15,7 @@ from reference_lcp.console import checked_output_file, checked_output_folder, ru
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.refusal import RunError
 from scenarios.catalogue.transient.example_record import write_example
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.functions import sweep
 from scenarios.sweeps.dataset import write_dataset
 

@@ -19,7 +19,7 @@ from reference_lcp.validation import checked_count
 from reference_lcp.visible import visible
 from scenarios.cli.evaluation import store_of_run
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import executor_here
+from scenarios.execution.workers.local_processes import executor_here
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask

@@ -5,7 +5,7 @@ from pathlib import Path
 from reports.cards.card import card, card_variants
 from reports.cards.write import check_card_files, write_card
 from scenarios.cli.evaluation import evaluator_of_run
-from scenarios.execution.dask_cluster import executor_for
+from scenarios.execution.workers.dask_cluster import executor_for
 
 
 def write_engine_card(name: str, out: Path, store: Path | None, workers: int | None, time_limit: float) -> None:

@@ -16,8 +16,8 @@ from reports.export.changes import (
     identities,
 )
 from scenarios.cli.evaluation import evaluator_of_run
-from scenarios.execution.dask_cluster import executor_for
 from scenarios.execution.limits import TIME_LIMIT
+from scenarios.execution.workers.dask_cluster import executor_for
 from scenarios.tables import plain, print_table, text_table
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import Task

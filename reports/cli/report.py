@@ -21,7 +21,7 @@ from reports.data.collect import QUICK, Scope
 from reports.write import STORE, Written, check_folder, write_dataset_report, write_sweep_report
 from scenarios.catalogue.verdict_table import verdict_table
 from scenarios.execution.executor import Executor
-from scenarios.execution.store_file import existing_store
+from scenarios.execution.storage.store_file import existing_store
 from scenarios.studies.as_installed import FEW_POINTS, QUICK_POINTS
 from scenarios.studies.figure3 import (
     FRICTION_RATIOS,

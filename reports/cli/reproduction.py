@@ -5,7 +5,7 @@ from pathlib import Path
 from engines.interface.selection import check_installed
 from reports.reproducers.script import checked, script
 from scenarios.cli.evaluation import evaluator_of_run
-from scenarios.execution.dask_cluster import executor_for
+from scenarios.execution.workers.dask_cluster import executor_for
 
 
 def print_script(variant: str, scenario: str, case: str | None, store: Path | None, time_limit: float) -> None:

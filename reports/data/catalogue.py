@@ -9,7 +9,7 @@ from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.execution.evaluator import StoredResults
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import Task
 from scenarios.verdicts.finding import Finding

@@ -11,7 +11,7 @@ from reports.data.catalogue import catalogue_outcomes
 from reports.data.report import Report
 from reports.data.stick_slip import CasePoint
 from scenarios.execution.evaluator import Evaluator, StoredResults
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.studies.as_installed import FEW_POINTS, QUICK_POINTS, few_points
 from scenarios.studies.friction_map import (
     MAP_FREQUENCY_RATIOS,

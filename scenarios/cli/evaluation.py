@@ -13,7 +13,7 @@ from reference_lcp.exit_code import ExitCode
 from reference_lcp.interrupt import announce_interrupt
 from scenarios.execution.executor import Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
-from scenarios.execution.store import ResultStore, opened_store
+from scenarios.execution.storage.store import ResultStore, opened_store
 from scenarios.tasks.task import Task
 
 

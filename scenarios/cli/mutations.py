@@ -43,7 +43,7 @@ def add_mutations(run: typer.Typer) -> None:
         """
         from engines.mutants.catalogue import MUTANTS
         from scenarios.cli.mutation_rows import mutation_rows, write_mutations
-        from scenarios.execution.dask_cluster import executor_for
+        from scenarios.execution.workers.dask_cluster import executor_for
 
         names = [checked_choice("mutant", name, list(MUTANTS)) for name in chosen or MUTANTS]
         gates = [checked_choice("gate", name, GATES) for name in gate or GATES]

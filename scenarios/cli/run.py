@@ -75,7 +75,7 @@ def _add(run: typer.Typer, name: str, scenarios: Sequence[str], summary: str) ->
         check_retry(ask, retry_blocked)
         outs = check_outs(out, ENDINGS, [store])
         from scenarios.cli.verdicts import perform, planned_run
-        from scenarios.execution.dask_cluster import executor_for
+        from scenarios.execution.workers.dask_cluster import executor_for
 
         planned = planned_run(
             name, scenarios, with_settings(chosen, settings), [] if ask else ["--no-ask"], retry_blocked
@@ -105,7 +105,7 @@ def _add_record(run: typer.Typer, name: str, scenarios: Sequence[str], summary: 
         check_retry(ask, retry_blocked)
         outs = check_outs(out, ENDINGS, [store, record])
         from scenarios.cli.verdicts import perform, planned_run
-        from scenarios.execution.dask_cluster import executor_for
+        from scenarios.execution.workers.dask_cluster import executor_for
 
         options = [] if record is None else [f"--record={record}"]
         options = options if ask else [*options, "--no-ask"]

@@ -31,7 +31,7 @@ def check(
 
     Example: python -m scenarios store check results.sqlite --salvage good.sqlite
     """
-    from scenarios.execution.store_check import check_store, salvage
+    from scenarios.execution.storage.store_check import check_store, salvage
 
     if new is not None:
         checked_output_file("--salvage", new, [file])

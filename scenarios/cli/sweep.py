@@ -15,8 +15,8 @@ from reference_lcp.visible import visible
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import Executor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
-from scenarios.execution.store import ResultStore
-from scenarios.execution.store_file import existing_store
+from scenarios.execution.storage.store import ResultStore
+from scenarios.execution.storage.store_file import existing_store
 from scenarios.sweeps.dataset import STATUSES, sweep_dataset, write_dataset
 from scenarios.sweeps.noted import note_sweep
 from scenarios.sweeps.refinement import ForTheAccuracy

@@ -26,7 +26,7 @@ from scenarios.cli.evaluation import chosen_variants, evaluator_of_run, store_of
 from scenarios.cli.options import command_text
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.executor import Executor
-from scenarios.execution.store_file import existing_store
+from scenarios.execution.storage.store_file import existing_store
 from scenarios.tables import plain, print_table
 from scenarios.verdicts.failure import failures
 from scenarios.verdicts.finding import Finding

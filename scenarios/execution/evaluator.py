@@ -6,10 +6,10 @@ from functools import cache
 from typing import TypeVar
 
 from engines.interface.variant import Variant
-from scenarios.execution.batch import batches_of
 from scenarios.execution.closing import Closing
+from scenarios.execution.computation.batch import batches_of
 from scenarios.execution.executor import Executor, InProcessExecutor
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.tasks.result import Result, ResultStatus, ResultSummary
 from scenarios.tasks.task import Task
 

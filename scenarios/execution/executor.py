@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterable, Iterator
 from typing import Generic, Protocol, TypeVar
 
 from reference_lcp.validation import LONGEST_TIME_LIMIT, MOST_WORKERS, checked_count, checked_scalar
-from scenarios.execution.batch import Batch, run_batch
 from scenarios.execution.closing import Closing
+from scenarios.execution.computation.batch import Batch, run_batch
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import Task
 

@@ -22,7 +22,7 @@ from engines.interface.variant import Variant
 from reference_lcp.progress_lines import ProgressLines
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import Executor
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import Task
 

@@ -10,8 +10,8 @@ import numpy as np
 from engines.interface.variant import Variant
 from engines.shared.step_cost import StepCost, step_cost
 from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
-from scenarios.execution.batch import Batch
-from scenarios.execution.local_processes import executor_here
+from scenarios.execution.computation.batch import Batch
+from scenarios.execution.workers.local_processes import executor_here
 from scenarios.studies.limits import COST_SECONDS
 from scenarios.tables import Column
 from scenarios.tasks.parameters import ChainRatios

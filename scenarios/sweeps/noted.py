@@ -7,8 +7,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from reference_lcp.refusal import ParameterError
-from scenarios.execution.store import ResultStore
-from scenarios.execution.store_file import existing_store
+from scenarios.execution.storage.store import ResultStore
+from scenarios.execution.storage.store_file import existing_store
 from scenarios.sweeps.dataset import SWEEP
 from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.validation_message import first_error

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pandas as pd
 
 from scenarios.execution.evaluator import Evaluator, StoredResults
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.sweeps.predictions import predicted
 from scenarios.sweeps.refinement import ForTheAccuracy, refined
 from scenarios.sweeps.summary import SweepSummary

@@ -1,10 +1,10 @@
 """Whether steady states depend on where their search began: a sample of points, searched from harmonic balance too.
 
 The search for an engine's steady state begins at that of its law, or beside the reference's, see
-`scenarios.execution.law_start`. Friction under a given normal force has one steady state; an engine whose step is not
-monotone may have several, and the search would find the one that the model predicts. A sample of every variant is
-therefore searched from harmonic balance as well. Where one point of it ends elsewhere, all points of the variant that
-have a steady state are searched both ways, and those that differ are undecided.
+`scenarios.execution.computation.law_start`. Friction under a given normal force has one steady state; an engine whose
+step is not monotone may have several, and the search would find the one that the model predicts. A sample of every
+variant is therefore searched from harmonic balance as well. Where one point of it ends elsewhere, all points of the
+variant that have a steady state are searched both ways, and those that differ are undecided.
 """
 
 import cmath
@@ -14,7 +14,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from engines.interface.variant import Variant
-from scenarios.execution.law_start import begins_beside
+from scenarios.execution.computation.law_start import begins_beside
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.table import GivesResults, Point, results_at, with_columns
 from scenarios.tasks.result import Result, ResultStatus

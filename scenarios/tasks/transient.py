@@ -25,7 +25,7 @@ scale, inner springs unstretched. ``inner masses displaced``: all of them by the
 """
 
 RECORDED = ("response", "decay", "slip", "contact modes")
-"""What may be recorded of a motion: see `scenarios.execution.transient`."""
+"""What may be recorded of a motion: see `scenarios.execution.computation.transient`."""
 
 
 _Base = Annotated[

@@ -26,7 +26,7 @@ TRANSITION_TIME = "time of a transition"
 """Beside them; a transition that is gone is one without a partner."""
 
 MOTIONS = ("response", "slip", "slips", "swing", "offsets")
-"""Series of displacements over the displacement scale, see `scenarios.execution.transient`."""
+"""Series of displacements over the displacement scale, see `scenarios.execution.computation.transient`."""
 
 BEST_FIRST = (
     (ResultStatus.CONVERGED, ResultStatus.FINISHED),

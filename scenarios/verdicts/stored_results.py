@@ -11,8 +11,8 @@ from pydantic import TypeAdapter, ValidationError
 from engines.interface.law_engine import LAW_SUFFIX
 from engines.interface.variant import Variant
 from reference_lcp.refusal import ParameterError
-from scenarios.execution.store import ResultStore
-from scenarios.execution.store_file import existing_store
+from scenarios.execution.storage.store import ResultStore
+from scenarios.execution.storage.store_file import existing_store
 from scenarios.tasks.result import Result
 from scenarios.tasks.validation_message import first_error
 

@@ -11,10 +11,10 @@ from reports import report
 from reports.data.collect import Scope, collect, collect_dataset
 from reports.export.files import files_of, report_dataset
 from reports.export.tables import transmittance_table
-from scenarios.execution.batch import run_batch
+from scenarios.execution.computation.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.studies.figure3 import figure3
 from scenarios.studies.work_precision import exact_step_tasks, step_tasks
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep

@@ -15,7 +15,7 @@ from reference_lcp.exit_code import ExitCode
 from reports.__main__ import app
 from reports.data.collect import collect_dataset
 from reports.export.tables import transmittance_table
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.sweeps import dataset_file
 from scenarios.sweeps.dataset import sweep_dataset, write_dataset
 from scenarios.sweeps.dataset_file import read_dataset

@@ -6,7 +6,7 @@ import itertools
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution.batch import run_batch
+from scenarios.execution.computation.batch import run_batch
 from scenarios.tasks.task import SteadyStateTask
 
 WRONG = Variant("mujoco")

@@ -14,8 +14,8 @@ from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.descriptions import DESCRIPTIONS, INCLINED_REFINEMENT
 from scenarios.catalogue.transient.base import PERIOD, RATIOS, Readings, read_refined, with_refined_steps
 from scenarios.catalogue.transient.law_motion import motion_distance
+from scenarios.execution.computation.transient import OPEN_GAP
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.transient import OPEN_GAP
 from scenarios.tasks.inclined import InclinedTask
 from scenarios.tasks.parameters import Modulation
 from scenarios.tasks.result import NamedNumbers

@@ -55,11 +55,11 @@ def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> 
     script = (
         "from pathlib import Path\n"
         "from scenarios.execution.evaluator import Evaluator\n"
-        "from scenarios.execution.local_processes import LocalExecutor\n"
+        "from scenarios.execution.workers.local_processes import LocalExecutor\n"
         "from scenarios.studies.figure3 import figure3\n"
         "from scenarios.sweeps.compared import compare_sweep\n"
         "from engines.interface.variant import Variant\n"
-        "from scenarios.execution.store import ResultStore\n"
+        "from scenarios.execution.storage.store import ResultStore\n"
         "if __name__ == '__main__':\n"
         "    sweep = figure3((Variant('tiny'),), (0.3,), (0.9, 1.3))\n"
         f"    file = Path({str(tmp_path / 'store.sqlite')!r})\n"

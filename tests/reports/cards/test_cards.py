@@ -14,7 +14,7 @@ from reports.cards import card as cards
 from reports.cards.card import Card, ChangedOption, Row, VariantCard, card, card_variants
 from reports.cards.write import check_card_files, html, markdown, write_card
 from reports.export.files import cards_beside
-from scenarios.execution.store import opened_store
+from scenarios.execution.storage.store import opened_store
 from scenarios.studies.work_precision import StepPoint
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.verdict import Comparison, Verdict

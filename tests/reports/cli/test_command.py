@@ -22,8 +22,8 @@ from reports.data import collect
 from reports.data.collect import Scope, expected_tasks
 from reports.export.files import FILES, report_dataset
 from scenarios.execution.evaluator import Evaluator, StoredResults
-from scenarios.execution.local_processes import LocalWorker
-from scenarios.execution.store import ResultStore, opened_store
+from scenarios.execution.storage.store import ResultStore, opened_store
+from scenarios.execution.workers.local_processes import LocalWorker
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import compare_sweep
 from scenarios.sweeps.noted import note_sweep

@@ -22,8 +22,8 @@ from reference_lcp.one_call import exact_steady_state
 from reference_lcp.refusal import ParameterError
 from reports.__main__ import app
 from reports.export.changes import Regression, changes_markdown
-from scenarios.execution.steady import run_steady_states
-from scenarios.execution.store import ResultStore, digest_of
+from scenarios.execution.computation.steady import run_steady_states
+from scenarios.execution.storage.store import ResultStore, digest_of
 from scenarios.tasks import task
 from scenarios.tasks.block import Block, BlockTask
 from scenarios.tasks.result import Result

@@ -15,7 +15,7 @@ from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.reports.conftest import MISSING, RUNS
 

@@ -14,7 +14,7 @@ from engines.interface.selection import variants_of
 from engines.interface.variant import Variant
 from reports.page.render import LARGEST_PAGE
 from scenarios.execution.evaluator import StoredResults
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.sweeps.compared import compare_sweep
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.tasks.result import Result

@@ -27,7 +27,7 @@ from reports.reproducers.questions import QUESTIONS
 from reports.reproducers.script import LONGEST_LINE, MOST_LINES, checked, script
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.store import opened_store
+from scenarios.execution.storage.store import opened_store
 from scenarios.tasks.task import Task
 from scenarios.tasks.transient import TransientTask
 from tests.scenarios.in_process import evaluator

@@ -18,8 +18,8 @@ from scenarios.catalogue.block.published import CASES, Published, targets
 from scenarios.catalogue.block.static_hold import CREEP, HOLDS, StaticHold
 from scenarios.catalogue.block.stopping_distance import DISTANCE, THROWS, TIME, StoppingDistance
 from scenarios.catalogue.predicted import run_with_predictions
-from scenarios.execution.store import opened_store
-from scenarios.execution.transient import run_transients
+from scenarios.execution.computation.transient import run_transients
+from scenarios.execution.storage.store import opened_store
 from scenarios.tasks.block import Block
 from scenarios.verdicts.finding import Finding
 from scenarios.verdicts.steady_case import EXACT, REFERENCE

@@ -19,7 +19,7 @@ from scenarios.catalogue.block.static_hold import HOLDS
 from scenarios.catalogue.block.stopping_distance import THROWS
 from scenarios.catalogue.transient import law_motion
 from scenarios.catalogue.transient.inclined_chain import CASES
-from scenarios.execution.store import opened_store
+from scenarios.execution.storage.store import opened_store
 from scenarios.tasks.block import BlockTask
 from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.task import law_identity

@@ -24,10 +24,10 @@ from scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
 from scenarios.catalogue.transient.record import Record
 from scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
 from scenarios.catalogue.transient.swept_sine import SweptSineScenario
+from scenarios.execution.computation.transient import run_transients
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.store import ResultStore
-from scenarios.execution.transient import run_transients
+from scenarios.execution.storage.store import ResultStore
 from scenarios.sweeps.attenuation_band import BandDefinition, Edge, edge_brackets
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.verdicts.verdict import Verdict

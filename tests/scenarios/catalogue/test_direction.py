@@ -15,8 +15,8 @@ from reference_lcp.refusal import ParameterError
 from scenarios.catalogue.block import direction
 from scenarios.catalogue.block.direction import NO_DIRECTION, PART, SLIDES, Direction
 from scenarios.catalogue.predicted import run_with_predictions
-from scenarios.execution.store import opened_store
-from scenarios.execution.transient import run_transients
+from scenarios.execution.computation.transient import run_transients
+from scenarios.execution.storage.store import opened_store
 from scenarios.verdicts.finding import Finding
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from scenarios.verdicts.verdict import Verdict

@@ -5,8 +5,8 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.catalogue.transient.free_decay import DECAYS, OSCILLATOR_DECAY, FreeDecay, loss_a_cycle
-from scenarios.execution.batch import run_batch
-from scenarios.execution.store import ResultStore
+from scenarios.execution.computation.batch import run_batch
+from scenarios.execution.storage.store import ResultStore
 from scenarios.verdicts.verdict import Verdict
 from tests.scenarios.in_process import evaluator, rub_harder
 

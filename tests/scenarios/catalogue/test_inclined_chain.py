@@ -9,8 +9,8 @@ from engines.interface.variant import Variant
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.catalogue.transient import inclined_chain
 from scenarios.catalogue.transient.inclined_chain import CASES, RESPONSE, SLIPS, STEPS_PER_PERIOD, InclinedChainScenario
-from scenarios.execution.store import opened_store
-from scenarios.execution.transient import run_transients
+from scenarios.execution.computation.transient import run_transients
+from scenarios.execution.storage.store import opened_store
 from scenarios.verdicts.finding import Finding
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Verdict

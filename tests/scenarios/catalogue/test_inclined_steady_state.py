@@ -6,7 +6,7 @@ from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from scenarios.catalogue.steady import inclined_steady_state
 from scenarios.catalogue.steady.inclined_steady_state import STUCK, InclinedSteadyState
-from scenarios.execution.store import opened_store
+from scenarios.execution.storage.store import opened_store
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.verdict import Verdict

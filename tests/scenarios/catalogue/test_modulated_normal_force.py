@@ -8,10 +8,10 @@ import pytest
 from engines.interface.variant import Variant
 from reference_lcp.refusal import ParameterError
 from scenarios.catalogue.steady.modulated_normal_force import CASES, LARGEST_GAP, OPEN_FRACTION, ModulatedNormalForce
-from scenarios.execution.batch import run_batch
+from scenarios.execution.computation.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.tasks.parameters import Modulation
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask

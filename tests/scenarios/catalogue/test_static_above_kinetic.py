@@ -24,8 +24,8 @@ from scenarios.catalogue.block.static_above_kinetic import (
     StaticAboveKinetic,
     read,
 )
-from scenarios.execution.store import opened_store
-from scenarios.execution.transient import run_transients
+from scenarios.execution.computation.transient import run_transients
+from scenarios.execution.storage.store import opened_store
 from scenarios.verdicts.finding import Finding
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from scenarios.verdicts.verdict import Verdict

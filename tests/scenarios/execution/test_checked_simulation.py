@@ -10,13 +10,13 @@ import pytest
 from reference_lcp import Chain, HarmonicBase, Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.stepping.euler_compiled import CompiledSimulation
-from scenarios.execution.checked_simulation import TIME_MARGIN, TrajectoryFault, check_trajectory
+from scenarios.execution.computation.checked_simulation import TIME_MARGIN, TrajectoryFault, check_trajectory
 
 SCRIPT = """
 import json, sys
 from engines.interface.variant import Variant
 from reference_lcp import RickerPulse, StillBase
-from scenarios.execution.batch import run_batch
+from scenarios.execution.computation.batch import run_batch
 from scenarios.tasks.parameters import ChainRatios, Modulation
 from scenarios.tasks.recorded import RecordedPeriodTask
 from scenarios.tasks.task import SteadyStateTask

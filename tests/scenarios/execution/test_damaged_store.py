@@ -15,8 +15,8 @@ from reference_lcp.exit_code import ExitCode
 from reference_lcp.refusal import RunError
 from reports.__main__ import app as reports_app
 from scenarios.__main__ import app
-from scenarios.execution.store import ResultStore
-from scenarios.execution.store_check import check_store, salvage
+from scenarios.execution.storage.store import ResultStore
+from scenarios.execution.storage.store_check import check_store, salvage
 from scenarios.tasks.result import Result, ResultSummary
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.stored_results import read_all

@@ -16,18 +16,18 @@ from engines.interface.variant import Variant
 from reference_lcp import ParameterError
 from reference_lcp.exit_code import ExitCode
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalExecutor
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
+from scenarios.execution.workers.local_processes import LocalExecutor
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.task import SteadyStateTask
 
 pytest.importorskip("distributed")
-from scenarios.execution.dask_cluster import DaskExecutor
+from scenarios.execution.workers.dask_cluster import DaskExecutor
 
 CLIENT = """
 import json, sys
 from engines.interface.variant import Variant
-from scenarios.execution.dask_cluster import DaskExecutor
+from scenarios.execution.workers.dask_cluster import DaskExecutor
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.task import SteadyStateTask
 
@@ -118,7 +118,7 @@ def test_an_engine_prepares_itself_on_the_cluster_in_no_tasks_time(scheduler, in
 
 
 def test_nobody_at_the_address_is_an_error_that_names_it(monkeypatch) -> None:
-    monkeypatch.setattr("scenarios.execution.dask_cluster.CONNECT_SECONDS", 1)
+    monkeypatch.setattr("scenarios.execution.workers.dask_cluster.CONNECT_SECONDS", 1)
     with pytest.raises(ParameterError, match=r"scheduler = 'tcp://127.0.0.1:9' cannot be reached"):
         DaskExecutor("tcp://127.0.0.1:9")
     with pytest.raises(ParameterError, match="scheduler = 'nonsense:nonsense' cannot be reached"):

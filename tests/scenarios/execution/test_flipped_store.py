@@ -11,7 +11,7 @@ from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
 from reports.__main__ import app as reports_app
 from scenarios.__main__ import app
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.sweeps.noted import note_sweep, noted_sweeps
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Sweep

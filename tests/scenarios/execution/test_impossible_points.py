@@ -1,7 +1,7 @@
 """A point that cannot be built is blocked with its reason; the points beside it are computed."""
 
 from engines.interface.variant import Variant
-from scenarios.execution.steady import run_steady_states
+from scenarios.execution.computation.steady import run_steady_states
 from scenarios.tasks.task import SteadyStateTask
 
 

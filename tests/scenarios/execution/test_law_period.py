@@ -5,7 +5,7 @@ import pytest
 from engines.exudyn import ExudynRegularised
 from engines.interface.law_engine import law_of
 from engines.interface.variant import Variant
-from scenarios.execution.law_period import run_law_periods
+from scenarios.execution.computation.law_period import run_law_periods
 from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.result import ResultStatus
 

@@ -11,8 +11,8 @@ from engines.pymunk import Pymunk
 from reference_lcp.steady.neighbours import NEWTON_PERIODS
 from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE
-from scenarios.execution.batch import run_batch
-from scenarios.execution.law_start import law_orbits
+from scenarios.execution.computation.batch import run_batch
+from scenarios.execution.computation.law_start import law_orbits
 from scenarios.tasks.parameters import ChainRatios, Modulation
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import Start, SteadyStateTask

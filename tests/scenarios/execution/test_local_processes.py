@@ -12,13 +12,13 @@ from pathlib import Path
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution import local_processes
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalExecutor
-from scenarios.execution.local_worker import LocalWorker
-from scenarios.execution.store import opened_store
-from scenarios.execution.supervisor import PRINTED_BYTES
-from scenarios.execution.worker_template import START_SECONDS
+from scenarios.execution.storage.store import opened_store
+from scenarios.execution.workers import local_processes
+from scenarios.execution.workers.local_processes import LocalExecutor
+from scenarios.execution.workers.local_worker import LocalWorker
+from scenarios.execution.workers.supervisor import PRINTED_BYTES
+from scenarios.execution.workers.worker_template import START_SECONDS
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import LONGEST_REASON
 from scenarios.tasks.task import SteadyStateTask
@@ -34,10 +34,10 @@ import json, sys, time
 from pathlib import Path
 from engines.interface.variant import Variant
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalExecutor
+from scenarios.execution.workers.local_processes import LocalExecutor
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.task import SteadyStateTask
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 
 def task(name, eta):
     return SteadyStateTask(variant=Variant(name), friction_ratio=0.3, frequency_ratio=eta, ratios=ChainRatios(cells=2))

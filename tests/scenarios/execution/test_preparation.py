@@ -10,7 +10,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp.stepping.sequential import SequentialSimulation
-from scenarios.execution.preparation import LAW_LIMIT, Preparations
+from scenarios.execution.workers.preparation import LAW_LIMIT, Preparations
 from tests.scenarios.execution.test_local_processes import LIMIT, SCRIPT
 
 BATCH_SECONDS = 5.0

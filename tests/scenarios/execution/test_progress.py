@@ -7,7 +7,7 @@ import pytest
 from engines.interface.variant import Variant
 from scenarios.execution.executor import InProcessExecutor
 from scenarios.execution.progress import CountingEvaluator, ProgressBars
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.sweep import Case
 from scenarios.sweeps.table import grid, tasks_of

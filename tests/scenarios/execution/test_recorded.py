@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution.batch import run_batch
+from scenarios.execution.computation.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.result import Result

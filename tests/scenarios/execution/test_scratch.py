@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.execution.scratch import ScratchFolder
+from scenarios.execution.storage.scratch import ScratchFolder
 
 OWNER = """
 import time
-from scenarios.execution.scratch import ScratchFolder
+from scenarios.execution.storage.scratch import ScratchFolder
 folder = ScratchFolder()
 print(folder.path, flush=True)
 time.sleep(1000)

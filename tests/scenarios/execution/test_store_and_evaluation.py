@@ -13,12 +13,12 @@ from engines.interface.variant import Variant
 from reference_lcp import ParameterError
 from reference_lcp.steady.orbits import OrbitStatus
 from scenarios.execution import evaluator as evaluation
-from scenarios.execution import local_processes
-from scenarios.execution.batch import run_batch
+from scenarios.execution.computation.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.local_processes import LocalExecutor
-from scenarios.execution.store import ResultStore, digest_of
+from scenarios.execution.storage.store import ResultStore, digest_of
+from scenarios.execution.workers import local_processes
+from scenarios.execution.workers.local_processes import LocalExecutor
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result, ResultStatus, ResultSummary
 from scenarios.tasks.task import SteadyStateTask

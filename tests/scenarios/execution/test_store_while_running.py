@@ -14,8 +14,8 @@ from reference_lcp.console import run_command
 from reference_lcp.exit_code import ExitCode
 from reference_lcp.refusal import RunError
 from scenarios.__main__ import app
-from scenarios.execution import store as module
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage import store as module
+from scenarios.execution.storage.store import ResultStore
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 

@@ -16,9 +16,9 @@ from reference_lcp.exit_code import ExitCode
 from reports.__main__ import app as reports_app
 from scenarios import sweep
 from scenarios.__main__ import app
-from scenarios.execution import store_file
-from scenarios.execution.store import ResultStore, digest_of
-from scenarios.execution.store_check import check_store
+from scenarios.execution.storage import store_file
+from scenarios.execution.storage.store import ResultStore, digest_of
+from scenarios.execution.storage.store_check import check_store
 from scenarios.sweeps.dataset import SWEEP
 from scenarios.sweeps.noted import noted_sweeps
 from scenarios.sweeps.sweep import Sweep

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.execution.supervisor import PRINTED_BYTES
+from scenarios.execution.workers.supervisor import PRINTED_BYTES
 
 END_SECONDS = 5.0
 """Within which all have to end, on a machine that is busy."""
@@ -37,7 +37,7 @@ time.sleep(1000)""",
 PROGRAM = """
 import ctypes, os, signal, subprocess, sys, time
 from pathlib import Path
-from scenarios.execution.supervisor import supervise
+from scenarios.execution.workers.supervisor import supervise
 def note(process):
     part = Path(sys.argv[1] + ".part")
     part.write_text(str(process))

@@ -19,12 +19,12 @@ from reference_lcp import (
 )
 from reference_lcp.observables.energy import mechanical_energy
 from reference_lcp.observables.transmissibility import transient_transmissibility
-from scenarios.execution import transient as motion_answering
-from scenarios.execution.batch import run_batch
+from scenarios.execution.computation import transient as motion_answering
+from scenarios.execution.computation.batch import run_batch
+from scenarios.execution.computation.transient import run_transients
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalExecutor
-from scenarios.execution.store import ResultStore
-from scenarios.execution.transient import run_transients
+from scenarios.execution.storage.store import ResultStore
+from scenarios.execution.workers.local_processes import LocalExecutor
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import RESULT_FORMAT, SteadyStateTask

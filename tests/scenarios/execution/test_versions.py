@@ -14,8 +14,8 @@ from reference_lcp.refusal import ParameterError
 from reports import report
 from scenarios.__main__ import app
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalExecutor
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
+from scenarios.execution.workers.local_processes import LocalExecutor
 from scenarios.functions import check, sweep
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.task import SteadyStateTask

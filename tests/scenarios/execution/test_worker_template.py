@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution import worker_template
-from scenarios.execution.failures import ExecutorError
-from scenarios.execution.identity import identity_of
-from scenarios.execution.local_processes import LocalExecutor
-from scenarios.execution.worker_template import WorkerTemplate
+from scenarios.execution.computation.failures import ExecutorError
+from scenarios.execution.workers import worker_template
+from scenarios.execution.workers.identity import identity_of
+from scenarios.execution.workers.local_processes import LocalExecutor
+from scenarios.execution.workers.worker_template import WorkerTemplate
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
@@ -75,6 +75,18 @@ def test_workers_of_two_engines_are_forked_from_one_process_that_ends_with_them(
     assert template.returncode == 0
 
 
+def test_workers_import_the_suite_whatever_has_the_names_of_its_packages(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A user's own folder may be first on the path of the program that starts them."""
+    for package in ("scenarios", "engines", "reference_lcp"):
+        (tmp_path / package).mkdir()
+        (tmp_path / package / "__init__.py").write_text("raise ImportError('not the suite')")
+    monkeypatch.syspath_prepend(tmp_path)
+    with LocalExecutor(1) as executor:
+        assert run(executor, "reference").status == "converged"
+
+
 @pytest.mark.parametrize("signalled", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "stopped"])
 def test_template_that_is_lost_is_replaced_and_its_workers_go_on(executor, signalled) -> None:
     template = template_of(executor)
@@ -107,11 +119,13 @@ def said(executor: LocalExecutor, expression: str) -> str:
 
 
 def test_fresh_worker_has_imported_the_suite_and_no_engine(shared) -> None:
-    folders = Path(worker_template.__file__).parents[2].glob("engines/*/joint.py")
+    folders = Path(worker_template.__file__).parents[3].glob("engines/*/joint.py")
     adapters = {f"engines.{file.parent.name}" for file in folders}
     assert {"engines.mujoco", "engines.exudyn", "engines.drake"} <= adapters
     assert said(shared, f"str({adapters | PACKAGES} & sys.modules.keys())") == "set()"
-    assert said(shared, "str({'scenarios.execution.batch', 'numba', 'scipy'} <= sys.modules.keys())") == "True"
+    assert (
+        said(shared, "str({'scenarios.execution.computation.batch', 'numba', 'scipy'} <= sys.modules.keys())") == "True"
+    )
 
 
 def test_fresh_worker_is_out_of_reach_of_the_terminal_and_engines_find_the_folder(shared) -> None:
@@ -190,7 +204,7 @@ def test_interrupted_start_leaves_neither_processes_nor_descriptors(monkeypatch,
 CLIENT = """
 import json, sys, time
 from pathlib import Path
-from scenarios.execution.worker_template import WorkerTemplate
+from scenarios.execution.workers.worker_template import WorkerTemplate
 template = WorkerTemplate(Path(sys.argv[1]))
 worker = template.fork(Path(sys.argv[1]) / "log")
 supervisor = next(line for line in Path(f"/proc/self/fdinfo/{worker.supervisor}").open() if line.startswith("Pid:"))

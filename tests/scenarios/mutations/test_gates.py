@@ -6,7 +6,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from engines.mutants.catalogue import MUTANTS
-from scenarios.execution.store import opened_store
+from scenarios.execution.storage.store import opened_store
 from scenarios.mutations.gates import ContractGate, ReportGate, ScenarioGate, is_of
 from tests.scenarios.in_process import evaluator
 

@@ -10,10 +10,10 @@ from engines import engine
 from engines.interface.registry import default_engine_names
 from engines.interface.variant import Variant
 from reference_lcp import HarmonicBase, ParameterError, frictionless_transmittance
-from scenarios.execution.batch import run_batch
+from scenarios.execution.computation.batch import run_batch
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalExecutor
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
+from scenarios.execution.workers.local_processes import LocalExecutor
 from scenarios.studies.figure3 import default_frequency_ratios, figure3, quick_frequency_ratios
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import compare_sweep

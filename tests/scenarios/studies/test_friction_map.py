@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from scenarios.execution.batch import run_batch
+from scenarios.execution.computation.batch import run_batch
 from scenarios.execution.evaluator import Evaluator
 from scenarios.studies.figure3 import figure3
 from scenarios.studies.friction_map import friction_map, map_sweep

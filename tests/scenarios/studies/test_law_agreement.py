@@ -5,7 +5,7 @@ import math
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution.store import opened_store
+from scenarios.execution.storage.store import opened_store
 from scenarios.studies.law_agreement import LawAgreement, beside_the_reference, law_agreements, law_csv, law_document
 from scenarios.tasks.result import Result
 from tests.scenarios.in_process import evaluator

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution.batch import run_batch
+from scenarios.execution.computation.batch import run_batch
 from scenarios.execution.evaluator import StoredResults
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep

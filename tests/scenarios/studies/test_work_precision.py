@@ -9,10 +9,10 @@ import pytest
 from engines.interface.variant import Variant
 from reference_lcp import exact_steady_state
 from reference_lcp.steady.limits import EXACT_RESIDUAL
-from scenarios.execution.batch import run_batch
+from scenarios.execution.computation.batch import run_batch
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
 from scenarios.studies.accuracy import ORDER_STEPS
 from scenarios.studies.work_precision import (
     STUDY_STEPS,

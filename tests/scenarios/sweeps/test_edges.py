@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution.store import opened_store
+from scenarios.execution.storage.store import opened_store
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep

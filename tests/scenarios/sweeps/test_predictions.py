@@ -7,7 +7,7 @@ import pytest
 from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
 from scenarios.execution.evaluator import StoredResults
-from scenarios.execution.store import ResultStore, opened_store
+from scenarios.execution.storage.store import ResultStore, opened_store
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
 from scenarios.sweeps.dataset import sweep_dataset

@@ -7,7 +7,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from engines.pymunk import Pymunk
-from scenarios.execution.store import opened_store
+from scenarios.execution.storage.store import opened_store
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.start_check import StartCheck, check_starts

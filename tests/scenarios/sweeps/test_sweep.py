@@ -19,8 +19,8 @@ from reference_lcp import Chain, HarmonicBase, ParameterError, steady_state
 from reference_lcp.console import run_command
 from scenarios.__main__ import app
 from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.local_processes import LocalExecutor
-from scenarios.execution.store import ResultStore
+from scenarios.execution.storage.store import ResultStore
+from scenarios.execution.workers.local_processes import LocalExecutor
 from scenarios.sweeps.dataset import STATUSES, sweep_dataset, write_dataset
 from scenarios.sweeps.run import run_sweep, stored_table
 from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
@@ -147,7 +147,9 @@ cells = 10
 
 def workers_of(client: int) -> list[int]:
     children = Path(f"/proc/{client}/task/{client}/children").read_text().split()
-    return [int(one) for one in children if "scenarios.execution.worker" in Path(f"/proc/{one}/cmdline").read_text()]
+    return [
+        int(one) for one in children if "scenarios.execution.workers.worker" in Path(f"/proc/{one}/cmdline").read_text()
+    ]
 
 
 START_LIMIT = 180.0

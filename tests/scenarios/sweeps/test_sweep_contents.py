@@ -13,10 +13,10 @@ from reference_lcp import ParameterError, decibel, frictionless_transmittance
 from reference_lcp.console import run_command
 from scenarios.__main__ import app
 from scenarios.cli.sweep import evaluate_sweep
-from scenarios.execution import dask_cluster
 from scenarios.execution.evaluator import Evaluator
 from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.store import ResultStore, digest_of
+from scenarios.execution.storage.store import ResultStore, digest_of
+from scenarios.execution.workers import dask_cluster
 from scenarios.sweeps.adaptive_grid import level
 from scenarios.sweeps.dataset import STATUSES, sweep_dataset
 from scenarios.sweeps.refinement import ForTheAccuracy

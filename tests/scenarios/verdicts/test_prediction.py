@@ -11,7 +11,7 @@ from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
 from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.catalogue.steady.unit_cell import UnitCell
-from scenarios.execution.store import opened_store
+from scenarios.execution.storage.store import opened_store
 from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.result import Result
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Prediction

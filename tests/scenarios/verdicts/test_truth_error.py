@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution.steady import run_steady_states
+from scenarios.execution.computation.steady import run_steady_states
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.pointwise import CONVERGED, PointResults

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 from engines.interface.engine import EngineNotInstalled
 from reference_lcp.refusal import ParameterError, RunError
-from scenarios.execution.checked_simulation import TrajectoryFault
+from scenarios.execution.computation.checked_simulation import TrajectoryFault
 from scenarios.tasks.result import Result
 
 Item = TypeVar("Item")

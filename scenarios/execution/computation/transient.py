@@ -11,8 +11,8 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.observables.energy import mechanical_energy
 from reference_lcp.validation import FloatArray
-from scenarios.execution.checked_simulation import CheckedSimulation
-from scenarios.execution.failures import results_together
+from scenarios.execution.computation.checked_simulation import CheckedSimulation
+from scenarios.execution.computation.failures import results_together
 from scenarios.tasks.result import NamedNumbers, Result, ResultStatus
 from scenarios.tasks.transient import TransientTask
 

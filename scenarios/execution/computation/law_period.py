@@ -4,8 +4,8 @@ import time
 from collections.abc import Sequence
 
 from engines.shared.law_distance import distance_from_law, stepped_by, unclaimed_reason
-from scenarios.execution.checked_simulation import CheckedSimulation
-from scenarios.execution.failures import results_together
+from scenarios.execution.computation.checked_simulation import CheckedSimulation
+from scenarios.execution.computation.failures import results_together
 from scenarios.tasks.law_period import LawPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
 

@@ -17,9 +17,9 @@ from reference_lcp.refusal import ParameterError
 from reference_lcp.steady.amplification import residual_amplification
 from reference_lcp.steady.neighbours import orbits_beside_euler, orbits_from_balance
 from reference_lcp.steady.orbits import OrbitStatus, PeriodicOrbit, part_of, periodic_orbits
-from scenarios.execution.checked_simulation import CheckedSimulation, check_trajectory
-from scenarios.execution.failures import results_together
-from scenarios.execution.law_start import law_orbits
+from scenarios.execution.computation.checked_simulation import CheckedSimulation, check_trajectory
+from scenarios.execution.computation.failures import results_together
+from scenarios.execution.computation.law_start import law_orbits
 from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import Start, SteadyStateTask

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from reference_lcp.output import replacing
 from reference_lcp.refusal import ParameterError, RunError
-from scenarios.execution.store import ResultStore, check_layout, errors_of, intact
-from scenarios.execution.store_file import connected, existing_store, problems_of
+from scenarios.execution.storage.store import ResultStore, check_layout, errors_of, intact
+from scenarios.execution.storage.store_file import connected, existing_store, problems_of
 
 COLUMNS = {"answers": ("key", "content", "answer", "digest"), "sweeps": ("sweep", "digest")}
 """Columns of each table, without its row numbers, the digest last."""

@@ -3,7 +3,7 @@
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.refusal import ParameterError
-from scenarios.execution.failures import text_of
+from scenarios.execution.computation.failures import text_of
 
 
 def identity_of(variant: Variant) -> str:

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import IO, Any
 
 from engines.out_of_process.crash_log import FATAL, place_of_crash
-from scenarios.execution.batch import run_batch
-from scenarios.execution.failures import WORKER_MARK
-from scenarios.execution.identity import identity_of, mismatch_reason
-from scenarios.execution.preparation import Preparations, Preparing
+from scenarios.execution.computation.batch import run_batch
+from scenarios.execution.computation.failures import WORKER_MARK
+from scenarios.execution.workers.identity import identity_of, mismatch_reason
+from scenarios.execution.workers.preparation import Preparations, Preparing
 from scenarios.tasks.result import Result
 
 BEGUN = "begun"

@@ -18,8 +18,8 @@ from typing import Any, TypeVar
 
 from reference_lcp.refusal import ParameterError, RunError, checked_path
 from scenarios.execution.closing import Closing
-from scenarios.execution.scratch import ScratchFolder
-from scenarios.execution.store_file import ATTEMPT_SECONDS, connected, problems_of
+from scenarios.execution.storage.scratch import ScratchFolder
+from scenarios.execution.storage.store_file import ATTEMPT_SECONDS, connected, problems_of
 from scenarios.tasks.result import Result, ResultSummary
 from scenarios.tasks.task import Task, key_of
 

@@ -9,7 +9,7 @@ from engines.interface.preparation import sample_lane
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.chain.trajectory import State
-from scenarios.execution.failures import reason_of
+from scenarios.execution.computation.failures import reason_of
 
 KEPT_SECONDS = 5.0
 """What an engine has to load what it has kept, without a word to the user: MuJoCo Warp takes 2 s."""

@@ -9,14 +9,14 @@ from queue import Empty, SimpleQueue
 
 from engines.interface import registry
 from reference_lcp.refusal import ParameterError
-from scenarios.execution.batch import Batch
+from scenarios.execution.computation.batch import Batch
+from scenarios.execution.computation.failures import ExecutorError
 from scenarios.execution.executor import InProcessExecutor, WorkerDied, WorkerExecutor
-from scenarios.execution.failures import ExecutorError
-from scenarios.execution.identity import identity_of
 from scenarios.execution.limits import TIME_LIMIT
-from scenarios.execution.local_worker import LocalWorker
-from scenarios.execution.scratch import ScratchFolder
-from scenarios.execution.worker_template import WorkerTemplate
+from scenarios.execution.storage.scratch import ScratchFolder
+from scenarios.execution.workers.identity import identity_of
+from scenarios.execution.workers.local_worker import LocalWorker
+from scenarios.execution.workers.worker_template import WorkerTemplate
 from scenarios.tasks.result import Result
 
 IDLE_WORKERS = 8

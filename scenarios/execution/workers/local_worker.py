@@ -12,11 +12,11 @@ from queue import SimpleQueue
 from threading import Thread
 
 from reference_lcp.compilation import say_in_terminal
-from scenarios.execution.batch import Batch
+from scenarios.execution.computation.batch import Batch
 from scenarios.execution.executor import KILLED, WorkerDied
-from scenarios.execution.preparation import KEPT_SECONDS, Preparing
-from scenarios.execution.worker import BEGUN, limit_reached, reason_of_death
-from scenarios.execution.worker_template import END_SECONDS, START_SECONDS, WorkerTemplate
+from scenarios.execution.workers.preparation import KEPT_SECONDS, Preparing
+from scenarios.execution.workers.worker import BEGUN, limit_reached, reason_of_death
+from scenarios.execution.workers.worker_template import END_SECONDS, START_SECONDS, WorkerTemplate
 from scenarios.tasks.result import Result
 
 GRACE_SECONDS = 1.0
@@ -27,7 +27,7 @@ class LocalWorker:
     """A process forked from a template, below a supervisor, which runs one batch at a time.
 
     It does not import the program that started it, and no Ctrl-C of the terminal reaches it. When the starting process
-    ends, so does it, with every process that an engine has started in it; see `scenarios.execution.supervisor`.
+    ends, so does it, with every process that an engine has started in it; see `scenarios.execution.workers.supervisor`.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class LocalWorker:
         return not self._ended(0.0)
 
     def run(self, batch: Batch, identity: str, limit: float) -> None:
-        """Start on a batch, see `scenarios.execution.worker.serve`, that may take `limit` seconds."""
+        """Start on a batch, see `scenarios.execution.workers.worker.serve`, that may take `limit` seconds."""
         self.busy, self._size, self._limit = True, len(batch), limit
         self._begun, self._silent, self._reply, self._preparing = False, False, None, None
         self.deadline = time.monotonic() + START_SECONDS

@@ -18,11 +18,11 @@ from typing import NamedTuple
 
 from engines.interface.variant import Variant
 from engines.out_of_process.process import ONE_THREAD
-from scenarios.execution.batch import run_batch
 from scenarios.execution.closing import Closing
-from scenarios.execution.failures import ExecutorError
-from scenarios.execution.supervisor import PR_SET_PDEATHSIG, prctl, supervise
-from scenarios.execution.worker import serve
+from scenarios.execution.computation.batch import run_batch
+from scenarios.execution.computation.failures import ExecutorError
+from scenarios.execution.workers.supervisor import PR_SET_PDEATHSIG, prctl, supervise
+from scenarios.execution.workers.worker import serve
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.task import SteadyStateTask
 
@@ -30,7 +30,7 @@ START_SECONDS = 180.0
 """What a process has to start, to import the suite and to compile it where that has not been kept, on a busy machine:
 15 s on one that is not."""
 
-SUITE = Path(__file__).resolve().parents[2]
+SUITE = Path(__file__).resolve().parents[3]
 """Where the packages of the suite lie: looked for there first, whatever has their names in the working folder."""
 
 END_SECONDS = 1.0
@@ -50,7 +50,7 @@ WARM_UP = SteadyStateTask(
 
 _START = (
     "import sys; sys.path[:] = {path!r}; "
-    "from scenarios.execution.worker_template import fork_workers; fork_workers({descriptor})"
+    "from scenarios.execution.workers.worker_template import fork_workers; fork_workers({descriptor})"
 )
 
 
@@ -58,7 +58,7 @@ class ForkedWorker(NamedTuple):
     """What the client of a worker holds of it."""
 
     connection: Connection
-    """Through which batches go and results come; see `scenarios.execution.worker.serve`."""
+    """Through which batches go and results come; see `scenarios.execution.workers.worker.serve`."""
     lifeline: int
     """Descriptor: once it is closed, the supervisor ends every process of the worker."""
     supervisor: int

@@ -2,8 +2,8 @@
 
 import threading
 
-from scenarios.execution.batch import Batch
-from scenarios.execution.local_processes import LocalExecutor
+from scenarios.execution.computation.batch import Batch
+from scenarios.execution.workers.local_processes import LocalExecutor
 from scenarios.tasks.result import Result
 
 _own = threading.local()

@@ -7,13 +7,13 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from typing import Any
 
 from reference_lcp.refusal import ParameterError, shown
-from scenarios.execution.batch import Batch
-from scenarios.execution.dask_worker import run_on_cluster
+from scenarios.execution.computation.batch import Batch
+from scenarios.execution.computation.failures import ExecutorError, text_of
 from scenarios.execution.executor import InProcessExecutor, WorkerDied, WorkerExecutor
-from scenarios.execution.failures import ExecutorError, text_of
-from scenarios.execution.identity import identity_of
 from scenarios.execution.limits import TIME_LIMIT
-from scenarios.execution.local_processes import executor_here
+from scenarios.execution.workers.dask_worker import run_on_cluster
+from scenarios.execution.workers.identity import identity_of
+from scenarios.execution.workers.local_processes import executor_here
 from scenarios.tasks.result import Result
 
 NOISY = ("distributed", "distributed.client", "distributed.core", "distributed.utils", "tornado.application", "asyncio")

@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from engines.interface.variant import Variant
-from scenarios.execution.law_period import run_law_periods
-from scenarios.execution.steady import run_steady_states
-from scenarios.execution.transient import run_transients
+from scenarios.execution.computation.law_period import run_law_periods
+from scenarios.execution.computation.steady import run_steady_states
+from scenarios.execution.computation.transient import run_transients
 from scenarios.tasks.block import BlockTask
 from scenarios.tasks.inclined import InclinedTask
 from scenarios.tasks.law_period import LawPeriodTask
