@@ -7,6 +7,7 @@ from types import ModuleType
 
 import pytest
 
+from engines import engine
 from reports.cli.console_script import COMMANDS
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -65,3 +66,21 @@ def test_picture_of_another_table_is_another_one(tmp_path: Path) -> None:
     (tmp_path / "accuracy.md").write_text(table.replace(row, row.replace(largest, " 1.000 ", 1)), encoding="utf-8")
     program("pictures").draw_errors(tmp_path / "accuracy.md", tmp_path / "errors.svg")
     assert markers(tmp_path / "errors.svg") != pytest.approx(markers(DOCS / "_static" / "errors.svg"), abs=0.5)
+
+
+def page_of(name: str) -> str:
+    """Give the page of an engine below ``docs/engines``: both of Exudyn's share one."""
+    return "exudyn" if name.startswith("exudyn-") else name.replace("-", "_")
+
+
+def test_table_of_engines_has_all_that_were_measured_with_version_precision_and_page() -> None:
+    versions = re.search(r"^Versions: (.*);", (DOCS / "accuracy.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert versions is not None
+    measured = dict(entry.split(" ") for entry in versions[1].split(", "))
+    del measured["reference"]
+    expected = {(page_of(name), version, engine(name).capabilities.precision) for name, version in measured.items()}
+    index = (DOCS / "engines" / "index.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^\| \[[^]]+\]\((\w+)\.md\)[^|]*\| ([\d.]+), (\w+) \|", index, re.MULTILINE)
+    assert len(shown) == len(measured)
+    assert set(shown) == expected
+    assert all((DOCS / "engines" / f"{page}.md").is_file() for page, _, _ in shown)
