@@ -9,8 +9,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from engines.interface import registry
 from scenarios.catalogue import CATALOGUE
 from scenarios.tables import markdown_lines
+
+ENGINES = Path(__file__).parents[1] / "engines"
+"""Pages of the engines."""
 
 NUMBERS = ("value", "expected", "difference", "allowed")
 """Columns that can be empty."""
@@ -77,12 +81,18 @@ def _cell(engine: str, variant: str, scenario: str, rows: pd.DataFrame | None) -
     )
 
 
-def engine_page(engine: str, rows: pd.DataFrame) -> Iterator[str]:
+def engine_page(name: str, rows: pd.DataFrame) -> Iterator[str]:
     """Give the lines of the page of an engine: a table a scenario."""
-    yield from (f"# {engine}: verdicts", "", "[All engines](../index.md).", "")
+    yield from (f"# {name}: verdicts", "", f"[All engines](../index.md).{_reasons(name)}", "")
     for scenario, own in rows.groupby("scenario", sort=False):
         yield from (f"## {scenario}", "", f"[{CATALOGUE[str(scenario)].question}](../scenarios/{scenario}.md)", "")
         yield from (*_table(own), "")
+
+
+def _reasons(name: str) -> str:
+    """Link to the page of an engine that explains its numbers; the reference has none."""
+    page = ENGINES / f"{type(registry.engine(name)).__module__.split('.')[1]}.md"
+    return f" [Why its numbers are what they are](../../engines/{page.name})." if page.is_file() else ""
 
 
 def scenario_page(name: str, rows: pd.DataFrame) -> Iterator[str]:
