@@ -30,9 +30,7 @@ DIGITS = 5
 
 def outcomes(findings: pd.DataFrame) -> pd.Series:
     """Give one word a finding."""
-    words = findings["verdict"].replace(
-        {"agree": "agrees", "own step too coarse": "undecided", "inconclusive": "undecided"}
-    )
+    words = findings["verdict"].replace(WORDS)
     predicted = findings["as predicted"].astype(str) == "True"
     return words.mask(words == "disagree", predicted.map({True: "as predicted", False: "unexplained"}))
 
