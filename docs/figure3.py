@@ -13,8 +13,8 @@ import pandas as pd
 
 from engines import engine
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
-from reports.figures.matplotlib_backend import COLUMN, PRINT_STYLE
-from reports.figures.style import PALETTE
+from reports.drawing.matplotlib_backend import COLUMN, PRINT_STYLE
+from reports.drawing.style import PALETTE
 from scenarios.sweeps.resonances import resonances
 from scenarios.tasks.parameters import ChainRatios
 

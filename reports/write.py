@@ -11,9 +11,9 @@ from reference_lcp.console import checked_output_file, checked_output_folder
 from reference_lcp.refusal import ParameterError, checked_path
 from reports.data.collect import Scope, collect, collect_dataset, expected_tasks
 from reports.data.report import Report
+from reports.drawing.drawn import DrawnFigures
 from reports.export.earlier import check_loses_nothing
 from reports.export.files import FILES, PAGE, cards_beside, files_of, write_all
-from reports.figures.drawn import DrawnFigures
 from reports.page.render import FIGURES
 from scenarios.execution.evaluator import StoredResults
 from scenarios.execution.executor import Executor

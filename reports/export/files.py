@@ -11,8 +11,8 @@ import xarray as xr
 
 from reference_lcp.output import write_whole
 from reports.data.report import Report
+from reports.drawing.drawn import DrawnFigures
 from reports.export.tables import table_files
-from reports.figures.drawn import DrawnFigures
 from reports.page.render import FIGURES, page, sections
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep

@@ -1,1 +1,1 @@
-"""The figures of the report, one module a subject: each describes its figures once, and two backends draw them."""
+"""The figures of the report, one module a subject; `reports.drawing` draws them, on the page and in print."""

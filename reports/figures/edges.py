@@ -7,8 +7,8 @@ import numpy as np
 
 from engines.interface.variant import Variant
 from reports.data.findings import blocked_reason
-from reports.figures.figure import Axis, Figure, Mark, Panel, Rule, Series, difference_axis
-from reports.figures.style import RULE, Style, compared_variants, style_of
+from reports.drawing.figure import Axis, Figure, Mark, Panel, Rule, Series, difference_axis
+from reports.drawing.style import RULE, Style, compared_variants, style_of
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case

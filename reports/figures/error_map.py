@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from reports.data.error_maps import ErrorMap
-from reports.figures.figure import Axis, Figure, HeatMap, Mark, Panel, Series
-from reports.figures.style import Style
+from reports.drawing.figure import Axis, Figure, HeatMap, Mark, Panel, Series
+from reports.drawing.style import Style
 from reports.formatting import signed
 
 LOWEST_DB = 1e-3

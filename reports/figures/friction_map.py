@@ -1,8 +1,8 @@
 """Transmittance over friction and frequency, with the contour of the attenuation band."""
 
 from reference_lcp.validation import FloatArray
-from reports.figures.figure import Axis, Figure, HeatMap, Panel, Series
-from reports.figures.style import DASHED, SOLID, Style
+from reports.drawing.figure import Axis, Figure, HeatMap, Panel, Series
+from reports.drawing.style import DASHED, SOLID, Style
 from reports.figures.transmittance import FREQUENCY_LABEL
 from scenarios.studies.friction_map import FrictionMap
 

@@ -10,8 +10,8 @@ from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
 from reports.data.descriptions import file_name
 from reports.data.stick_slip import CasePoint
-from reports.figures.figure import Axis, Figure, Panel, Series
-from reports.figures.style import style_of
+from reports.drawing.figure import Axis, Figure, Panel, Series
+from reports.drawing.style import style_of
 from reports.formatting import ratio
 from scenarios.sweeps.sweep import Sweep
 from scenarios.tasks.recorded import RecordedPeriod

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 from engines.interface.variant import Variant
 from reports.data.errors import VariantErrors
-from reports.figures.figure import Axis, Figure, Mark, Panel, Rule, Series
-from reports.figures.style import DASHED, Style
+from reports.drawing.figure import Axis, Figure, Mark, Panel, Rule, Series
+from reports.drawing.style import DASHED, Style
 from scenarios.verdicts.steady_case import REFERENCE
 from scenarios.verdicts.truth_error import WRONG_DB
 

@@ -3,8 +3,8 @@
 import math
 
 from reports.data.option_curves import OptionCurve
-from reports.figures.figure import Axis, Figure, Mark, Panel, Rule, Series
-from reports.figures.style import DASHED, DOTTED, Style
+from reports.drawing.figure import Axis, Figure, Mark, Panel, Rule, Series
+from reports.drawing.style import DASHED, DOTTED, Style
 from reports.formatting import ratio
 from scenarios.verdicts.truth_error import WRONG_DB
 

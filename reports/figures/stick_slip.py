@@ -7,7 +7,7 @@ from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import Mode
 from reports.data.descriptions import file_name
 from reports.data.stick_slip import CasePoint
-from reports.figures.figure import Axis, Bars, Figure, Panel
+from reports.drawing.figure import Axis, Bars, Figure, Panel
 from reports.formatting import ratio
 from scenarios.tasks.result import Result
 

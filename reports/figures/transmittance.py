@@ -9,8 +9,8 @@ from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
 from reports.data.curves import converged_edges, differences, reference_line
 from reports.data.descriptions import file_name, named_axes
-from reports.figures.figure import Axis, Figure, Mark, Panel, Rule, Series, difference_axis
-from reports.figures.style import DASHED, DOTTED, RULE, Style, compared_variants, curve_style, style_of
+from reports.drawing.figure import Axis, Figure, Mark, Panel, Rule, Series, difference_axis
+from reports.drawing.style import DASHED, DOTTED, RULE, Style, compared_variants, curve_style, style_of
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case
 from scenarios.sweeps.table import Point

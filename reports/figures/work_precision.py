@@ -7,8 +7,8 @@ import numpy as np
 
 from engines.interface.variant import Variant
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
-from reports.figures.figure import Axis, Figure, Panel, Series
-from reports.figures.style import DOTTED, Style, style_of
+from reports.drawing.figure import Axis, Figure, Panel, Series
+from reports.drawing.style import DOTTED, Style, style_of
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.sweep import Sweep
 

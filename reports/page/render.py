@@ -13,10 +13,10 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from reports.data.report import Report
-from reports.figures.drawn import INDEX, DrawnFigures, index_of
-from reports.figures.figure import Figure
-from reports.figures.plotly_backend import plot
-from reports.figures.printing import Printer
+from reports.drawing.drawn import INDEX, DrawnFigures, index_of
+from reports.drawing.figure import Figure
+from reports.drawing.plotly_backend import plot
+from reports.drawing.printing import Printer
 from reports.formatting import fixed, per_cell, ratio, scientific, signed, span, typeset
 from reports.page.section import SUITE_TEMPLATES, Section, registered_sections
 from reports.page.sections import (

@@ -6,7 +6,7 @@ from importlib.metadata import entry_points
 from typing import Any, ClassVar
 
 from reports.data.report import Report
-from reports.figures.figure import Figure
+from reports.drawing.figure import Figure
 
 SUITE_TEMPLATES = "reports.page"
 """Package that holds the suite's own templates."""

@@ -6,8 +6,8 @@ from typing import Any
 from engines.interface.variant import Variant
 from reports.data.departures import outcome
 from reports.data.descriptions import axis_name
+from reports.drawing.figure import Figure
 from reports.figures.edges import edge_forest, reference_error
-from reports.figures.figure import Figure
 from reports.formatting import ratio
 from reports.page.section import Section
 from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge

@@ -5,8 +5,8 @@ from typing import Any
 
 from reports.data.descriptions import named_axes
 from reports.data.error_maps import ErrorMap, error_maps
+from reports.drawing.figure import Figure
 from reports.figures.error_map import HIGHEST_DB, LOWEST_DB, error_map_figure
-from reports.figures.figure import Figure
 from reports.page.section import Section
 from scenarios.verdicts.finding import FLOOR_DB
 from scenarios.verdicts.truth_error import WRONG_DB

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from reports.figures.figure import Figure
+from reports.drawing.figure import Figure
 from reports.figures.friction_map import HIGHEST_DB, LOWEST_DB, friction_map_figure
 from reports.page.section import Section
 

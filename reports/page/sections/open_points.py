@@ -8,7 +8,7 @@ from typing import Any
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reports.data.departures import outcome
-from reports.figures.style import compared_variants
+from reports.drawing.style import compared_variants
 from reports.page.section import Section
 from scenarios.sweeps.sweep import Case
 from scenarios.sweeps.table import Point

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from reports.figures.figure import Figure
+from reports.drawing.figure import Figure
 from reports.figures.option_curves import option_figure
 from reports.page.section import Section
 

@@ -7,7 +7,7 @@ from engines.interface.variant import Variant
 from reference_lcp.observables.transition_matching import MATCHING_WINDOW
 from reports.data.descriptions import axis_name
 from reports.data.stick_slip import CasePoint, compared_points, point_at
-from reports.figures.figure import Figure
+from reports.drawing.figure import Figure
 from reports.figures.hysteresis import hysteresis
 from reports.figures.stick_slip import raster
 from reports.formatting import ratio

@@ -6,8 +6,8 @@ from typing import Any
 from reports.data.descriptions import axis_name, drive_description
 from reports.data.errors import VariantErrors
 from reports.data.installed import Installed, by_engine
+from reports.drawing.figure import Figure
 from reports.figures.chain_drawing import chain_drawing
-from reports.figures.figure import Figure
 from reports.figures.installed import installed_figure
 from reports.formatting import ratio
 from reports.page.section import Section

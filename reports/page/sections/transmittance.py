@@ -3,7 +3,7 @@
 from typing import Any
 
 from engines.interface.tolerances import CONVERGED_TOLERANCE_DB
-from reports.figures.figure import Figure
+from reports.drawing.figure import Figure
 from reports.figures.transmittance import LINEAR_DB, LOWEST_DB, overview, panel
 from reports.page.section import Section
 from scenarios.verdicts.finding import FLOOR_DB

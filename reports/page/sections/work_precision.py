@@ -3,7 +3,7 @@
 from typing import Any
 
 from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
-from reports.figures.figure import Figure
+from reports.drawing.figure import Figure
 from reports.figures.work_precision import convergence_figure, curves, work_precision_figure
 from reports.page.section import Section
 from scenarios.studies.work_precision import FINEST_STEPS

@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 from reports.data.report import Report
+from reports.drawing import drawn, matplotlib_backend
+from reports.drawing.drawn import INDEX, DrawnFigures, described
+from reports.drawing.figure import Figure
 from reports.export.files import files_of, write_all
-from reports.figures import drawn, matplotlib_backend
-from reports.figures.drawn import INDEX, DrawnFigures, described
-from reports.figures.figure import Figure
 from reports.page.render import FIGURES, sections
 
 

@@ -8,9 +8,9 @@ import pytest
 
 from reports.data.error_maps import error_maps
 from reports.data.report import Report
+from reports.drawing.matplotlib_backend import drawn
+from reports.drawing.plotly_backend import plot
 from reports.figures.error_map import HIGHEST_DB, LOWEST_DB, error_map_figure
-from reports.figures.matplotlib_backend import drawn
-from reports.figures.plotly_backend import plot
 from reports.page.sections import ErrorMaps
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case

@@ -10,12 +10,12 @@ import pytest
 
 from engines.interface.variant import Variant
 from reports.data.report import Report
-from reports.figures.figure import Axis, Figure, Panel, Rule, Series, difference_axis
+from reports.drawing.figure import Axis, Figure, Panel, Rule, Series, difference_axis
+from reports.drawing.matplotlib_backend import drawn, mathtext
+from reports.drawing.plotly_backend import plot
+from reports.drawing.style import PALETTE, Style, style_of
 from reports.figures.hysteresis import CORNER, corners
-from reports.figures.matplotlib_backend import drawn, mathtext
-from reports.figures.plotly_backend import plot
 from reports.figures.stick_slip import MODE_COLOURS, phases
-from reports.figures.style import PALETTE, Style, style_of
 from reports.page.render import sections
 from reports.page.sections import StickSlip
 from scenarios.sweeps.compared import ComparedSweep

@@ -12,10 +12,10 @@ from reports.data.errors import VariantErrors
 from reports.data.findings import Extreme
 from reports.data.option_curves import option_curves
 from reports.data.report import Report
+from reports.drawing.matplotlib_backend import drawn
+from reports.drawing.plotly_backend import plot
 from reports.export.tables import option_table
-from reports.figures.matplotlib_backend import drawn
 from reports.figures.option_curves import SMALLEST_CREEP, option_figure
-from reports.figures.plotly_backend import plot
 from reports.page.render import sections
 from scenarios.sweeps.sweep import Case
 from scenarios.sweeps.table import Point

@@ -5,9 +5,9 @@ import dataclasses
 import pytest
 
 from reports.data.report import Report
-from reports.figures import printing
-from reports.figures.matplotlib_backend import print_files
-from reports.figures.printing import Printer
+from reports.drawing import printing
+from reports.drawing.matplotlib_backend import print_files
+from reports.drawing.printing import Printer
 from reports.page.render import sections
 
 

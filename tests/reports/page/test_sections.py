@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from reports.data.report import Report
-from reports.figures.figure import Axis, Figure, Panel, Series
-from reports.figures.style import Style
+from reports.drawing.figure import Axis, Figure, Panel, Series
+from reports.drawing.style import Style
 from reports.page import section as parts
 from reports.page.render import page, sections
 from reports.page.section import ENTRY_POINT_GROUP, Section

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from reports.figures.figure import Axis, Bars, Figure, HeatMap, Panel, Rule, Series
-from reports.figures.style import Style
+from reports.drawing.figure import Axis, Bars, Figure, HeatMap, Panel, Rule, Series
+from reports.drawing.style import Style
 from reports.formatting import ratio, typeset
 
 PIXELS_A_POINT = 1.6

@@ -12,8 +12,8 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure as Canvas
 from PIL import Image
 
-from reports.figures.figure import Axis, Bars, Figure, HeatMap, Mark, Panel, Rule, Series
-from reports.figures.style import Style
+from reports.drawing.figure import Axis, Bars, Figure, HeatMap, Mark, Panel, Rule, Series
+from reports.drawing.style import Style
 from reports.formatting import ratio
 
 COLUMN = 3.5

@@ -7,8 +7,8 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from types import TracebackType
 from typing import Self
 
-from reports.figures.drawn import DrawnFigures
-from reports.figures.figure import Figure
+from reports.drawing.drawn import DrawnFigures
+from reports.drawing.figure import Figure
 
 FEWEST = 4
 """Figures for which another process is begun: drawing one takes a third of a second."""
@@ -36,7 +36,7 @@ class Printer:
         """Draw figures in processes, if there are enough of them."""
         processes = min(os.cpu_count() or 1, len(expected) // FEWEST)
         if processes > 1 and "fork" in multiprocessing.get_all_start_methods():
-            from reports.figures.matplotlib_backend import print_files  # imported once, before processes are forked
+            from reports.drawing.matplotlib_backend import print_files  # imported once, before processes are forked
 
             self._pool = ProcessPoolExecutor(processes, multiprocessing.get_context("fork"))
             self._files = {id(figure): self._pool.submit(print_files, figure) for figure in expected}
@@ -62,6 +62,6 @@ class Printer:
             return files
         if id(figure) in self._files:
             return self._files[id(figure)].result()
-        from reports.figures.matplotlib_backend import print_files
+        from reports.drawing.matplotlib_backend import print_files
 
         return print_files(figure)

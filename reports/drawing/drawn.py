@@ -15,7 +15,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from reports.figures.figure import Figure
+from reports.drawing.figure import Figure
 
 INDEX = "drawn.json"
 """File of the index."""

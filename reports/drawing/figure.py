@@ -12,7 +12,7 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from reference_lcp.validation import FloatArray
-from reports.figures.style import Style
+from reports.drawing.style import Style
 from reports.formatting import ratio
 
 
