@@ -18,16 +18,19 @@ Results = Mapping[Scenario, Sequence[Finding]]
 """Findings by scenario, in the order in which they were run."""
 
 VERDICT_LEGEND = """\
-A number *agrees* if it is within what is allowed of what is expected: the error bar of the expected number, plus the
-error of the engine's own time step, estimated from two step sizes (and taken to be no less than the reference's at the
-same step), plus what neither can resolve. A disagreement is *as its law predicts* where the law of the preset, a model
-with constants from the preset's options, gives the same number within what both leave open, and a period of engine and
-law from the same state ends within the bound of the law; it is *unexplained* otherwise. *Own step too coarse*: the
-number is within what is allowed, but the errors of steps in that are more than a tenth of what friction changes at all.
-*Inconclusive*: there is no certified steady state, nothing to compare, or no result so far (skipped as too slow, or
-left out by --no-ask). *Says nothing*: no certified steady state, or too coarse a step, where the law of the preset does
-not say the same. *Blocked*: the engine is not installed, or has failed. *Worst*: the largest difference over what is
-allowed for it.
+- *Agrees*: the difference from the expected number is allowed. Allowed is the sum of the error bar of the expected number,
+  the error of the engine's own time step (from two step sizes, and no less than the reference's at the same step), and
+  what neither can resolve.
+- *As its law predicts*: a disagreement that the law of the preset, a model with constants from the preset's options,
+  gives too. Engine and law also differ by no more than the law's bound after a period from the same state.
+- *Unexplained*: any other disagreement.
+- *Own step too coarse*: the difference is allowed, but the errors of steps in the allowance are more than a tenth of
+  what friction changes at all.
+- *Inconclusive*: there is no certified steady state, nothing to compare, or no result so far (skipped as too slow, or
+  left out by --no-ask).
+- *Says nothing*: no certified steady state, or too coarse a step, where the law of the preset does not say the same.
+- *Blocked*: the engine is not installed, or has failed.
+- *Worst*: the largest difference over what is allowed for it.
 """
 
 

@@ -47,20 +47,21 @@ def _detected(gate: str) -> Column[MutationRow]:
 
 
 MUTATION_LEGEND = f"""\
-What would the suite find out? Every *mutant* is a copy of an engine's own steps, of the reference's scheme or of the
-law of a preset, with exactly one error of a size s. It is held to the gates that every engine has to pass, and the
-table has the smallest size, of those from the *largest* to the *smallest*, a decade apart, that each gate detects; a
-dash where even the largest passes. That a larger error is caught wherever a smaller one is, is taken for granted.
+Which errors would the suite detect? A *mutant* is a copy of an engine's steps, of the reference's scheme or of the law
+of a preset, with exactly one error of size s. Each mutant is run through three *gates* that every engine has to pass:
 
-- *contract*: `pytest --pyargs engines.contract --engine NAME` is red.
-- *scenarios*: one of {", ".join(SCENARIO_NAMES)} fails, as for its exit code: a
-  disagreement that no law predicts, or too little that is certified.
-- *report*: its exit code is 1: a point or a band edge disagrees, and not as a law predicts, or too little is certified,
-  friction {", ".join(map(str, FRICTION_RATIOS))} × η_r {", ".join(map(str, FREQUENCY_RATIOS))}.
+- *contract*: detected if `pytest --pyargs engines.contract --xval-engine NAME` fails;
+- *scenarios*: detected if one of {", ".join(SCENARIO_NAMES)}
+  fails (a disagreement that no law predicts, or too few certified numbers);
+- *report*: detected if its exit code is 1 (the same, for a point or a band edge), with friction
+  {", ".join(map(str, FRICTION_RATIOS))} × η_r {", ".join(map(str, FREQUENCY_RATIOS))}.
 
-Every mutant is run without its error, too, through the same code. A gate that stops it then cannot speak of its error,
-and is named in the last column. Errors whose only size is 1 are there or not. `python -m scenarios run unit-cell
---engine mutant@bound@0.01` judges a single one.
+The column of a gate has the smallest error that it detects. Errors are tried from the *largest* to the *smallest* s, in
+steps of ten; a dash means that even the largest passes. It is assumed that a larger error is detected wherever a
+smaller one is. An error whose only size is 1 is either there or not.
+
+Every mutant is also run without its error, through the same code. A gate that stops it then says nothing about the
+error; the last column names it. `python -m scenarios run unit-cell --engine mutant@bound@0.01` judges a single mutant.
 """
 
 

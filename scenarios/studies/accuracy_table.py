@@ -47,14 +47,21 @@ PRINTED_COLUMNS: tuple[Column[AccuracyRow], ...] = (
 """On a terminal a variant has one column."""
 
 ACCURACY_LEGEND = f"""\
-Errors are worst absolute differences from the exact, event-driven motion, over the points with a certified steady
-state: *six points* at 400 and {ORDER_STEPS[1]} steps a period; *map*: 4 friction ratios (0.1 … 1) × 14 frequency ratios
-(0.3 … 1.6) at {ACCURACY_MAP_STEPS}. On the map too: the error of a contact's stuck fraction; the median and the largest
-time error of its transitions between stick and slip, in percent of the period; transitions that are *missed* and those
-that are *spurious*, out of how many. *Creep* is the largest velocity within a stick. *Order* is that of the error in
-the time step, from {", ".join(map(str, ORDER_STEPS))} steps. *Certified*: points whose steady state repeats to the
-engine's residual. *µs a step*: of a chain of seven cells on one core, without a record, in the batch that the suite
-runs; *× bare*: over the engine's own loop in the same run.
+How large are the errors of each engine, formulation and preset? An error is the largest absolute difference from the
+exact, event-driven motion, over the points with a certified steady state.
+
+| column | what it is |
+|---|---|
+| *six points* | error of the transmittance at six stick–slip points, with 400 and {ORDER_STEPS[1]} steps a period |
+| *map* | the same at 4 friction ratios (0.1 … 1) × 14 frequency ratios (0.3 … 1.6), with {ACCURACY_MAP_STEPS} steps |
+| *stuck fraction* | error of a contact's stuck fraction, on the map |
+| *median*, *max* | error of the times of transitions between stick and slip, in percent of the period T, on the map |
+| *missed*, *spurious*, *of* | transitions that the engine lacks; that only the engine has; all of the exact motion |
+| *creep* | largest velocity within a stick, over ω U0 |
+| *order* | order of the error in the time step, from {", ".join(map(str, ORDER_STEPS))} steps |
+| *certified* | points whose steady state repeats to the engine's residual |
+| *µs a step* | time of a step of seven cells on one core, without a record, in the suite's batch |
+| *× bare* | that time over the time of the engine's own loop in the same run |
 """
 
 

@@ -125,11 +125,19 @@ LAW_COLUMNS: tuple[Column[LawAgreement], ...] = (
 )
 
 LAW_LEGEND = f"""\
-The chain of figure 3 at {len(POINTS)} points (friction {", ".join(map(str, FRICTION_RATIOS))} × η_r
-{", ".join(map(str, FREQUENCY_RATIOS))}), 400 steps a period. *Departure*: largest difference of the transmittance
-from the reference's at equal step. *Prediction error*: what is left of it against the steady state of the law, over
-points that are certified in both (*certified*); of presets that take the reference's own step, that is the departure.
-*Period*: distance of engine and law after a period from the same state, at the *points* where the law claims to hold.
+How well does the law of each preset predict its engine? A *law* is a model of the steps of a preset. The chain is that
+of Figure 3, at {len(POINTS)} points (friction {", ".join(map(str, FRICTION_RATIOS))} × η_r
+{", ".join(map(str, FREQUENCY_RATIOS))}), with 400 steps a period.
+
+| column | what it is |
+|---|---|
+| *departure* | largest difference of the transmittance from the reference's at equal step, over certified points |
+| *prediction error* | the same from the law's steady state; from the reference's if the preset takes the same step |
+| *of stuck fraction* | the same for the stuck fraction |
+| *period* | distance of engine and law after one period from the same state: largest, median, and allowed |
+| *points* | points at which the law claims to hold |
+| *certified* | points that are certified in both engine and law |
+| *not modelled* | why no law predicts the steps |
 """
 
 
