@@ -26,7 +26,7 @@ app = typer.Typer(name="python -m engines", add_completion=False, pretty_excepti
 def engines(
     context: typer.Context, as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False
 ) -> None:
-    """List every registered engine: its version, its friction law, what it supports, and why it is missing if it is.
+    """List every registered engine: version, friction law and presets, and why it is missing if it is.
 
     Exit code 0: listed, installed or not; 2: wrong input; 130: interrupted.
 
@@ -50,7 +50,7 @@ def law(
         typer.Argument(metavar="NAME[:FORMULATION[:PRESET]]", help="The variant.", autocompletion=complete_variant),
     ],
 ) -> None:
-    """Print by which law a preset steps: formula, constants and where they come from, and how near the engine is to it.
+    """Print the law of a preset: its formula, its constants and their origin, and the distance between engine and law.
 
     Exit code 0: printed; 2: wrong input; 130: interrupted.
 
@@ -68,24 +68,28 @@ def install_engine(
         str,
         typer.Argument(
             metavar="NAME[@VERSION]",
-            help="The engine, and the version that is wanted.",
+            help="The engine, or a version of it.",
             autocompletion=complete_engine,
         ),
     ],
     python: Annotated[
         str | None,
-        typer.Option(help="Version or path of a Python of this machine; the one that runs the suite without it."),
+        typer.Option(help="Version or path of a Python of this machine; without it, the one that runs the suite."),
     ] = None,
     agreed: Annotated[
-        bool, typer.Option("--yes", help="Agree to the terms of an engine that is not free software; asked without.")
+        bool,
+        typer.Option(
+            "--yes", help="Agree to the terms of an engine that is not free software; without it, the command asks."
+        ),
     ] = False,
 ) -> None:
-    """Install an engine, or a version of one, into an environment of its own; its size is said before.
+    """Install an engine, or a version of it, into an environment of its own.
 
-    Of an engine that is not free software, the licence is said before anything is downloaded, and asked about.
+    The size is printed first. If the engine is not free software, the command prints its licence and asks, before
+    anything is downloaded.
 
-    A version is what it begins with: mujoco@3 is the newest one of MuJoCo 3. Environments lie in the user's cache, or
-    where MULTIBODY_XVAL_ENVIRONMENTS says.
+    A version is a prefix: mujoco@3 is the newest MuJoCo 3. Environments are in the user's cache, or in the folder
+    MULTIBODY_XVAL_ENVIRONMENTS.
 
     Exit code 0: installed; 2: wrong input, or it cannot be installed here; 130: interrupted.
 
@@ -102,7 +106,7 @@ app.add_typer(environments, name="environments")
 
 @environments.callback(invoke_without_command=True)
 def list_environments(context: typer.Context) -> None:
-    """List the environments that are there, with their sizes, and what is wrong with them.
+    """List all environments with their sizes and problems.
 
     Exit code 0: listed; 2: wrong input; 130: interrupted.
 
@@ -117,7 +121,9 @@ def list_environments(context: typer.Context) -> None:
 
 @environments.command(name="check")
 def check_environments(
-    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Environments; all without.")] = None,
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Environments; without names, all of them.")
+    ] = None,
 ) -> None:
     """Compare environments with what was installed into them, and import their engines.
 

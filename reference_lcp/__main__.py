@@ -23,44 +23,52 @@ from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT
 
 app = typer.Typer(name="python -m reference_lcp", add_completion=False, pretty_exceptions_enable=False)
 
-DampingRatio = Annotated[float, typer.Option(help="c_c / (2 √(k_c m_o)) between the cells.")]
+DampingRatio = Annotated[float, typer.Option(help="Damping ratio of the chain, c_c / (2 √(k_c m_o)).")]
 StepsPerPeriod = Annotated[
     int,
     typer.Option(
-        help=f"Fewest steps a period, >= {FEWEST_STEPS_PER_PERIOD}; more are taken where "
-        f"dt ω_max <= {LARGEST_PHASE_STEP} requires them."
+        help=f"Fewest steps a period, >= {FEWEST_STEPS_PER_PERIOD}; more are taken if "
+        f"dt ω_max <= {LARGEST_PHASE_STEP} requires it."
     ),
 ]
 Tolerance = Annotated[
     float | None,
-    typer.Option(help=f"Periodicity residual to reach; {DEFAULT_RESIDUAL:g}, or {EXACT_RESIDUAL:g} if exact."),
+    typer.Option(
+        help=f"Residual to reach; without it, {DEFAULT_RESIDUAL:g}, or {EXACT_RESIDUAL:g} with --solver exact."
+    ),
 ]
 
 
 @app.callback(invoke_without_command=True)
 def run(
     context: typer.Context,
-    friction_ratio: Annotated[float, typer.Option(help="Friction bound over k_c U0.")] = 0.3,
-    frequency_ratio: Annotated[float, typer.Option(help="Drive frequency over the resonator's, ω / ω_r.")] = 0.9,
-    mass_ratio: Annotated[float, typer.Option(help="Inner over outer mass.")] = canonical.MASS_RATIO,
-    stiffness_ratio: Annotated[float, typer.Option(help="Inner over chain stiffness.")] = canonical.STIFFNESS_RATIO,
+    friction_ratio: Annotated[float, typer.Option(help="Friction ratio μλ_N / (k_c U0).")] = 0.3,
+    frequency_ratio: Annotated[float, typer.Option(help="Frequency ratio ω / ω_r.")] = 0.9,
+    mass_ratio: Annotated[float, typer.Option(help="Mass ratio m_i / m_o.")] = canonical.MASS_RATIO,
+    stiffness_ratio: Annotated[float, typer.Option(help="Stiffness ratio k_i / k_c.")] = canonical.STIFFNESS_RATIO,
     damping_ratio: DampingRatio = canonical.DAMPING_RATIO,
-    inner_damping_ratio: Annotated[float, typer.Option(help="c_i / (2 √(k_i m_i)) inside the cells.")] = 0.0,
+    inner_damping_ratio: Annotated[
+        float, typer.Option(help="Damping ratio inside the cells, c_i / (2 √(k_i m_i)).")
+    ] = 0.0,
     cells: Annotated[int, typer.Option(help="Number of cells.")] = canonical.CELLS,
-    base_amplitude: Annotated[float, typer.Option(help="U0 of the base, in metres.")] = canonical.BASE_AMPLITUDE,
+    base_amplitude: Annotated[
+        float, typer.Option(help="Amplitude U0 of the base, in metres.")
+    ] = canonical.BASE_AMPLITUDE,
     steps_per_period: StepsPerPeriod = MINIMUM_STEPS_PER_PERIOD,
-    solver: Annotated[str, typer.Option(help="One of compiled, lemke, exact.")] = "compiled",
+    solver: Annotated[str, typer.Option(help="Solver: compiled, lemke or exact.")] = "compiled",
     tolerance: Tolerance = None,
-    max_periods: Annotated[int, typer.Option(help="Periods after which the search gives up.")] = DEFAULT_PERIODS,
-    error_bar: Annotated[bool, typer.Option("--error-bar", help="Measure the error too.")] = False,
-    exact_value: Annotated[bool, typer.Option("--exact-value", help="Find the exact transmittance too.")] = False,
+    max_periods: Annotated[int, typer.Option(help="Largest number of periods of the search.")] = DEFAULT_PERIODS,
+    error_bar: Annotated[
+        bool, typer.Option("--error-bar", help="Also estimate the error of the step, with finer steps.")
+    ] = False,
+    exact_value: Annotated[bool, typer.Option("--exact-value", help="Also compute the exact transmittance.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     plot: Annotated[Path | None, typer.Option(help="Draw one period into this file.")] = None,
 ) -> None:
     """Find the steady state of a frictional mass-in-mass chain on a base that moves as U0 sin ωt.
 
-    The scheme is Euler's discretisation with a linear complementarity problem in every step; the
-    solver "exact" goes from event to event instead, and has no error of a time step.
+    The scheme is Euler's discretisation, with a linear complementarity problem in every step. The solver "exact" is
+    event-driven instead: it has no time step.
     Exit code 0: converged; 1: no steady state within the periods; 2: wrong input; 3: --plot could not be written at
     the end; 130: interrupted.
 
@@ -97,8 +105,10 @@ def run(
 
 @app.command("bench")
 def print_bench(
-    cells: Annotated[bool, typer.Option("--cells", help="Cost of chains of 7 to 100,000 cells instead.")] = False,
-    points: Annotated[bool, typer.Option("--points", help="Cost and error of a point, by four methods.")] = False,
+    cells: Annotated[bool, typer.Option("--cells", help="Measure chains of 7 to 100,000 cells.")] = False,
+    points: Annotated[
+        bool, typer.Option("--points", help="Measure cost and error of a point by four methods.")
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Measure the speed of the reference on this machine.
@@ -121,7 +131,7 @@ def print_convergence(
 ) -> None:
     """Halve the time step six times from 400 steps a period, and compare with the exact solver.
 
-    Canonical chain, at the stick-slip points (friction ratio, frequency ratio) of the test suite.
+    The chain is the canonical one, at the stick-slip points (friction ratio, frequency ratio) of the test suite.
     Exit code 0: compared, whatever the orders; 2: wrong input; 3: --plot could not be written at the end; 130:
     interrupted.
 
@@ -140,11 +150,11 @@ def print_coverage(
     seed: Annotated[int, typer.Option(help="Seed of the random chains.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Hold the error bars of random chains against the exact motion: how many cover it, and how wide they are.
+    """Compare the error bars of random chains with the exact motion: how many cover it, and how wide they are.
 
-    Chains of 1 to 10 cells, ratios over a decade each, friction and frequency over the range of figure 3; a fifth of a
-    second each.
-    Exit code 0: compared, whatever is covered; 2: wrong input; 130: interrupted.
+    The chains have 1 to 10 cells, ratios over a decade each, and friction and frequency over the range of figure 3.
+    Each takes a fifth of a second.
+    Exit code 0: compared, whatever the coverage; 2: wrong input; 130: interrupted.
 
     Example: python -m reference_lcp coverage --chains 40
     """

@@ -1,4 +1,4 @@
-"""``python -m reports``: one page on every engine, with its figures and tables; cards, scripts, animations."""
+"""``python -m reports``: a page that compares engines, with figures and tables; cards, scripts, animations."""
 
 if __name__ == "__main__":
     from reference_lcp.interrupt import heed_interrupts
@@ -51,30 +51,32 @@ def report(
     out: Annotated[Path, typer.Option(help="Folder of the page and its files; made if it is missing.")] = Path(
         "report"
     ),
-    quick: Annotated[bool, typer.Option("--quick", help="A small grid: the whole report in under a minute.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Take a small grid: the whole report takes about a minute.")
+    ] = False,
     chosen: Annotated[
         list[str] | None,
         typer.Option(
             "--engine",
             metavar=NAME_METAVAR,
-            help=f"{ENGINE_HELP}Without it: those that come with the suite, tuned and default.",
+            help=f"{ENGINE_HELP}Without it: the engines that come with the suite, tuned and default.",
             autocompletion=complete_variant,
         ),
     ] = None,
     settings: Settings = None,
     sweep: Annotated[
         Path | None,
-        typer.Option(help="File of a sweep (python -m scenarios example) that names engines, chain and grid."),
+        typer.Option(help="Sweep file with engines, chain and grid; python -m scenarios example prints one."),
     ] = None,
     data: Annotated[
         Path | None,
-        typer.Option(help="Dataset of a sweep as NetCDF: what it holds is shown, nothing is run."),
+        typer.Option(help="Dataset of a sweep (NetCDF); its results are shown, and nothing is run."),
     ] = None,
     store: Annotated[
-        Path | None, typer.Option(help="File that keeps every result; without it, results.sqlite in --out.")
+        Path | None, typer.Option(help="File that stores every result; without it, results.sqlite in --out.")
     ] = None,
     ask: Annotated[
-        bool, typer.Option(help="Run what the store lacks; --no-ask shows what there is, and what is missing.")
+        bool, typer.Option(help="Run missing points; --no-ask shows only stored results, and names missing ones.")
     ] = True,
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
@@ -83,13 +85,14 @@ def report(
 ) -> None:
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
-    Without --engine and --sweep: joints on the whole grid, tuned and, where a law predicts it everywhere, default;
-    contacts and other defaults at a few points, without a verdict: they never change the exit code.
+    Without --engine and --sweep, joints are compared on the whole grid: tuned ones, and default ones that a law
+    predicts everywhere. Contacts and other defaults are shown at a few points, without a verdict, and never change the
+    exit code.
 
-    Results are kept: a second run takes seconds, and an interrupted one goes on where it was.
-    Exit code 0: the page is written, and every disagreement, if there is any, is as its law predicts; 1: it is
-    written, and not so, or too little of a variant is certified; 2: wrong input; 3: results or the page could not be
-    kept; 130: interrupted.
+    Results are stored: a second run takes seconds, and an interrupted run continues.
+    Exit code 0: the page is written, and every disagreement is as its law predicts; 1: the page is written, and a
+    disagreement is unexplained or too few points of a variant are certified; 2: wrong input; 3: results or the page
+    could not be written; 130: interrupted.
 
     Example: python -m reports --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
     """

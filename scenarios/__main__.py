@@ -38,10 +38,10 @@ from scenarios.studies.limits import COST_SECONDS
 from scenarios.sweeps.size import UNCONFIRMED_POINTS
 
 EXPERIMENTS = {
-    "accuracy": "How wrong is the friction of each engine, formulation and preset? Against the exact motion.",
-    "laws": "How well does the law of each preset predict its engine? Number by number, and over a period.",
-    "mutations": "What would be found out? Engines with one error each, and the smallest one that each gate detects.",
-    "cost": "What do a step and a steady state cost in each engine, and what is gained by two workers?",
+    "accuracy": "How large are the errors of each engine, formulation and preset, compared with the exact motion?",
+    "laws": "How well does the law of each preset predict its engine, number by number and over a period?",
+    "mutations": "Which errors would the suite detect? Engines with one error each, and the smallest that is detected.",
+    "cost": "What do a step and a steady state cost in each engine, and how much faster are two workers?",
 }
 
 app = typer.Typer(name="python -m scenarios", add_completion=False, pretty_exceptions_enable=False)
@@ -79,24 +79,25 @@ def example() -> None:
 
 @app.command()
 def sweep(
-    file: Annotated[Path, typer.Argument(help="The sweep: a TOML file as `example` prints it.")],
-    store: Annotated[Path, typer.Option(help="File that keeps every result, so that a stopped sweep goes on.")] = Path(
-        "sweep.sqlite"
-    ),
+    file: Annotated[Path, typer.Argument(help="The sweep: a TOML file; `example` prints one.")],
+    store: Annotated[
+        Path, typer.Option(help="File that stores every result; a stopped sweep continues from it.")
+    ] = Path("sweep.sqlite"),
     out: Annotated[
-        Path | None, typer.Option(help="Write the results that the store holds: NetCDF as .nc, a table as .csv.")
+        Path | None,
+        typer.Option(help="Write all results of the sweep that are stored: NetCDF as .nc, a table as .csv."),
     ] = None,
-    ask: Annotated[bool, typer.Option(help="Run what is missing; --no-ask writes what there is.")] = True,
-    yes: Annotated[bool, typer.Option("--yes", help=f"Run more than {UNCONFIRMED_POINTS:,} points.")] = False,
+    ask: Annotated[bool, typer.Option(help="Run missing points; --no-ask writes only stored results.")] = True,
+    yes: Annotated[bool, typer.Option("--yes", help=f"Agree to run more than {UNCONFIRMED_POINTS:,} points.")] = False,
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,
     retry_blocked: Retry = False,
 ) -> None:
-    """Run every combination of parameters of a file, with every engine of the file.
+    """Run every combination of the parameters and engines that a file names.
 
-    Exit code 0: every point has a result or a reason why not; 2: wrong input; 3: results or --out could not be kept;
-    130: interrupted.
+    Exit code 0: every point has a result, or a reason why it has none; 2: wrong input; 3: results or --out could not be
+    written; 130: interrupted.
 
     Example: python -m scenarios sweep sweep.toml --out sweep.nc
     """
@@ -117,7 +118,7 @@ def accuracy(
     store: Store = None,
     out: TableFile = None,
     cost: Annotated[
-        bool, typer.Option(help="Measure what a step costs, at the end, with nothing else running.")
+        bool, typer.Option(help="Also measure the time of a step, at the end, with nothing else running.")
     ] = True,
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
@@ -126,8 +127,8 @@ def accuracy(
 ) -> None:
     """Compare steady states with the exact motion: a row of errors for each engine, formulation and preset.
 
-    Exit code 0: the table is complete, whatever it says; 2: wrong input; 3: results or --out could not be kept; 130:
-    interrupted.
+    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
+    130: interrupted.
 
     Example: python -m scenarios run accuracy --store accuracy.sqlite --out accuracy.md
     """
@@ -154,10 +155,10 @@ def laws(
     scheduler: Scheduler = None,
     retry_blocked: Retry = False,
 ) -> None:
-    """Compare engines with the laws of their presets: departure from the reference, and what the law leaves of it.
+    """Compare engines with the laws of their presets: departure from the reference, and error of the prediction.
 
-    Exit code 0: the table is complete, whatever it says; 2: wrong input; 3: results or --out could not be kept; 130:
-    interrupted.
+    Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be written;
+    130: interrupted.
 
     Example: python -m scenarios run laws --engine mujoco --out laws.md
     """
@@ -178,16 +179,16 @@ def cost_command(
     settings: Settings = None,
     out: TableFile = None,
     seconds: Annotated[
-        float, typer.Option(help="Length of a measurement of steady states that is aimed at; there are two a row.")
+        float, typer.Option(help="Intended length of a measurement of steady states, in seconds; each row has two.")
     ] = COST_SECONDS,
     lanes: Annotated[
         list[int] | None,
-        typer.Option(help="Time steps alone, in a batch of so many chains; may be repeated.", metavar="N"),
+        typer.Option(help="Measure time steps only, in a batch of N chains; may be repeated.", metavar="N"),
     ] = None,
 ) -> None:
-    """Time steps and steady states of each variant, with one and with two worker processes, beside the reference.
+    """Measure time steps and steady states of each variant, with one and two worker processes, and of the reference.
 
-    A step: in the adapter, without (advance) and with a record (run), and in the engine's own bare loop.
+    A step is measured in the adapter without a record (advance) and with one (run), and in the engine's own loop.
     Exit code 0: measured; 2: wrong input; 3: --out could not be written at the end; 130: interrupted.
 
     Example: python -m scenarios run cost --engine mujoco:joint
@@ -205,7 +206,7 @@ def cost_command(
 
 
 def _print_catalogue() -> None:
-    """Print what there is to run."""
+    """Print scenarios and measurements."""
     import pandas as pd
 
     from scenarios.catalogue.descriptions import DESCRIPTIONS

@@ -24,17 +24,17 @@ def animate(
             "--chain",
             metavar="NAME=VALUE[,VALUE]...",
             help="A parameter of the chain as in a sweep file, such as cells=3 or mass_ratio=0.5,1,2: one value for "
-            "all cells or one for each; may be repeated. The canonical chain without it.",
+            "all cells, or one for each cell; may be repeated. Without it, the canonical chain.",
         ),
     ] = None,
     sweep: Annotated[
-        Path | None, typer.Option(help="File of a sweep, whose chain, drive and steps a period are taken.")
+        Path | None, typer.Option(help="Sweep file; its chain, drive and steps a period are taken.")
     ] = None,
     friction_ratio: Annotated[float, typer.Option(help="Friction ratio μλ_N / (k_c U0), >= 0.")] = 0.3,
     frequency_ratio: Annotated[float, typer.Option(help="Frequency ratio ω / ω_r, > 0.")] = 0.9,
     out: Annotated[Path, typer.Option(help="File to write: .gif, or .html with controls.")] = Path("chain.gif"),
-    frames: Annotated[int, typer.Option(help="Pictures of one period, 8 to 400.")] = 80,
-    time_limit: Annotated[float, typer.Option(help="Seconds that the engine may take.")] = TIME_LIMIT,
+    frames: Annotated[int, typer.Option(help="Number of pictures of the period, 8 to 400.")] = 80,
+    time_limit: Annotated[float, typer.Option(help="Time limit of the engine, in seconds.")] = TIME_LIMIT,
 ) -> None:
     """Animate one period of the steady state: outer masses as frames, inner masses coloured by stick and slip.
 

@@ -1,4 +1,4 @@
-"""``python -m reports card``: what a maintainer would quote of one engine."""
+"""``python -m reports card``: the numbers of one engine that its maintainer would quote."""
 
 from pathlib import Path
 from typing import Annotated
@@ -19,12 +19,12 @@ def card(
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
 ) -> None:
-    """Write the card of an engine as HTML, Markdown and JSON: its errors to the truth, default beside tuned.
+    """Write the card of an engine as HTML, Markdown and JSON: its errors to the truth, default and tuned.
 
-    What the store lacks is computed, some hundred steady states a preset. A report that is written into the same
-    folder afterwards links the card.
+    Results that the store lacks are computed: about a hundred steady states a preset. A report that is written into the
+    same folder afterwards links the card.
     Exit code 0: the card is written; 2: wrong input, or the engine is not installed; 3: results or the card could not
-    be kept; 130: interrupted.
+    be written; 130: interrupted.
 
     Example: python -m reports card mujoco --store results.sqlite
     """

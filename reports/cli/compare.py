@@ -1,4 +1,4 @@
-"""``python -m reports compare``: what changed from one store to another, for people and for CI."""
+"""``python -m reports compare``: the changes from one store to another, for people and for CI."""
 
 from pathlib import Path
 from typing import Annotated
@@ -16,39 +16,40 @@ def compare(
     first: Annotated[Path, typer.Argument(help="The store before.")],
     second: Annotated[Path, typer.Argument(help="The store now.")],
     decibel: Annotated[
-        float, typer.Option("--db", help="Largest change of transmittance in dB that is none.")
+        float, typer.Option("--db", help="Largest change of transmittance in dB that does not count.")
     ] = Thresholds.transmittance_db,
     stuck_fraction: Annotated[
-        float, typer.Option(help="Largest change of a contact's stuck fraction that is none.")
+        float, typer.Option(help="Largest change of a contact's stuck fraction that does not count.")
     ] = Thresholds.stuck_fraction,
     transition: Annotated[
-        float, typer.Option(help="Largest change of the time of a transition, over the period, that is none.")
+        float, typer.Option(help="Largest change of the time of a transition, over the period, that does not count.")
     ] = Thresholds.transition,
     motion: Annotated[
-        float, typer.Option(help="Largest change of a transient motion, over its displacement scale, that is none.")
+        float,
+        typer.Option(help="Largest change of a transient motion, over its displacement scale, that does not count."),
     ] = Thresholds.motion,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Let every change fail, one closer to the truth too.")
+        bool, typer.Option("--strict", help="Every change fails, also one that is closer to the truth.")
     ] = False,
     exact: Annotated[
         bool,
         typer.Option(
-            help="Compute the exact motion of changed points; --no-exact takes the truth from the stores only."
+            help="Compute the exact motion of changed points; --no-exact takes the truth only from the stores."
         ),
     ] = True,
     out: Annotated[
         list[Path] | None,
         typer.Option(
-            help="Write the changes here: short for a pull request as .md, JUnit as .xml, in full as .json, every "
-            "point as .csv; may be repeated."
+            help="Write the changes here: a short comment for a pull request as .md, JUnit as .xml, in full as .json, "
+            "every point as .csv; may be repeated."
         ),
     ] = None,
 ) -> None:
     """Compare two stores point by point: two versions of an engine, two sets of options.
 
-    Points are matched by their tasks; version and options may differ, and differences of them are named. Each changed
-    point is closer to the truth than before, farther from it, or as far: the truth is the exact motion, or the
-    converged reference of either store; of a transient motion the reference's with finer steps too. A point that was
+    Points are matched by their tasks. Versions and options may differ; their differences are printed. Each changed
+    point is closer to the truth than before, farther from it, or as far. The truth is the exact motion, or the
+    converged reference of either store; for a transient motion, also the reference with finer steps. A point that was
     blocked before cannot fail.
     Exit code 0: nothing has changed for the worse; 1: a point is farther from the truth, lost, blocked now, no longer
     finite, or changed where the truth is not known; 2: wrong input, no point in common, or results of different

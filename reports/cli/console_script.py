@@ -14,15 +14,15 @@ from typer.core import TyperCommand, TyperGroup
 from reference_lcp.console import run_command
 
 COMMANDS = {
-    "engines": ("engines", "List engines, their versions and presets, and why one is missing."),
-    "reference": ("reference_lcp", "Find the steady state of one chain by the reference."),
+    "engines": ("engines", "List engines, their versions and presets, and why an engine is missing."),
+    "reference": ("reference_lcp", "Compute the steady state of one chain with the reference."),
     "run": ("scenarios run", "Run a scenario of the catalogue, all of them, or a measurement."),
-    "sweep": ("scenarios sweep", "Run every combination of parameters that a file names."),
+    "sweep": ("scenarios sweep", "Run every combination of the parameters and engines that a file names."),
     "example": ("scenarios example", "Print a commented file of parameters for `sweep`."),
-    "store": ("scenarios store", "Check a store of results, and save what is good in a damaged one."),
+    "store": ("scenarios store", "Check a store of results, and save the intact rows of a damaged one."),
     "report": ("reports", "Compare engines with the reference, and write a page about it."),
-    "compare": ("reports compare", "Say what changed from one store to another."),
-    "card": ("reports card", "Write what a maintainer would quote of one engine."),
+    "compare": ("reports compare", "Compare two stores, and print what has changed."),
+    "card": ("reports card", "Write the numbers of one engine that its maintainer would quote."),
     "reproduce": ("reports reproduce", "Print a script that shows a number in an engine's own API."),
     "animate": ("reports animate", "Show the chain in motion over one period."),
 }

@@ -17,20 +17,20 @@ def reproduce(
         ),
     ],
     scenario: Annotated[
-        str, typer.Argument(help="What it was asked: static-hold, breakaway, stopping-distance or figure3.")
+        str, typer.Argument(help="The scenario: static-hold, breakaway, stopping-distance or figure3.")
     ],
     case: Annotated[
-        str | None, typer.Argument(help="Case of the scenario; without it, one of 1 kg, or (0.6, 0.9) of figure 3.")
+        str | None, typer.Argument(help="Case of the scenario; without it, a case of 1 kg, or (0.6, 0.9) of figure3.")
     ] = None,
     store: Store = None,
     time_limit: Limit = TIME_LIMIT,
 ) -> None:
     """Print a script of at most 60 lines that shows a number in the engine's own API, without this suite.
 
-    It needs the engine and NumPy, and is ready for the engine's tracker. Its header has the suite's number, which is
-    computed unless the store has it.
+    The script needs only the engine and NumPy, and can be sent to the engine's tracker. Its header has the suite's
+    number, which is computed unless the store has it.
     Exit code 0: the script is printed; 2: wrong input, or the engine has no script yet; 3: the result could not be
-    kept; 130: interrupted.
+    written; 130: interrupted.
 
     Example: python -m reports reproduce mujoco:joint:default static-hold "1 kg, load 0.5" > repro.py
     """

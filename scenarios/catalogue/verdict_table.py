@@ -18,9 +18,9 @@ Results = Mapping[Scenario, Sequence[Finding]]
 """Findings by scenario, in the order in which they were run."""
 
 VERDICT_LEGEND = """\
-- *Agrees*: the difference from the expected number is allowed. Allowed is the sum of the error bar of the expected number,
-  the error of the engine's own time step (from two step sizes, and no less than the reference's at the same step), and
-  what neither can resolve.
+- *Agrees*: the difference from the expected number is allowed. Allowed is the sum of three parts: the error bar of the
+  expected number; the error of the engine's own time step, from two step sizes, and no less than the reference's at the
+  same step; and what neither can resolve.
 - *As its law predicts*: a disagreement that the law of the preset, a model with constants from the preset's options,
   gives too. Engine and law also differ by no more than the law's bound after a period from the same state.
 - *Unexplained*: any other disagreement.

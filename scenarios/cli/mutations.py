@@ -9,7 +9,8 @@ from scenarios.cli.options import TABLE_ENDINGS, Limit, Store, TableFile, Worker
 from scenarios.execution.limits import TIME_LIMIT
 
 ChosenMutants = Annotated[
-    list[str] | None, typer.Option("--mutant", metavar="NAME", help="A mutant; may be repeated. Without it, every one.")
+    list[str] | None,
+    typer.Option("--mutant", metavar="NAME", help="A mutant; may be repeated. Without it, all mutants."),
 ]
 
 
@@ -18,7 +19,7 @@ GATES = ("contract", "scenarios", "report")
 
 ChosenGates = Annotated[
     list[str] | None,
-    typer.Option("--gate", metavar="|".join(GATES), help="A gate; may be repeated. Without it, every one."),
+    typer.Option("--gate", metavar="|".join(GATES), help="A gate; may be repeated. Without it, all gates."),
 ]
 
 
@@ -34,10 +35,10 @@ def add_mutations(run: typer.Typer) -> None:
         workers: Workers = None,
         time_limit: Limit = TIME_LIMIT,
     ) -> None:
-        """Hold engines with one error each to contract, scenarios and report: the smallest error that each detects.
+        """Run engines with one error each through contract, scenarios and report: the smallest error that each detects.
 
-        Exit code 0: the table is complete, whatever it says; 2: wrong input; 3: results or --out could not be kept;
-        130: interrupted.
+        Exit code 0: the table is complete, whatever its numbers; 2: wrong input; 3: results or --out could not be
+        written; 130: interrupted.
 
         Example: python -m scenarios run mutations --mutant bound --out mutations.md
         """

@@ -14,8 +14,8 @@ from reference_lcp.refusal import ParameterError
 NAME_METAVAR = "NAME[:FORMULATION[:PRESET]]"
 
 ENGINE_HELP = (
-    "An engine in the formulation joint and the preset tuned, unless others are named; all in place of a part: every "
-    "one. May be repeated. "
+    "An engine; without FORMULATION and PRESET, its joint with the preset tuned. `all` stands for all engines, "
+    "formulations or presets. May be repeated. "
 )
 
 Chosen = Annotated[
@@ -23,7 +23,7 @@ Chosen = Annotated[
     typer.Option(
         "--engine",
         metavar=NAME_METAVAR,
-        help=f"{ENGINE_HELP}Without it: every engine in all its presets, all:all:all.",
+        help=f"{ENGINE_HELP}Without it: all:all:all.",
         autocompletion=complete_variant,
     ),
 ]
@@ -32,26 +32,27 @@ Settings = Annotated[
     typer.Option(
         "--set",
         metavar="OPTION=VALUE",
-        help="An option of the one --engine that is changed; may be repeated. The same as --engine NAME:OPTION=VALUE.",
+        help="Change an option of the only --engine; may be repeated. The same as --engine NAME:OPTION=VALUE.",
     ),
 ]
 Store = Annotated[
-    Path | None, typer.Option(help="File that keeps every result, so that a stopped run goes on; none without it.")
+    Path | None,
+    typer.Option(help="File that stores every result; a stopped run continues from it. Without it, nothing is stored."),
 ]
 TableFile = Annotated[Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")]
-Workers = Annotated[int | None, typer.Option(help="Worker processes; without it, one a processor.")]
+Workers = Annotated[int | None, typer.Option(help="Number of worker processes; without it, one for each processor.")]
 Limit = Annotated[
-    float, typer.Option(help="Seconds that a batch of points may take; an engine that hangs is stopped then.")
+    float, typer.Option(help="Time limit of a batch of points, in seconds; an engine that hangs is then stopped.")
 ]
 Scheduler = Annotated[
-    str | None, typer.Option(help="Address of a dask scheduler whose workers compute, instead of this machine's.")
+    str | None, typer.Option(help="Address of a dask scheduler; its workers compute instead of this machine.")
 ]
 Retry = Annotated[
     bool,
     typer.Option(
         "--retry-blocked",
-        help="Run again the points at which, by the store, their engine has failed: crashed, raised an error or passed "
-        "the time limit.",
+        help="Run again the stored points at which an engine failed: it crashed, raised an error or passed the time "
+        "limit.",
     ),
 ]
 

@@ -30,13 +30,13 @@ ENDINGS = (".md", ".json", ".xml", ".csv")
 Out = Annotated[
     list[Path] | None,
     typer.Option(
-        help="Write the verdicts here: short for a pull request as .md, JUnit as .xml, every number as .json or .csv; "
-        "may be repeated."
+        help="Write the verdicts here: a short comment for a pull request as .md, JUnit as .xml, every number as .json "
+        "or .csv; may be repeated."
     ),
 ]
 
 
-Ask = Annotated[bool, typer.Option(help="Run what is missing; --no-ask judges the results in --store.")]
+Ask = Annotated[bool, typer.Option(help="Run missing points; --no-ask judges only the results in --store.")]
 
 
 def add_scenarios(run: typer.Typer) -> None:
@@ -44,14 +44,19 @@ def add_scenarios(run: typer.Typer) -> None:
     for name, description in DESCRIPTIONS.items():
         add = _add_record if name == RECORD else _add
         add(run, name, [name], f"{description.question} Compared with: {description.expects}.")
-    _add(run, ALL_SCENARIOS, list(DESCRIPTIONS), "Every scenario of the catalogue; prints scenarios × variants.")
+    _add(
+        run,
+        ALL_SCENARIOS,
+        list(DESCRIPTIONS),
+        "Run every scenario of the catalogue, and print a table of scenarios and variants.",
+    )
 
 
 def _help(name: str, summary: str, options: str = "") -> str:
     """Give the help of a command: the physical question, the exit codes, an example."""
     return (
-        f"{summary}\n\nExit code 0: every disagreement, if there is any, is as its law predicts, and three in four "
-        "numbers of a preset are certified; 1: not so; 2: wrong input; 3: results or --out could not be kept; "
+        f"{summary}\n\nExit code 0: every disagreement is as its law predicts, and three in four numbers of each "
+        "preset are certified; 1: otherwise; 2: wrong input; 3: results or --out could not be written; "
         "130: interrupted.\n\n"
         f"Example: python -m scenarios run {name}{options} --engine mujoco --out verdicts.md"
     )
@@ -92,7 +97,7 @@ def _add_record(run: typer.Typer, name: str, scenarios: Sequence[str], summary: 
         settings: Settings = None,
         record: Annotated[
             Path | None,
-            typer.Option(help="Table of time in s and displacement in m (CSV); without it, the suite's example."),
+            typer.Option(help="CSV table of time in s and displacement in m; without it, the suite's example."),
         ] = None,
         store: Store = None,
         out: Out = None,

@@ -48,21 +48,19 @@ PRINTED_COLUMNS: tuple[Column[AccuracyRow], ...] = (
 
 ACCURACY_LEGEND = f"""\
 How large are the errors of each engine, formulation and preset? An error is the largest absolute difference from the
-exact, event-driven motion, over the points with a certified steady state.
+exact, event-driven motion, over the points with a certified steady state. The columns:
 
-| column | what it is |
-|---|---|
-| *six points* | error of the transmittance at six stick–slip points, with 400 and {ORDER_STEPS[1]} steps a period |
-| *map* | the same at 4 friction ratios (0.1 … 1) × 14 frequency ratios (0.3 … 1.6), with {ACCURACY_MAP_STEPS} steps |
-| *stuck fraction* | error of a contact's stuck fraction, on the map |
-| *median*, *max* | error of the times of transitions between stick and slip, in percent of the period T, on the map |
-| *missed*, *spurious*, *of* | transitions that the engine lacks; that only the engine has; all of the exact motion |
-| *creep* | largest velocity within a stick, over ω U0 |
-| *order* | order of the error in the time step, from {", ".join(map(str, ORDER_STEPS))} steps |
-| *certified* | points whose steady state repeats to the engine's residual |
-| *µs a step* | time of a step of seven cells on one core, without a record, in the suite's batch |
-| *× bare* | that time over the time of the engine's own loop in the same run |
-"""
+- *six points*: error of the transmittance at six stick–slip points, with 400 and {ORDER_STEPS[1]} steps a period;
+- *map*: the same at 4 friction ratios (0.1 … 1) × 14 frequency ratios (0.3 … 1.6), with {ACCURACY_MAP_STEPS} steps;
+- *stuck fraction*: error of a contact's stuck fraction, on the map;
+- *median*, *max*: error of the times of transitions between stick and slip, in percent of the period T, on the map;
+- *missed*, *spurious*, *of*: transitions that the engine lacks, that only the engine has, and all of the exact motion;
+- *creep*: largest velocity within a stick, over ω U0;
+- *order*: order of the error in the time step, from {", ".join(map(str, ORDER_STEPS))} steps;
+- *certified*: points whose steady state repeats to the engine's residual;
+- *µs a step*: time of a step of seven cells on one core, without a record, in the suite's batch;
+- *× bare*: that time over the time of the engine's own loop in the same run
+;"""
 
 
 def accuracy_document(rows: Sequence[AccuracyRow], command: str) -> str:
