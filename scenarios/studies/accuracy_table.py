@@ -59,8 +59,8 @@ exact, event-driven motion, over the points with a certified steady state. The c
 - *order*: order of the error in the time step, from {", ".join(map(str, ORDER_STEPS))} steps;
 - *certified*: points whose steady state repeats to the engine's residual;
 - *µs a step*: time of a step of seven cells on one core, without a record, in the suite's batch;
-- *× bare*: that time over the time of the engine's own loop in the same run
-;"""
+- *× bare*: that time over the time of the engine's own loop in the same run.
+"""
 
 
 def accuracy_document(rows: Sequence[AccuracyRow], command: str) -> str:
