@@ -24,10 +24,10 @@ FARTHEST = 2.0
 """Distance in an engine's units at which Box2D cuts the displacement of a step off, without a message."""
 
 DEFAULT_OPTIONS = {
-    "units": Option("SI", "SI", "The numbers of the chain as they are."),
+    "units": Option("SI", "SI", "The chain in SI units."),
     "springs": Option("distance joints", "distance joints", "Box2D's own: implicit, which damps every vibration."),
-    "velocityIterations": Option(8, 8, "Of the manual; springs that pull on each other are solved by sweeps."),
-    "positionIterations": Option(3, 3, "Of the manual."),
+    "velocityIterations": Option(8, 8, "Suggested by Box2D's manual; coupled springs are solved by sweeps."),
+    "positionIterations": Option(3, 3, "Suggested by Box2D's manual."),
     "warmStarting": Option(True, True, "Box2D's own: sweeps start from the impulses of the step before."),
     "AllowSleeping": Option(True, True, "Box2D's own."),
 }

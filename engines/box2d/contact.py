@@ -21,7 +21,7 @@ CONTACT_TUNED = Preset(
         "springs": Option("forces", "distance joints", "At the start of the step, as in equation (5)."),
         "velocityIterations": Option(2, 8, "Friction comes before the normal force, and is right in the second sweep."),
         "positionIterations": Option(1, 3, "Boxes start as near to their plates as Box2D leaves them."),
-        "warmStarting": Option(False, True, "No memory of the last impulses."),
+        "warmStarting": Option(False, True, "Sweeps start from zero, not from the last impulses."),
         "AllowSleeping": Option(False, True, "Box2D stops what is slower than 0.01 for half a unit of time."),
     },
     shares_scheme=True,

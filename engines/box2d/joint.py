@@ -17,7 +17,7 @@ JOINT_TUNED = Preset(
         "joint": Option("prismatic", "friction", "Friction joints do not bound impulses below 1.2e-7."),
         "velocityIterations": Option(1, 8, "Frictions do not touch each other's masses: the first sweep is exact."),
         "positionIterations": Option(1, 3, "There is nothing to correct across the motion."),
-        "warmStarting": Option(False, True, "No memory of the last impulses."),
+        "warmStarting": Option(False, True, "Sweeps start from zero, not from the last impulses."),
         "AllowSleeping": Option(False, True, "Box2D stops what is slower than 0.01 for half a unit of time."),
     },
     shares_scheme=True,

@@ -27,7 +27,7 @@ CONTACT_TUNED = Preset(
         "units": Option("lane", "SI", "No number comes near DART's built-in smallest ones."),
         "shape": Option("box", "box", "Its four points share DART's constraint force mixing of 1e-5 a point."),
         "deactivation": Option(
-            False, True, "No body may be put to sleep for moving slowly; on, none was in the chains that were tried."
+            False, True, "Slow bodies must not be put to sleep. With it on, none was in the chains that were tried."
         ),
     },
     shares_scheme=True,
@@ -42,7 +42,7 @@ CONTACT_TUNED = Preset(
 CONTACT_DEFAULT = Preset(
     "The same boxes in SI units; springs are forces all the same, for DART's belong to joints.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "units": Option("SI", "SI", "The chain in SI units."),
         "shape": Option("box", "box", "The plainest body to press on a plate."),
         "deactivation": Option(True, True, "DART's own."),
     },

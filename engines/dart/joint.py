@@ -25,7 +25,7 @@ JOINT_TUNED = Preset(
             "forces", "of the joints", "At the start of the step, as in equation (5); DART's are implicit."
         ),
         "deactivation": Option(
-            False, True, "No body may be put to sleep for moving slowly; on, none was in the chains that were tried."
+            False, True, "Slow bodies must not be put to sleep. With it on, none was in the chains that were tried."
         ),
         "constraint force mixing": Option(
             RESIDUAL_SLIP_COMPLIANCE, RESIDUAL_SLIP_COMPLIANCE, "DART raises smaller values to this one.", fixed=True
@@ -40,7 +40,7 @@ JOINT_TUNED = Preset(
 JOINT_DEFAULT = Preset(
     "The joints' own springs, dashpots and Coulomb friction in SI units.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "units": Option("SI", "SI", "The chain in SI units."),
         "springs": Option("of the joints", "of the joints", "DART's own: implicit, which damps every vibration."),
         "deactivation": Option(True, True, "DART's own."),
         "constraint force mixing": Option(

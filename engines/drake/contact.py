@@ -32,14 +32,14 @@ than (v_s / v)² / 2. Read with the margin of laws that reach the bound, a conta
 
 _TUNED_OPTIONS = {
     **SHARED_TUNED_OPTIONS,
-    "contact_model": Option("kPoint", "kHydroelasticWithFallback", "The same points; shapes are not asked for more."),
+    "contact_model": Option("kPoint", "kHydroelasticWithFallback", "The same points; the shapes need no more."),
     "stiction": Option(
         3e-5, 1e-3, "v_stiction over s ω_r, with s the displacement scale of the drive, instead of in m/s. At 1e-7 "
         "Drake's solver, which stops at a part of 1e-6, leaves so much that orbits of nearly stuck cells stall.",
     ),
     "depth": Option(
         2.0**-3, 0.0, "Of the sphere at rest, over the displacement scale; sets point_stiffness, 1e6 N/m without it. "
-        "No matter for kLagged; with the others a sliding sphere would leave a stiffer plane.",
+        "It has no effect with kLagged; with the others a sliding sphere would leave a stiffer plane.",
     ),
     "hunt_crossley_dissipation": Option(
         0.0, 50.0, "[s/m] Nothing moves across the plane; the other approximations are compared without it."
@@ -100,12 +100,12 @@ CONTACT_SAP = Preset(
 )
 
 CONTACT_DEFAULT = Preset(
-    "A sphere on a plane with a coefficient of friction, in SI units, and everything else as Drake has it.",
+    "A sphere on a plane with a coefficient of friction, in SI units, and Drake's own options elsewhere.",
     {
         **SHARED_DEFAULT_OPTIONS,
         "contact_model": Option("kHydroelasticWithFallback", "kHydroelasticWithFallback", "Drake's own."),
         "approximation": Option("kLagged", "kLagged", "Drake's own."),
-        "v_stiction": Option(1e-3, 1e-3, "[m/s] Drake's own: as fast may a stuck contact creep, at every time step."),
+        "v_stiction": Option(1e-3, 1e-3, "[m/s] Drake's own: a stuck contact may creep this fast, at any time step."),
         "point_stiffness": Option(1e6, 1e6, "[N/m] Drake's own, of each of the two bodies."),
         "hunt_crossley_dissipation": Option(50.0, 50.0, "[s/m] Drake's own; nothing moves across the plane."),
     },

@@ -30,7 +30,7 @@ JOINT_TUNED = Preset(
 )
 
 JOINT_DEFAULT = Preset(
-    "Actuators with a gain as large as one would write without trying, in SI units.",
+    "Actuators with a gain that a newcomer would write, in SI units.",
     {
         **SHARED_DEFAULT_OPTIONS,
         "PdControllerGains.d": Option(1e3, 0.0, "[N s/m] Needed: a joint of Drake has no dry friction of its own."),

@@ -22,7 +22,7 @@ SHARED_TUNED_OPTIONS = {
 """Options that the tuned presets of both formulations share."""
 
 SHARED_DEFAULT_OPTIONS = {
-    "units": Option("SI", "SI", "The numbers of the chain as they are."),
+    "units": Option("SI", "SI", "The chain in SI units."),
     "gravity": Option(0.0, 9.81, "Needed: the chain has no weight."),
     "output ports": Option("sampled", "sampled", "Drake's own."),
 }

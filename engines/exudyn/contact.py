@@ -33,7 +33,7 @@ CONTACT_TUNED = Preset(
 )
 
 CONTACT_DEFAULT = Preset(
-    "The solver with its own settings, and a proportional zone as narrow as one would write without trying.",
+    "The solver with its own settings, and a proportional zone that a newcomer would write.",
     {
         **REGULARISED_DEFAULT.options,
         "discontinuous_tolerance": Option(1.0, 1.0, "Exudyn's own."),

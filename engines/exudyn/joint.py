@@ -18,7 +18,7 @@ _SHARED_OPTIONS = {
     "solver": Option("Newmark", "generalised alpha", "Accelerations then follow from the state: restarts are exact."),
     "relative_tolerance": Option(1e-10, 1e-8, "Newton residual over the first; a period then repeats to 1e-8."),
     "absolute_tolerance": Option(1e-13, 1e-10, "Newton residual in the units of the lane, where forces are small."),
-    "smallest_step": Option(1e-6, 1e-8, "Over dt, not in seconds: where adaptive steps give up."),
+    "smallest_step": Option(1e-6, 1e-8, "Over dt, not in seconds; adaptive steps fail below it."),
 }
 
 REGULARISED_TUNED = Preset(
@@ -65,7 +65,7 @@ BRISTLE_TUNED = Preset(
 )
 
 _SHARED_DEFAULTS = {
-    "units": Option("SI", "SI", "The numbers of the chain as they are."),
+    "units": Option("SI", "SI", "The chain in SI units."),
     "module": Option("fast", "checked", "Changes the cost only."),
     "solver": Option("generalised alpha", "generalised alpha", "Exudyn's own, of spectral radius 0.9."),
     "relative_tolerance": Option(1e-8, 1e-8, "Exudyn's own."),
@@ -76,7 +76,7 @@ _SHARED_DEFAULTS = {
 
 # A restart has to find the accelerations anew, which generalised alpha carries from step to step: runs split inexactly.
 REGULARISED_DEFAULT = Preset(
-    "The solver with its own settings, and a proportional zone as narrow as one would write without trying.",
+    "The solver with its own settings, and a proportional zone that a newcomer would write.",
     {
         **_SHARED_DEFAULTS,
         "frictionProportionalZone": Option(

@@ -54,7 +54,9 @@ CONTACT_TUNED = Preset(
         "tolerance": Option(1e-12, 1e-8, "Of the energy that a step of Newton gains, in units near one."),
         "impedance": Option((0.9999, 0.9999), IMPEDANCE, "Of solimp, Genesis's hardest: with it, contacts creep less."),
         "impratio": Option(
-            1e4, 1.0, "Friction is as much harder than the normal force; beyond, forces lose more digits than it gains."
+            1e4,
+            1.0,
+            "Friction is harder than the normal force by this factor; above it, rounding costs more than it gains.",
         ),
         "time constant in steps": Option(
             2 / 0.9999, None, "Of solref: the reference acceleration is -ġ_T / dt, and stops a stuck contact."
@@ -70,7 +72,7 @@ CONTACT_DEFAULT = Preset(
     "The same sphere and plate in SI units, with Genesis's own cone, solver and time constant.",
     {
         "precision": PRECISION,
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "units": Option("SI", "SI", "The chain in SI units."),
         "integrator": Option("approximate_implicitfast", "approximate_implicitfast", "Genesis's own."),
         **TOUCHING,
         "friction_cone": Option("pyramidal", "pyramidal", "Genesis's own."),

@@ -42,7 +42,7 @@ class MJX(WheelEngine):
             "MuJoCo's laws by another code: by default friction is a soft constraint with a time constant. MJX ignores "
             "noslip_iterations, so that the tuned preset has no sweep without softness; its friction is as hard "
             "as MuJoCo lets it be, and a stuck joint keeps a ten-thousandth of its velocity in a step. Contacts are "
-            "left out: its line search gives up in steps in which one of them starts or stops."
+            "left out: its line search fails in steps in which one of them starts or stops."
         ),
     )
 

@@ -14,9 +14,9 @@ JOINT_TUNED = Preset(
         "noslip_iterations": Option(0, 0, "MJX has no sweep without softness, and would ignore one without a warning."),
         "jacobian": Option("dense", "auto", "The matrices are small."),
         "integrator": Option("Euler", "Euler", "Velocities first, then positions, as equation (5)."),
-        "disable": Option(("eulerdamp", "warmstart"), (), "Damping at the start of the step; no memory between runs."),
+        "disable": Option(("eulerdamp", "warmstart"), (), "Damping at the start of the step; no warm start."),
         "iterations": Option(
-            100, 100, "MuJoCo's own: a dozen do in most steps, and MJX does not say in which they do not."
+            100, 100, "MuJoCo's own. A dozen suffice in most steps; MJX does not report the other ones."
         ),
         "cone": Option("pyramidal", "pyramidal", "There are no contacts."),
         "solref_friction": Option(

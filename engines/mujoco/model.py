@@ -15,13 +15,13 @@ TUNED_OPTIONS = {
     "disable": Option(
         ("eulerdamp", "warmstart", "island", "autoreset"),
         (),
-        "Damping at the start of the step; no memory between runs; no search for islands; no silent reset.",
+        "Damping at the start of the step; no warm start; no search for islands; no silent reset.",
     ),
 }
 """Options of the whole model that the tuned presets of both formulations share."""
 
 DEFAULT_OPTIONS = {
-    "units": Option("SI", "SI", "The numbers of the chain as they are."),
+    "units": Option("SI", "SI", "The chain in SI units."),
     "solver": Option("Newton", "Newton", "MuJoCo's own."),
     "iterations": Option(100, 100, "MuJoCo's own."),
     "noslip_iterations": Option(0, 0, "MuJoCo's own: a stuck contact creeps."),

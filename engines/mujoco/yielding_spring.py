@@ -10,14 +10,16 @@ from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 
 YIELD = Preset(
-    "A spring beside the inner one that yields at the bound of friction, as stiff as the step resolves.",
+    "A spring parallel to the inner one that yields at the friction bound, as stiff as the step resolves.",
     {
         **DEFAULT_OPTIONS,
         "units": Option("lane", "SI", "No number comes near MuJoCo's built-in smallest and largest ones."),
         "jacobian": TUNED_OPTIONS["jacobian"],
         "disable": TUNED_OPTIONS["disable"],
         "spring_phase": Option(
-            1.0, 0.0, "h √(k_s / m_red), and so stiffness k_s and springyield F / k_s: half of what Euler's step bears."
+            1.0,
+            0.0,
+            "h √(k_s / m_red), and so stiffness k_s and springyield F / k_s: half of Euler's limit of stability.",
         ),
     },
     known_deviation=(

@@ -20,7 +20,7 @@ TUNED_OPTIONS = {
     "disable": Option(
         ("eulerdamp", "warmstart", "island"),
         (),
-        "Damping at the start of the step; no memory between runs; no search for islands.",
+        "Damping at the start of the step; no warm start; no search for islands.",
     ),
 }
 """Options of the whole model that the tuned presets of both formulations share."""

@@ -22,9 +22,9 @@ CONTACT_TUNED = Preset(
 )
 
 CONTACT_DEFAULT = Preset(
-    "The same spheres and forces in SI units, a lane at a time, with the anchors that SolverSteel takes by itself.",
+    "The same spheres and forces in SI units, a lane at a time, with SolverSteel's own anchors.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "units": Option("SI", "SI", "The chain in SI units."),
         "friction_anchor_beta": Option(0.2, 0.2, "SolverSteel's own: a fifth of what has slipped is taken back."),
     },
     known_deviation=(

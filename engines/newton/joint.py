@@ -10,7 +10,7 @@ DRIVE_OPTIONS = {
     "drive_mode": Option(
         "rows",
         "augmented",
-        "The default takes all damping into the mass matrix, and bounds what is left: no friction, but a locked joint.",
+        "The default adds all damping to the mass matrix and bounds only the rest: the joint locks, without friction.",
     ),
     "target_kd": Option(1e20, 0.0, "Damping of the drive: a smaller one lets stuck contacts creep."),
 }
@@ -28,7 +28,7 @@ JOINT_TUNED = Preset(
 
 JOINT_DEFAULT = Preset(
     "The same drives and forces in SI units, a lane at a time; without the rows there is no friction to compare.",
-    {"units": Option("SI", "SI", "The numbers of the chain as they are."), **DRIVE_OPTIONS},
+    {"units": Option("SI", "SI", "The chain in SI units."), **DRIVE_OPTIONS},
     shares_scheme=True,
     normal_force=NormalForce.MODULATED,
     batch_lanes=4,

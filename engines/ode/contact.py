@@ -8,7 +8,7 @@ BOUNCE, APPROXIMATION = 0x004, 0x7000
 """Bits of a contact's mode: `ContactBounce`, and `ContactApprox1_1`, `_2` and `_N` of ODE 0.16 together."""
 
 CONTACT_TUNED = Preset(
-    "Spheres that do not turn on plates, with a layer in which depth is left alone, and no softness.",
+    "Spheres that do not turn on plates, with a layer in which depth is not corrected, and no softness.",
     {
         "units": Option("lane", "SI", "No number comes near a built-in small one."),
         "cfm": Option(0.0, 1e-10, "ODE softens every constraint: boxes would sink in, and creep."),
@@ -23,7 +23,7 @@ CONTACT_TUNED = Preset(
             APPROXIMATION, BOUNCE, "Friction in proportion to the normal force; without it, mu is a force in newtons."
         ),
         "surface_layer": Option(2.0**-10, 0.0, "Over the displacement scale; deeper boxes are pushed out."),
-        "depth": Option(2.0**-11, 0.0, "Depth at the start over the displacement scale: round-off parts no contact."),
+        "depth": Option(2.0**-11, 0.0, "Depth at the start over the displacement scale: round-off opens no contact."),
     },
     shares_scheme=True,
     split_tolerance=1e-12,
@@ -43,11 +43,11 @@ CONTACT_TUNED = Preset(
 CONTACT_DEFAULT = Preset(
     "Boxes that touch plates, in SI units, with ODE's own softness and corrections; a run forgets their depth.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "units": Option("SI", "SI", "The chain in SI units."),
         "cfm": Option(1e-10, 1e-10, "ODE's own, in double precision."),
         "erp": Option(0.2, 0.2, "ODE's own: a fifth of the depth is corrected in a step."),
         "inertia": Option(2.0**20, "none", "Needed: nothing is to turn; from 2**50 on, redundant points upset ODE."),
-        "shape": Option("box", "none", "Needed; four points of contact, which the softness shares the force out to."),
+        "shape": Option("box", "none", "Needed; the softness distributes the force over four points of contact."),
         "mode": Option(APPROXIMATION, BOUNCE, "Needed: mu would be a force in newtons, whatever presses."),
         "surface_layer": Option(0.0, 0.0, "ODE's own."),
         "depth": Option(0.0, 0.0, "The boxes touch their plates."),

@@ -23,10 +23,10 @@ JOINT_TUNED = Preset(
 JOINT_DEFAULT = Preset(
     "Motors as dry friction in SI units, with ODE's own softness.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "units": Option("SI", "SI", "The chain in SI units."),
         "cfm": Option(1e-10, 1e-10, "ODE's own, in double precision."),
         "erp": Option(0.2, 0.2, "ODE's own."),
-        "springs": Option("forces", "stops", "As most would write it."),
+        "springs": Option("forces", "stops", "Forces, as most users would write them."),
         "fmax": Option(5, 3, "Needed: pyode's constant is that of another parameter, and no friction acts."),
     },
     law=soft_motors,

@@ -34,9 +34,9 @@ class Ovphysx(WheelEngine):
         residual=2e-5,
         notes=(
             "Coulomb's law, in single precision: a motion repeats to some 1e-6 of its size, and no closer. Joints have "
-            "a static and a dynamic friction in newtons, and tell it. What PhysX calls position iterations of its "
-            "temporal solver are substeps over which forces do not change: with the 32 that an articulation has by "
-            "itself, springs act late by half a step."
+            "a static and a dynamic friction in newtons, and report it. What PhysX calls position iterations of "
+            "its temporal solver are substeps over which forces do not change: with an articulation's own 32, springs "
+            "act late by half a step."
         ),
     )
 

@@ -12,7 +12,7 @@ SHARED_OPTIONS = {
     "friction": Option(
         ("F", "F", 0.0), (0.0, 0.0, 0.0), "Static and dynamic friction, and none in proportion to velocity."
     ),
-    "NUM_THREADS": Option(0, 8, "Its own threads wait for work at the cost of fifty steps of a chain."),
+    "NUM_THREADS": Option(0, 8, "Waiting threads of PhysX cost as much as fifty steps of a chain."),
 }
 """What both presets set."""
 
@@ -30,7 +30,7 @@ JOINT_TUNED = Preset(
 )
 
 JOINT_DEFAULT = Preset(
-    "The same joints and forces with the solver and the iterations that PhysX takes by itself.",
+    "The same joints and forces with PhysX's own solver and iterations.",
     {
         **SHARED_OPTIONS,
         "solverType": Option("TGS", "TGS", "PhysX's own solver, the temporal Gauss–Seidel."),

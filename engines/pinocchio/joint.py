@@ -22,7 +22,7 @@ JOINT_TUNED = Preset(
         "units": Option("lane", "SI", "No number comes near built-in smallest ones."),
         "solver": Option("PGS", "PGS or ADMM", "Frictions do not touch each other's masses: the first sweep is exact."),
         "tolerance": Option(0.0, _TOLERANCE, "The solver's tolerances are absolute, whatever the units."),
-        "max_iterations": Option(2, 1000, "The second sweep finds nothing left to do."),
+        "max_iterations": Option(2, 1000, "One sweep solves it; the second one confirms that."),
     },
     shares_scheme=True,
     split_tolerance=1e-12,
@@ -32,8 +32,8 @@ JOINT_TUNED = Preset(
 JOINT_DEFAULT = Preset(
     "Projected Gauss-Seidel in SI units, with Pinocchio's own settings.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
-        "solver": Option("PGS", "PGS or ADMM", "The solver that contact engines have in common."),
+        "units": Option("SI", "SI", "The chain in SI units."),
+        "solver": Option("PGS", "PGS or ADMM", "Gauss–Seidel, as in most contact engines."),
         "tolerance": Option(_TOLERANCE, _TOLERANCE, "Pinocchio's own: absolute."),
         "max_iterations": Option(1000, 1000, "Pinocchio's own."),
     },
@@ -49,8 +49,8 @@ JOINT_ADMM = Preset(
         "solver": Option("ADMM", "PGS or ADMM", "Pinocchio's solver for hard problems."),
     },
     known_deviation=(
-        "the solver's tolerance of 1e-6 N s is absolute: impulses of friction, F dt, are the less exact the finer"
-        " the step"
+        "the solver's tolerance of 1e-6 N s is absolute: the finer the step, the larger the relative error of the "
+        "friction impulses F dt"
     ),
     law=admm,
     split_tolerance=1e-12,

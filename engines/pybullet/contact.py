@@ -41,7 +41,7 @@ CONTACT_TUNED = Preset(
 CONTACT_DEFAULT = Preset(
     "The same boxes in SI units, with Bullet's own damping and its own solver.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "units": Option("SI", "SI", "The chain in SI units."),
         "localInertiaDiagonal": Option((0.0, 0.0, 0.0), "of the box", "Needed: the chain moves along a line."),
         "linearDamping": Option(0.04, 0.04, "Bullet's own; it slows every body down, against the ground."),
         "solverResidualThreshold": Option(1e-7, 1e-7, "Bullet's own; below it the solver stops."),

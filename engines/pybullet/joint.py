@@ -16,7 +16,7 @@ from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray
 
 JOINT_TUNED = Preset(
-    "Motors that hold the relative velocity at zero with at most the friction bound, and no damping of Bullet's own.",
+    "Motors that hold the relative velocity at zero with at most the friction bound, and no damping by Bullet.",
     {
         "units": Option("lane", "SI", "No number comes near Bullet's built-in smallest and largest ones."),
         "velocityGain": Option(1.0, 1.0, "The motor's share of the velocity that it removes in one step."),
@@ -30,10 +30,10 @@ JOINT_TUNED = Preset(
 )
 
 JOINT_DEFAULT = Preset(
-    "Motors as dry friction in SI units, and whatever else Bullet does unasked.",
+    "Motors as dry friction in SI units, and Bullet's default options.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
-        "velocityGain": Option(1.0, 1.0, "What a motor does without it."),
+        "units": Option("SI", "SI", "The chain in SI units."),
+        "velocityGain": Option(1.0, 1.0, "Bullet's own."),
         "outer motor force": Option(0.0, "large", "Needed: a new joint has a motor that locks it."),
         "linearDamping": Option(0.04, 0.04, "Bullet's own; it slows every body down, against the ground."),
         "maxJointVelocity": Option(100.0, 100.0, "Bullet's own."),

@@ -34,7 +34,7 @@ CONTACT_TUNED = Preset(
 CONTACT_DEFAULT = Preset(
     "The same boxes and pymunk's damped springs, in SI units.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "units": Option("SI", "SI", "The chain in SI units."),
         "springs": Option("damped springs", "damped springs", "pymunk's own, with dashpots that are implicit."),
         "positions": Option("as they are", "as they are", "What Body.position and Body.velocity hold."),
         "iterations": Option(10, 10, "pymunk's own."),

@@ -31,7 +31,7 @@ JOINT_TUNED = Preset(
 JOINT_DEFAULT = Preset(
     "Pivot joints as pymunk's own examples use them for friction, and its damped springs, in SI units.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "units": Option("SI", "SI", "The chain in SI units."),
         "springs": Option("damped springs", "damped springs", "pymunk's own, with dashpots that are implicit."),
         "positions": Option("as they are", "as they are", "What Body.position and Body.velocity hold."),
         "max_bias": Option(0.0, "infinite", "Needed: a pivot joint pulls its anchors together, as no friction does."),

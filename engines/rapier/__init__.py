@@ -33,7 +33,7 @@ class Rapier(WheelEngine):
         notes=(
             "Coulomb's law, exact in stick, in single precision: a motion repeats to some 1e-6 of its size, and no "
             "closer. What Rapier calls iterations of its solver are substeps over which forces do not change: with "
-            "the four that it takes by itself, springs act late by up to a step."
+            "its own four, springs act late by up to a step."
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: RapierJointLane, Formulation.CONTACT: RapierContactLane}

@@ -20,7 +20,7 @@ TUNED_OPTIONS = {
 """Options of the tuned presets of both formulations."""
 
 DEFAULT_OPTIONS = {
-    "units": Option("SI", "SI", "The numbers of the chain as they are."),
+    "units": Option("SI", "SI", "The chain in SI units."),
     "num_solver_iterations": Option(4, 4, "Rapier's own: four substeps, over which forces are constant."),
     "normalized_max_linear_velocity": Option(400.0, 400.0, "Rapier's own, in m/s."),
     "can_sleep": Option(True, True, "Rapier's own; forces keep bodies awake in steps of less than half a second."),

@@ -28,7 +28,7 @@ CONTACT_TUNED = Preset(
         "friction_in_bias_pass": Option(
             True, False, "Friction is found before positions move, and not after them with that of the step before."
         ),
-        "warmstart_coefficient": Option(0.0, 1.0, "No memory of the last impulses."),
+        "warmstart_coefficient": Option(0.0, 1.0, "Sweeps start from zero, not from the last impulses."),
         "contact_recycling": Option(
             False, True, "Friction found before positions move aims at where recycled points were, and reverses late."
         ),
@@ -39,7 +39,7 @@ CONTACT_TUNED = Preset(
 )
 
 CONTACT_DEFAULT = Preset(
-    "The same spheres and forces in SI units, with the four substeps a step that Rapier takes by itself.",
+    "The same spheres and forces in SI units, with Rapier's own four substeps a step.",
     {
         **DEFAULT_OPTIONS,
         "friction_model": FRICTION_MODEL,

@@ -17,7 +17,7 @@ JOINT_TUNED = Preset(
 )
 
 JOINT_DEFAULT = Preset(
-    "The same motors and forces in SI units, with the four substeps a step that Rapier takes by itself.",
+    "The same motors and forces in SI units, with Rapier's own four substeps a step.",
     {**DEFAULT_OPTIONS, "motor factor": MOTOR},
     known_deviation=FOUR_SUBSTEPS,
     law=motor_substeps,

@@ -32,7 +32,7 @@ class Sapien(WheelEngine):
         notes=(
             "Coulomb's law, in single precision: a motion repeats to some 1e-6 of its size, and no closer. Of PhysX's "
             "two solvers of contacts, the projected Gauss–Seidel takes the reference's step; the temporal one, "
-            "which is SAPIEN's own, moves masses while it still looks for their friction."
+            "which is SAPIEN's own, moves masses while it is still solving for their friction."
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: SapienJointLane, Formulation.CONTACT: SapienContactLane}

@@ -62,7 +62,7 @@ CONTACT_TUNED = Preset(
 )
 
 CONTACT_DEFAULT = Preset(
-    "The same spheres and forces with the solver that SAPIEN takes by itself.",
+    "The same spheres and forces with SAPIEN's own solver.",
     {
         **SHARED_OPTIONS,
         "enable_tgs": Option(True, True, "SAPIEN's own solver, the temporal Gauss–Seidel: ten substeps a step."),

@@ -37,9 +37,9 @@ JOINT_TUNED = Preset(
 )
 
 JOINT_DEFAULT = Preset(
-    "The same drives and forces in SI units, with the solver and the damping of links that SAPIEN takes by itself.",
+    "The same drives and forces in SI units, with SAPIEN's own solver and damping of links.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "units": Option("SI", "SI", "The chain in SI units."),
         "enable_tgs": Option(True, True, "SAPIEN's own solver, the temporal Gauss–Seidel."),
         "solver_position_iterations": SOLVER_ITERATIONS,
         "solver_velocity_iterations": VELOCITY_ITERATIONS,

@@ -47,8 +47,8 @@ class Siconos(OutOfProcessEngine):
         },
         notes=(
             "Exact Coulomb friction by a complementarity problem in each step of the Moreau–Jean θ-scheme, which takes "
-            "springs and dashpots in implicitly. A relay acts only while its gap is not positive, and no word is said "
-            "of it: both presets of the joint start it deep below."
+            "springs and dashpots in implicitly. A relay acts only while its gap is not positive, and Siconos "
+            "gives no warning: all presets of the joint start it deep below."
         ),
     )
     installation: ClassVar[Installation] = INSTALLATION

@@ -8,10 +8,10 @@ CONTACT_TUNED = Preset(
     "Moreau–Jean with θ = ½, and a contact solver that goes on to round-off.",
     {
         **SHARED_TUNED_OPTIONS,
-        "solver": Option("NSGS", "NSGS", "Gauss–Seidel over the contacts; Lemke parts a contact now and then."),
+        "solver": Option("NSGS", "NSGS", "Gauss–Seidel over the contacts; Lemke's method sometimes opens a contact."),
         "tolerance": Option(1e-14, 1e-4, "Of NSGS: it stops early otherwise, and motions err by 1e-6 of U0."),
         "threshold": Option(
-            1e-6, 0.0, "Gap over the displacement scale up to which a contact acts: round-off is none."
+            1e-6, 0.0, "Gap over the displacement scale up to which a contact acts; round-off must not open it."
         ),
     },
     law=moreau_jean,
@@ -21,7 +21,7 @@ CONTACT_TUNED = Preset(
 CONTACT_DEFAULT = Preset(
     "The same contacts in SI units, with Siconos's own solver and tolerance.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "units": Option("SI", "SI", "The chain in SI units."),
         "theta": Option(0.5, "none", "Needed; the value of Siconos's examples."),
         "springs": Option("own", "own", "Stiffness and damping matrix of LagrangianLinearTIDS."),
         "newton": Option("nonlinear", "nonlinear", "Siconos's own."),

@@ -6,7 +6,7 @@ from engines.siconos.law import moreau_jean
 SHARED_TUNED_OPTIONS = {
     "units": Option("lane", "SI", "Lemke's pivots and the clock of events then meet no built-in small number."),
     "theta": Option(0.5, "none", "Trapezoidal, of second order while nothing starts or stops; 1 is implicit Euler."),
-    "springs": Option("own", "own", "Stiffness and damping matrix of LagrangianLinearTIDS, at the time that θ says."),
+    "springs": Option("own", "own", "Stiffness and damping matrix of LagrangianLinearTIDS, at the time given by θ."),
     "newton": Option("linear", "nonlinear", "One iteration a step, for all is linear but the friction."),
 }
 """Options that the tuned presets of both formulations share."""
@@ -37,9 +37,9 @@ JOINT_EULER = Preset(
 )
 
 JOINT_DEFAULT = Preset(
-    "A relay a contact in SI units, as one would write it; it differs from the tuned one in cost only.",
+    "A relay for each contact in SI units, as a newcomer would write it; it differs from the tuned one in cost only.",
     {
-        "units": Option("SI", "SI", "The numbers of the chain as they are."),
+        "units": Option("SI", "SI", "The chain in SI units."),
         "theta": Option(0.5, "none", "Needed; the value of Siconos's examples."),
         "springs": Option("own", "own", "Stiffness and damping matrix of LagrangianLinearTIDS."),
         "newton": Option("nonlinear", "nonlinear", "Siconos's own."),
