@@ -131,7 +131,7 @@ def test_card_of_an_engine_without_scripts_names_no_command_that_would_be_refuse
     bare = dataclasses.replace(made_up().variants[0], script="", options=())
     shown = dataclasses.replace(made_up(), variants=(bare,))
     assert "reports reproduce" not in html(shown, linked=False)
-    assert "This engine has none so far." in html(shown, linked=False)
+    assert "This engine has no script so far." in html(shown, linked=False)
     assert "Every option is the engine's own." in markdown(shown)
 
 

@@ -341,12 +341,12 @@ def test_a_page_does_not_say_that_all_agree_where_an_engine_is_missing(result: C
 
     whole = without_faults(result)
     page = said(whole)
-    assert "there is nothing of PyBullet" in page
+    assert "there is no result of PyBullet" in page
     assert "The comparison does not fail: every" not in page
     assert "None: every point and every edge" not in page
     lost = replace(whole, table=judged_table([point for point in whole.points if point.variant != MISSING]))
     page = said(lost)
-    assert "there is nothing of PyBullet" in page
+    assert "there is no result of PyBullet" in page
     assert "None: every point and every edge" not in page
     alone = replace(lost, sweep=figure3((RUNS,), (0.0, 0.3), (0.3, 0.6, 0.9, 1.3)))
     page = said(alone)
@@ -378,5 +378,5 @@ def test_table_and_page_have_the_smallest_error_to_truth_first(markup: str) -> N
         "Reference (LCP), converged", "Reference (LCP)", "MuJoCo", "MuJoCo, default", "PyBullet",
     ]  # fmt: skip
     assert "same equations" in table
-    assert "Compared with the truth at 2 points only, and without a verdict: MuJoCo, default" in markup
+    assert "Compared with the truth at 2 points only, without a verdict: MuJoCo, default" in markup
     assert "worst difference" not in markup
