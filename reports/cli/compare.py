@@ -26,7 +26,7 @@ def compare(
     ] = Thresholds.transition,
     motion: Annotated[
         float,
-        typer.Option(help="Largest change of a transient motion, over its displacement scale, that does not count."),
+        typer.Option(help="Largest change of a transient motion that does not count, over its displacement scale."),
     ] = Thresholds.motion,
     strict: Annotated[
         bool, typer.Option("--strict", help="Every change fails, also one that is closer to the truth.")
