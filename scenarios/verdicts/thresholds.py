@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from engines.interface.tolerances import SCHEME_TOLERANCE_DB, TRAJECTORY_TOLERANCE
+from engines.interface.tolerances import SCHEME_TOLERANCE_DB
 from reference_lcp.refusal import ParameterError
 
 
@@ -21,7 +21,7 @@ class Thresholds:
         Largest difference of the time of a transition, over the period, in (0, 1]; by default two steps of 400.
     motion
         Largest difference of a displacement of a transient motion, over its displacement scale, in (0, 1]; by default
-        what single precision adds up to over forty periods.
+        what single precision adds up to over forty periods, 2.3e-5 (`TRAJECTORY_TOLERANCE`), and a little more.
 
     Raises
     ------
@@ -32,7 +32,7 @@ class Thresholds:
     transmittance_db: float = SCHEME_TOLERANCE_DB
     stuck_fraction: float = 0.005
     transition: float = 0.005
-    motion: float = max(TRAJECTORY_TOLERANCE.values())
+    motion: float = 2.5e-5
 
     def __post_init__(self) -> None:
         from reference_lcp.validation import (  # NumPy is imported once numbers are compared
