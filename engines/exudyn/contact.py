@@ -30,6 +30,7 @@ CONTACT_TUNED = Preset(
     known_deviation=REGULARISED_TUNED.known_deviation,
     law=disc,
     split_tolerance=1e-9,
+    varied={"zone": (2e-3, 8e-3)},
 )
 
 CONTACT_DEFAULT = Preset(

@@ -40,6 +40,7 @@ REGULARISED_TUNED = Preset(
     law=zone,
     static_friction=True,
     split_tolerance=1e-9,
+    varied={"zone": (1e-3, 4e-3, 16e-3)},
 )
 
 BRISTLE_TUNED = Preset(

@@ -114,6 +114,8 @@ class Preset:
     turned_bound
         Gives the bound of sliding friction over μ λ_N in a lane that is turned, at a slip velocity [m/s], where it is
         not 1 as Coulomb's law has it, and nothing else but this is another.
+    varied
+        Options that decide much, with other values of theirs: reports show the error over them, at a few points.
     unchanged
         The preset of the engine of which this is one with changed options; ``None`` of a preset of the engine.
     settings
@@ -139,6 +141,7 @@ class Preset:
     static_friction: bool = False
     inclined_law: "Callable[[Preset], Law] | None" = None
     turned_bound: Callable[[Lane, float], float] | None = None
+    varied: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     unchanged: "Preset | None" = None
     settings: tuple[str, ...] = ()
 

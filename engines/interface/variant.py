@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
+from engines.interface.changed_options import value_text
 from engines.interface.law_engine import LAW_SUFFIX, law_of
 from engines.interface.presets import Capabilities, Preset
 from engines.interface.registry import engine
@@ -64,6 +65,16 @@ class Variant:
             else:
                 break
         return ":".join([*names, *settings])
+
+    def changed(self, option: str, value: Any) -> Self:
+        """Give it with one more option changed.
+
+        Raises
+        ------
+        ParameterError
+            If the preset has no such option, or it does not take the value.
+        """
+        return self.parse(":".join([self.engine, self.formulation, self.preset_name, f"{option}={value_text(value)}"]))
 
     @property
     def preset(self) -> Preset:

@@ -58,6 +58,7 @@ CONTACT_TUNED = Preset(
         ),
     },
     modulated_residual_slip_compliance=1e-4,
+    varied={"noslip_iterations": (0, 2)},
 )
 
 CONTACT_NEWTON = Preset(

@@ -24,6 +24,7 @@ JOINT_TUNED = Preset(
     shares_scheme=True,
     split_tolerance=1e-12,
     normal_force=NormalForce.MODULATED,
+    varied={"noslip_iterations": (0, 2)},
 )
 
 JOINT_DEFAULT = Preset(

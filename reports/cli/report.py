@@ -30,6 +30,7 @@ from scenarios.studies.figure3 import (
     figure3,
     quick_frequency_ratios,
 )
+from scenarios.studies.one_option import one_option_variants
 from scenarios.sweeps.dataset_file import read_dataset
 from scenarios.sweeps.noted import noted_sweeps
 from scenarios.sweeps.size import check_size
@@ -40,6 +41,9 @@ from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.task import SteadyStateTask
 
 PROGRAM = ("python", "-m", "reports")
+
+SCENARIOS = ("frictionless-limit", "locked-limit", "unit-cell", "breakaway", "stopping-distance")
+"""Scenarios of the default report: limits, transitions and thresholds; half a minute of a processor at most."""
 
 
 @dataclass(frozen=True)
@@ -60,17 +64,24 @@ def report_of_dataset(data: Path, out: Path, *, alone: bool) -> None:
 
 def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stored_in: Path | None) -> PlannedReport:
     """Plan a report before any work: of a sweep's file, named variants, all that is stored, or the default one."""
-    scope = QUICK if quick else Scope()
     if file is not None:
-        return PlannedReport(_sweep(file, names, quick), scope, command_of(names, quick, file))
+        return PlannedReport(_sweep(file, names, quick), Scope(), command_of(names, quick, file))
     if names:
-        return PlannedReport(_figure3(variants_named(names), quick), scope, command_of(names, quick, None))
+        planned = _figure3(variants_named(names), quick)
+        return PlannedReport(planned, _scope(planned, quick=quick), command_of(names, quick, None))
     if stored_in is not None and not quick:
         stored = stored_sweep(stored_in)
-        scope = Scope(beside=_beside(stored), beside_points=(*FEW_POINTS, *QUICK_POINTS))
+        scope = replace(_scope(stored, _beside(stored)), beside_points=(*FEW_POINTS, *QUICK_POINTS))
         return PlannedReport(stored, scope, command_of((), False, None, stored_in))
     planned = _default_sweep(quick)
-    return PlannedReport(planned, replace(scope, beside=_beside(planned)), command_of((), quick, None))
+    scope = replace(_scope(planned, _beside(planned), quick=quick), scenarios=() if quick else SCENARIOS)
+    return PlannedReport(planned, scope, command_of((), quick, None))
+
+
+def _scope(planned: Sweep, beside: Sequence[Variant] = (), *, quick: bool = False) -> Scope:
+    """Give the parts of a report beside its sweep, with what single options decide of its variants."""
+    scope = QUICK if quick else Scope()
+    return replace(scope, beside=tuple(beside), one_option=one_option_variants(planned.variants, beside))
 
 
 def stored_sweep(store: Path) -> Sweep:

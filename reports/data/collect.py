@@ -10,6 +10,8 @@ from engines.interface.variant import Variant
 from reports.data.catalogue import catalogue_outcomes
 from reports.data.report import Report
 from reports.data.stick_slip import CasePoint
+from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.storage.store import ResultStore
 from scenarios.studies.as_installed import FEW_POINTS, QUICK_POINTS, few_points
@@ -68,6 +70,10 @@ class Scope:
         Variants that are compared with the truth at `beside_points` only, and have no verdict.
     beside_points
         Those of them that the grid does not hold are left out.
+    one_option
+        Variants that differ in one option from a preset, see `one_option_variants`; at `beside_points` too.
+    scenarios
+        Scenarios of the catalogue that all variants are run in; of others, what the store knows is shown.
     """
 
     recorded_points: tuple[OperatingPoint, ...] = RECORDED_POINTS
@@ -77,6 +83,8 @@ class Scope:
     starts: int = LEAST_POINTS
     beside: tuple[Variant, ...] = ()
     beside_points: tuple[OperatingPoint, ...] = FEW_POINTS
+    one_option: tuple[Variant, ...] = ()
+    scenarios: tuple[str, ...] = ()
 
 
 QUICK = Scope(
@@ -116,6 +124,9 @@ def collect(
     periods: dict[CasePoint, dict[Variant, RecordedPeriod]] = {}
     for (point, variant), recorded in zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True):
         periods.setdefault(point, {})[variant] = RecordedPeriod.of_result(recorded)
+    variants = (*sweep.variants, *scope.beside)
+    for name in scope.scenarios:
+        run_with_predictions(CATALOGUE[name], variants, evaluator)
     known = truths(result, evaluator)  # before steps that are read from the store: these compare with the exact motion
     return Report(
         result,
@@ -126,7 +137,8 @@ def collect(
         starts=starts,
         beside=few_points(result, scope.beside, scope.beside_points, evaluator),
         truths=known,
-        catalogue=catalogue_outcomes((*sweep.variants, *scope.beside), store),
+        one_option=few_points(result, scope.one_option, scope.beside_points, evaluator),
+        catalogue=catalogue_outcomes(variants, store),
     )
 
 

@@ -55,7 +55,7 @@ def error_maps(result: ComparedSweep, truths: Truths, order: Sequence[Variant]) 
     """
     if not 1 < len(result.cases) <= MOST_ROWS:
         return []
-    errors = {point[:3]: error.error_db for point, error in truth_errors(result, truths)}
+    errors = {point[:3]: error.error_db for point, error in truth_errors(result, truths, result.points)}
     comparable = {place for place, truth in truths.items() if truth.above_floor}
     etas = np.array(sorted({point.frequency_ratio for point in result.points}))
     maps = [_error_map(result, variant, etas, errors, comparable) for variant in order if variant != CONVERGED]

@@ -58,19 +58,15 @@ class VariantErrors:
         return abs(self.worst.difference)
 
 
-def variant_errors(result: ComparedSweep, truths: Truths, beside: Sequence[Point] = ()) -> dict[Variant, VariantErrors]:
-    """Compare every variant with the truth, the smallest error first; variants without any come last.
-
-    `beside` are points of variants that are compared at a few points only.
-    """
-    counted = Counter(point.variant for point in [*result.points, *beside] if _above_floor(truths, point))
-    by_variant: dict[Variant, list[tuple[Point, TruthError]]] = {
-        variant: [] for variant in (*result.sweep.variants, *(point.variant for point in beside))
-    }
-    for point, error in truth_errors(result, truths, beside):
+def variant_errors(result: ComparedSweep, truths: Truths, points: Sequence[Point]) -> dict[Variant, VariantErrors]:
+    """Compare every variant of these points with the truth, the smallest error first; those without any come last."""
+    counted = Counter(point.variant for point in points if _above_floor(truths, point))
+    by_variant: dict[Variant, list[tuple[Point, TruthError]]] = {point.variant: [] for point in points}
+    for point, error in truth_errors(result, truths, points):
         if _above_floor(truths, point):
             by_variant[point.variant].append((point, error))
-    scheme = {(p.case, p.frequency_ratio): p for p, _ in by_variant.get(REFERENCE, [])}
+    own_steps = (point for point in result.points if point.variant == REFERENCE and point.result.converged)
+    scheme = {(point.case, point.frequency_ratio): point for point in own_steps}
     every = [_errors(variant, own, counted[variant], scheme) for variant, own in by_variant.items()]
     return {own.variant: own for own in sorted(every, key=lambda own: math.inf if math.isnan(own.size) else own.size)}
 

@@ -1,12 +1,13 @@
 """What an engine does as it is installed, beside what it does with the options of its tuned presets."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reports.data.errors import VariantErrors
+from reports.data.single_options import SingleOption
+from scenarios.studies.one_option import tuned_options
 
 
 @dataclass(frozen=True)
@@ -19,11 +20,15 @@ class Installed:
         How far both are from the truth.
     options
         What the tuned preset sets otherwise than the default one, by name.
+    decisive
+        The one of them that alone leaves the least of the default's error, if that is less than half; ``None`` where
+        there is none, or it is not known.
     """
 
     default: VariantErrors
     tuned: VariantErrors
     options: Mapping[str, Any]
+    decisive: SingleOption | None = None
 
     @property
     def title(self) -> str:
@@ -33,8 +38,9 @@ class Installed:
         return own if variant.formulation == "joint" else f"{own}, {variant.formulation}"
 
 
-def installed(errors: Mapping[Variant, VariantErrors]) -> list[Installed]:
+def installed(errors: Mapping[Variant, VariantErrors], singles: Sequence[SingleOption] = ()) -> list[Installed]:
     """Give every formulation of which both presets have an error, the largest default error first."""
+    best = {single.default.variant: single for single in reversed(singles) if single.halves}
     pairs = []
     for default in errors.values():
         if default.variant.preset_name != "default":
@@ -42,7 +48,7 @@ def installed(errors: Mapping[Variant, VariantErrors]) -> list[Installed]:
         own = default.variant
         tuned = errors.get(Variant(own.engine, own.formulation))
         if tuned is not None and tuned.known and default.known:
-            pairs.append(Installed(default, tuned, changed_options(own.engine, own.formulation)))
+            pairs.append(Installed(default, tuned, tuned_options(own.engine, own.formulation), best.get(own)))
     return sorted(pairs, key=lambda pair: -pair.default.size)
 
 
@@ -53,15 +59,4 @@ def by_engine(pairs: list[Installed]) -> dict[str, list[Installed]]:
         engines.setdefault(pair.tuned.variant.capabilities.title, []).append(pair)
     return {
         name: sorted(own, key=lambda pair: pair.tuned.variant.formulation != "joint") for name, own in engines.items()
-    }
-
-
-def changed_options(name: str, formulation: str) -> dict[str, Any]:
-    """Give the options of the tuned preset whose values are others than in the default preset."""
-    presets = (engine(name).preset(formulation, preset).options for preset in ("tuned", "default"))
-    tuned, default = presets
-    return {
-        option: own.value
-        for option, own in tuned.items()
-        if own.value != (default[option].value if option in default else own.default)
     }

@@ -14,6 +14,7 @@ from reports.data.findings import VariantFindings, findings
 from reports.data.installed import Installed, installed
 from reports.data.option_curves import OptionCurve, option_curves
 from reports.data.provenance import provenance
+from reports.data.single_options import SingleOption, single_options
 from reports.data.stick_slip import CasePoint, stick_slip_rows
 from reports.data.versions import VersionPair, version_pairs
 from scenarios.studies.friction_map import FrictionMap
@@ -51,6 +52,8 @@ class Report:
         The true transmittance by case and frequency ratio.
     beside
         Points of variants that are compared with the truth at a few points only, and have no verdict.
+    one_option
+        Points of variants that differ in one option from a preset, at a few points of the grid.
     catalogue
         What is known of the scenarios of the catalogue.
     """
@@ -64,6 +67,7 @@ class Report:
     recorded: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     truths: Truths = field(default_factory=dict)
     beside: tuple[Point, ...] = ()
+    one_option: tuple[Point, ...] = ()
     catalogue: Outcomes = field(default_factory=dict)
 
     @property
@@ -79,17 +83,36 @@ class Report:
     @cached_property
     def errors(self) -> Mapping[Variant, VariantErrors]:
         """How far each variant is from the truth, the smallest error first."""
-        return variant_errors(self.result, self.truths, self.beside)
+        return variant_errors(self.result, self.truths, [*self.result.points, *self.beside])
 
     @cached_property
     def installed(self) -> list[Installed]:
         """Engines as installed beside their tuned presets, the largest error first."""
-        return installed(self.errors)
+        return installed(self.errors, self.single_options)
 
     @cached_property
     def option_curves(self) -> list[OptionCurve]:
-        """Errors over one option of an engine, where variants differ in that alone."""
-        return option_curves(self.errors, [*self.result.points, *self.beside])
+        """Errors over one option of an engine, where variants differ in that alone: over the grid, or a few points."""
+        wide = option_curves(self.errors, [*self.result.points, *self.beside])
+        few = option_curves(self.few_errors, self._few_points)
+        shown = {(curve.title, curve.option) for curve in wide}
+        return wide + [curve for curve in few if (curve.title, curve.option) not in shown]
+
+    @cached_property
+    def few_errors(self) -> Mapping[Variant, VariantErrors]:
+        """Errors of the variants that differ in one option from a preset, and of all others at the same points."""
+        return variant_errors(self.result, self.truths, self._few_points)
+
+    @cached_property
+    def _few_points(self) -> list[Point]:
+        places = {(point.case, point.frequency_ratio) for point in self.one_option}
+        others = (p for p in (*self.result.points, *self.beside) if (p.case, p.frequency_ratio) in places)
+        return [*others, *self.one_option]
+
+    @cached_property
+    def single_options(self) -> list[SingleOption]:
+        """Defaults with one option of the tuned preset each, the smallest error of an engine and formulation first."""
+        return single_options(self.few_errors)
 
     @cached_property
     def departures(self) -> list[Departures]:

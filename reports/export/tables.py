@@ -1,6 +1,7 @@
 """Tables and the JSON file beside the page: the numbers in full."""
 
 import math
+from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
@@ -12,6 +13,7 @@ from reports.data.errors import VariantErrors
 from reports.data.findings import Extreme, VariantFindings
 from reports.data.option_curves import OptionCurve
 from reports.data.report import Report
+from reports.data.single_options import SingleOption
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.edges import BandEdge
@@ -124,7 +126,7 @@ def band_edge_table(result: ComparedSweep) -> pd.DataFrame:
 
 def transmittance_table(result: ComparedSweep, truths: Truths) -> pd.DataFrame:
     """Every point of every curve, with the truth there."""
-    errors = {point[:3]: error.error_db for point, error in truth_errors(result, truths)}
+    errors = {point[:3]: error.error_db for point, error in truth_errors(result, truths, result.points)}
     unknown = TrueTransmittance(math.nan, math.nan, exact=False)
 
     def truth(point: Point) -> TrueTransmittance:
@@ -161,12 +163,16 @@ def catalogue_table(known: Outcomes) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["scenario", *(column.key for column in NAME_COLUMNS), *map(str, Outcome)])
 
 
-def option_table(curves: list[OptionCurve]) -> pd.DataFrame:
-    """Every variant of every curve over one option."""
+def option_table(curves: Iterable[OptionCurve], singles: Iterable[SingleOption] = ()) -> pd.DataFrame:
+    """Every variant of every curve over one option, and every default with one option of the tuned preset."""
     rows = [
         (*vars(own.errors.variant).values(), curve.option, own.value, own.errors.size, own.errors.median, own.creep)
         for curve in curves
         for own in curve.points
+    ]
+    rows += [
+        (*vars(own.errors.variant).values(), own.option, own.value, own.errors.size, own.errors.median, math.nan)
+        for own in singles
     ]
     names = ("option", "value", "largest_error_db", "median_error_db", "largest_creep")
     return pd.DataFrame(rows, columns=[*(column.key for column in NAME_COLUMNS), *names])
@@ -203,7 +209,7 @@ def table_files(report: Report) -> dict[str, str]:
         "transmittance.csv": csv_text(points),
         "transitions.csv": csv_text(transition_table(result)),
         "catalogue.csv": csv_text(catalogue_table(report.catalogue)),
-        "options.csv": csv_text(option_table(report.option_curves)),
+        "options.csv": csv_text(option_table(report.option_curves, report.single_options)),
         "work_precision.csv": csv_text(full_table(STEP_COLUMNS, report.steps or ())),
         "report.json": json_text(content),
     }

@@ -1,7 +1,5 @@
 """Error to the truth, and creep within sticks, over the value of one option of an engine."""
 
-import math
-
 from reports.data.option_curves import OptionCurve
 from reports.drawing.figure import Axis, Figure, Mark, Panel, Rule, Series
 from reports.drawing.style import DASHED, DOTTED, Style
@@ -35,7 +33,7 @@ def option_figure(number: int, curve: OptionCurve) -> Figure:
     ]
     panels = [Panel(axis, Axis("error to truth [dB]", scale="log"), errors)]
     creep = [max(point.creep, SMALLEST_CREEP) for point in curve.points]  # NaN stays
-    if not all(map(math.isnan, creep)):
+    if any(each > SMALLEST_CREEP for each in creep):
         series = Series(values, creep, CREEP, "largest creep", "lines+markers", "%{text}\n%{y:.3g} ω U0", notes)
         panels.append(Panel(axis, Axis("creep within sticks / (ω U0) [-]", scale="log"), [series]))
     return Figure(
@@ -46,6 +44,7 @@ def option_figure(number: int, curve: OptionCurve) -> Figure:
         height=2.2 * len(panels) + 0.5,
         pixels=250 * len(panels) + 60,
         legend_columns=3,
+        dense=True,
     )
 
 

@@ -1,7 +1,7 @@
 """The truth at every point of a compared sweep, and its place in a dataset."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -55,22 +55,19 @@ def _by_point(result: ComparedSweep) -> dict[tuple[Case, float], PointResults]:
     return {(case, eta): results for (variant, case, eta), results in known.items() if variant == CONVERGED}
 
 
-def truth_errors(result: ComparedSweep, every: Truths, beside: Sequence[Point] = ()) -> list[tuple[Point, TruthError]]:
-    """Give every point of every variant that can be compared with the truth, with how far it is from that.
+def truth_errors(result: ComparedSweep, every: Truths, points: Iterable[Point]) -> list[tuple[Point, TruthError]]:
+    """Give every point that can be compared with the truth, with how far it is from that.
 
-    `beside` are points of variants that are not among those of the sweep.
+    `points` are of the grid, whether their variants are those of the sweep or others.
     """
     known = results_at(result.sweep, result.table)
-    known |= {
-        point[:3]: replace(
+    errors = []
+    for point in points:
+        truth = every.get((point.case, point.frequency_ratio))
+        at_point = known.get(point[:3]) or replace(
             known[CONVERGED, point.case, point.frequency_ratio], variant=point.variant, result=point.result
         )
-        for point in beside
-    }
-    errors = []
-    for point in [*result.points, *beside]:
-        truth = every.get((point.case, point.frequency_ratio))
-        error = None if truth is None else truth_error(known[point[:3]], truth)
+        error = None if truth is None else truth_error(at_point, truth)
         if error is not None:
             errors.append((point, error))
     return errors
@@ -89,7 +86,7 @@ def with_truths(data: xr.Dataset, sweep: Sweep, result: ComparedSweep, every: Tr
         name: (tuple(sweep.axes), lines[..., number], {"units": units, "long_name": text})
         for number, (name, (units, text)) in enumerate(TRUTH_VARIABLES.items())
     }
-    known = {point[:3]: own.error_db for point, own in truth_errors(result, every)}
+    known = {point[:3]: own.error_db for point, own in truth_errors(result, every, result.points)}
     errors = [known.get(point, math.nan) for point in sweep.grid_points()]
     text = f"transmittance less the true one; of amplitudes below {FLOOR_DB:g} dB"
     own = (data["status"].dims, np.reshape(errors, data["status"].shape), {"units": "dB", "long_name": text})

@@ -6,6 +6,7 @@ from typing import Any
 from reports.data.descriptions import axis_name, drive_description
 from reports.data.errors import VariantErrors
 from reports.data.installed import Installed, by_engine
+from reports.data.single_options import SingleOption
 from reports.drawing.figure import Figure
 from reports.figures.chain_drawing import chain_drawing
 from reports.figures.installed import installed_figure
@@ -83,7 +84,14 @@ def sentence(name: str, own: list[Installed], points: int) -> dict[str, Any]:
         "default": " and ".join(_off(pair.default, points, several=len(own) > 1) for pair in own),
         "tuned": _tuned([pair.tuned for pair in own], points),
         "options": options,
+        "decisive": [_decisive(pair.decisive, several=len(own) > 1) for pair in own if pair.decisive is not None],
     }
+
+
+def _decisive(single: SingleOption, *, several: bool) -> dict[str, str]:
+    """Say which one option takes off most of the error, and what it leaves."""
+    left = _off(single.errors, single.errors.points + 1, several=several)
+    return {"setting": f"{single.option}={single.value}", "left": left}
 
 
 def _off(own: VariantErrors, points: int, *, several: bool) -> str:
