@@ -79,9 +79,10 @@ def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stor
 
 
 def _scope(planned: Sweep, beside: Sequence[Variant] = (), *, quick: bool = False) -> Scope:
-    """Give the parts of a report beside its sweep, with what single options decide of its variants."""
-    scope = QUICK if quick else Scope()
-    return replace(scope, beside=tuple(beside), one_option=one_option_variants(planned.variants, beside))
+    """Give the parts beside a sweep: in a preview no single options, for at its two points errors may cancel."""
+    if quick:
+        return replace(QUICK, beside=tuple(beside))
+    return Scope(beside=tuple(beside), one_option=one_option_variants(planned.variants, beside))
 
 
 def stored_sweep(store: Path) -> Sweep:

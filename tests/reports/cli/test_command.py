@@ -21,6 +21,7 @@ from reports.cli import report
 from reports.data import collect
 from reports.data.collect import Scope, expected_tasks
 from reports.export.files import FILES, report_dataset
+from scenarios.catalogue import CATALOGUE
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.storage.store import ResultStore, opened_store
 from scenarios.execution.workers.local_processes import LocalWorker
@@ -58,6 +59,14 @@ def test_the_default_report_has_every_engine_as_installed_and_tuned_in_every_for
     every = {str(own) for name in default_engine_names() for own in variants_of(name) if own.engine != "reference"}
     presets = {name for name in every if not name.endswith((":newton", ":yield"))}
     assert presets <= shown | judged
+    assert (planned.scope.one_option, planned.scope.scenarios) == ((), ())
+
+
+def test_the_default_report_shows_what_single_options_decide_and_five_scenarios() -> None:
+    scope = report.planned_report([], None, quick=False, stored_in=None).scope
+    assert {variant.engine for variant in scope.one_option} == {"mujoco", "pybullet", "exudyn-regularised"}
+    assert set(scope.scenarios) < set(CATALOGUE)
+    assert len(scope.scenarios) == 5
 
 
 @pytest.fixture
