@@ -134,8 +134,11 @@ def test_all_formulations_and_presets_are_run_where_none_is_named(tmp_path) -> N
     assert script(tmp_path, "now", ENGINE="mujoco", GRID="grid.toml", VARIANTS="") == 0
     assert 'engines = ["mujoco:all:all", ]' in (tmp_path / "regression/now.toml").read_text()
     with ResultStore(tmp_path / "regression/now.sqlite") as store:
-        names = {json.loads(content)["task"]["variant"]["formulation"] for content, _ in store.all_results()}
-    assert names == {"joint", "contact"}
+        tasks = [json.loads(content)["task"] for content, _ in store.all_results()]
+    assert {task["variant"]["formulation"] for task in tasks} == {"joint", "contact"}
+    assert any("block" in task for task in tasks), "a block breaks away too"
+    assert script(tmp_path, "now", ENGINE="mujoco", GRID="grid.toml", VARIANTS="joint", SCENARIOS="nowhere") == 2
+    assert "No such command 'nowhere'" in shown(tmp_path)
 
 
 @pytest.mark.slow

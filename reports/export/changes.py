@@ -159,8 +159,10 @@ def overview(comparison: StoreComparison) -> pd.DataFrame:
         count = Counter(change.direction for change in changes)
         row = {"engine:formulation:preset": variant, "points": str(len(changes))}
         row |= {str(direction): str(count[direction]) for direction in WORDS if direction in occurring}
-        rows.append({**row, "max dB": _largest(changes, "transmittance")})
-    return pd.DataFrame(rows)
+        sizes = {"max dB": _largest(changes, "transmittance"), "max motion": _largest(changes, "motion")}
+        rows.append({**row, **sizes})
+    table = pd.DataFrame(rows)
+    return table.loc[:, (table != NONE).any()]
 
 
 def _largest(changes: Sequence[Change], measure: str) -> str:
