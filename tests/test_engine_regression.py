@@ -145,13 +145,13 @@ def test_all_formulations_and_presets_are_run_where_none_is_named(tmp_path) -> N
 @pytest.mark.parametrize(
     ("before", "now", "code", "direction"),
     [
-        ("bound@0.01", "bound@0.2", 1, "2 farther from the truth"),
-        ("bound@0.2", "bound@0.01", 0, "2 closer to the truth"),
+        ("bound@0.01", "bound@0.2", 1, ": 14 farther from the truth;"),
+        ("bound@0.2", "bound@0.01", 0, ": 14 closer to the truth;"),
     ],
     ids=["worse", "better"],
 )
 def test_two_versions_of_an_engine_are_compared_step_by_step(tmp_path, before, now, code, direction) -> None:
-    """Versions of the reference whose friction bound is 1 % and 20 % too high."""
+    """Versions of the reference whose friction bound is 1 % and 20 % too high: two points, twelve pulls on a block."""
     (tmp_path / "grid.toml").write_text(TWO_POINTS)
     (tmp_path / "multibody-xval").symlink_to(ROOT)
     given = {"ENGINE": "mutant", "BEFORE": before, "NOW": now, "GRID": "grid.toml", "VARIANTS": "joint:tuned"}
@@ -169,5 +169,6 @@ def test_an_older_mujoco_is_compared_with_the_one_beside_the_suite(tmp_path) -> 
     (tmp_path / "grid.toml").write_text(TWO_POINTS)
     given = {"ENGINE": "mujoco", "BEFORE": "3.3.7", "GRID": "grid.toml", "VARIANTS": "joint:tuned joint:default"}
     assert script(tmp_path, "before", "now", "compare", **given) == 0
-    assert "4 points: none changed; 0 fail" in shown(tmp_path)
+    assert re.search(r"\n\d+ points: none changed; 0 fail", shown(tmp_path))
+    assert re.search(r"\n\| mujoco +\| 14 ", shown(tmp_path)), "two steady states and twelve pulls on a block"
     assert "- mujoco: engine mujoco@3.3.7 → mujoco" in shown(tmp_path)
