@@ -24,6 +24,11 @@ from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT
 app = typer.Typer(name="python -m reference_lcp", add_completion=False, pretty_exceptions_enable=False)
 
 DampingRatio = Annotated[float, typer.Option(help="Damping ratio of the chain, c_c / (2 √(k_c m_o)).")]
+InnerDampingRatio = Annotated[float, typer.Option(help="Damping ratio inside the cells, c_i / (2 √(k_i m_i)).")]
+BaseAmplitude = Annotated[float, typer.Option(help="Amplitude U0 of the base, in metres.")]
+WithErrorBar = Annotated[
+    bool, typer.Option("--error-bar", help="Also estimate the error of the step, with finer steps.")
+]
 StepsPerPeriod = Annotated[
     int,
     typer.Option(
@@ -47,20 +52,14 @@ def run(
     mass_ratio: Annotated[float, typer.Option(help="Mass ratio m_i / m_o.")] = canonical.MASS_RATIO,
     stiffness_ratio: Annotated[float, typer.Option(help="Stiffness ratio k_i / k_c.")] = canonical.STIFFNESS_RATIO,
     damping_ratio: DampingRatio = canonical.DAMPING_RATIO,
-    inner_damping_ratio: Annotated[
-        float, typer.Option(help="Damping ratio inside the cells, c_i / (2 √(k_i m_i)).")
-    ] = 0.0,
+    inner_damping_ratio: InnerDampingRatio = 0.0,
     cells: Annotated[int, typer.Option(help="Number of cells.")] = canonical.CELLS,
-    base_amplitude: Annotated[
-        float, typer.Option(help="Amplitude U0 of the base, in metres.")
-    ] = canonical.BASE_AMPLITUDE,
+    base_amplitude: BaseAmplitude = canonical.BASE_AMPLITUDE,
     steps_per_period: StepsPerPeriod = MINIMUM_STEPS_PER_PERIOD,
     solver: Annotated[str, typer.Option(help="Solver: compiled, lemke or exact.")] = "compiled",
     tolerance: Tolerance = None,
     max_periods: Annotated[int, typer.Option(help="Largest number of periods of the search.")] = DEFAULT_PERIODS,
-    error_bar: Annotated[
-        bool, typer.Option("--error-bar", help="Also estimate the error of the step, with finer steps.")
-    ] = False,
+    error_bar: WithErrorBar = False,
     exact_value: Annotated[bool, typer.Option("--exact-value", help="Also compute the exact transmittance.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     plot: Annotated[Path | None, typer.Option(help="Draw one period into this file.")] = None,

@@ -38,6 +38,28 @@ RARE_COLLECTIONS = (200_000, 20, 100)
 """Thresholds of Python's collector of cycles: searching millions of live results and curves takes an eighth of
 the time of a report of 20,000 points with the default threshold of 700 objects."""
 
+Folder = Annotated[Path, typer.Option(help="Folder of the page and its files; made if it is missing.")]
+Quick = Annotated[bool, typer.Option("--quick", help="Take a small grid: the whole report takes about a minute.")]
+Chosen = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--engine",
+        metavar=NAME_METAVAR,
+        help=f"{ENGINE_HELP}Without it: the engines that come with the suite, tuned and default.",
+        autocompletion=complete_variant,
+    ),
+]
+SweepFile = Annotated[
+    Path | None, typer.Option(help="Sweep file with engines, chain and grid; python -m scenarios example prints one.")
+]
+Dataset = Annotated[
+    Path | None, typer.Option(help="Dataset of a sweep (NetCDF); its results are shown, and nothing is run.")
+]
+Store = Annotated[Path | None, typer.Option(help="File that stores every result; without it, results.sqlite in --out.")]
+Ask = Annotated[
+    bool, typer.Option(help="Run missing points; --no-ask shows only stored results, and names missing ones.")
+]
+
 app = typer.Typer(name="python -m reports", add_completion=False, pretty_exceptions_enable=False)
 app.command()(compare)
 app.command()(animate)
@@ -48,36 +70,14 @@ app.command()(card)
 @app.callback(invoke_without_command=True)
 def report(
     context: typer.Context,
-    out: Annotated[Path, typer.Option(help="Folder of the page and its files; made if it is missing.")] = Path(
-        "report"
-    ),
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Take a small grid: the whole report takes about a minute.")
-    ] = False,
-    chosen: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--engine",
-            metavar=NAME_METAVAR,
-            help=f"{ENGINE_HELP}Without it: the engines that come with the suite, tuned and default.",
-            autocompletion=complete_variant,
-        ),
-    ] = None,
+    out: Folder = Path("report"),
+    quick: Quick = False,
+    chosen: Chosen = None,
     settings: Settings = None,
-    sweep: Annotated[
-        Path | None,
-        typer.Option(help="Sweep file with engines, chain and grid; python -m scenarios example prints one."),
-    ] = None,
-    data: Annotated[
-        Path | None,
-        typer.Option(help="Dataset of a sweep (NetCDF); its results are shown, and nothing is run."),
-    ] = None,
-    store: Annotated[
-        Path | None, typer.Option(help="File that stores every result; without it, results.sqlite in --out.")
-    ] = None,
-    ask: Annotated[
-        bool, typer.Option(help="Run missing points; --no-ask shows only stored results, and names missing ones.")
-    ] = True,
+    sweep: SweepFile = None,
+    data: Dataset = None,
+    store: Store = None,
+    ask: Ask = True,
     workers: Workers = None,
     time_limit: Limit = TIME_LIMIT,
     scheduler: Scheduler = None,

@@ -122,14 +122,22 @@ def periodic_orbits(
         balanced = harmonic_balance_start(simulation.lanes, steps_per_period)
         return searched(simulation, balanced, steps_per_period, tolerance, max_periods, longest_multiple)
     orbits = _first_periods(simulation, start, steps_per_period, tolerance)
-    late = [lane for lane, orbit in enumerate(orbits) if not orbit.converged]
-    if late and max_periods > 1:
-        ends = State.stack([orbits[lane].trajectory.end for lane in late])
-        rest = part_of(simulation, late)
-        found = searched(rest, ends, steps_per_period, tolerance, max_periods - 1, longest_multiple)
-        for number, orbit in zip(late, found, strict=True):
-            orbits[number] = dataclasses.replace(orbit, periods=orbit.periods + 1)
+    if max_periods > 1:
+        _search_on(orbits, simulation, steps_per_period, tolerance, max_periods - 1, longest_multiple)
     return orbits
+
+
+def _search_on(
+    orbits: list[PeriodicOrbit], simulation: Simulation, steps: int, tolerance: float, max_periods: int, longest: int
+) -> None:
+    """Search the orbits that have not converged after their first period from its end on, in place."""
+    late = [lane for lane, orbit in enumerate(orbits) if not orbit.converged]
+    if not late:
+        return
+    ends = State.stack([orbits[lane].trajectory.end for lane in late])
+    later = searched(part_of(simulation, late), ends, steps, tolerance, max_periods, longest)
+    for number, orbit in zip(late, later, strict=True):
+        orbits[number] = dataclasses.replace(orbit, periods=orbit.periods + 1)
 
 
 def part_of(simulation: Simulation, lanes: Sequence[int]) -> Simulation:
