@@ -8,7 +8,9 @@ SOFTNESS = 1e-4
 JOINT_TUNED = Preset(
     "MuJoCo's hardest friction, solved to round-off: a ten-thousandth softer than that of equation (5).",
     {
-        "units": Option("lane", "SI", "Numbers near one, beside which the solver's tolerance is small."),
+        "units": Option(
+            "light", "SI", "Large forces: MJX's Newton ends where none that is missing is more than 1e-8, see its norm."
+        ),
         "solver": Option("Newton", "Newton", "MJX has no dual solver."),
         "tolerance": Option(1e-20, 1e-8, "The solver ends where a step of it gains no more than round-off."),
         "noslip_iterations": Option(0, 0, "MJX has no sweep without softness, and would ignore one without a warning."),

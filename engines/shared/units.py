@@ -19,6 +19,9 @@ from reference_lcp.chain.trajectory import State
 from reference_lcp.refusal import checked_choice
 from reference_lcp.validation import FloatArray
 
+LIGHT = 2.0**-20
+"""Light unit of mass over the lane's own: what an engine takes for no force at all is a millionth of what it was."""
+
 
 @dataclass(frozen=True)
 class Units:
@@ -36,12 +39,15 @@ class Units:
 
     @classmethod
     def named(cls, name: str, lane: Lane) -> Self:
-        """Give ``"SI"`` units, or the ``"lane"``'s own.
+        """Give ``"SI"`` units, the ``"lane"``'s own, or with a mass unit so ``"light"`` that forces are large numbers.
 
         A setting that an engine takes in seconds or metres per second means what its manual says in SI units only.
         """
-        checked_choice("units", name, ("SI", "lane"))
-        return cls(1.0, 1.0, 1.0) if name == "SI" else cls.of(lane)
+        checked_choice("units", name, ("SI", "lane", "light"))
+        if name == "SI":
+            return cls(1.0, 1.0, 1.0)
+        units = cls.of(lane)
+        return dataclasses.replace(units, mass=units.mass * LIGHT) if name == "light" else units
 
     @classmethod
     def in_steps(cls, name: str, lane: Lane) -> Self:

@@ -72,6 +72,14 @@ def test_worlds_of_other_time_steps_and_chains_move_by_the_scheme_and_as_each_al
 
 
 @in_its_environment
+def test_friction_of_a_small_bound_is_not_taken_for_none() -> None:
+    """MJX's norm of a vector is zero where no entry exceeds 1e-8: in the lane's own units this bound is 1e-11."""
+    lane = lane_of(1e-7, 0.9)
+    motion = OWN.build([lane]).run(random_state(1), 0, STEPS)[0]
+    np.testing.assert_allclose(np.max(np.abs(motion.friction), axis=0), lane.chain.friction_bound, rtol=1e-3)
+
+
+@in_its_environment
 def test_a_stuck_joint_keeps_a_ten_thousandth_of_the_velocity_that_it_would_gain() -> None:
     """MuJoCo's hardest friction is as soft as that, and no softer."""
     lane = lane_of(5.0, 0.3)
