@@ -67,14 +67,15 @@ class Variant:
         return ":".join([*names, *settings])
 
     def changed(self, option: str, value: Any) -> Self:
-        """Give it with one more option changed.
+        """Give it with one more option changed; versions need not be there, as for `recorded`.
 
         Raises
         ------
         ParameterError
             If the preset has no such option, or it does not take the value.
         """
-        return self.parse(":".join([self.engine, self.formulation, self.preset_name, f"{option}={value_text(value)}"]))
+        setting = f"{option}={value_text(value)}"
+        return self.recorded(":".join([self.engine, self.formulation, self.preset_name, setting]))
 
     @property
     def preset(self) -> Preset:
