@@ -39,6 +39,7 @@ from scenarios.sweeps.sweep import Sweep
 from scenarios.tables import print_table
 from scenarios.tasks.parameters import ChainRatios
 from scenarios.tasks.task import SteadyStateTask
+from scenarios.verdicts.steady_case import REFERENCE
 
 PROGRAM = ("python", "-m", "reports")
 
@@ -82,7 +83,9 @@ def _scope(planned: Sweep, beside: Sequence[Variant] = (), *, quick: bool = Fals
     """Give the parts beside a sweep: in a preview no single options, for at its two points errors may cancel."""
     if quick:
         return replace(QUICK, beside=tuple(beside))
-    return Scope(beside=tuple(beside), one_option=one_option_variants(planned.variants, beside))
+    unpredicted = _unpredicted(planned)
+    settling = [variant for variant in planned.variants if variant not in unpredicted]
+    return Scope(beside=tuple(beside), one_option=one_option_variants(settling, beside))
 
 
 def stored_sweep(store: Path) -> Sweep:
@@ -140,13 +143,19 @@ def _default_sweep(quick: bool) -> Sweep:
     """
     joints = [variant for variant in default_variants() if variant.formulation == Formulation.JOINT]
     planned = _figure3(joints, quick)
-    unpredicted = {task.variant for task in planned.tasks() if task.variant in joints and not _is_predicted(task)}
+    unpredicted = _unpredicted(planned)
     return replace(planned, variants=tuple(variant for variant in planned.variants if variant not in unpredicted))
 
 
 def _beside(planned: Sweep) -> tuple[Variant, ...]:
     """Give every other default variant: these are compared at a few points."""
     return tuple(variant for variant in default_variants() if variant not in planned.variants)
+
+
+def _unpredicted(planned: Sweep) -> set[Variant]:
+    """Give the variants of engines that no law predicts at every point."""
+    engines = [variant for variant in planned.variants if variant.engine != REFERENCE.engine]
+    return {task.variant for task in planned.tasks() if task.variant in engines and not _is_predicted(task)}
 
 
 def _is_predicted(task: SteadyStateTask) -> bool:

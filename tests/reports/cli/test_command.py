@@ -67,6 +67,8 @@ def test_the_default_report_shows_what_single_options_decide_and_five_scenarios(
     assert {variant.engine for variant in scope.one_option} == {"mujoco", "pybullet", "exudyn-regularised"}
     assert set(scope.scenarios) < set(CATALOGUE)
     assert len(scope.scenarios) == 5
+    named = report.planned_report(["exudyn-bristle:joint:default"], None, quick=False, stored_in=None).scope
+    assert named.one_option == (), "no law says that it settles: a minute for five points"
 
 
 @pytest.fixture
