@@ -3,13 +3,14 @@
 The documentation calls `write` before it is built; what it writes is not kept.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from html import escape
 from pathlib import Path
 
 import pandas as pd
 
 from engines.interface import registry
+from reports.data.catalogue import Outcome, cell_of
 from scenarios.catalogue import CATALOGUE
 from scenarios.tables import markdown_lines
 
@@ -19,11 +20,8 @@ ENGINES = Path(__file__).parents[1] / "engines"
 NUMBERS = ("value", "expected", "difference", "allowed")
 """Columns that can be empty."""
 
-OUTCOMES = ("unexplained", "as predicted", "undecided", "blocked", "agrees")
+OUTCOMES = tuple(map(str, Outcome))
 """Of one number; a group has that of its worst."""
-
-SIGNS = {"unexplained": "✗", "as predicted": "≈", "undecided": "?", "blocked": "–", "agrees": "✓"}
-"""What a cell shows beside its colour."""
 
 
 def read(table: Path) -> pd.DataFrame:
@@ -50,11 +48,6 @@ def outcomes(rows: pd.DataFrame) -> dict[str, int]:
     return {name: int(count) for name, count in counts.items() if count}
 
 
-def words(counts: Mapping[str, int]) -> str:
-    """Say how many numbers have which outcome."""
-    return ", ".join(f"{number} {name}" for name, number in counts.items())
-
-
 def heat_map(rows: pd.DataFrame) -> Iterator[str]:
     """Give the lines of an HTML table: a row a variant, a column a scenario."""
     scenarios = [name for name in CATALOGUE if name in set(rows["scenario"])]
@@ -72,12 +65,10 @@ def heat_map(rows: pd.DataFrame) -> Iterator[str]:
 def _cell(engine: str, variant: str, scenario: str, rows: pd.DataFrame | None) -> str:
     if rows is None:
         return "<td></td>"
-    counts = outcomes(rows)
-    worst = next(iter(counts))
-    number = "" if len(counts) == 1 else f" {counts[worst]}"
+    cell = cell_of(outcomes(rows))
     return (
-        f'<td class="{worst.replace(" ", "-")}"><a href="engines/{engine}.html#{scenario}" '
-        f'title="{engine} {variant}, {scenario}: {words(counts)}">{SIGNS[worst]}{number}</a></td>'
+        f'<td class="{cell["outcome"]}"><a href="engines/{engine}.html#{scenario}" '
+        f'title="{engine} {variant}, {scenario}: {cell["words"]}">{cell["text"]}</a></td>'
     )
 
 
@@ -113,7 +104,7 @@ def _table(rows: pd.DataFrame) -> list[str]:
     shown = pd.DataFrame({
         "preset": rows["variant"],
         "metric": list(map(_with_unit, rows["metric"], rows["unit"])),
-        "verdicts": list(map(words, counts)),
+        "verdicts": [cell_of(own)["words"] for own in counts],
         "worst at": rows["case"],
         **{name: rows[name].map("{:.4g}".format).replace("nan", "–") for name in NUMBERS},
         "why": rows["reason"],

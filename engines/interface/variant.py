@@ -116,6 +116,11 @@ class Variant:
         return replace(self, engine=f"{engine(self.engine).states_laws_of}{LAW_SUFFIX}")
 
     @property
+    def tuned(self) -> Self:
+        """Give the tuned preset of the same formulation; its title names engine and formulation alone."""
+        return replace(self, preset_name="tuned")
+
+    @property
     def title(self) -> str:
         """The name that reports print; joint and tuned are left out."""
         name, *settings = self.preset_name.split(":")

@@ -69,23 +69,24 @@ def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stor
         return PlannedReport(_sweep(file, names, quick), Scope(), command_of(names, quick, file))
     if names:
         planned = _figure3(variants_named(names), quick)
-        return PlannedReport(planned, _scope(planned, quick=quick), command_of(names, quick, None))
+        scope = QUICK if quick else _scope(_predicted(planned))
+        return PlannedReport(planned, scope, command_of(names, quick, None))
     if stored_in is not None and not quick:
         stored = stored_sweep(stored_in)
-        scope = replace(_scope(stored, _beside(stored)), beside_points=(*FEW_POINTS, *QUICK_POINTS))
+        scope = replace(_scope(_predicted(stored), _beside(stored)), beside_points=(*FEW_POINTS, *QUICK_POINTS))
         return PlannedReport(stored, scope, command_of((), False, None, stored_in))
     planned = _default_sweep(quick)
-    scope = replace(_scope(planned, _beside(planned), quick=quick), scenarios=() if quick else SCENARIOS)
+    beside = _beside(planned)
+    scope = replace(QUICK, beside=beside) if quick else replace(_scope(planned.variants, beside), scenarios=SCENARIOS)
     return PlannedReport(planned, scope, command_of((), quick, None))
 
 
-def _scope(planned: Sweep, beside: Sequence[Variant] = (), *, quick: bool = False) -> Scope:
-    """Give the parts beside a sweep: in a preview no single options, for at its two points errors may cancel."""
-    if quick:
-        return replace(QUICK, beside=tuple(beside))
-    unpredicted = _unpredicted(planned)
-    settling = [variant for variant in planned.variants if variant not in unpredicted]
-    return Scope(beside=tuple(beside), one_option=one_option_variants(settling, beside))
+def _scope(settling: Sequence[Variant], beside: tuple[Variant, ...] = ()) -> Scope:
+    """Give the parts beside a sweep, with single options of defaults that settle, for a law predicts them.
+
+    A preview has none of these: at its two points errors may cancel.
+    """
+    return Scope(beside=beside, one_option=one_option_variants(settling, beside))
 
 
 def stored_sweep(store: Path) -> Sweep:
@@ -143,8 +144,7 @@ def _default_sweep(quick: bool) -> Sweep:
     """
     joints = [variant for variant in default_variants() if variant.formulation == Formulation.JOINT]
     planned = _figure3(joints, quick)
-    unpredicted = _unpredicted(planned)
-    return replace(planned, variants=tuple(variant for variant in planned.variants if variant not in unpredicted))
+    return replace(planned, variants=_predicted(planned))
 
 
 def _beside(planned: Sweep) -> tuple[Variant, ...]:
@@ -152,10 +152,11 @@ def _beside(planned: Sweep) -> tuple[Variant, ...]:
     return tuple(variant for variant in default_variants() if variant not in planned.variants)
 
 
-def _unpredicted(planned: Sweep) -> set[Variant]:
-    """Give the variants of engines that no law predicts at every point."""
+def _predicted(planned: Sweep) -> tuple[Variant, ...]:
+    """Give the variants but for those of engines that no law predicts at every point."""
     engines = [variant for variant in planned.variants if variant.engine != REFERENCE.engine]
-    return {task.variant for task in planned.tasks() if task.variant in engines and not _is_predicted(task)}
+    unpredicted = {task.variant for task in planned.tasks() if task.variant in engines and not _is_predicted(task)}
+    return tuple(variant for variant in planned.variants if variant not in unpredicted)
 
 
 def _is_predicted(task: SteadyStateTask) -> bool:

@@ -1,14 +1,15 @@
-"""What a store knows of the catalogue's scenarios: the outcome of every variant in each; nothing is run."""
+"""What a store knows of the catalogue's scenarios: the outcome of every variant in each."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from enum import StrEnum
+from typing import Any
 
 from engines.interface.variant import Variant
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.predicted import run_with_predictions
-from scenarios.execution.evaluator import StoredResults
+from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.storage.store import ResultStore
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import Task
@@ -26,51 +27,77 @@ class Outcome(StrEnum):
     AGREES = "agrees"
 
 
+SIGNS: Mapping[str, str] = {
+    Outcome.UNEXPLAINED: "✗", Outcome.PREDICTED: "≈", Outcome.UNDECIDED: "?", Outcome.BLOCKED: "–", Outcome.AGREES: "✓",
+}  # fmt: skip
+"""What a cell shows beside its colour."""
+
 Outcomes = Mapping[str, Mapping[Variant, Mapping[Outcome, int]]]
 """Numbers by outcome, by scenario and variant; what is not known is left out."""
 
 
-def catalogue_outcomes(variants: Sequence[Variant], store: ResultStore) -> Outcomes:
-    """Judge every scenario of which the store holds all results of a variant, and those of the others in it."""
-    stored = _WatchedResults(store)
-    every = {name: _outcomes(scenario, variants, stored) for name, scenario in CATALOGUE.items()}
+def catalogue_outcomes(
+    variants: Sequence[Variant], store: ResultStore, evaluator: Evaluator | None = None, run: Collection[str] = ()
+) -> Outcomes:
+    """Judge every scenario of which the store holds all results of a variant, and those of the others in it.
+
+    Scenarios that are to be `run` are evaluated by `evaluator` first; of all others nothing is computed.
+    """
+    stored = StoredResults(store)
+    every = {
+        name: _outcomes(scenario, variants, _Watched(store, evaluator if evaluator and name in run else stored))
+        for name, scenario in CATALOGUE.items()
+    }
     return {name: own for name, own in every.items() if own}
 
 
 def _outcomes(
-    scenario: Scenario, variants: Sequence[Variant], stored: "_WatchedResults"
+    scenario: Scenario, variants: Sequence[Variant], watched: "_Watched"
 ) -> dict[Variant, Mapping[Outcome, int]]:
     """Give the outcomes of one scenario, the worst first; nothing where no variant is known in full.
 
     Without the results of its law nothing is known of a variant: whether it departs as predicted would be left open.
     A variant that the scenario cannot be run with stands beside those that are known.
     """
-    stored.begin()
-    findings = run_with_predictions(scenario, variants, stored)
-    whole = [v for v in variants if not {v, scenario.law_variant(v)} & stored.missing]
-    shown = whole if stored.known.intersection(whole) else []
+    findings = run_with_predictions(scenario, variants, watched)
+    whole = [v for v in variants if not {v, scenario.law_variant(v)} & watched.missing]
+    shown = whole if watched.known.intersection(whole) else []
     return {variant: _counted([own for own in findings if own.variant == variant]) for variant in shown}
 
 
-class _WatchedResults(StoredResults):
-    """Stored results; notes of which variants some are known, and of which some are missing."""
+class _Watched(StoredResults):
+    """Results of an evaluator; notes of which variants some are known, and of which some are missing."""
 
-    def __init__(self, store: ResultStore):
+    def __init__(self, store: ResultStore, evaluator: Evaluator):
         super().__init__(store)
-        self.begin()
-
-    def begin(self) -> None:
-        """Forget what was noted."""
+        self._evaluator = evaluator
         self.known: set[Variant] = set()
         self.missing: set[Variant] = set()
 
     def evaluate(self, tasks: Sequence[Task]) -> list[Result]:
         """Give the results, and note whose they are; what cannot be run is neither known nor missing."""
-        results = super().evaluate(tasks)
+        results = self._evaluator.evaluate(tasks)
         for task, result in zip(tasks, results, strict=True):
             if result.status is not ResultStatus.BLOCKED:
                 (self.missing if result.status is ResultStatus.MISSING else self.known).add(task.variant)
         return results
+
+
+def cell_of(counts: Mapping[Any, int]) -> dict[str, str]:
+    """Give the class, the text and the words of a cell: the worst outcome, with how many have it where not all do.
+
+    Parameters
+    ----------
+    counts
+        Numbers by outcome, those that there are, the worst first.
+    """
+    worst = next(iter(counts))
+    number = "" if len(counts) == 1 else f" {counts[worst]}"
+    return {
+        "outcome": str(worst).replace(" ", "-"),
+        "text": SIGNS[worst] + number,
+        "words": ", ".join(f"{count} {outcome}" for outcome, count in counts.items()),
+    }
 
 
 def _counted(findings: Sequence[Finding]) -> Mapping[Outcome, int]:

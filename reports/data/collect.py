@@ -10,8 +10,6 @@ from engines.interface.variant import Variant
 from reports.data.catalogue import catalogue_outcomes
 from reports.data.report import Report
 from reports.data.stick_slip import CasePoint
-from scenarios.catalogue import CATALOGUE
-from scenarios.catalogue.predicted import run_with_predictions
 from scenarios.execution.evaluator import Evaluator, StoredResults
 from scenarios.execution.storage.store import ResultStore
 from scenarios.studies.as_installed import FEW_POINTS, QUICK_POINTS, few_points
@@ -125,8 +123,6 @@ def collect(
     for (point, variant), recorded in zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True):
         periods.setdefault(point, {})[variant] = RecordedPeriod.of_result(recorded)
     variants = (*sweep.variants, *scope.beside)
-    for name in scope.scenarios:
-        run_with_predictions(CATALOGUE[name], variants, evaluator)
     known = truths(result, evaluator)  # before steps that are read from the store: these compare with the exact motion
     return Report(
         result,
@@ -138,7 +134,7 @@ def collect(
         beside=few_points(result, scope.beside, scope.beside_points, evaluator),
         truths=known,
         one_option=few_points(result, scope.one_option, scope.beside_points, evaluator),
-        catalogue=catalogue_outcomes(variants, store),
+        catalogue=catalogue_outcomes(variants, store, evaluator, scope.scenarios),
     )
 
 

@@ -30,13 +30,6 @@ class Installed:
     options: Mapping[str, Any]
     decisive: SingleOption | None = None
 
-    @property
-    def title(self) -> str:
-        """The engine, and its formulation where that is not the joint."""
-        variant = self.tuned.variant
-        own = variant.capabilities.title
-        return own if variant.formulation == "joint" else f"{own}, {variant.formulation}"
-
 
 def installed(errors: Mapping[Variant, VariantErrors], singles: Sequence[SingleOption] = ()) -> list[Installed]:
     """Give every formulation of which both presets have an error, the largest default error first."""
@@ -46,7 +39,7 @@ def installed(errors: Mapping[Variant, VariantErrors], singles: Sequence[SingleO
         if default.variant.preset_name != "default":
             continue
         own = default.variant
-        tuned = errors.get(Variant(own.engine, own.formulation))
+        tuned = errors.get(own.tuned)
         if tuned is not None and tuned.known and default.known:
             pairs.append(Installed(default, tuned, tuned_options(own.engine, own.formulation), best.get(own)))
     return sorted(pairs, key=lambda pair: -pair.default.size)

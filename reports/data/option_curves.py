@@ -50,10 +50,7 @@ class OptionCurve:
     @property
     def title(self) -> str:
         """The engine, and its formulation where that is not the joint."""
-        variant = self.points[0].errors.variant
-        return ", ".join(
-            [variant.capabilities.title, *([variant.formulation] if variant.formulation != "joint" else [])]
-        )
+        return self.points[0].errors.variant.tuned.title
 
 
 def option_curves(errors: Mapping[Variant, VariantErrors], points: Iterable[Point]) -> list[OptionCurve]:

@@ -39,7 +39,7 @@ def single_options(errors: Mapping[Variant, VariantErrors]) -> list[SingleOption
     every = []
     for default in errors.values():
         own = default.variant
-        tuned = errors.get(Variant(own.engine, own.formulation))
+        tuned = errors.get(own.tuned)
         if own.preset_name == "default" and tuned is not None:
             changed = [errors[variant] for variant in with_single_options(own) if variant in errors]
             every += [SingleOption(default, tuned, *_setting(each.variant), each) for each in changed if each.known]

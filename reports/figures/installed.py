@@ -30,7 +30,7 @@ def installed_figure(errors: Mapping[Variant, VariantErrors]) -> Figure | None:
     rows: dict[str, Row] = {}
     for variant, own in errors.items():
         if variant.engine != REFERENCE.engine and own.size > 0:
-            rows.setdefault(row_title(variant), {})[variant.preset_name] = own
+            rows.setdefault(variant.tuned.title, {})[variant.preset_name] = own
     if not rows:
         return None
     names = sorted(rows, key=lambda name: -max(own.size for own in rows[name].values()))
@@ -50,12 +50,6 @@ def installed_figure(errors: Mapping[Variant, VariantErrors]) -> Figure | None:
         pixels=70 + 34 * count,
         legend_columns=3,
     )
-
-
-def row_title(variant: Variant) -> str:
-    """Name a formulation of an engine; joints are understood."""
-    title = variant.capabilities.title
-    return title if variant.formulation == "joint" else f"{title}, {variant.formulation}"
 
 
 def _marks(rows: list[Row]) -> list[Mark]:

@@ -22,12 +22,13 @@ from scenarios.sweeps.table import (
     grid,
     judged,
     points_of,
+    results_at,
     table_of,
     with_columns,
     with_results,
 )
 from scenarios.verdicts.finding import Finding, Metric, Prediction
-from scenarios.verdicts.pointwise import CONVERGED
+from scenarios.verdicts.pointwise import CONVERGED, PointResults
 from scenarios.verdicts.prediction import needs_prediction
 from scenarios.verdicts.steady_case import REFERENCE
 
@@ -64,6 +65,11 @@ class ComparedSweep:
     def points(self) -> list[Point]:
         """Every row of the table."""
         return points_of(self.table)
+
+    @cached_property
+    def results(self) -> dict[GridPoint, PointResults]:
+        """Results of every row, beside the reference's at the same point."""
+        return results_at(self.sweep, self.table)
 
     @property
     def cases(self) -> tuple[Case, ...]:

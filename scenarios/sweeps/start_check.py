@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from engines.interface.variant import Variant
 from scenarios.execution.computation.law_start import begins_beside
 from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.table import GivesResults, Point, results_at, with_columns
+from scenarios.sweeps.table import GivesResults, Point, with_columns
 from scenarios.tasks.result import Result, ResultStatus
 from scenarios.tasks.task import Start
 from scenarios.verdicts.finding import Finding
@@ -100,7 +100,7 @@ def _differing(result: ComparedSweep, rows: Sequence[int], evaluator: GivesResul
     """Say of rows how the steady state from harmonic balance differs; empty where not, ``None`` where there is none."""
     points = [result.points[row] for row in rows]
     tasks = [replace(result.sweep.task(*point[:3]), start=Start.HARMONIC_BALANCE) for point in points]
-    known = results_at(result.sweep, result.table) if rows else {}
+    known = result.results
     return {
         row: _difference(known[point[:3]], balanced)
         for row, point, balanced in zip(rows, points, evaluator.evaluate(tasks), strict=True)

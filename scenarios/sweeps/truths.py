@@ -10,7 +10,7 @@ import xarray as xr
 from reference_lcp.refusal import ParameterError
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.sweeps.table import GivesResults, Point, results_at
+from scenarios.sweeps.table import GivesResults, Point
 from scenarios.tasks.result import Result
 from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import FLOOR_DB
@@ -51,8 +51,8 @@ def truths(result: ComparedSweep, evaluator: GivesResults | None = None) -> dict
 
 def _by_point(result: ComparedSweep) -> dict[tuple[Case, float], PointResults]:
     """Give the results of the converged reference at every point, beside those of the reference."""
-    known = results_at(result.sweep, result.table)
-    return {(case, eta): results for (variant, case, eta), results in known.items() if variant == CONVERGED}
+    every = result.results.items()
+    return {(case, eta): results for (variant, case, eta), results in every if variant == CONVERGED}
 
 
 def truth_errors(result: ComparedSweep, every: Truths, points: Iterable[Point]) -> list[tuple[Point, TruthError]]:
@@ -60,7 +60,7 @@ def truth_errors(result: ComparedSweep, every: Truths, points: Iterable[Point]) 
 
     `points` are of the grid, whether their variants are those of the sweep or others.
     """
-    known = results_at(result.sweep, result.table)
+    known = result.results
     errors = []
     for point in points:
         truth = every.get((point.case, point.frequency_ratio))

@@ -69,13 +69,12 @@ def truths_of(
     Truths by the text of their task, as `StoredResult.key` has it.
     """
     wanted = [task for task in tasks if "frequency_ratio" in task or _is_motion(task)]
-    exact = _stored_truths(stored, EXACT, "exact motion")
-    computed = _computed(
-        {case for task in wanted if (case := _case(task)) not in exact and not _is_motion(task)}, compute
-    )
-    known = {**_stored_truths(stored, CONVERGED, "converged reference"), **computed, **exact}
-    finest = _finest_motions(stored)
-    truths = {json.dumps(task, sort_keys=True): known.get(_case(task)) or _finer(task, finest) for task in wanted}
+    exact, converged, reference = (_finest(stored, variant) for variant in (EXACT, CONVERGED, REFERENCE))
+    steady = {_case(task) for task in wanted if not _is_motion(task)}
+    known = {case: StoredTruth(own.result, "converged reference") for case, own in converged.items()}
+    known |= _computed(steady - exact.keys(), compute)
+    known |= {case: StoredTruth(own.result, "exact motion") for case, own in exact.items()}
+    truths = {json.dumps(task, sort_keys=True): known.get(_case(task)) or _finer(task, reference) for task in wanted}
     return {text: truth for text, truth in truths.items() if truth is not None}
 
 
@@ -92,26 +91,19 @@ def _case(task: Mapping[str, Any]) -> str:
     return json.dumps(case, sort_keys=True)
 
 
-def _stored_truths(stored: Iterable[StoredResult], variant: Variant, source: str) -> dict[str, StoredTruth]:
+def _finest(stored: Iterable[StoredResult], variant: Variant) -> dict[str, StoredResult]:
     """Give what a variant has by its cases, of several results the one with the most steps."""
     own = [each for each in stored if each.variant == str(variant) and each.result.status in KNOWN]
-    own.sort(key=_steps)
-    return {_case(each.task): StoredTruth(each.result, source) for each in own}
+    return {_case(each.task): each for each in sorted(own, key=_steps)}
 
 
 def _steps(stored: StoredResult) -> int:
     return int(stored.task["steps"]) if _is_motion(stored.task) else stored.result.steps_per_period
 
 
-def _finest_motions(stored: Iterable[StoredResult]) -> dict[str, StoredResult]:
-    """Give the reference's motions by their cases, each with the most steps."""
-    own = [each for each in stored if each.variant == str(REFERENCE) and _is_motion(each.task)]
-    return {_case(each.task): each for each in sorted(own, key=_steps) if each.result.status is ResultStatus.FINISHED}
-
-
-def _finer(task: Mapping[str, Any], finest: Mapping[str, StoredResult]) -> StoredTruth | None:
+def _finer(task: Mapping[str, Any], reference: Mapping[str, StoredResult]) -> StoredTruth | None:
     """Give the motion of the reference, where it has so many more steps that it says what is true of a task."""
-    best = finest.get(_case(task)) if _is_motion(task) else None
+    best = reference.get(_case(task)) if _is_motion(task) else None
     if best is None or best.task["steps"] < FINER * task["steps"]:
         return None
     return StoredTruth(best.result, "reference with finer steps")
