@@ -13,12 +13,8 @@ from reports.cli.console_script import COMMANDS, loaded
 INTRODUCTION = """# Commands and options
 
 All commands are those of `multibody-xval`; `multibody-xval COMMAND --help` prints what is here.
-[](exit_codes.md) has the exit codes, [](glossary.md) the words. `python -m engines`, `python -m reference_lcp`,
-`python -m scenarios` and `python -m reports` have the same commands, but search the working folder first.
+[](exit_codes.md) has the exit codes, [](glossary.md) the words.
 """
-
-PROGRAMS = {package: name for name, (package, _) in COMMANDS.items()}
-"""Names below ``multibody-xval`` by what is typed after ``python -m``."""
 
 
 def write(page: Path) -> None:
@@ -38,7 +34,7 @@ def _command(path: list[str], command: Any, above: list[str] | None = None) -> I
         yield "Options: as above."
     elif options:
         yield from ("| option | what it does |", "|---|---|", *options)
-    below = {} if path == ["report"] else getattr(command, "commands", {})
+    below = getattr(command, "commands", {})
     before: list[str] = []
     for child, own in below.items():
         yield from _command([*path, child], own, before)
@@ -50,15 +46,15 @@ def _help(text: str) -> Iterator[str]:
     for paragraph in text.split("\n\n"):
         line = " ".join(paragraph.partition("Exit code 0:")[0].split())
         if line.startswith("Example: "):
-            yield from ("```console", _typed(line.removeprefix("Example: ")), "```", "")
+            yield from ("```console", line.removeprefix("Example: "), "```", "")
         elif line:
-            yield from (_escaped(_typed(line)), "")
+            yield from (_escaped(line), "")
 
 
 def _options(params: list[Any]) -> Iterator[str]:
     """Give a row a parameter."""
     for param in params:
-        text = _escaped(_typed(" ".join((getattr(param, "help", None) or "").split())))
+        text = _escaped(" ".join((getattr(param, "help", None) or "").split()))
         if param.param_type_name == "argument":
             yield f"| `{param.metavar or param.name.upper()}` | {text} |"
         else:
@@ -70,13 +66,6 @@ def _default(param: Any) -> str:
     """Say what holds without an option, where that is a number or a text."""
     shown = isinstance(param.default, str | int | float | Path) and not isinstance(param.default, bool)
     return f" Without it: `{param.default}`." if shown and "ithout it" not in (param.help or "") else ""
-
-
-def _typed(text: str) -> str:
-    """Name commands as they are typed."""
-    for package in sorted(PROGRAMS, key=len, reverse=True):
-        text = re.sub(rf"python -m {package}\b", f"multibody-xval {PROGRAMS[package]}", text)
-    return text.replace("python -m scenarios", "multibody-xval")
 
 
 def _escaped(text: str) -> str:

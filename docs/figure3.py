@@ -1,6 +1,6 @@
 """The README's picture: the reference's curves, and what four engines found on the grid of a report.
 
-python -m reports --quick --engine mujoco --engine pybullet --engine exudyn-regularised --engine drake
+multibody-xval report --quick --engine mujoco --engine pybullet --engine exudyn-regularised --engine drake
 python docs/figure3.py report/transmittance.csv docs/_static/figure3.svg
 """
 
@@ -15,8 +15,8 @@ from engines import engine
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, decibel, periodic_orbits, transmittance
 from reports.drawing.matplotlib_backend import COLUMN, PRINT_STYLE
 from reports.drawing.style import PALETTE
-from scenarios.sweeps.resonances import resonances
-from scenarios.tasks.parameters import ChainRatios
+from scenarios.runs.parameters import ChainRatios
+from scenarios.sweeps.refinement import resonances
 
 STEPS = 400
 LOWEST = -80.0

@@ -8,11 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from engines.interface.engine import Engine, EngineNotInstalled
-    from engines.interface.preparation import Preparation
-    from engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
+    from engines.interface.presets import (
+        Capabilities,
+        Formulation,
+        FrictionLaw,
+        NormalForce,
+        Option,
+        Preparation,
+        Preset,
+    )
     from engines.interface.registry import engine, engine_names
-    from engines.interface.selection import variants_of
-    from engines.interface.variant import Variant
+    from engines.interface.variant import Variant, variants_of
 
 __all__ = [
     "Capabilities",
@@ -32,11 +38,9 @@ __all__ = [
 
 _MODULES = {
     "engine": ("Engine", "EngineNotInstalled"),
-    "preparation": ("Preparation",),
-    "presets": ("Capabilities", "Formulation", "FrictionLaw", "NormalForce", "Option", "Preset"),
+    "presets": ("Capabilities", "Formulation", "FrictionLaw", "NormalForce", "Option", "Preparation", "Preset"),
     "registry": ("engine", "engine_names"),
-    "selection": ("variants_of",),
-    "variant": ("Variant",),
+    "variant": ("Variant", "variants_of"),
 }
 
 

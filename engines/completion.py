@@ -9,8 +9,8 @@ def complete_variant(incomplete: str) -> list[str]:
     engine, colon, _ = incomplete.partition(":")
     if not colon:
         return complete_engine(incomplete)
-    from engines.interface.selection import variants_of
-    from reference_lcp.refusal import ParameterError
+    from engines.interface.variant import variants_of
+    from reference_lcp.errors import ParameterError
 
     try:
         variants = variants_of(engine, optional=True)

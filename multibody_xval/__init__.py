@@ -1,8 +1,8 @@
-"""The three functions of the suite under a name that nothing else has: `sweep`, `check` and `report`.
+"""The one door of the suite: every name that a study, a notebook or an engine's adapter needs.
 
 ``import multibody_xval`` also works beside files of the user's that are called ``engines.py`` or ``reports.py``, which
 ``from scenarios import sweep`` takes for packages of the suite: the suite's own are imported here, from where this
-package lies.
+package lies. Each name is imported on first use.
 """
 
 import importlib
@@ -11,20 +11,77 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from engines import Capabilities, Engine, Formulation, FrictionLaw, Option, Preset, Variant, engine, engine_names
+    from reference_lcp import (
+        Chain,
+        HarmonicBase,
+        HarmonicForce,
+        ParameterError,
+        PeriodicOrbit,
+        SteadyState,
+        Trajectory,
+        exact_steady_state,
+        simulate,
+        steady_state,
+    )
     from reports import report
     from scenarios import check, sweep
+    from scenarios.verdicts.regression import compare_stores as compare
 
-__all__ = ["check", "report", "sweep"]
+_NAMES = {
+    "reports": ("report",),
+    "scenarios": ("check", "sweep"),
+    "scenarios.verdicts.regression": ("compare",),
+    "engines": (
+        "Capabilities", "Engine", "Formulation", "FrictionLaw", "Option", "Preset", "Variant", "engine", "engine_names",
+    ),
+    "reference_lcp": (
+        "Chain", "HarmonicBase", "HarmonicForce", "ParameterError", "PeriodicOrbit", "SteadyState", "Trajectory",
+        "exact_steady_state", "simulate", "steady_state",
+    ),
+}  # fmt: skip
+
+__all__ = [
+    "Capabilities",
+    "Chain",
+    "Engine",
+    "Formulation",
+    "FrictionLaw",
+    "HarmonicBase",
+    "HarmonicForce",
+    "Option",
+    "ParameterError",
+    "PeriodicOrbit",
+    "Preset",
+    "SteadyState",
+    "Trajectory",
+    "Variant",
+    "check",
+    "compare",
+    "engine",
+    "engine_names",
+    "exact_steady_state",
+    "report",
+    "simulate",
+    "steady_state",
+    "sweep",
+]
 
 _PACKAGES = ("reference_lcp", "engines", "scenarios", "reports")
 _ROOT = Path(__file__).resolve().parents[1]
 
 
 def __getattr__(name: str) -> Any:
-    """Import a function on first use."""
-    if name not in __all__:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module("reports" if name == "report" else "scenarios"), name)
+    """Import a name on first use."""
+    for package, names in _NAMES.items():
+        if name in names:
+            return getattr(importlib.import_module(package), "compare_stores" if name == "compare" else name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """Names for completion."""
+    return __all__
 
 
 def _import_packages() -> None:

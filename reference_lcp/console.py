@@ -3,27 +3,15 @@
 import io
 import os
 import sys
-import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import typer
 
-from reference_lcp.exit_code import ExitCode
-from reference_lcp.interrupt import announce_interrupt, closing_on_interrupt, end_interrupted, interrupt_pending
-from reference_lcp.refusal import SHOWN, ParameterError, RunError, checked_path
-from reference_lcp.visible import visible
-
-INSTALLED = Path(__file__).resolve().parents[1]
-"""Where the packages of the suite lie."""
-
-DATABASE = b"SQLite format 3\0"
-"""What every SQLite file begins with, so every store."""
-
-PROBED = 4096
-"""Bytes that are written to find out whether a folder can be: a block of most file systems."""
+from reference_lcp.errors import SHOWN, ExitCode, ParameterError, RunError
+from reference_lcp.process import announce_interrupt, closing_on_interrupt, end_interrupted, interrupt_pending
+from reference_lcp.terminal import visible
 
 LONGEST_MESSAGE = 1000
 """Characters of an error that are printed; of a longer one, beginning and end."""
@@ -115,93 +103,3 @@ def _message(problem: Any, arguments: list[str]) -> str:
         if name.partition("=")[0] in names:
             return f"{message} (given: {name.partition('=')[2][:SHOWN]})"
     return message
-
-
-def checked_output_file(name: str, file: Path, inputs: Iterable[Path | None] = ()) -> Path:
-    """Give `file` if it can be written and nothing is lost by that; its folder must exist.
-
-    Parameters
-    ----------
-    name
-        What the user calls it.
-    file
-        The file.
-    inputs
-        Files that the command reads or keeps, there or not; ``None`` is skipped.
-
-    Raises
-    ------
-    ParameterError
-        If the folder is missing or not writable, or `file` is a folder, one of `inputs`, a database, or lies in a
-        Python package.
-    """
-    checked_path(name, file)
-    _refuse_package(name, file)
-    for other in inputs:
-        if other is not None and _same_file(file, other):
-            raise ParameterError(f"{name} = {file} would overwrite {other}, which the command uses; allowed: another")
-    if file.is_dir():
-        raise ParameterError(f"{name} = {file} is a folder; allowed: a file")
-    if not file.parent.is_dir():
-        raise ParameterError(f"{name} = {file}: the folder {file.parent} does not exist")
-    if _is_database(file):
-        raise ParameterError(f"{name} = {file} is a store or another SQLite file; allowed: a file without results")
-    _probe(name, file.resolve().parent)
-    return file
-
-
-def checked_output_folder(name: str, folder: Path) -> Path:
-    """Give `folder`, made if it is missing, if files can be written into it.
-
-    Raises
-    ------
-    ParameterError
-        If it cannot be made or written, is a file, or lies in a Python package.
-    """
-    checked_path(name, folder)
-    _refuse_package(name, folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise ParameterError(f"{name} = {folder} cannot be made: {problem.strerror}") from None
-    _probe(name, folder)
-    return folder
-
-
-def _refuse_package(name: str, path: Path) -> None:
-    """Refuse a path in a Python package beside this one: that is code, of the suite or of another."""
-    resolved = path.resolve()
-    if not resolved.is_relative_to(INSTALLED) or resolved == INSTALLED:
-        return
-    package = INSTALLED / resolved.relative_to(INSTALLED).parts[0]
-    if (package / "__init__.py").is_file():
-        raise ParameterError(f"{name} = {path} lies in the Python package {package}; allowed: outside of it")
-
-
-def _same_file(file: Path, other: Path) -> bool:
-    """Tell whether two names lead to one file, through links too; neither has to be there."""
-    if file.exists() and other.exists():
-        return file.samefile(other)
-    return file.resolve() == other.resolve()
-
-
-def _is_database(file: Path) -> bool:
-    """Tell by its first bytes whether a file is an SQLite database."""
-    if not file.is_file():
-        return False
-    try:
-        with file.open("rb") as opened:
-            return opened.read(len(DATABASE)) == DATABASE
-    except OSError:
-        return False
-
-
-def _probe(name: str, folder: Path) -> None:
-    """Write and remove a file: permissions alone do not decide on every file system."""
-    try:
-        with tempfile.TemporaryFile(dir=folder) as probe:
-            probe.write(bytes(PROBED))  # a full disk lets an empty file be made
-            probe.flush()
-            os.fsync(probe.fileno())
-    except OSError as problem:
-        raise ParameterError(f"{name}: the folder {folder} cannot be written: {problem.strerror}") from None

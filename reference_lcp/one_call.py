@@ -11,22 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from reference_lcp.accuracy.error_bar import ErrorBar, measured_error_bar
-from reference_lcp.chain.harmonic import Drive, PeriodicDrive
+from reference_lcp.chain.drives import Drive, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane, Simulation, steps_per_period_for
-from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.chain.simulation import Lane, PeriodicOrbit, Simulation, steps_per_period_for
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.exact.event_driven import EventDrivenSimulation
-from reference_lcp.exact.exact_orbit import ExactPeriod
-from reference_lcp.exact.steady import exact_orbit
+from reference_lcp.exact.exact_orbit import ExactPeriod, exact_orbit
 from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, stuck_fraction, transitions
 from reference_lcp.observables.transmittance import complex_transmittance, decibel
-from reference_lcp.refusal import ParameterError, checked_choice
-from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL
-from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
-from reference_lcp.stepping.euler_compiled import CompiledSimulation
-from reference_lcp.stepping.euler_lemke import LemkeSimulation
+from reference_lcp.schemes.euler import CompiledSimulation, LemkeSimulation
+from reference_lcp.steady.error_bar import ErrorBar, measured_error_bar
+from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.validation import FloatArray, check_record_size, checked_array, checked_count
 
 SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
@@ -37,36 +34,27 @@ SOLVERS: Mapping[str, Callable[[list[Lane]], Simulation]] = MappingProxyType(
 
 @dataclass(frozen=True)
 class SteadyState:
-    """A steady state and what is read from it.
-
-    Parameters
-    ----------
-    orbit
-        One period and its residual.
-    transmittance_db
-        20 log10 of the last outer mass's fundamental amplitude over the displacement scale.
-    phase
-        By which that fundamental is ahead of the drive's sine [rad], in (−π, π].
-    stuck_fraction
-        Part of the period that each contact sticks, shape (n,).
-    transitions
-        Changes between stick and slip over the period.
-    travels
-        Distance [m] that a contact slips in the phase that each transition begins; ``None`` unless by the exact solver.
-    error_bar
-        Error of the step, of the residual and of round-off; ``None`` if it was not requested, or there is none.
-    exact_db
-        Transmittance by the event-driven solver [dB]; ``None`` if it was not requested.
-    """
+    """A steady state and what is read from it."""
 
     orbit: PeriodicOrbit
+    """One period and its residual."""
     transmittance_db: float
+    """20 log10 of the last outer mass's fundamental amplitude over the displacement scale."""
     phase: float
+    """By which that fundamental is ahead of the drive's sine [rad], in (−π, π]."""
     stuck_fraction: FloatArray
+    """Part of the period that each contact sticks, shape (n,)."""
     transitions: list[Transition]
+    """Changes between stick and slip over the period."""
     travels: FloatArray | None = None
+    """Distance [m] that a contact slips in the phase that each transition begins.
+
+    ``None`` unless by the exact solver.
+    """
     error_bar: ErrorBar | None = None
+    """Error of the step, of the residual and of round-off; ``None`` if it was not requested, or there is none."""
     exact_db: float | None = None
+    """Transmittance by the event-driven solver [dB]; ``None`` if it was not requested."""
 
     @classmethod
     def of(cls, orbit: PeriodicOrbit, stick_margin: float = STICK_MARGIN) -> "SteadyState":

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference_lcp.refusal import ParameterError, shown
+from reference_lcp.errors import ParameterError, shown
 
 FloatArray = NDArray[np.float64]
 
@@ -56,26 +56,10 @@ def checked_array(
     shape: tuple[int, ...] | None = None,
     largest: float = LARGEST_NUMBER,
 ) -> FloatArray:
-    """Give `value` as a float64 array, or say what is wrong with it.
+    """Give `value` as a float64 array, or raise a `ParameterError` that begins with `name`.
 
-    Parameters
-    ----------
-    name
-        The parameter as its user knows it; it opens the message.
-    value
-        A number or an array of numbers.
-    requirement
-        ``"> 0"``, ``">= 0"`` or ``"finite"``; the first two include finite.
-    shape
-        The only one allowed; any without it.
-    largest
-        Largest number that is allowed where a sign is required; its reciprocal is the smallest one beside zero.
-
-    Raises
-    ------
-    ParameterError
-        If `value` is not numeric, not finite, too large or too near to zero, breaks the
-        requirement, or has another shape.
+    `requirement` is ``"> 0"``, ``">= 0"`` or ``"finite"``, which the others include; `shape` the only one allowed;
+    `largest` the largest number where a sign is required, and its reciprocal the smallest one beside zero.
     """
     try:
         array = np.asarray(value, dtype=np.float64)

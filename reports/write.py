@@ -1,31 +1,33 @@
 """From a dataset, the file of a sweep, a store, or a sweep itself, to the folder of a report."""
 
+from collections import Counter
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 import xarray as xr
 
-from reference_lcp.console import checked_output_file, checked_output_folder
-from reference_lcp.refusal import ParameterError, checked_path
+from reference_lcp.errors import ParameterError, checked_path
+from reference_lcp.output import checked_output_file, checked_output_folder
 from reports.data.collect import Scope, collect, collect_dataset, expected_tasks
 from reports.data.report import Report
-from reports.drawing.drawn import DrawnFigures
-from reports.export.earlier import check_loses_nothing
-from reports.export.files import FILES, PAGE, cards_beside, files_of, write_all
+from reports.drawing.printing import DrawnFigures
+from reports.export.files import FILES, NETCDF, PAGE, cards_beside, files_of, write_all
 from reports.page.render import FIGURES
-from scenarios.execution.evaluator import StoredResults
-from scenarios.execution.executor import Executor
-from scenarios.execution.limits import TIME_LIMIT
-from scenarios.execution.progress import CountingEvaluator, ProgressBars
-from scenarios.execution.storage.store import ResultStore
-from scenarios.execution.workers.dask_cluster import executor_for
-from scenarios.sweeps.dataset_file import read_dataset
-from scenarios.sweeps.noted import note_sweep, noted_sweeps
-from scenarios.sweeps.size import check_size
+from scenarios.runs import TIME_LIMIT
+from scenarios.runs.dask_cluster import executor_for
+from scenarios.runs.evaluator import StoredResults
+from scenarios.runs.executor import Executor
+from scenarios.runs.progress import CountingEvaluator, ProgressBars
+from scenarios.runs.result import ResultStatus
+from scenarios.runs.store import ResultStore
+from scenarios.sweeps.dataset import STATUSES
+from scenarios.sweeps.dataset_reader import read_dataset
+from scenarios.sweeps.run import note_sweep, noted_sweeps
 from scenarios.sweeps.spec_file import read_sweep
-from scenarios.sweeps.sweep import Sweep
+from scenarios.sweeps.sweep import Sweep, check_size
 from scenarios.verdicts.finding import Finding
 
 STORE = "results.sqlite"
@@ -51,7 +53,7 @@ def write_report(data: xr.Dataset | str | Path, folder: str | Path) -> Written:
         check_size(planned)
         return write_sweep_report(planned, folder, command)
     if file.suffix == ".sqlite":
-        return write_sweep_report(noted_sweeps(file).sweep.with_reference(), folder, command, store=file, ask=False)
+        return write_sweep_report(noted_sweeps(file).sweep.with_reference(), folder, command, store=file, run=False)
     return write_dataset_report(read_dataset(file), folder, command, file)
 
 
@@ -71,39 +73,19 @@ def write_sweep_report(
     command: str,
     *,
     store: Path | None = None,
-    ask: bool = True,
+    run: bool = True,
     scope: Scope | None = None,
     executor: Executor | None = None,
     retry_blocked: bool = False,
 ) -> Written:
-    """Write the report of a sweep, in which the reference takes part.
-
-    Parameters
-    ----------
-    sweep
-        The sweep, see `Sweep.with_reference`.
-    folder
-        Where it is written; made if it is missing.
-    command
-        Command or call that gives the same numbers, for the page.
-    store
-        File of the results; without it, `STORE` in the folder.
-    ask
-        Whether what the store lacks is computed; if not, a page that shows more is not overwritten.
-    scope
-        The parts of the report beside the grid.
-    executor
-        Runs the tasks; processes on this machine without it.
-    retry_blocked
-        Whether points are run again at which their engine has failed before.
-    """
+    """Write the report of a sweep, in which the reference takes part."""
     chosen = scope or Scope()
     executor = executor or executor_for(None, TIME_LIMIT, None)
     file = store or folder / STORE
     check_folder("folder", folder, [file])
     with ExitStack() as stack:
         stored = stack.enter_context(ResultStore(file))
-        if not ask:
+        if not run:
             shown = collect(sweep, stored, StoredResults(stored), command, scope=chosen)
             check_loses_nothing(folder, shown)
             return _written(shown, folder)
@@ -134,3 +116,33 @@ def check_folder(name: str, folder: Path, inputs: Sequence[Path | None]) -> None
 def _written(report: Report, folder: Path) -> Written:
     write_all(folder, files_of(report, DrawnFigures(folder / FIGURES), cards_beside(folder)))
     return Written(folder / PAGE, report.result.findings, report.failures)
+
+
+def check_loses_nothing(folder: Path, report: Report) -> None:
+    """Refuse to overwrite a report that has results of a variant which this one has not."""
+    points = report.result.points
+    shown = Counter(str(point.variant) for point in points if point.result.status is not ResultStatus.MISSING)
+    earlier = _results(folder / NETCDF)
+    fewer = {variant: count for variant, count in earlier.items() if count > shown[variant]}
+    if fewer:
+        variant, count = max(fewer.items(), key=lambda item: item[1] - shown[item[0]])
+        problem = f"{folder / PAGE} shows more than the store holds for this page: of {variant} {count} points"
+        raise ParameterError(f"{problem} for {shown[variant]}; allowed: another --out, or without --no-run")
+
+
+def _results(file: Path) -> Counter[str]:
+    """Count the points with a result of each variant of a report; none where there is no report that can be read."""
+    if not file.is_file():
+        return Counter()
+    try:
+        data = read_dataset(file)
+        return _counted(data)
+    except (ParameterError, KeyError):
+        return Counter()
+
+
+def _counted(data: xr.Dataset) -> Counter[str]:
+    present = ~np.isin(data["status"], [STATUSES.index(ResultStatus.MISSING)])
+    axes = [name for name in data["status"].dims if name != "variant"]
+    counts = data["status"].copy(data=present).sum(axes)
+    return Counter({str(name): int(count) for name, count in zip(data["variant"].values, counts.values, strict=True)})

@@ -1,4 +1,4 @@
-"""Simulations and comparisons: tasks, their execution, verdicts, studies, sweeps, the catalogue.
+"""Simulations and comparisons: tasks, their runs, verdicts, studies, sweeps, the catalogue.
 
 `sweep` and `check` are all that a notebook needs; they are imported on first use.
 """

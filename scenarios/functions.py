@@ -14,30 +14,23 @@ import xarray as xr
 from pydantic import ValidationError
 
 from engines.interface.registry import default_engine_names
-from engines.interface.selection import variants_named
-from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.refusal import ParameterError, checked_choice, checked_path, shown
+from engines.interface.variant import variants_named
+from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.errors import ParameterError, checked_choice, checked_path, shown
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.descriptions import ALL_SCENARIOS
-from scenarios.catalogue.predicted import run_with_predictions
-from scenarios.catalogue.verdict_files import finding_table
-from scenarios.execution.executor import Executor
-from scenarios.execution.limits import TIME_LIMIT
-from scenarios.execution.progress import CountingEvaluator, ProgressBars
-from scenarios.execution.storage.store import ResultStore, opened_store
-from scenarios.execution.workers.dask_cluster import executor_for
+from scenarios.catalogue.verdict_table import finding_table
+from scenarios.runs import TIME_LIMIT
+from scenarios.runs.dask_cluster import executor_for
+from scenarios.runs.parameters import first_error
+from scenarios.runs.progress import CountingEvaluator, ProgressBars
+from scenarios.runs.store import opened_store
 from scenarios.sweeps.dataset import sweep_dataset
-from scenarios.sweeps.noted import note_sweep
-from scenarios.sweeps.predictions import predicted
-from scenarios.sweeps.run import refined_tasks, run_sweep, stored_table
-from scenarios.sweeps.size import check_size
+from scenarios.sweeps.run import evaluate_sweep, note_sweep, stored_table
 from scenarios.sweeps.spec_file import SweepFile
-from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.table import tasks_of
-from scenarios.tasks.validation_message import first_error
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.sweeps.sweep import Sweep, check_size
 
 Numbers = float | Sequence[float] | FloatArray
 """One number, or several: a list, a tuple or an array."""
@@ -69,20 +62,17 @@ def sweep(
     Parameters
     ----------
     engines
-        Names ``ENGINE[:FORMULATION[:PRESET]]``; joint and tuned are understood, and ``all`` in place of a part is every
-        one. Options that are changed follow, such as ``"mujoco:noslip_iterations=3"``.
+        Names ``ENGINE[:FORMULATION[:PRESET]][:OPTION=VALUE]``, joint and tuned without; ``all`` for every one.
         With ``reference`` among them its converged preset takes part too: verdicts need both.
     friction_ratio
-        μ λ_N / (k_c U0), >= 0: a number, several, or (first, last, how many) as a tuple whose last part is an integer.
+        μ λ_N / (k_c U0), >= 0: a number, several, or (first, last, how many) with an integer as its last part.
     frequency_ratio
-        η_r = ω / ω_r, > 0, likewise; or ``{"first": 0.3, "last": 1.6, "accuracy_db": 0.5}`` for points where curves
-        need them.
+        η_r = ω / ω_r, > 0: likewise, or ``{"first": 0.3, "last": 1.6, "accuracy_db": 0.5}``, an adaptive grid.
     vary
         Other axes by name, such as ``{"mass_ratio": [0.5, 1, 2]}``: cells, mass_ratio, stiffness_ratio,
         damping_ratio, inner_damping_ratio, steps_per_period.
     chain
-        What is not varied, by name as in `reference_lcp.Chain.from_ratios`: a number for all cells, or a list or an
-        array with one a cell; the paper's chain without it.
+        What is not varied, as in `Chain.from_ratios`: a number, or one a cell; the paper's chain without it.
     drive, amplitude
         ``"base"`` with U0 [m], or ``"force"`` on the outer mass of cell 1 with P0 [N].
     steps_per_period
@@ -91,24 +81,15 @@ def sweep(
         Largest difference from the reference that counts as agreement [dB]; derived at every point without it.
     store
         File that keeps every result, so that the same call goes on where it stopped; none is kept without it.
-    workers
-        Worker processes; one a processor without it.
-    time_limit
-        Seconds that a batch of points may take; an engine that hangs is stopped then.
-    scheduler
-        Address of a dask scheduler whose workers compute, instead of this machine's.
-    retry_blocked
-        Whether points are run again at which, by the store, their engine has failed: crashed, raised an error or
-        passed the time limit.
-    yes
-        Run more than a million points.
+    workers, time_limit, scheduler
+        Worker processes, one a processor without it; seconds a batch may take; a dask scheduler in their place.
+    retry_blocked, yes
+        Run points again at which, by the store, their engine has failed; run more than a million points.
 
     Returns
     -------
     xarray.Dataset
-        Dimensions ``variant``, ``friction_ratio``, ``frequency_ratio`` and those of `vary`; see
-        `scenarios.sweeps.dataset.sweep_dataset`. It can be written to NetCDF, and
-        `reports.report` makes a report of it.
+        Dimensions ``variant`` and the axes; `report` makes a page of it.
 
     Raises
     ------
@@ -128,7 +109,7 @@ def sweep(
     file = None if store is None else checked_path("store", store)
     with opened_store(file) as stored, executor_for(workers, time_limit, scheduler) as executor:
         note_sweep(stored, planned)
-        _evaluate(planned, stored, executor, retry_blocked)
+        evaluate_sweep(planned, stored, executor, verdicts=True, retry_blocked=retry_blocked)
         return sweep_dataset(*stored_table(planned, stored), file)
 
 
@@ -147,7 +128,7 @@ def check(
     Parameters
     ----------
     scenario
-        Its name, see ``python -m scenarios``, or ``"all"``.
+        Its name, see ``multibody-xval run``, or ``"all"``.
     engines
         Names as for `sweep`; those that come with the suite without it.
     store, workers, time_limit, scheduler, retry_blocked
@@ -181,25 +162,9 @@ def check(
 def _validated(content: Mapping[str, Any]) -> Sweep:
     """Check the arguments, as the content of a sweep file."""
     try:
-        planned = SweepFile.model_validate(content).sweep
+        return SweepFile.model_validate(content).sweep.for_verdicts()
     except ValidationError as problem:
         raise ParameterError(first_error(problem, "what the documentation of scenarios.sweep lists")) from None
-    judged = planned.tolerance is None and REFERENCE in planned.variants
-    return planned.with_reference() if judged else planned
-
-
-def _evaluate(planned: Sweep, store: ResultStore, executor: Executor, retry_blocked: bool) -> None:
-    """Evaluate the points; where they are judged, with other numbers of steps too, and laws where they depart."""
-    judged = CONVERGED in planned.variants
-    start = [] if planned.frequencies is not None else [*planned.tasks(), *(refined_tasks(planned) if judged else [])]
-    with (
-        ProgressBars(planned.variants) as bars,
-        CountingEvaluator(store, executor, start, bars, retry_blocked=retry_blocked) as evaluator,
-    ):
-        run_sweep(planned, evaluator)
-        if judged:
-            evaluator.evaluate(tasks_of(*stored_table(planned, store)))
-        predicted(*stored_table(planned, store), evaluator)
 
 
 def _names(engines: str | Sequence[str]) -> list[str]:

@@ -4,33 +4,20 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
-from reference_lcp.visible import visible
+from reference_lcp.terminal import visible
 
 
 @dataclass(frozen=True)
 class JUnitCase:
-    """One case.
-
-    Parameters
-    ----------
-    suite
-        Group that it belongs to.
-    name
-        Its name, which differs from those of the other cases of its suite.
-    failure
-        Why the command ends with exit code 1, in a line; empty where the case is no reason for it.
-    skipped
-        Why nothing is said of it; empty otherwise.
-    output
-        What else is known.
-    seconds
-        Time that it took.
-    """
+    """One case."""
 
     suite: str
     name: str
+    """Its name, which differs from those of the other cases of its suite."""
     failure: str = ""
+    """Why the command ends with exit code 1, in a line; empty where the case is no reason for it."""
     skipped: str = ""
+    """Why nothing is said of it; empty otherwise."""
     output: str = ""
     seconds: float = 0.0
 

@@ -9,8 +9,8 @@ import pandas as pd
 from pydantic_core import to_json
 from rich.markup import escape
 
-from reference_lcp.terminal_table import print_table as print_rows
-from reference_lcp.visible import visible
+from reference_lcp.terminal import print_table as print_rows
+from reference_lcp.terminal import visible
 
 FORMULAS = ("=", "+", "-", "@")
 """How texts begin that spreadsheets take for formulas; a tab or a carriage return is made visible before."""
@@ -20,23 +20,12 @@ Row = TypeVar("Row")
 
 @dataclass(frozen=True)
 class Column(Generic[Row]):
-    """One column of a table.
-
-    Parameters
-    ----------
-    key
-        Its name for programs.
-    value
-        What stands in it, of a row.
-    heading
-        Its name for people; the key unless one is given.
-    pattern
-        How people read its numbers, by `str.format`.
-    """
+    """One column of a table."""
 
     key: str
     value: Callable[[Row], Any]
     heading: str = ""
+    """Its name for people; the key unless one is given."""
     pattern: str = "{}"
 
     def text(self, row: Row) -> str:

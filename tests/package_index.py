@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from engines.environments.environment import FOLDER_VARIABLE
-from engines.environments.installation import Plan, install
-from engines.environments.requirement import Requirement
+from engines.isolated.environment import FOLDER_VARIABLE
+from engines.isolated.installation import Plan, install
+from engines.isolated.versioned_engine import Requirement
 from engines.mujoco import MuJoCo
 
 CRASHES = "import ctypes\n\n\ndef MjSpec():\n    ctypes.string_at(0)\n"

@@ -38,7 +38,7 @@ def test_page_of_commands_has_every_command_with_an_example(page, name) -> None:
 
 def test_page_of_commands_has_options_with_their_help(page) -> None:
     assert re.search(r"\| `--steps-per-period` \| .*Without it: `400`\. \|", page)
-    assert "`--ask`, `--no-ask`" in page
+    assert "`--run`, `--no-run`" in page
     assert "| `--engine` |" in page.partition("### `run unit-cell`")[2]
 
 

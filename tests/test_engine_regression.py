@@ -14,9 +14,9 @@ import yaml
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from scenarios.execution.storage.store import ResultStore
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
+from scenarios.runs.result import Result
+from scenarios.runs.store import ResultStore
+from scenarios.runs.task import SteadyStateTask
 from scenarios.verdicts.steady_case import EXACT
 from tests.junit import checked_junit
 
@@ -150,12 +150,13 @@ def test_all_formulations_and_presets_are_run_where_none_is_named(tmp_path) -> N
     ],
     ids=["worse", "better"],
 )
-def test_two_versions_of_an_engine_are_compared_step_by_step(tmp_path, before, now, code, direction) -> None:
+def test_two_versions_of_an_engine_are_compared_step_by_step(tmp_path, install, before, now, code, direction) -> None:
     """Versions of the reference whose friction bound is 1 % and 20 % too high: two points, twelve pulls on a block."""
     (tmp_path / "grid.toml").write_text(TWO_POINTS)
     (tmp_path / "multibody-xval").symlink_to(ROOT)
     given = {"ENGINE": "mutant", "BEFORE": before, "NOW": now, "GRID": "grid.toml", "VARIANTS": "joint:tuned"}
     given |= {"GITHUB_STEP_SUMMARY": str(tmp_path / "summary.md")}
+    given |= {"PYTHONPATH": install("mutations").environment["PYTHONPATH"]}
     steps = [step["run"] for step in JOB["steps"] if "run" in step and not step["run"].endswith("install")]
     codes = [run_step(step, tmp_path, **given).returncode for step in steps]
     assert codes == [0, 0, code, 0]

@@ -7,34 +7,31 @@ from pathlib import Path
 
 import pytest
 
-import scenarios.__main__
 from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
 from reference_lcp.console import run_command
-from reference_lcp.exit_code import ExitCode
-from reference_lcp.refusal import ParameterError, RunError
-from reports.cli import console_script
+from reference_lcp.errors import ExitCode, ParameterError, RunError
+from reports.cli.console_script import app
 from scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
-from scenarios.execution.storage.store import ResultStore
+from scenarios.runs.result import Result
+from scenarios.runs.store import ResultStore
+from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.spec_file import EXAMPLE
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
 from tests.test_help import COMMANDS
-from tests.test_mistakes import APPS
 
 ROOT = Path(__file__).parents[1]
 
-GROUPS = {"python -m scenarios run", "python -m scenarios store"}
+GROUPS = {"multibody-xval store"}
 """Commands that only hold others."""
 
-REFERENCE = "reference_lcp --cells 1 --frequency-ratio 0.9"
+REFERENCE = "reference --cells 1 --frequency-ratio 0.9"
 
 
 def test_documentation_has_the_table() -> None:
     document = (ROOT / "docs/exit_codes.md").read_text()
     rows = re.findall(r"^\| (\d+) \| `([A-Z_]+)` \| (.+) \|$", document, flags=re.MULTILINE)
     assert {name: int(code) for code, name, _ in rows} == dict(ExitCode.__members__)
-    source = " ".join((ROOT / "reference_lcp/exit_code.py").read_text().split())
+    source = " ".join((ROOT / "reference_lcp/errors.py").read_text().split())
     assert all(f'"""{meaning}"""' in source for _, _, meaning in rows)
 
 
@@ -46,15 +43,9 @@ def codes_of(path: str) -> dict[int, str]:
 
 
 def name_of(path: str) -> str:
-    """Give a command as it is typed under the console script; all scenarios are one."""
-    words = path.removeprefix("python -m ")
-    scenario = words.removeprefix("scenarios run ")
-    if scenario in {*DESCRIPTIONS, ALL_SCENARIOS}:
-        return "run SCENARIO"
-    for name, (own, _) in sorted(console_script.COMMANDS.items(), key=lambda command: -len(command[1][0])):
-        if words == own or words.startswith(f"{own} "):
-            return name + words.removeprefix(own)
-    return path
+    """Give a command as it is typed after the name of the program; all scenarios are one."""
+    words = path.removeprefix("multibody-xval ")
+    return "run SCENARIO" if words.removeprefix("run ") in {*DESCRIPTIONS, ALL_SCENARIOS} else words
 
 
 def test_documentation_has_every_command_with_what_its_codes_mean() -> None:
@@ -85,9 +76,9 @@ def test_help_of_every_command_says_its_codes(path) -> None:
 
 
 def code_of(line: str) -> int:
-    """Run a command line without its ``python -m``."""
+    """Run a command line without the name of the program."""
     name, *arguments = line.split()
-    return run_command(APPS[name], arguments)
+    return run_command(app, [name, *arguments])
 
 
 @pytest.fixture
@@ -107,13 +98,13 @@ def stores(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         ("engines", ExitCode.DONE),
         (REFERENCE, ExitCode.DONE),
         (f"{REFERENCE} --max-periods 1", ExitCode.FAILED),
-        ("reports compare before.sqlite before.sqlite", ExitCode.DONE),
-        ("reports compare before.sqlite now.sqlite", ExitCode.FAILED),
-        ("reports compare before.sqlite none.sqlite", ExitCode.WRONG_INPUT),
-        ("scenarios sweep sweep.toml --no-ask --retry-blocked", ExitCode.WRONG_INPUT),
-        ("scenarios run unit-cell --store before.sqlite --no-ask --retry-blocked", ExitCode.WRONG_INPUT),
-        ("scenarios run record --store before.sqlite --no-ask --retry-blocked", ExitCode.WRONG_INPUT),
-        ("reports --no-ask --retry-blocked", ExitCode.WRONG_INPUT),
+        ("compare before.sqlite before.sqlite", ExitCode.DONE),
+        ("compare before.sqlite now.sqlite", ExitCode.FAILED),
+        ("compare before.sqlite none.sqlite", ExitCode.WRONG_INPUT),
+        ("sweep sweep.toml --no-run --retry-blocked", ExitCode.WRONG_INPUT),
+        ("run unit-cell --store before.sqlite --no-run --retry-blocked", ExitCode.WRONG_INPUT),
+        ("run record --store before.sqlite --no-run --retry-blocked", ExitCode.WRONG_INPUT),
+        ("report --no-run --retry-blocked", ExitCode.WRONG_INPUT),
     ],
 )
 def test_commands_end_with_the_code_of_the_table(stores, line, code, capsys) -> None:
@@ -132,15 +123,20 @@ def test_what_is_raised_on_the_way_is_one_line_and_its_code(problem, code, monke
     def fail() -> None:
         raise problem
 
-    monkeypatch.setattr(scenarios.__main__, "_print_catalogue", fail)
-    assert code_of("scenarios") == code
+    monkeypatch.setattr("reports.cli.run.print_catalogue", fail)
+    assert code_of("run") == code
     assert re.fullmatch("error: .+\n", capsys.readouterr().err)
 
 
 def test_standard_output_that_cannot_be_written_is_a_failed_run() -> None:
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
-            [sys.executable, "-m", "engines"], cwd=ROOT, stdout=full, stderr=subprocess.PIPE, text=True, check=False
+            [sys.executable, "-m", "reports", "engines"],
+            cwd=ROOT,
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
         )
     assert done.returncode == ExitCode.RUN_FAILED
     assert done.stderr == "error: standard output cannot be written: No space left on device\n"
@@ -149,17 +145,17 @@ def test_standard_output_that_cannot_be_written_is_a_failed_run() -> None:
 @pytest.mark.parametrize(
     "line",
     [
-        "reports --engine mujoco:joint:default",
-        "reports --sweep named.toml",
-        "reports card mujoco",
-        "reports reproduce mujoco:joint:default static-hold",
-        "reports animate --engine mujoco",
-        "scenarios run unit-cell --engine mujoco:all:all",
-        "scenarios run all --engine reference --engine mujoco",
-        "scenarios run accuracy --engine mujoco",
-        "scenarios run laws --engine mujoco",
-        "scenarios run cost --engine mujoco --set noslip_iterations=3",
-        "scenarios sweep named.toml",
+        "report --engine mujoco:joint:default",
+        "report --sweep named.toml",
+        "card mujoco",
+        "reproduce mujoco:joint:default static-hold",
+        "animate --engine mujoco",
+        "run unit-cell --engine mujoco:all:all",
+        "run all --engine reference --engine mujoco",
+        "run accuracy --engine mujoco",
+        "run laws --engine mujoco",
+        "run cost --engine mujoco --set noslip_iterations=3",
+        "sweep named.toml",
     ],
 )
 def test_an_engine_that_is_named_and_missing_is_wrong_input_before_any_work(stores, monkeypatch, capsys, line) -> None:

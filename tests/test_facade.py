@@ -1,12 +1,15 @@
 """The suite beside files of the user's that have the names of its packages."""
 
 import os
+import pydoc
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
 
 import pytest
+
+import multibody_xval
 
 ROOT = Path(__file__).parents[1]
 SHADOWS = ("engines", "scenarios", "reports", "reference_lcp")
@@ -53,15 +56,15 @@ def test_a_file_that_was_imported_before_is_named(folder: Path) -> None:
 
 def test_python_m_says_which_file_hides_a_package(folder: Path) -> None:
     (folder / "reference_lcp.py").unlink()
-    (folder / "scenarios.py").unlink()
-    done = python(folder, "-m", "scenarios")
+    (folder / "reports.py").unlink()
+    done = python(folder, "-m", "reports", "run")
     assert done.returncode == 2
     assert done.stderr.startswith(f"error: {folder / 'engines.py'} hides the package engines of the suite; allowed: ")
 
 
 def test_an_empty_folder_of_that_name_hides_nothing(tmp_path: Path) -> None:
     (tmp_path / "engines").mkdir()
-    assert python(tmp_path, "-m", "scenarios").returncode == 0
+    assert python(tmp_path, "-m", "reports", "run").returncode == 0
 
 
 def test_the_wheel_holds_the_facade(tmp_path: Path) -> None:
@@ -80,3 +83,16 @@ def test_the_wheel_holds_the_facade(tmp_path: Path) -> None:
     done = python(own, "-c", code, PYTHONPATH=str(unpacked))
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines() == [str(unpacked / "multibody_xval/__init__.py"), "scenarios.functions reports"]
+
+
+@pytest.mark.parametrize("name", multibody_xval.__all__)
+def test_every_name_of_the_door_is_there_with_a_docstring(name: str) -> None:
+    assert getattr(multibody_xval, name).__doc__
+
+
+def test_help_of_a_sweep_fits_a_screen() -> None:
+    assert len(pydoc.render_doc(multibody_xval.sweep, renderer=pydoc.plaintext).splitlines()) <= 45
+
+
+def test_every_package_says_that_it_has_types() -> None:
+    assert all((ROOT / name / "py.typed").is_file() for name in ("multibody_xval", *SHADOWS))

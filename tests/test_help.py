@@ -1,15 +1,15 @@
 """Every command explains itself: what it does, each option, and an example that can be typed."""
 
 import pytest
-import typer
 
-from tests.test_mistakes import APPS, COMMAND_LINES
+from reports.cli import console_script
+from tests.test_mistakes import COMMAND_LINES
 
 
 def commands():
     """Every command of the suite, with its path as it is typed."""
-    for name, app in APPS.items():
-        yield from below(f"python -m {name}", typer.main.get_command(app))
+    for name in console_script.COMMANDS:
+        yield from below(f"multibody-xval {name}", console_script.loaded(name))
 
 
 def below(path, command):
@@ -23,14 +23,14 @@ COMMANDS = dict(commands())
 
 def test_suite_has_its_commands() -> None:
     expected = {
-        "reference_lcp",
-        "reference_lcp bench",
+        "reference",
+        "reference bench",
         "engines",
-        "scenarios sweep",
-        "scenarios run accuracy",
-        "reports",
+        "sweep",
+        "run accuracy",
+        "report",
     }
-    assert {f"python -m {name}" for name in expected} <= set(COMMANDS)
+    assert {f"multibody-xval {name}" for name in expected} <= set(COMMANDS)
 
 
 @pytest.mark.parametrize("path", COMMANDS)
@@ -53,12 +53,12 @@ def test_every_option_has_a_help_that_is_a_sentence(path) -> None:
 
 def commands_without_mistake(lines):
     """Commands that take something and with which no line makes a mistake."""
-    tried = {path for line in lines for path in COMMANDS if f"python -m {line} ".startswith(f"{path} ")}
+    tried = {path for line in lines for path in COMMANDS if f"multibody-xval {line} ".startswith(f"{path} ")}
     return {path for path, command in COMMANDS.items() if command.params} - tried
 
 
 def test_a_mistake_is_tried_with_every_command() -> None:
     lines = [line for line, _ in COMMAND_LINES]
     assert commands_without_mistake(lines) == set()
-    fewer = [line for line in lines if not line.startswith("scenarios sweep")]
-    assert commands_without_mistake(fewer) == {"python -m scenarios sweep"}
+    fewer = [line for line in lines if not line.startswith("sweep")]
+    assert commands_without_mistake(fewer) == {"multibody-xval sweep"}

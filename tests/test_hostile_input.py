@@ -7,27 +7,13 @@ from typing import Any
 import pytest
 import typer
 
-import engines.__main__
-import reference_lcp.__main__
-import reference_lcp.cli.studies
 import reference_lcp.one_call
-import reports.__main__
-import reports.cli.animation
-import scenarios.__main__
-import scenarios.cli.accuracy
-import scenarios.cli.cost
 from reference_lcp.console import run_command
-from reference_lcp.exit_code import ExitCode
-from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.executor import WorkerExecutor
+from reference_lcp.errors import ExitCode
+from reports.cli.console_script import app
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.executor import WorkerExecutor
 from scenarios.sweeps.spec_file import EXAMPLE
-
-APPS = {
-    "reference_lcp": reference_lcp.__main__.app,
-    "engines": engines.__main__.app,
-    "scenarios": scenarios.__main__.app,
-    "reports": reports.__main__.app,
-}
 
 LONGEST_LINE = 2000
 """Characters of a message: of what was given, only a part is shown."""
@@ -89,29 +75,29 @@ friction_profile = [1.0, 0.5, 0.0]
 )  # fmt: skip
 
 LINES = (
-    "reference_lcp --friction-ratio 0.3 --frequency-ratio 0.9 --cells 7 --max-periods 100 --solver compiled",
-    "reference_lcp --mass-ratio 1 --stiffness-ratio 1 --damping-ratio 0.01 --inner-damping-ratio 0 --error-bar",
-    "reference_lcp --base-amplitude 0.01 --steps-per-period 400 --tolerance 1e-9 --exact-value --json",
-    "reference_lcp --plot period.png --solver exact --cells 2",
-    "reference_lcp bench --cells --json",
-    "reference_lcp convergence --plot orders.png --json",
-    "reference_lcp coverage --chains 40 --seed 3 --json",
+    "reference --friction-ratio 0.3 --frequency-ratio 0.9 --cells 7 --max-periods 100 --solver compiled",
+    "reference --mass-ratio 1 --stiffness-ratio 1 --damping-ratio 0.01 --inner-damping-ratio 0 --error-bar",
+    "reference --base-amplitude 0.01 --steps-per-period 400 --tolerance 1e-9 --exact-value --json",
+    "reference --plot period.png --solver exact --cells 2",
+    "reference bench --cells --json",
+    "reference convergence --plot orders.png --json",
+    "reference coverage --chains 40 --seed 3 --json",
     "engines --json",
     "scenarios",
-    "scenarios example",
-    "scenarios store check sweep.sqlite --salvage good.sqlite",
-    "scenarios sweep sweep.toml --store a.sqlite --out a.nc --workers 2 --time-limit 60",
-    "scenarios sweep sweep.toml --no-ask --out a.csv --store sweep.sqlite --scheduler tcp://127.0.0.1:1",
-    "scenarios run unit-cell --engine reference --store a.sqlite --out a.md --workers 1 --time-limit 9",
-    "scenarios run record --record quake.csv --engine mujoco:joint --out a.json --store b.sqlite",
-    "scenarios run all --no-ask --store sweep.sqlite --out a.csv --engine reference:joint:tuned",
-    "scenarios run accuracy --engine mujoco:joint --store a.sqlite --out a.csv --workers 1 --no-cost",
-    "scenarios run cost --engine mujoco --seconds 0.1 --out a.md",
-    "reports --out report --quick --engine mujoco --store a.sqlite --workers 1 --time-limit 10",
-    "reports --sweep sweep.toml --out report --no-ask",
-    "reports --data sweep.nc --out report",
-    "reports compare sweep.sqlite sweep.sqlite --db 0.1 --stuck-fraction 0.1 --transition 0.1 --out a.csv",
-    "reports animate --engine mujoco --friction-ratio 0.3 --frequency-ratio 0.9 --out a.gif --frames 20",
+    "example",
+    "store check sweep.sqlite --salvage good.sqlite",
+    "sweep sweep.toml --store a.sqlite --out a.nc --workers 2 --time-limit 60",
+    "sweep sweep.toml --no-run --out a.csv --store sweep.sqlite --scheduler tcp://127.0.0.1:1",
+    "run unit-cell --engine reference --store a.sqlite --out a.md --workers 1 --time-limit 9",
+    "run record --record quake.csv --engine mujoco:joint --out a.json --store b.sqlite",
+    "run all --no-run --store sweep.sqlite --out a.csv --engine reference:joint:tuned",
+    "run accuracy --engine mujoco:joint --store a.sqlite --out a.csv --workers 1 --no-cost",
+    "run cost --engine mujoco --seconds 0.1 --out a.md",
+    "report --out report --quick --engine mujoco --store a.sqlite --workers 1 --time-limit 10",
+    "report --sweep sweep.toml --out report --no-run",
+    "report --data sweep.nc --out report",
+    "compare sweep.sqlite sweep.sqlite --db 0.1 --stuck-fraction 0.1 --transition 0.1 --out a.csv",
+    "animate --engine mujoco --friction-ratio 0.3 --frequency-ratio 0.9 --out a.gif --frames 20",
 )
 
 WORDS = (
@@ -121,7 +107,7 @@ WORDS = (
     *("sweep.toml", "sweep.sqlite", "folder", "folder/x.nc", "missing/x.csv", "/dev/null", "/dev/full", "/proc/1/mem"),
     *("reference", "mujocko", "mujoco:glue", "mujoco:joint:", "::", "all", "a:b:c:d", ":memory:"),
     "tcp://nowhere:99999999",
-    *("--json", "--quick", "--no-ask", "--help", "--out", "--store", "--engine", "--workers", "--time-limit", "--db"),
+    *("--json", "--quick", "--no-run", "--help", "--out", "--store", "--engine", "--workers", "--time-limit", "--db"),
 )  # fmt: skip
 """What is written in place of a word of a command line."""
 
@@ -144,10 +130,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(WorkerExecutor, "run", planned)
     for name in ("periodic_orbits", "exact_orbit", "measured_error_bar"):
         monkeypatch.setattr(reference_lcp.one_call, name, planned)
-    for name in ("bench", "bench_cells", "convergence", "coverage"):
-        monkeypatch.setattr(reference_lcp.cli.studies, name, planned)
-    monkeypatch.setattr(scenarios.cli.cost, "cost", planned)
-    monkeypatch.setattr(scenarios.cli.accuracy, "step_cost", planned)
+    for name in ("bench.bench", "bench.bench_cells", "against_exact.convergence", "against_exact.coverage"):
+        monkeypatch.setattr(f"reference_lcp.studies.{name}", planned)
+    for name in ("scenarios.studies.cost.cost", "engines.shared.step_cost.step_cost"):
+        monkeypatch.setattr(name, planned)
     monkeypatch.setattr(Evaluator, "close", lambda _: None)
     return tmp_path
 
@@ -201,7 +187,7 @@ def mutated_line(random_: random.Random) -> list[str]:
 def refusal(name: str, arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str | None:
     """Run a command line; gives what is wrong with how it ended, ``None`` if nothing is."""
     try:
-        code = run_command(APPS[name], arguments)
+        code = run_command(app, [name, *arguments])
     except Exception as problem:
         capsys.readouterr()
         return f"{type(problem).__name__}: {problem!s:.200}"
@@ -225,7 +211,7 @@ def test_mutated_sweep_file_is_planned_or_refused(folder, capsys, seeds) -> None
     for seed in seeds:
         content = mutated_file(random.Random(seed))
         (folder / "mine.toml").write_text(content, encoding="utf-8", errors="surrogatepass")
-        problems[seed] = refusal("scenarios", ["sweep", "mine.toml", "--store", f"{seed}.sqlite"], capsys)
+        problems[seed] = refusal("sweep", ["mine.toml", "--store", f"{seed}.sqlite"], capsys)
     assert {seed: problem for seed, problem in problems.items() if problem} == {}
 
 

@@ -7,23 +7,19 @@ from pathlib import Path
 
 import pytest
 
+from tests.installed import ENGINE_PACKAGES
 from tests.test_help import COMMANDS
 
 ROOT = Path(__file__).parents[1]
-
-ENGINE_PACKAGES = (
-    "exudyn", "genesis", "mujoco", "warp", "newton", "jax", "pybullet", "pydrake", "dartpy", "pinocchio", "pymunk",
-    "Box2D", "rapier3d", "sapien", "ovphysx", "ovstage",
-)  # fmt: skip
 
 COMPUTING = ("numba", "scipy", "pandas", "xarray", "h5py", "matplotlib", "plotly", "jinja2", "PIL", *ENGINE_PACKAGES)
 """Packages that compute, tabulate or draw; each takes a tenth of a second to a second to import."""
 
 HELP = """
-import contextlib, importlib, io, json, sys
+import contextlib, io, json, sys
 from reference_lcp.console import run_command
-package, commands, heavy = json.loads(sys.argv[1])
-app = importlib.import_module(f"{package}.__main__").app
+from reports.cli.console_script import app
+commands, heavy = json.loads(sys.argv[1])
 imported = {}
 for command in commands:
     with contextlib.redirect_stdout(io.StringIO()) as printed:
@@ -31,7 +27,7 @@ for command in commands:
     imported[command] = (code, "Usage" in printed.getvalue(), [name for name in heavy if name in sys.modules])
 print(json.dumps(imported))
 """
-"""Prints the help of commands of a package, and says of each what is imported by then."""
+"""Prints the help of commands, and says of each what is imported by then."""
 
 
 def run_python(*arguments: str) -> str:
@@ -44,13 +40,10 @@ def run_python(*arguments: str) -> str:
 @pytest.fixture(scope="module")
 def imported_by_help() -> dict[str, tuple[int, bool, list[str]]]:
     """By command: its exit code, whether help was printed, and the heavy packages that are imported by then."""
-    imported = {}
-    for package in ("reference_lcp", "engines", "scenarios", "reports"):
-        prefix = f"python -m {package}"
-        commands = [path.removeprefix(prefix).strip() for path in COMMANDS if f"{path} ".startswith(f"{prefix} ")]
-        told = json.loads(run_python("-c", HELP, json.dumps([package, commands, ["numpy", *COMPUTING]])))
-        imported |= {f"{prefix} {command}".strip(): tuple(told[command]) for command in commands}
-    return imported
+    prefix = "multibody-xval "
+    commands = [path.removeprefix(prefix) for path in COMMANDS]
+    told = json.loads(run_python("-c", HELP, json.dumps([commands, ["numpy", *COMPUTING]])))
+    return {f"{prefix}{command}": tuple(told[command]) for command in commands}
 
 
 @pytest.mark.parametrize("path", COMMANDS)
@@ -64,7 +57,7 @@ def test_help_imports_nothing_that_computes(path, imported_by_help) -> None:
 def test_engines_are_listed_without_anything_that_computes(arguments) -> None:
     script = (
         "import json, sys\n"
-        "from engines.__main__ import app\n"
+        "from reports.cli.engines import app\n"
         "from reference_lcp.console import run_command\n"
         "code = run_command(app, json.loads(sys.argv[1]))\n"
         "print()\n"

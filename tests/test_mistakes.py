@@ -6,106 +6,91 @@ from pathlib import Path
 
 import pytest
 
-import engines.__main__
-import reference_lcp.__main__
-import reports.__main__
-import scenarios.__main__
-import scenarios.cli.cost
 from reference_lcp.console import run_command
-from reference_lcp.exit_code import ExitCode
+from reference_lcp.errors import ExitCode
+from reports.cli.console_script import app
 from scenarios.catalogue import CATALOGUE
 
-APPS = {
-    "reference_lcp": reference_lcp.__main__.app,
-    "engines": engines.__main__.app,
-    "scenarios": scenarios.__main__.app,
-    "reports": reports.__main__.app,
-}
-
 COMMAND_LINES = [
-    ("reference_lcp --friction-ratio -0.1", r"friction_ratio = -0.1.*>= 0"),
-    ("reference_lcp --frequency-ratio 0", r"frequency_ratio = 0.*> 0"),
-    ("reference_lcp --frequency-ratio nan", r"frequency_ratio = nan.*finite"),
-    ("reference_lcp --friction-ratio inf", r"friction_ratio = inf.*finite"),
-    ("reference_lcp --cells 0", r"cells = 0.*>= 1"),
-    ("reference_lcp --cells 2.5", r"--cells.*valid integer.*given: 2.5"),
-    ("reference_lcp --mass-ratio 0", r"mass_ratio = 0.*> 0"),
-    ("reference_lcp --stiffness-ratio -1", r"stiffness_ratio = -1.*> 0"),
-    ("reference_lcp --damping-ratio -0.01", r"damping_ratio = -0.01.*>= 0"),
-    ("reference_lcp --base-amplitude 0", r"base_amplitude = 0.*> 0"),
-    ("reference_lcp --steps-per-period 3", r"steps_per_period = 3 .*>= 16"),
-    ("reference_lcp --tolerance 0", r"tolerance = 0.*> 0"),
-    ("reference_lcp --max-periods 0", r"max_periods = 0.*>= 1"),
-    ("reference_lcp --solver newton", r"solver = 'newton' is unknown; allowed: compiled, lemke, exact"),
-    ("reference_lcp --friction 0.3", r"No such option.*--friction-ratio"),
-    ("reference_lcp --friction-ratio lots", r"--friction-ratio.*valid number.*given: lots"),
-    ("reference_lcp --plot missing/period.png", r"the folder missing does not exist"),
-    ("reference_lcp bench --cells 7", r"unexpected extra argument"),
-    ("reference_lcp coverage --chains 0", r"chains = 0.*>= 1"),
-    ("reference_lcp coverage --chains 1000000", r"chains = 1000000.*100000"),
-    ("reference_lcp coverage --seed -1", r"seed = -1.*>= 0"),
-    ("reference_lcp convergence --plot missing/orders.png", r"the folder missing does not exist"),
-    ("scenarios run laws --out laws.txt", r"allowed: \.md or \.csv"),
-    ("scenarios run mutations --mutant bond", r"mutant = 'bond' is unknown; allowed: .*bound"),
-    ("scenarios run mutations --gate garden", r"gate = 'garden' is unknown; allowed: contract, scenarios, report"),
-    ("scenarios run mutations --out mutations.txt", r"allowed: \.md or \.csv"),
-    ("scenarios run unit-cell --engine mutant@bound", r"'mutant@bound'; allowed: mutant@NAME@SIZE"),
+    ("reference --friction-ratio -0.1", r"friction_ratio = -0.1.*>= 0"),
+    ("reference --frequency-ratio 0", r"frequency_ratio = 0.*> 0"),
+    ("reference --frequency-ratio nan", r"frequency_ratio = nan.*finite"),
+    ("reference --friction-ratio inf", r"friction_ratio = inf.*finite"),
+    ("reference --cells 0", r"cells = 0.*>= 1"),
+    ("reference --cells 2.5", r"--cells.*valid integer.*given: 2.5"),
+    ("reference --mass-ratio 0", r"mass_ratio = 0.*> 0"),
+    ("reference --stiffness-ratio -1", r"stiffness_ratio = -1.*> 0"),
+    ("reference --damping-ratio -0.01", r"damping_ratio = -0.01.*>= 0"),
+    ("reference --base-amplitude 0", r"base_amplitude = 0.*> 0"),
+    ("reference --steps-per-period 3", r"steps_per_period = 3 .*>= 16"),
+    ("reference --tolerance 0", r"tolerance = 0.*> 0"),
+    ("reference --max-periods 0", r"max_periods = 0.*>= 1"),
+    ("reference --solver newton", r"solver = 'newton' is unknown; allowed: compiled, lemke, exact"),
+    ("reference --friction 0.3", r"No such option.*--friction-ratio"),
+    ("reference --friction-ratio lots", r"--friction-ratio.*valid number.*given: lots"),
+    ("reference --plot missing/period.png", r"the folder missing does not exist"),
+    ("reference bench --cells 7", r"unexpected extra argument"),
+    ("reference coverage --chains 0", r"chains = 0.*>= 1"),
+    ("reference coverage --chains 1000000", r"chains = 1000000.*100000"),
+    ("reference coverage --seed -1", r"seed = -1.*>= 0"),
+    ("reference convergence --plot missing/orders.png", r"the folder missing does not exist"),
+    ("run laws --out laws.txt", r"allowed: \.md or \.csv"),
     ("engines law mujocko", r"engine = 'mujocko' is unknown"),
     ("engines --jason", r"No such option.*--json"),
-    ("scenarios run accuracy --engine mujocko", r"engine = 'mujocko' is unknown; allowed: .*mujoco"),
+    ("run accuracy --engine mujocko", r"engine = 'mujocko' is unknown; allowed: .*mujoco"),
     (
-        "scenarios run accuracy --engine mujoco:glue",
+        "run accuracy --engine mujoco:glue",
         r"formulation of mujoco = 'glue' is unknown; .*joint",
     ),
-    ("scenarios run accuracy --engine mujoco:joint:best", r"preset of mujoco = 'best' is unknown; allowed: .*tuned"),
-    ("scenarios run accuracy --engine a:b:c:d", r"has 4 parts; allowed: ENGINE"),
-    ("scenarios run accuracy --engine mujoco --set sweeps=3", r"option 'sweeps' cannot be set in mujoco:joint:tuned; "),
-    ("scenarios run laws --engine mujoco --set cone=flat", r"cone = 'flat' of .*; allowed: elliptic or pyramidal"),
-    ("scenarios run cost --set iterations=3", r"--set iterations=3 beside 0 --engine; allowed: one, or --engine NAME:"),
-    ("reports --engine mujoco --engine dart --set a=3", r"--set a=3 beside 2 --engine; allowed: one"),
-    ("reports --engine mujoco:all --set cone=elliptic", r"sets cone=elliptic in several variants; allowed: in one"),
-    ("scenarios run accuracy --out table.doc", r"ending '.doc'; allowed: .md or .csv"),
-    ("scenarios run accuracy --workers 0", r"workers = 0.*>= 1"),
-    ("scenarios run accuracy --time-limit 0", r"time_limit = 0.*> 0"),
-    ("scenarios run record --record missing.csv", r"missing.csv"),
-    ("scenarios run record --record sweep.toml", r"sweep.toml"),
-    ("scenarios run unit-cell --engine mujocko", r"engine = 'mujocko' is unknown"),
-    ("scenarios run all --out verdicts.pdf", r"ending '.pdf'; allowed: .md"),
-    ("scenarios run figure3 --no-ask", r"--store"),
-    ("scenarios run cost --seconds 0", r"seconds = 0.*> 0"),
-    ("scenarios run cost --lanes 0", r"lanes = 0.*>= 1"),
-    ("scenarios run cost --lanes 64 --lanes 70000", r"lanes = 70000.*1 to 65536"),
-    ("reports compare a.sqlite b.sqlite", r"a.sqlite"),
-    ("reports compare other.sqlite other.sqlite --db 1e5", r"threshold of transmittance = 100000 dB; .*<= 1000"),
-    ("reference_lcp --base-amplitude 1e308", r"base_amplitude = 1e\+308.*1e-24 to 1e\+24"),
-    ("reference_lcp --frequency-ratio 1e-9", r"a period of .* needs .* steps; allowed: .*<= 1000000"),
-    (f"reference_lcp --cells {'9' * 4301}", r"--cells.*integer"),
-    (f"reference_lcp --plot {'x' * 400}.png", r"File name too long"),
-    ("scenarios sweep sweep.toml --time-limit 1e300", r"time_limit = 1e\+300 .*allowed: 1e-06 to 1e\+06"),
-    ("scenarios sweep sweep.toml --workers 1000000", r"workers = 1000000.*1 to 1024"),
-    (f"scenarios sweep sweep.toml --store {'x' * 400}", r"store = .*File name too long"),
-    ("scenarios sweep /dev/zero", r"more than 10000000 bytes"),
+    ("run accuracy --engine mujoco:joint:best", r"preset of mujoco = 'best' is unknown; allowed: .*tuned"),
+    ("run accuracy --engine a:b:c:d", r"has 4 parts; allowed: ENGINE"),
+    ("run accuracy --engine mujoco --set sweeps=3", r"option 'sweeps' cannot be set in mujoco:joint:tuned; "),
+    ("run laws --engine mujoco --set cone=flat", r"cone = 'flat' of .*; allowed: elliptic or pyramidal"),
+    ("run cost --set iterations=3", r"--set iterations=3 beside 0 --engine; allowed: one, or --engine NAME:"),
+    ("report --engine mujoco --engine dart --set a=3", r"--set a=3 beside 2 --engine; allowed: one"),
+    ("report --engine mujoco:all --set cone=elliptic", r"sets cone=elliptic in several variants; allowed: in one"),
+    ("run accuracy --out table.doc", r"ending '.doc'; allowed: .md or .csv"),
+    ("run accuracy --workers 0", r"workers = 0.*>= 1"),
+    ("run accuracy --time-limit 0", r"time_limit = 0.*> 0"),
+    ("run record --record missing.csv", r"missing.csv"),
+    ("run record --record sweep.toml", r"sweep.toml"),
+    ("run unit-cell --engine mujocko", r"engine = 'mujocko' is unknown"),
+    ("run all --out verdicts.pdf", r"ending '.pdf'; allowed: .md"),
+    ("run figure3 --no-run", r"--store"),
+    ("run cost --seconds 0", r"seconds = 0.*> 0"),
+    ("run cost --lanes 0", r"lanes = 0.*>= 1"),
+    ("run cost --lanes 64 --lanes 70000", r"lanes = 70000.*1 to 65536"),
+    ("compare a.sqlite b.sqlite", r"a.sqlite"),
+    ("compare other.sqlite other.sqlite --db 1e5", r"threshold of transmittance = 100000 dB; .*<= 1000"),
+    ("reference --base-amplitude 1e308", r"base_amplitude = 1e\+308.*1e-24 to 1e\+24"),
+    ("reference --frequency-ratio 1e-9", r"a period of .* needs .* steps; allowed: .*<= 1000000"),
+    (f"reference --cells {'9' * 4301}", r"--cells.*integer"),
+    (f"reference --plot {'x' * 400}.png", r"File name too long"),
+    ("sweep sweep.toml --time-limit 1e300", r"time_limit = 1e\+300 .*allowed: 1e-06 to 1e\+06"),
+    ("sweep sweep.toml --workers 1000000", r"workers = 1000000.*1 to 1024"),
+    (f"sweep sweep.toml --store {'x' * 400}", r"store = .*File name too long"),
+    ("sweep /dev/zero", r"more than 10000000 bytes"),
     ("engines install mujoco@", r"engine = 'mujoco@' has no version after the @"),
     ("engines environments check none", r"environment = 'none' is not installed"),
     ("engines environments remove", r"nothing or both is named to be removed; allowed: NAME"),
-    ("reports --engine mujoco@3.3.6 --quick", r"its adapter does not take that; allowed: mujoco >=3.3.7,<5"),
-    ("reports card mujoko", r"engine = 'mujoko'.*mujoco"),
-    ("reports reproduce mujoco unit-cell", r"scenario = 'unit-cell'.*static-hold"),
-    ("reports reproduce reference static-hold", r"reference has no reproducer; allowed: .*mujoco:joint"),
-    ("reports animate --friction-ratio -1", r"friction_ratio = -1.*>= 0"),
-    *((f"scenarios run {name} --workers 0", r"workers = 0.*>= 1") for name in CATALOGUE),
-    ("scenarios run acuracy", r"No such command 'acuracy'"),
-    ("scenarios store check none.sqlite", "none.sqlite"),
-    ("scenarios sweep missing.toml", r"missing.toml cannot be read"),
-    ("scenarios sweep folder", r"folder cannot be read"),
-    ("scenarios sweep sweep.toml --out sweep.xls", r"ending '.xls'; allowed: .nc or .csv"),
-    ("scenarios sweep sweep.toml --store other.sqlite", r"other.sqlite belongs to another program"),
-    ("scenarios sweep sweep.toml --store text.sqlite", r"text.sqlite cannot be used"),
-    ("scenarios sweep sweep.toml --scheduler nowhere", r"scheduler = 'nowhere'"),
-    ("scenarios sweep", r"Missing argument 'file'"),
-    ("reports --engine mujocko --quick", r"engine = 'mujocko' is unknown"),
-    ("reports --quick --out text.sqlite", r"--out = text.sqlite cannot be made"),
-    ("reports --quick --workers -2", r"workers = -2.*>= 1"),
+    ("report --engine mujoco@3.3.6 --quick", r"its adapter does not take that; allowed: mujoco >=3.3.7,<5"),
+    ("card mujoko", r"engine = 'mujoko'.*mujoco"),
+    ("reproduce mujoco unit-cell", r"scenario = 'unit-cell'.*static-hold"),
+    ("reproduce reference static-hold", r"reference has no reproducer; allowed: .*mujoco:joint"),
+    ("animate --friction-ratio -1", r"friction_ratio = -1.*>= 0"),
+    *((f"run {name} --workers 0", r"workers = 0.*>= 1") for name in CATALOGUE),
+    ("run acuracy", r"No such command 'acuracy'"),
+    ("store check none.sqlite", "none.sqlite"),
+    ("sweep missing.toml", r"missing.toml cannot be read"),
+    ("sweep folder", r"folder cannot be read"),
+    ("sweep sweep.toml --out sweep.xls", r"ending '.xls'; allowed: .nc or .csv"),
+    ("sweep sweep.toml --store other.sqlite", r"other.sqlite belongs to another program"),
+    ("sweep sweep.toml --store text.sqlite", r"text.sqlite cannot be used"),
+    ("sweep sweep.toml --scheduler nowhere", r"scheduler = 'nowhere'"),
+    ("sweep", r"Missing argument 'file'"),
+    ("report --engine mujocko --quick", r"engine = 'mujocko' is unknown"),
+    ("report --quick --out text.sqlite", r"--out = text.sqlite cannot be made"),
+    ("report --quick --workers -2", r"workers = -2.*>= 1"),
 ]
 
 SWEEP = """
@@ -169,7 +154,7 @@ def files_in(folder: Path) -> dict[Path, bytes | None]:
 def test_wrong_command_line_is_refused_with_its_value(folder, capsys, line, message) -> None:
     before = files_in(folder)
     name, *arguments = line.split()
-    assert run_command(APPS[name], arguments) == ExitCode.WRONG_INPUT
+    assert run_command(app, [name, *arguments]) == ExitCode.WRONG_INPUT
     printed = capsys.readouterr()
     assert printed.err.startswith("error: ")
     assert len(printed.err.splitlines()) == 1
@@ -182,7 +167,7 @@ def test_wrong_command_line_is_refused_with_its_value(folder, capsys, line, mess
 def test_wrong_sweep_file_is_refused_with_file_key_and_value(folder, capsys, content, message) -> None:
     (folder / "mine.toml").write_text(content)
     before = files_in(folder)
-    assert run_command(APPS["scenarios"], ["sweep", "mine.toml"]) == ExitCode.WRONG_INPUT
+    assert run_command(app, ["sweep", "mine.toml"]) == ExitCode.WRONG_INPUT
     printed = capsys.readouterr().err
     assert printed.startswith("error: mine.toml")
     assert re.search(message, printed), printed
@@ -197,22 +182,22 @@ LARGE = SWEEP.replace("[0.3]", "{ first = 0.1, last = 1.0, points = 1000 }").rep
 @pytest.mark.parametrize(
     "command",
     [
-        "scenarios sweep large.toml",
-        "scenarios sweep large.toml --yes --out large.nc",
-        "scenarios sweep large.toml --no-ask --out large.csv",
-        "reports --sweep large.toml",
+        "sweep large.toml",
+        "sweep large.toml --yes --out large.nc",
+        "sweep large.toml --no-run --out large.csv",
+        "report --sweep large.toml",
     ],
 )
 def test_sweep_of_ten_million_points_says_its_size_and_asks_for_a_yes(folder, capsys, command) -> None:
     (folder / "large.toml").write_text(LARGE)
     before = files_in(folder)
     name, *arguments = command.split()
-    assert run_command(APPS[name], arguments) == ExitCode.WRONG_INPUT
+    assert run_command(app, [name, *arguments]) == ExitCode.WRONG_INPUT
     assert re.search(r"0,000,000 points, .* h of .*allowed: <= 1,000,000 points", capsys.readouterr().err)
     assert files_in(folder) == before
 
 
 def test_misspelt_engine_is_refused_before_the_reference_is_measured(folder, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(scenarios.cli.cost, "cost", lambda *_: pytest.fail("something was measured"))
-    assert run_command(APPS["scenarios"], ["run", "cost", "--engine", "mujocko"]) == ExitCode.WRONG_INPUT
+    monkeypatch.setattr("scenarios.studies.cost.cost", lambda *_: pytest.fail("something was measured"))
+    assert run_command(app, ["run", "cost", "--engine", "mujocko"]) == ExitCode.WRONG_INPUT
     assert "engine = 'mujocko' is unknown" in capsys.readouterr().err

@@ -8,18 +8,15 @@ import pytest
 
 import reference_lcp
 import reports
-import reports.__main__
-import scenarios.__main__
 from reference_lcp import ParameterError
-from reference_lcp.console import checked_output_file, checked_output_folder, run_command
-from reference_lcp.exit_code import ExitCode
-from reference_lcp.refusal import RunError
-from scenarios.catalogue.transient.example_record import write_example
-from scenarios.execution.storage.store import ResultStore
+from reference_lcp.console import run_command
+from reference_lcp.errors import ExitCode, RunError
+from reference_lcp.output import checked_output_file, checked_output_folder
+from reports.cli.console_script import app
 from scenarios.functions import sweep
+from scenarios.runs.store import ResultStore
 from scenarios.sweeps.dataset import write_dataset
-
-APPS = {"scenarios": scenarios.__main__.app, "reports": reports.__main__.app}
+from tests.scenarios.catalogue.example_record import write_example
 
 SWEEP = """
 engines = ["reference:joint"]
@@ -31,24 +28,23 @@ frequency_ratio = [0.9]
 KEPT = b"what was there before"
 
 ONTO_WHAT_IS_USED = [
-    "scenarios sweep sweep.toml --store kept.csv --out kept.csv",
-    "scenarios sweep sweep.toml --store kept.csv --out link.csv",
-    "scenarios sweep sweep.toml --store link.csv --out kept.csv",
-    "scenarios sweep sweep.toml --store hard.csv --out kept.csv",
-    "scenarios sweep sweep.toml --store fresh.csv --out ./fresh.csv",
-    "scenarios sweep sweep.toml --out kept.csv",
-    "scenarios sweep sweep.csv --out sweep.csv",
-    "scenarios run unit-cell --engine reference --store kept.csv --out kept.csv",
-    "scenarios run unit-cell --engine reference --store fresh.csv --out fresh.csv",
-    "scenarios run record --engine reference --record record.csv --out record.csv",
-    "scenarios run accuracy --engine reference --store kept.csv --out kept.csv",
-    "scenarios run cost --engine reference --out kept.csv",
-    "scenarios run mutations --mutant bound --store kept.csv --out kept.csv",
-    "reports compare kept.csv hard.csv --out kept.csv",
-    "reports compare kept.csv hard.csv --out link.csv",
-    "reports --quick --store rep/transmittance.csv --out rep",
-    "reports --quick --store rep/figures/store.png --out rep",
-    "reports --sweep rep/report.json --out rep",
+    "sweep sweep.toml --store kept.csv --out kept.csv",
+    "sweep sweep.toml --store kept.csv --out link.csv",
+    "sweep sweep.toml --store link.csv --out kept.csv",
+    "sweep sweep.toml --store hard.csv --out kept.csv",
+    "sweep sweep.toml --store fresh.csv --out ./fresh.csv",
+    "sweep sweep.toml --out kept.csv",
+    "sweep sweep.csv --out sweep.csv",
+    "run unit-cell --engine reference --store kept.csv --out kept.csv",
+    "run unit-cell --engine reference --store fresh.csv --out fresh.csv",
+    "run record --engine reference --record record.csv --out record.csv",
+    "run accuracy --engine reference --store kept.csv --out kept.csv",
+    "run cost --engine reference --out kept.csv",
+    "compare kept.csv hard.csv --out kept.csv",
+    "compare kept.csv hard.csv --out link.csv",
+    "report --quick --store rep/transmittance.csv --out rep",
+    "report --quick --store rep/figures/store.png --out rep",
+    "report --sweep rep/report.json --out rep",
 ]
 
 
@@ -70,7 +66,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_an_output_onto_what_the_command_uses_is_refused_and_changes_nothing(line, files, capsys) -> None:
     before = {file: file.read_bytes() for file in files.rglob("*") if file.is_file()}
     name, *arguments = line.split()
-    assert run_command(APPS[name], arguments) == ExitCode.WRONG_INPUT
+    assert run_command(app, [name, *arguments]) == ExitCode.WRONG_INPUT
     message = capsys.readouterr().err
     assert message.count("\n") == 1
     assert "allowed: " in message

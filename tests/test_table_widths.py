@@ -6,12 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from engines.mutants.catalogue import MUTANTS
 from reference_lcp.console import run_command
-from scenarios.cli.mutation_rows import write_mutations
-from scenarios.mutations.mutation_table import MutationRow
-from scenarios.mutations.search import Detection
-from tests.test_mistakes import APPS
+from reports.cli.console_script import app
 
 WIDTH = 80
 
@@ -31,18 +27,18 @@ LINES = [
     "engines",
     "engines environments",
     "engines law mujoco:joint:default",
-    "reference_lcp --cells 2 --steps-per-period 400",
-    "reference_lcp bench --cells",
-    "scenarios",
-    "scenarios run locked-limit --engine mujoco:all:all --workers 1",
-    "scenarios run all --no-ask --store sweep.sqlite --engine exudyn-regularised:all:all",
-    pytest.param("scenarios run accuracy --engine reference --no-cost --workers 1", marks=pytest.mark.slow),
-    "scenarios run laws --engine mujoco:joint:default --workers 1",
-    pytest.param("scenarios run cost --engine mujoco:contact:default --seconds 0.1", marks=pytest.mark.slow),
-    "scenarios run cost --engine exudyn-regularised:contact:default --lanes 1 --lanes 2",
-    "scenarios sweep sweep.toml --store sweep.sqlite --workers 1",
-    "reports compare sweep.sqlite lost.sqlite",
-    "reports --sweep sweep.toml --store sweep.sqlite --no-ask",
+    "reference --cells 2 --steps-per-period 400",
+    "reference bench --cells",
+    "run",
+    "run locked-limit --engine mujoco:all:all --workers 1",
+    "run all --no-run --store sweep.sqlite --engine exudyn-regularised:all:all",
+    pytest.param("run accuracy --engine reference --no-cost --workers 1", marks=pytest.mark.slow),
+    "run laws --engine mujoco:joint:default --workers 1",
+    pytest.param("run cost --engine mujoco:contact:default --seconds 0.1", marks=pytest.mark.slow),
+    "run cost --engine exudyn-regularised:contact:default --lanes 1 --lanes 2",
+    "sweep sweep.toml --store sweep.sqlite --workers 1",
+    "compare sweep.sqlite lost.sqlite",
+    "report --sweep sweep.toml --store sweep.sqlite --no-run",
 ]
 
 
@@ -53,7 +49,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "sweep.toml").write_text(SWEEP)
     assert (
         run_command(
-            APPS["scenarios"],
+            app,
             ["sweep", str(folder / "sweep.toml"), "--store", str(folder / "sweep.sqlite"), "--workers", "1"],
         )
         == 0
@@ -77,14 +73,5 @@ def widest_rule(text: str) -> int:
 def test_tables_of_a_command_fit(line: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
     monkeypatch.chdir(folder)
     monkeypatch.setenv("COLUMNS", str(WIDTH))
-    package, *arguments = line.split()
-    assert run_command(APPS[package], arguments) in (0, 1)
-    assert widest_rule(capsys.readouterr().out) <= WIDTH
-
-
-def test_the_table_of_mutants_fits(monkeypatch: pytest.MonkeyPatch, capsys) -> None:
-    monkeypatch.setenv("COLUMNS", str(WIDTH))
-    gates = ("contract", "scenarios", "report")
-    rows = [MutationRow(mutant, dict.fromkeys(gates, Detection(1.25e-13))) for mutant in MUTANTS.values()]
-    write_mutations(rows, None, "")
+    assert run_command(app, line.split()) in (0, 1)
     assert widest_rule(capsys.readouterr().out) <= WIDTH

@@ -7,34 +7,24 @@ import sys
 
 import pytest
 
-import engines.__main__
-import reference_lcp.__main__
-import reports.__main__
-import scenarios.__main__
 from reference_lcp.console import run_command
-from reference_lcp.exit_code import ExitCode
-from reference_lcp.visible import visible
-
-APPS = {
-    "reference_lcp": reference_lcp.__main__.app,
-    "engines": engines.__main__.app,
-    "scenarios": scenarios.__main__.app,
-    "reports": reports.__main__.app,
-}
+from reference_lcp.errors import ExitCode
+from reference_lcp.terminal import visible
+from reports.cli.console_script import COMMANDS, app
 
 LINES = [
-    *(f"{name} --help" for name in APPS),
-    "reference_lcp --cells 2",
-    "reference_lcp convergence --help",
+    *(f"{name} --help" for name in COMMANDS),
+    "reference --cells 2",
+    "reference convergence --help",
     "engines",
     "engines --json",
-    "scenarios",
-    "scenarios example",
-    "scenarios sweep --help",
-    "scenarios run all --help",
-    "scenarios store check --help",
-    "reports compare --help",
-    "reports animate --help",
+    "run",
+    "example",
+    "sweep --help",
+    "run all --help",
+    "store check --help",
+    "compare --help",
+    "animate --help",
 ]
 
 
@@ -44,14 +34,14 @@ def test_an_output_without_greek_letters_ends_no_command(monkeypatch, line, enco
     name, *arguments = line.split()
     for stream in ("stdout", "stderr"):
         monkeypatch.setattr(sys, stream, io.TextIOWrapper(io.BytesIO(), encoding=encoding))
-    assert run_command(APPS[name], arguments) == 0
+    assert run_command(app, [name, *arguments]) == 0
     sys.stdout.flush()
     assert sys.stdout.buffer.getvalue()
 
 
 def test_a_file_name_that_is_no_text_is_printed(monkeypatch) -> None:
     monkeypatch.setattr(sys, "stderr", io.TextIOWrapper(io.BytesIO(), encoding="utf-8"))
-    assert run_command(APPS["scenarios"], ["sweep", os.fsdecode(b"\xff.toml")]) == ExitCode.WRONG_INPUT
+    assert run_command(app, ["sweep", os.fsdecode(b"\xff.toml")]) == ExitCode.WRONG_INPUT
     sys.stderr.flush()
     assert sys.stderr.buffer.getvalue().startswith(rb"error: \udcff.toml cannot be read")
 
@@ -84,7 +74,7 @@ def test_a_message_about_a_strangers_file_is_one_line_that_no_terminal_obeys(tmp
     file.write_text(
         'engines = ["\\u001b]0;owned\\u0007\\nerror: fine"]\n[grid]\nfriction_ratio = [0]\nfrequency_ratio = [1]'
     )
-    assert run_command(APPS["scenarios"], ["sweep", str(file)]) == ExitCode.WRONG_INPUT
+    assert run_command(app, ["sweep", str(file)]) == ExitCode.WRONG_INPUT
     printed = capsys.readouterr().err
     assert "\x1b" not in printed
     assert len(printed.splitlines()) == 1

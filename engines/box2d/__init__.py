@@ -2,14 +2,16 @@
 
 from typing import ClassVar
 
-from engines.box2d.contact import CONTACT_DEFAULT, CONTACT_TUNED, Box2DContactLane
-from engines.box2d.joint import JOINT_DEFAULT, JOINT_TUNED, Box2DJointLane
-from engines.box2d.reproducer import CONTACT, JOINT
+from engines.box2d.contact import CLEARANCE_OVER_SLOP, GAP_OVER_SLOP, Box2DContactLane, contact_units
+from engines.box2d.joint import SPRING_LENGTH, Box2DJointLane, joint_units
+from engines.box2d.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.shared.wheel_engine import WheelEngine
+from engines.interface.tolerances import SINGLE_RESIDUAL
+from engines.shared.pip_engine import PipEngine
+from engines.shared.script_units import script_in_units
 
 
-class Box2D(WheelEngine):
+class Box2D(PipEngine):
     """Box2D 2.3, in single precision."""
 
     name: ClassVar[str] = "box2d"
@@ -25,9 +27,7 @@ class Box2D(WheelEngine):
             Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
         },
         precision="single",
-        # Positions and velocities are rounded by 2^-24 of themselves in every step: of one period of 400 steps,
-        # this adds up to 1e-6 of the displacement scale or somewhat more, and no mixing of iterates removes it.
-        residual=1e-5,
+        residual=SINGLE_RESIDUAL,
         notes=(
             "Coulomb's law, exact in stick, in single precision: a motion repeats to some 1e-6 of its size, and no "
             "closer. By default springs are distance joints, implicit and therefore damping, and bodies that move "
@@ -35,4 +35,13 @@ class Box2D(WheelEngine):
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: Box2DJointLane, Formulation.CONTACT: Box2DContactLane}
-    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
+    reproducers: ClassVar = {
+        Formulation.JOINT: script_in_units("reproducer_joint.py.jinja", joint_units, length=SPRING_LENGTH),
+        Formulation.CONTACT: script_in_units(
+            "reproducer_contact.py.jinja",
+            contact_units,
+            length=SPRING_LENGTH,
+            gap=GAP_OVER_SLOP,
+            clearance=CLEARANCE_OVER_SLOP,
+        ),
+    }

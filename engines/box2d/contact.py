@@ -4,40 +4,14 @@ from typing import Any
 
 import numpy as np
 
-from engines.box2d.bodies import DEFAULT_OPTIONS, FARTHEST, Box2DLane, import_box2d
-from engines.box2d.law import own_springs
-from engines.interface.presets import Option, Preset
+from engines.box2d.joint import FARTHEST, Box2DLane, finer_units, import_box2d
+from engines.interface.presets import Preset
 from engines.shared.box_geometry import PressedBoxes
 from engines.shared.force_loop import Step
-from engines.shared.known_deviations import IMPLICIT_SPRINGS
+from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
-
-CONTACT_TUNED = Preset(
-    "Boxes pressed on plates; springs, dashpots and drive as forces at the start of the step.",
-    {
-        "units": Option("lane", "SI", "Boxes are about as large as Box2D is made for."),
-        "springs": Option("forces", "distance joints", "At the start of the step, as in equation (5)."),
-        "velocityIterations": Option(2, 8, "Friction comes before the normal force, and is right in the second sweep."),
-        "positionIterations": Option(1, 3, "Boxes start as near to their plates as Box2D leaves them."),
-        "warmStarting": Option(False, True, "Sweeps start from zero, not from the last impulses."),
-        "AllowSleeping": Option(False, True, "Box2D stops what is slower than 0.01 for half a unit of time."),
-    },
-    shares_scheme=True,
-)
-
-CONTACT_DEFAULT = Preset(
-    "The same boxes, and distance joints as springs, in SI units, with the iterations that Box2D's manual suggests.",
-    DEFAULT_OPTIONS,
-    # Sweeps that have not converged go on from the last impulses, which a state does not hold.
-    known_deviation=IMPLICIT_SPRINGS,
-    law=own_springs,
-    split_tolerance=1e-5,
-)
-
-FINENESS = 2.0**4
-"""Unit of length over the lane's own: boxes are some tenths of a unit, where Box2D rounds corners by a hundredth."""
 
 GAP_OVER_SLOP = 3.0
 """Distance of the outlines of a box and its plate over Box2D's linearSlop: each has a skin of twice that, and skins
@@ -48,13 +22,17 @@ CLEARANCE_OVER_SLOP = 8.0
 of the plate above it. Without it small boxes touch the cell beside theirs."""
 
 
+def contact_units(name: str, lane: Lane) -> Units:
+    """Give the units of a preset: boxes are some tenths of the lane's, where Box2D rounds corners by a hundredth."""
+    return finer_units(name, lane, 2.0**4)
+
+
 class Box2DContactLane(Box2DLane):
     """One chain with a box on a plate in every cell."""
 
     def __init__(self, lane: Lane, preset: Preset):
-        """Take the lane's parameters in its units."""
-        super().__init__(lane, preset, FINENESS)
-        self._sizes = PressedBoxes.of(lane, self._units)
+        super().__init__(lane, preset, contact_units(preset["units"], lane))
+        self._sizes: PressedBoxes = PressedBoxes.of(lane, self._units)
         slop = import_box2d().b2_linearSlop
         cells = (self._sizes.spacing + CLEARANCE_OVER_SLOP * slop) * np.arange(lane.chain.cells)
         self._heights = np.concatenate([cells, cells + GAP_OVER_SLOP * slop])
@@ -100,7 +78,6 @@ class Box2DContactLane(Box2DLane):
 
     def _state(self, motions: FloatArray) -> State:
         end = super()._state(motions)
-        self._sizes.check_reach(end, self._units)
         largest, limit = float(np.max(np.abs(motions[-1, motions.shape[1] // 2 :]))), 0.999 * FARTHEST / self._time_step
         if largest > limit:
             velocity = self._units.velocity

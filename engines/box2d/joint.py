@@ -1,51 +1,137 @@
-"""Box2D's joint formulation: in every cell the motor of a prismatic joint, or a friction joint."""
+"""Lanes of Box2D, whatever holds their masses together: bodies, springs, how they are set and read, and units."""
 
+import dataclasses
+import functools
+import importlib
+import math
+import warnings
+from abc import abstractmethod
+from operator import attrgetter
 from typing import Any
 
-from engines.box2d.bodies import DEFAULT_OPTIONS, Box2DLane
-from engines.box2d.law import own_springs
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.shared.known_deviations import IMPLICIT_SPRINGS
+import numpy as np
+
+from engines.interface.presets import Preset
+from engines.shared.force_loop import ExplicitForcesLane, Step
+from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
-JOINT_TUNED = Preset(
-    "Motors of bounded force in prismatic joints; springs, dashpots and drive as forces at the start of the step.",
-    {
-        "units": Option("lane", "SI", "Steps stay far below the two units at which Box2D cuts them off."),
-        "springs": Option("forces", "distance joints", "At the start of the step, as in equation (5)."),
-        "joint": Option("prismatic", "friction", "Friction joints do not bound impulses below 1.2e-7."),
-        "velocityIterations": Option(1, 8, "Frictions do not touch each other's masses: the first sweep is exact."),
-        "positionIterations": Option(1, 3, "There is nothing to correct across the motion."),
-        "warmStarting": Option(False, True, "Sweeps start from zero, not from the last impulses."),
-        "AllowSleeping": Option(False, True, "Box2D stops what is slower than 0.01 for half a unit of time."),
-    },
-    shares_scheme=True,
-    split_tolerance=0.0,
-    normal_force=NormalForce.MODULATED,
-)
+SPRING_LENGTH = 2.0**6
+"""Length of a spring over the displacement scale: it acts along the line of its anchors, and is rounded to 2^-24."""
 
-JOINT_DEFAULT = Preset(
-    "Friction joints, and distance joints as springs, in SI units, with the iterations that Box2D's manual suggests.",
-    {**DEFAULT_OPTIONS, "joint": Option("friction", "friction", "Box2D's own for dry friction.")},
-    # Sweeps that have not converged go on from the last impulses, which a state does not hold.
-    known_deviation=IMPLICIT_SPRINGS,
-    law=own_springs,
-    split_tolerance=1e-5,
-    normal_force=NormalForce.MODULATED,
-)
+FARTHEST = 2.0
+"""Distance in an engine's units at which Box2D cuts the displacement of a step off, without a message."""
 
-FINENESS = 2.0**20
-"""Unit of length over the lane's own: no step comes near the length at which Box2D cuts it off."""
+
+def finer_units(name: str, lane: Lane, length: float) -> Units:
+    """Give the units of a preset, the lane's own with a unit of length so many times as long."""
+    units = Units.named(name, lane)
+    return units if name == "SI" else dataclasses.replace(units, length=length * units.length)
+
+
+class Box2DLane(ExplicitForcesLane):
+    """One chain; a run makes its world anew, for joints and contacts keep their last impulses."""
+
+    def __init__(self, lane: Lane, preset: Preset, units: Units):
+        self._preset = preset
+        self._own_springs = preset["springs"] == "distance joints"
+        super().__init__(lane, units)
+        self._iterations = preset["velocityIterations"], preset["positionIterations"]
+        # Where bodies are across the motion, and the forces on them there.
+        self._heights, self._pressing = np.zeros((2, 2 * lane.chain.cells))
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone, with bodies at rest kept awake; see `NativeStepping`."""
+        world, _ = self._new_world(np.zeros(4 * self._chain.cells))
+        world.SetAllowSleeping(False)
+        step, time_step, (velocity, position) = world.Step, self._time_step, self._iterations
+        for _ in range(steps):
+            step(time_step, velocity, position)
+
+    @abstractmethod
+    def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
+        """Add what makes friction between the masses of each cell."""
+
+    def _begin(self, motion: FloatArray) -> Step:
+        self._world, bodies = self._new_world(motion)
+        # These refer to the memory of the bodies: they are made once, and always hold what is there.
+        held = [body.position for body in bodies] + [body.linearVelocity for body in bodies]
+        pushes, across = [body.ApplyForceToCenter for body in bodies], self._pressing.tolist()
+        along, advance, time_step, (sweeps, corrections) = (
+            attrgetter("x"), self._world.Step, self._time_step, self._iterations
+        )  # fmt: skip
+
+        def step(force: FloatArray) -> None:
+            for push, value, normal_load in zip(pushes, force.tolist(), across, strict=True):
+                push((value, normal_load), True)
+            advance(time_step, sweeps, corrections)
+            motion[:] = list(map(along, held))
+
+        return step
+
+    def _new_world(self, motion: FloatArray) -> tuple[Any, list[Any]]:
+        """Make the world with this motion; give it and its bodies, outer masses first."""
+        package = import_box2d()
+        world = package.b2World(gravity=(0.0, 0.0))
+        # The argument doSleep of a world does nothing.
+        world.SetAllowSleeping(self._preset["AllowSleeping"])
+        world.warmStarting = self._preset["warmStarting"]
+        masses = np.concatenate([self._chain.outer_mass, self._chain.inner_mass])
+        places = np.column_stack([motion.reshape(2, -1)[0], self._heights])
+        bodies = [
+            world.CreateDynamicBody(position=tuple(place), linearVelocity=(velocity, 0.0), fixedRotation=True)
+            for place, velocity in zip(places.tolist(), motion[masses.size :].tolist(), strict=True)
+        ]
+        outer, inner = bodies[: len(bodies) // 2], bodies[len(bodies) // 2 :]
+        self._hold(world, outer, inner)
+        # Afterwards, for whatever changes a body's rotation or shape makes its mass another one.
+        for body, mass in zip(bodies, masses.tolist(), strict=True):
+            body.massData = package.b2MassData(mass=mass, I=0.0, center=(0.0, 0.0))
+        if self._own_springs:
+            self._add_springs(world, outer, inner)
+        return world, bodies
+
+    def _add_springs(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
+        """Add springs and dashpots as distance joints: by the frequency and the damping ratio of their two masses.
+
+        The right end of a spring is an anchor that its body carries ahead of it, at the height of the left end.
+        """
+        chain = self._chain
+        length = SPRING_LENGTH * power_of_two(self.lane.drive.displacement_scale(self.lane.chain)) / self._units.length
+        ground = world.CreateStaticBody(position=(0.0, float(self._heights[0])))
+        for left, right, stiffness, damping in (
+            *zip([ground, *outer[:-1]], outer, chain.chain_stiffness, chain.chain_damping, strict=True),
+            *zip(outer, inner, chain.inner_stiffness, chain.inner_damping, strict=True),
+        ):
+            mass = right.mass if left is ground else 1 / (1 / left.mass + 1 / right.mass)
+            omega = math.sqrt(stiffness / mass)
+            world.CreateDistanceJoint(
+                bodyA=left, bodyB=right,
+                localAnchorA=(0.0, 0.0), localAnchorB=(length, left.position.y - right.position.y), length=length,
+                frequencyHz=omega / (2 * math.pi), dampingRatio=damping / (2 * mass * omega), collideConnected=True,
+            )  # fmt: skip
+
+
+@functools.cache
+def import_box2d() -> Any:
+    """Import Box2D, whose warnings at import end the interpreter where warnings are errors."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return importlib.import_module("Box2D")
+
+
+def joint_units(name: str, lane: Lane) -> Units:
+    """Give the units of a preset, the lane's own with so long a unit that no step comes near Box2D's `FARTHEST`."""
+    return finer_units(name, lane, 2.0**20)
 
 
 class Box2DJointLane(Box2DLane):
     """One chain with a joint in every cell."""
 
     def __init__(self, lane: Lane, preset: Preset):
-        """Take the lane's parameters in its units."""
         self._by_motor = preset["joint"] == "prismatic"
-        super().__init__(lane, preset, FINENESS)
+        super().__init__(lane, preset, joint_units(preset["units"], lane))
 
     def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
         here, self._joints = (0.0, 0.0), []

@@ -6,8 +6,7 @@ from engines.contract.lanes import label
 from engines.contract.plugin import OPTION
 from engines.interface.presets import NormalForce
 from engines.interface.registry import engine, engine_names
-from engines.interface.selection import variants_of
-from engines.interface.variant import Variant
+from engines.interface.variant import Variant, variants_of
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

@@ -7,13 +7,13 @@ import numpy as np
 
 from engines.interface.tolerances import CREEP, STEPS
 from engines.interface.variant import Variant
-from reference_lcp.chain.canonical import BASE_AMPLITUDE
-from reference_lcp.chain.harmonic import HarmonicBase, HarmonicForce, PeriodicDrive
+from reference_lcp.chain.drives import HarmonicBase, HarmonicForce, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.chain.transient import QUIET, RickerPulse
+from reference_lcp.defaults import BASE_AMPLITUDE
 
 CELLS, SEED = 7, 20
 

@@ -27,7 +27,7 @@ def pytest_configure(config: pytest.Config) -> None:
     names: list[str] = config.getoption(OPTION)
     for name in names:
         from engines.interface.registry import engine
-        from reference_lcp.refusal import ParameterError
+        from reference_lcp.errors import ParameterError
 
         try:
             missing = engine(name).unavailable_reason()

@@ -3,8 +3,7 @@
 import numpy as np
 
 from engines.contract.lanes import lane_of, pulse_lane_of, random_state, run_of, tolerance_of
-from engines.interface.law_engine import law_of
-from engines.interface.registry import engine
+from engines.interface.registry import engine, law_of
 from engines.interface.tolerances import (
     CONVERGED_TOLERANCE_DB,
     FRICTION_TOLERANCE,
@@ -15,15 +14,15 @@ from engines.interface.tolerances import (
     TRAJECTORY_TOLERANCE,
 )
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
-from reference_lcp.chain.canonical import BASE_AMPLITUDE
-from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.simulation import Lane, PeriodicOrbit
 from reference_lcp.chain.trajectory import State
+from reference_lcp.defaults import BASE_AMPLITUDE
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.steady.neighbours import orbits_beside_euler
-from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
+from reference_lcp.steady.orbits import periodic_orbits
+from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
 
 UNINFORMED_POINTS = 2
 """Points at which an engine is searched from harmonic balance; at the others its search begins in the orbit of its law,

@@ -9,10 +9,10 @@ from engines.contract.lanes import drive_of, lane_of, random_state, run_of, tole
 from engines.interface.presets import FrictionLaw
 from engines.interface.tolerances import BOUND_MARGIN, ROUND_OFF, SLIDING, STEPS
 from engines.interface.variant import Variant
-from reference_lcp.chain.canonical import BASE_AMPLITUDE
-from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
+from reference_lcp.defaults import BASE_AMPLITUDE
 
 
 def test_normal_force_is_the_one_that_is_given(tuned: Variant) -> None:

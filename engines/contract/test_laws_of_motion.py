@@ -6,10 +6,10 @@ import pytest
 from engines.contract.lanes import drive_of, lane_of, random_state, run_of
 from engines.interface.tolerances import DISTANCE_GROWTH, LINEAR_TOLERANCE_DB, MOMENTUM_TOLERANCE, STEPS
 from engines.interface.variant import Variant
-from reference_lcp.chain.harmonic import StillBase
+from reference_lcp.chain.drives import StillBase
 from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
+from reference_lcp.chain.mass_in_mass import mechanical_energy
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.observables.energy import mechanical_energy
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.validation import FloatArray

@@ -8,7 +8,6 @@ import pytest
 from engines.contract.lanes import modulated_lane, run_of, tolerance_of
 from engines.interface.presets import NormalForce
 from engines.interface.registry import engine
-from engines.interface.selection import variants_of
 from engines.interface.tolerances import (
     BOUND_MARGIN,
     CONVERGED_TOLERANCE_DB,
@@ -19,13 +18,13 @@ from engines.interface.tolerances import (
     STEPS,
     TRAJECTORY_TOLERANCE,
 )
-from engines.interface.variant import Variant
-from reference_lcp.chain.canonical import BASE_AMPLITUDE
+from engines.interface.variant import Variant, variants_of
 from reference_lcp.chain.preload import Flight
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.defaults import BASE_AMPLITUDE
+from reference_lcp.errors import ParameterError
 from reference_lcp.observables.stick_slip import OPEN
 from reference_lcp.observables.transmittance import decibel, transmittance
-from reference_lcp.refusal import ParameterError
 from reference_lcp.steady.orbits import periodic_orbits
 
 

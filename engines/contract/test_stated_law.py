@@ -9,7 +9,7 @@ import pytest
 from engines.contract.lanes import modulated_lane, random_lanes, scaled_state
 from engines.interface.engine import Engine
 from engines.interface.law import Law
-from engines.interface.law_engine import law_of
+from engines.interface.registry import law_of
 from engines.interface.tolerances import STEPS
 from engines.interface.variant import Variant
 from engines.shared.law_distance import allowed_distance, stepped_by

@@ -2,14 +2,22 @@
 
 from typing import ClassVar
 
-from engines.dart.contact import CONTACT_DEFAULT, CONTACT_SPHERE, CONTACT_TUNED, DartContactLane
-from engines.dart.joint import JOINT_DEFAULT, JOINT_TUNED, RESIDUAL_SLIP_COMPLIANCE, DartJointLane
-from engines.dart.reproducer import CONTACT, JOINT
+from engines.dart.contact import DEPTH, DartContactLane
+from engines.dart.joint import DartJointLane
+from engines.dart.presets import (
+    CONTACT_DEFAULT,
+    CONTACT_SPHERE,
+    CONTACT_TUNED,
+    JOINT_DEFAULT,
+    JOINT_MIXING,
+    JOINT_TUNED,
+)
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.shared.wheel_engine import WheelEngine
+from engines.shared.pip_engine import PipEngine
+from engines.shared.script_units import script_in_si
 
 
-class Dart(WheelEngine):
+class Dart(PipEngine):
     """DART, without graphics."""
 
     name: ClassVar[str] = "dart"
@@ -26,10 +34,13 @@ class Dart(WheelEngine):
         },
         notes=(
             "Coulomb's law as a boxed LCP, solved by pivoting, whose diagonal is enlarged by a part that cannot be set "
-            f"to less than {RESIDUAL_SLIP_COMPLIANCE:g} in joints, and not at all in contacts, "
+            f"to less than {JOINT_MIXING:g} in joints, and not at all in contacts, "
             "where normal forces err by 2.5e-6 at first. By default joints have their own springs and dashpots, "
             "implicit ones, which damp the motion by as much as the time step is long."
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: DartJointLane, Formulation.CONTACT: DartContactLane}
-    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
+    reproducers: ClassVar = {
+        Formulation.JOINT: script_in_si("reproducer_joint.py.jinja"),
+        Formulation.CONTACT: script_in_si("reproducer_contact.py.jinja", depth=DEPTH),
+    }

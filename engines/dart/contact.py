@@ -5,69 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from engines.dart.law import soft_sphere
-from engines.dart.world import new_world
-from engines.interface.presets import NormalForce, Option, Preset
+from engines.dart.joint import new_world
+from engines.interface.presets import Preset
 from engines.shared.box_geometry import PressedBoxes
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import ExplicitForcesLane, Step
-from engines.shared.tangents import tangents_of_the_world
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.chain.trajectory import State
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
-
-RESIDUAL_SLIP_COMPLIANCE = 1e-5
-"""DART's constraint force mixing of a point of contact, which Python cannot set; four points share a box."""
-
-CONTACT_TUNED = Preset(
-    "Boxes pressed on plates; springs, dashpots and drive as forces at the start of the step.",
-    {
-        "units": Option("lane", "SI", "No number comes near DART's built-in smallest ones."),
-        "shape": Option("box", "box", "Its four points share DART's constraint force mixing of 1e-5 a point."),
-        "deactivation": Option(
-            False, True, "Slow bodies must not be put to sleep. With it on, none was in the chains that were tried."
-        ),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-6,
-    residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE / 4,
-    normal_force=NormalForce.LIFTING,
-    turns=True,
-    inclines=True,
-    turned_bound=tangents_of_the_world,
-)
-
-CONTACT_DEFAULT = Preset(
-    "The same boxes in SI units; springs are forces all the same, for DART's belong to joints.",
-    {
-        "units": Option("SI", "SI", "The chain in SI units."),
-        "shape": Option("box", "box", "The plainest body to press on a plate."),
-        "deactivation": Option(True, True, "DART's own."),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-6,
-    residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE / 4,
-    normal_force=NormalForce.LIFTING,
-    turns=True,
-    inclines=True,
-    turned_bound=tangents_of_the_world,
-)
-
-CONTACT_SPHERE = Preset(
-    "Spheres, which do not roll, on plates: one point of contact a cell, and half the cost.",
-    {
-        **CONTACT_TUNED.options,
-        "shape": Option("sphere", "box", "One point of contact, with the whole of its constraint force mixing."),
-    },
-    law=soft_sphere,
-    split_tolerance=1e-5,
-    residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE,
-    normal_force=NormalForce.LIFTING,
-    turns=True,
-    inclines=True,
-)
 
 DEPTH = 2.0**-40
 """Depth of a box in its plate over half its edge: DART pushes boxes out by a hundredth of it in a step."""
@@ -86,7 +32,6 @@ class DartContactLane(ExplicitForcesLane):
     coordinates = ChainCoordinates.CELLS
 
     def __init__(self, lane: Lane, preset: Preset):
-        """Take the lane's parameters in its units."""
         rubbing = lane.chain.friction_coefficient[lane.chain.friction_bound > 0]
         least = float(np.min(rubbing, initial=1.0))
         if least <= LEAST_COEFFICIENT:
@@ -95,7 +40,7 @@ class DartContactLane(ExplicitForcesLane):
             )
         self._preset = preset
         super().__init__(lane, Units.named(preset["units"], lane))
-        self._sizes = PressedBoxes.of(lane, self._units)
+        self._sizes: PressedBoxes = PressedBoxes.of(lane, self._units)
         self._rubbing = self._chain.friction_bound > 0
         self._sine, self._cosine = math.sin(lane.inclination), math.cos(lane.inclination)
 
@@ -176,11 +121,6 @@ class DartContactLane(ExplicitForcesLane):
     ) -> tuple[FloatArray, FloatArray]:
         forces = read * self._units.force
         return forces[:, 0], np.where(self._rubbing, forces[:, 1], given)
-
-    def _state(self, motions: FloatArray) -> State:
-        end = super()._state(motions)
-        self._sizes.check_reach(end, self._units)
-        return end
 
     def _pressing(self) -> FloatArray:
         """Forces across the joint of every inner mass, which act back on the plate."""

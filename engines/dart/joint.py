@@ -4,62 +4,31 @@ from typing import Any
 
 import numpy as np
 
-from engines.dart.law import own_springs
-from engines.dart.world import new_world
-from engines.interface.presets import NormalForce, Option, Preset
+from engines.interface.presets import Preset
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import ExplicitForcesLane, Step
-from engines.shared.known_deviations import IMPLICIT_SPRINGS
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
-RESIDUAL_SLIP_COMPLIANCE = 1e-9
-"""DART's constraint force mixing of joint friction: the least that it takes, and its default."""
 
-JOINT_TUNED = Preset(
-    "Coulomb friction of joints under springs, dashpots and drive as forces at the start of the step.",
-    {
-        "units": Option("lane", "SI", "No number comes near DART's built-in smallest ones."),
-        "springs": Option(
-            "forces", "of the joints", "At the start of the step, as in equation (5); DART's are implicit."
-        ),
-        "deactivation": Option(
-            False, True, "Slow bodies must not be put to sleep. With it on, none was in the chains that were tried."
-        ),
-        "constraint force mixing": Option(
-            RESIDUAL_SLIP_COMPLIANCE, RESIDUAL_SLIP_COMPLIANCE, "DART raises smaller values to this one.", fixed=True
-        ),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-12,
-    residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE,
-    normal_force=NormalForce.MODULATED,
-)
+def new_world(time_step: float, deactivation: bool) -> Any:
+    """Make an empty world without gravity, where bodies that move slowly may be put to sleep, or not."""
+    import dartpy
 
-JOINT_DEFAULT = Preset(
-    "The joints' own springs, dashpots and Coulomb friction in SI units.",
-    {
-        "units": Option("SI", "SI", "The chain in SI units."),
-        "springs": Option("of the joints", "of the joints", "DART's own: implicit, which damps every vibration."),
-        "deactivation": Option(True, True, "DART's own."),
-        "constraint force mixing": Option(
-            RESIDUAL_SLIP_COMPLIANCE, RESIDUAL_SLIP_COMPLIANCE, "DART's own.", fixed=True
-        ),
-    },
-    known_deviation=f"{IMPLICIT_SPRINGS}; friction is solved after them, with the bare masses",
-    law=own_springs,
-    split_tolerance=1e-12,
-    residual_slip_compliance=RESIDUAL_SLIP_COMPLIANCE,
-    normal_force=NormalForce.MODULATED,
-)
+    world = dartpy.simulation.World()
+    options = world.getDeactivationOptions()
+    options.mEnabled = deactivation
+    world.setDeactivationOptions(options)
+    world.setTimeStep(time_step)
+    world.setGravity([0.0, 0.0, 0.0])
+    return world
 
 
 class DartJointLane(ExplicitForcesLane):
     """One chain; a run makes its world anew, so that nothing is left of earlier runs."""
 
     def __init__(self, lane: Lane, preset: Preset):
-        """Take the lane's parameters in its units."""
         self._preset = preset
         self._own_springs = preset["springs"] == "of the joints"
         self.coordinates = ChainCoordinates.ROW if self._own_springs else ChainCoordinates.CELLS
@@ -74,11 +43,6 @@ class DartJointLane(ExplicitForcesLane):
         step = world.step
         for _ in range(steps):
             step(False)
-
-    def _force_matrix(self) -> FloatArray:
-        """Only the drive is left where DART has the springs."""
-        matrix = super()._force_matrix()
-        return np.zeros_like(matrix) if self._own_springs else matrix
 
     def _begin(self, motion: FloatArray) -> Step:
         world, self._skeleton = self._new_world()

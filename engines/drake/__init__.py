@@ -2,20 +2,21 @@
 
 from typing import ClassVar
 
-from engines.drake.contact import (
+from engines.drake import contact, joint
+from engines.drake.presets import (
     CONTACT_DEFAULT,
     CONTACT_SAP,
     CONTACT_SIMILAR,
     CONTACT_TUNED,
-    DrakeContactLane,
+    JOINT_DEFAULT,
+    JOINT_TUNED,
 )
-from engines.drake.joint import JOINT_DEFAULT, JOINT_TUNED, DrakeJointLane
-from engines.drake.reproducer import CONTACT, JOINT
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.shared.wheel_engine import WheelEngine
+from engines.shared.pip_engine import PipEngine
+from engines.shared.script_units import script_in_si
 
 
-class Drake(WheelEngine):
+class Drake(PipEngine):
     """Drake's discrete `MultibodyPlant`, advanced by its own simulator."""
 
     name: ClassVar[str] = "drake"
@@ -42,5 +43,10 @@ class Drake(WheelEngine):
             "normal force; with kSap and kSimilar friction lifts a sliding body, which then bounces."
         ),
     )
-    lane_models: ClassVar = {Formulation.JOINT: DrakeJointLane, Formulation.CONTACT: DrakeContactLane}
-    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
+    lane_models: ClassVar = {Formulation.JOINT: joint.DrakeJointLane, Formulation.CONTACT: contact.DrakeContactLane}
+    reproducers: ClassVar = {
+        Formulation.JOINT: script_in_si("reproducer_joint.py.jinja", joint.script_numbers),
+        Formulation.CONTACT: script_in_si(
+            "reproducer_contact.py.jinja", contact.script_numbers, radius=contact.RADIUS, width=contact.WIDTH
+        ),
+    }

@@ -7,123 +7,40 @@ Two places are as large as the depth; the velocity itself is zero but for round-
 would have no size by which a change of it could be judged.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from engines.drake.diagram import Mechanism, joint_numbers
-from engines.drake.lane import (
-    SHARED_DEFAULT_OPTIONS,
-    SHARED_TUNED_OPTIONS,
-    DrakeLane,
-    add_mass,
-    add_slider,
-    set_options,
-)
-from engines.drake.law import lagged_contact, sap_contact, similar_contact
-from engines.drake.sizes import contact_scale, sphere_depth, stiction_speed
-from engines.interface.presets import Option, Preset
+from engines.drake.joint import DrakeLane, Mechanism, add_mass, add_slider, joint_numbers, set_options
+from engines.drake.step_model import contact_scale, stiction_speed
+from engines.interface.presets import Preset
+from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
-
-SMOOTH_LAW_MARGIN = 1e-3
-"""Drake's friction is μ λ_N v / √(v² + v_s²): at 22 v_s it has come to within a thousandth of its bound, never nearer
-than (v_s / v)² / 2. Read with the margin of laws that reach the bound, a contact would stick up to 700 v_s."""
-
-_TUNED_OPTIONS = {
-    **SHARED_TUNED_OPTIONS,
-    "contact_model": Option("kPoint", "kHydroelasticWithFallback", "The same points; the shapes need no more."),
-    "stiction": Option(
-        3e-5, 1e-3, "v_stiction over s ω_r, with s the displacement scale of the drive, instead of in m/s. At 1e-7 "
-        "Drake's solver, which stops at a part of 1e-6, leaves so much that orbits of nearly stuck cells stall.",
-    ),
-    "depth": Option(
-        2.0**-3, 0.0, "Of the sphere at rest, over the displacement scale; sets point_stiffness, 1e6 N/m without it. "
-        "It has no effect with kLagged; with the others a sliding sphere would leave a stiffer plane.",
-    ),
-    "hunt_crossley_dissipation": Option(
-        0.0, 50.0, "[s/m] Nothing moves across the plane; the other approximations are compared without it."
-    ),
-}  # fmt: skip
-
-CONTACT_TUNED = Preset(
-    "Friction bounded by the normal force at the start of the step: nothing moves across the plane.",
-    {
-        **_TUNED_OPTIONS,
-        "approximation": Option("kLagged", "kLagged", "The others press and lift a sliding sphere; see their presets."),
-    },
-    known_deviation=(
-        "friction is μ λ_N v / √(v² + v_s²) with the stiction velocity v_s = 3e-5 s ω_r: a stuck contact creeps, "
-        "and none reaches its bound, whatever the time step"
-    ),
-    law=lagged_contact,
-    split_tolerance=1e-12,
-    stick_margin=SMOOTH_LAW_MARGIN,
-    turns=True,
-)
-
-CONTACT_SIMILAR = Preset(
-    "As tuned, with the approximation that Drake advises for strong transients.",
-    {
-        **_TUNED_OPTIONS,
-        "approximation": Option(
-            "kSimilar",
-            "kLagged",
-            "A sliding sphere glides: friction lifts it by μ |ġ_T| δt, and moves it when it turns.",
-        ),
-    },
-    known_deviation=(
-        "friction lifts a sliding sphere by μ |ġ_T| dt: it bounces, and its normal force, which bounds friction, swings"
-    ),
-    law=similar_contact,
-    split_tolerance=1e-12,
-    stick_margin=SMOOTH_LAW_MARGIN,
-    turns=True,
-)
-
-CONTACT_SAP = Preset(
-    "As tuned, with the approximation of Drake's solver itself, the convex one of Castro et al., 2022.",
-    {
-        **_TUNED_OPTIONS,
-        "approximation": Option(
-            "kSap", "kLagged", "A sliding sphere glides as with kSimilar, and higher still with a relaxation time."
-        ),
-        "relaxation_time": Option(
-            0.0, 0.1, "[s] Dissipation of kSap; at 0.1 s a sliding sphere would leave its plane."
-        ),
-    },
-    known_deviation=CONTACT_SIMILAR.known_deviation,
-    law=sap_contact,
-    split_tolerance=1e-12,
-    stick_margin=SMOOTH_LAW_MARGIN,
-    turns=True,
-)
-
-CONTACT_DEFAULT = Preset(
-    "A sphere on a plane with a coefficient of friction, in SI units, and Drake's own options elsewhere.",
-    {
-        **SHARED_DEFAULT_OPTIONS,
-        "contact_model": Option("kHydroelasticWithFallback", "kHydroelasticWithFallback", "Drake's own."),
-        "approximation": Option("kLagged", "kLagged", "Drake's own."),
-        "v_stiction": Option(1e-3, 1e-3, "[m/s] Drake's own: a stuck contact may creep this fast, at any time step."),
-        "point_stiffness": Option(1e6, 1e6, "[N/m] Drake's own, of each of the two bodies."),
-        "hunt_crossley_dissipation": Option(50.0, 50.0, "[s/m] Drake's own; nothing moves across the plane."),
-    },
-    known_deviation=(
-        "friction is μ λ_N v / √(v² + v_s²) with the stiction velocity v_s = 1e-3 m/s: a stuck contact creeps, "
-        "and none reaches its bound, whatever the time step"
-    ),
-    law=lagged_contact,
-    split_tolerance=1e-12,
-    stick_margin=SMOOTH_LAW_MARGIN,
-    turns=True,
-)
 
 RADIUS = 4.0
 """Radius of a sphere over the displacement scale of the drive; it enters round-off only."""
 
 WIDTH = 2.0**20
 """Width of a plane over that scale: no sphere slides off; motions are bitwise those on a half space."""
+
+
+def stiction_tolerance(lane: Lane, preset: Preset) -> float:
+    """Give the relative velocity [m/s] at which friction is near its bound."""
+    if "v_stiction" in preset.options:
+        return float(preset["v_stiction"])
+    return stiction_speed(lane, preset["stiction"])
+
+
+def script_numbers(lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]:
+    """Give what a script prints beside options: the stiffness of the spheres [N/m], and the stiction velocity [m/s]."""
+    chain = lane.chain
+    if "point_stiffness" in preset.options:
+        stiffness = np.full(chain.cells, preset["point_stiffness"])
+    else:
+        stiffness = 2 * chain.normal_force / (preset["depth"] * contact_scale(lane))  # of two equal springs in series
+    return {"stiffness": stiffness, "stiction": stiction_tolerance(lane, preset)}
 
 
 class DrakeContactLane(DrakeLane):
@@ -139,7 +56,7 @@ class DrakeContactLane(DrakeLane):
         plant.set_discrete_contact_approximation(getattr(DiscreteContactApproximation, self._preset["approximation"]))
         planes, spheres = self._add_bodies(plant)
         plant.Finalize()
-        plant.set_stiction_tolerance(self._stiction_tolerance)
+        plant.set_stiction_tolerance(stiction_tolerance(self.lane, self._preset) / self._units.velocity)
         _keep_to_pairs(scene, planes, spheres)
         cells = self._chain.cells
         across = joint_numbers(plant, [f"across {cell}" for cell in range(cells)])
@@ -229,17 +146,10 @@ class DrakeContactLane(DrakeLane):
         """Depth of every sphere at rest; zero where nothing presses."""
         chain, preset = self._chain, self._preset
         if "depth" in preset.options:
-            depths = np.full(chain.cells, sphere_depth(self.lane, preset["depth"]) / self._units.length)
+            depths = np.full(chain.cells, preset["depth"] * contact_scale(self.lane) / self._units.length)
         else:
             depths = chain.normal_force / (preset["point_stiffness"] / 2)
         return np.where(chain.friction_bound > 0, depths, 0.0)
-
-    @property
-    def _stiction_tolerance(self) -> float:
-        """Relative velocity at which friction is near its bound."""
-        if "v_stiction" in self._preset.options:
-            return float(self._preset["v_stiction"]) / self._units.velocity
-        return stiction_speed(self.lane, self._preset["stiction"]) / self._units.velocity
 
     def _across(self, state: State) -> FloatArray:
         if state.internal_state is None:

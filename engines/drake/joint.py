@@ -1,44 +1,278 @@
-"""Drake's joint formulation: actuators that hold the inner masses, with at most the friction bound."""
+"""Drake's joint formulation: actuators that hold the inner masses, with at most the friction bound.
 
+What both formulations share stands first: a plant with its load and its records, advanced in one call.
+"""
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from engines.drake.diagram import Mechanism, joint_numbers
-from engines.drake.lane import SHARED_DEFAULT_OPTIONS, SHARED_TUNED_OPTIONS, DrakeLane, add_slider, set_options
-from engines.drake.law import actuator, near_rigid_actuator
-from engines.interface.presets import Option, Preset
-from reference_lcp.validation import FloatArray
+from engines.interface.presets import Preset
+from engines.shared.units import Units
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.schemes.sequential import LaneModel
+from reference_lcp.validation import FloatArray, checked_count
 
-JOINT_TUNED = Preset(
-    "Actuators whose gain of velocity is beyond what Drake resolves in a step: then it takes the largest that it does.",
-    {
-        **SHARED_TUNED_OPTIONS,
-        "d": Option(
-            1e6,
-            0.0,
-            "Gain of velocity over m_red / δt. A stuck contact creeps with λ_T / d; Drake cuts d off above "
-            "4e3 m_i / δt, so that every larger one acts alike.",
-        ),
-    },
-    known_deviation=(
-        "dashpots act with the velocity at the end of a step; a stuck contact is a damper as strong as Drake's "
-        "near-rigid limit lets it be, and creeps with λ_T / d, a thousandth of that"
-    ),
-    law=near_rigid_actuator,
-    split_tolerance=1e-12,
-)
 
-JOINT_DEFAULT = Preset(
-    "Actuators with a gain that a newcomer would write, in SI units.",
-    {
-        **SHARED_DEFAULT_OPTIONS,
-        "PdControllerGains.d": Option(1e3, 0.0, "[N s/m] Needed: a joint of Drake has no dry friction of its own."),
-    },
-    known_deviation="a stuck contact is a damper of 1e3 N s/m and creeps with λ_T / d, whatever the time step",
-    law=actuator,
-    split_tolerance=1e-12,
-)
+@dataclass(frozen=True)
+class Mechanism:
+    """Masses, joints and contacts in a plant that is finalised, as a formulation builds them."""
+
+    plant: Any
+    outer: NDArray[np.intp]
+    """Numbers among the coordinates, shape (n,), of the joint of every outer mass to the one before it."""
+    inner: NDArray[np.intp]
+    """Of the joint of every inner mass to its outer one."""
+    across: NDArray[np.intp]
+    """Numbers of the coordinates across the motion, shape (k,)."""
+    forces: Any
+    """Output port that gives the forces in the contacts; ``None`` without contacts."""
+    constant_force: FloatArray
+    """Force on every coordinate that never changes, shape (coordinates,)."""
+
+
+def joint_numbers(plant: Any, names: list[str]) -> NDArray[np.intp]:
+    """Give the numbers of joints of one coordinate among all coordinates."""
+    return np.array([plant.GetJointByName(name).position_start() for name in names], dtype=np.intp)
+
+
+class Diagram:
+    """A mechanism, a table of loads, and logs if they are to be kept: all of a step happens in Drake."""
+
+    def __init__(self, builder: Any, mechanism: Mechanism, time_step: float, *, record: bool):
+        from pydrake.systems.analysis import Simulator
+
+        self.mechanism = mechanism
+        self._time_step = time_step
+        self._source = _add_load(builder, mechanism)
+        self._logs = _add_logs(builder, mechanism, time_step) if record else []
+        self._diagram = builder.Build()
+        self._simulator = Simulator(self._diagram)
+        self._context = self._simulator.get_mutable_context()
+        self._plant_context = mechanism.plant.GetMyMutableContextFromRoot(self._context)
+
+    def advance(self, vector: FloatArray, loads: FloatArray) -> FloatArray:
+        """Take a step under each load, from coordinates and their velocities; give those at the end."""
+        from pydrake.trajectories import PiecewisePolynomial
+
+        steps = loads.shape[0]
+        # A step reads its load at its start: there is one value from half a step before it to half a step after.
+        breaks = self._time_step * (np.arange(steps + 1) - 0.5)
+        table = np.append(loads, loads[-1])[None]
+        self._source.UpdateTrajectory(PiecewisePolynomial.ZeroOrderHold(breaks, table))
+        self._step(vector, steps)
+        return np.array(self.mechanism.plant.GetPositionsAndVelocities(self._plant_context))
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps from rest, under no load."""
+        from pydrake.trajectories import PiecewisePolynomial
+
+        self._source.UpdateTrajectory(PiecewisePolynomial(np.zeros((1, 1))))
+        self._step(np.zeros(self.mechanism.plant.num_multibody_states()), steps)
+
+    def recorded(self, *, sampled: bool) -> tuple[FloatArray, FloatArray]:
+        """Give what the last run logged at the ends of its steps: coordinates with velocities, and forces.
+
+        Forces are those that the plant kept from the step before where they are sampled, else of the step that begins.
+        """
+        rows = [log.FindLog(self._context).data().T for log in self._logs]
+        motion: FloatArray = rows[0][1:]
+        if len(rows) == 1:
+            return motion, np.zeros((motion.shape[0], 0))
+        return motion, rows[1][1:] if sampled else rows[1][:-1]
+
+    def _step(self, vector: FloatArray, steps: int) -> None:
+        """Start anew, with nothing left of earlier runs, and advance."""
+        self._context.SetTime(0.0)
+        self.mechanism.plant.SetPositionsAndVelocities(self._plant_context, vector)
+        for log in self._logs:
+            log.FindMutableLog(self._context).Clear()
+        self._simulator.Initialize()
+        try:
+            self._simulator.AdvanceTo(steps * self._time_step)
+        except RuntimeError as problem:
+            step = round(self._context.get_time() / self._time_step)
+            raise RuntimeError(f"drake stopped in step {step} of {steps}: {problem}") from problem
+
+
+def _add_load(builder: Any, mechanism: Mechanism) -> Any:
+    """Add a table in time, whose value acts on the first outer mass, beside the forces that never change."""
+    from pydrake.systems.primitives import AffineSystem, TrajectorySource
+    from pydrake.trajectories import PiecewisePolynomial
+
+    coordinates = mechanism.constant_force.shape[0]
+    on_first = np.zeros((coordinates, 1))
+    on_first[mechanism.outer[0]] = 1
+    source = builder.AddSystem(TrajectorySource(PiecewisePolynomial(np.zeros((1, 1)))))
+    forces = builder.AddSystem(
+        AffineSystem(
+            A=np.zeros((0, 0)), B=np.zeros((0, 1)), f0=np.zeros(0),
+            C=np.zeros((coordinates, 0)), D=on_first, y0=mechanism.constant_force,
+        )
+    )  # fmt: skip
+    builder.Connect(source.get_output_port(), forces.get_input_port())
+    builder.Connect(forces.get_output_port(), mechanism.plant.get_applied_generalized_force_input_port())
+    return source
+
+
+def _add_logs(builder: Any, mechanism: Mechanism, time_step: float) -> list[Any]:
+    """Log the state, and the forces if there are any, at the start and after every step."""
+    from pydrake.systems.primitives import VectorLogSink
+
+    ports = [mechanism.plant.get_state_output_port()]
+    if mechanism.forces is not None:
+        ports.append(mechanism.forces)
+    logs = [builder.AddSystem(VectorLogSink(port.size(), time_step)) for port in ports]
+    for port, log in zip(ports, logs, strict=True):
+        builder.Connect(port, log.get_input_port())
+    return logs
+
+
+class DrakeLane(LaneModel):
+    """One chain as a plant of Drake.
+
+    The outer masses follow each other in a row of sliding joints, and each inner mass slides on its outer one: every
+    spring and every dashpot of the chain is then one of a joint.
+    """
+
+    def __init__(self, lane: Lane, preset: Preset):
+        self.lane = lane
+        self._preset = preset
+        # With dt as unit of time a step begins at a whole number.
+        self._units = Units.in_steps(preset["units"], lane)
+        self._time_step = lane.time_step / self._units.time
+        self._chain = self._units.scaled(lane.chain)
+        self._rubbing = np.flatnonzero(self._chain.friction_bound > 0)
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state`; see `LaneModel.run`."""
+        diagram = self._recording
+        end = diagram.advance(self._vector(state), self._loads(start, steps))
+        motion, forces = diagram.recorded(sampled=self._preset["output ports"] == "sampled")
+        position, velocity = np.split(motion, 2, axis=1)
+        friction, normal_force = self._contact_forces(diagram.mechanism, forces)
+        return Trajectory(
+            self.lane.times(start, steps),
+            _absolute(diagram.mechanism, position) * self._units.length,
+            _absolute(diagram.mechanism, velocity) * self._units.velocity,
+            friction,
+            normal_force,
+            self._internal_state(diagram.mechanism, end),
+        )
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does, without logs."""
+        diagram = self._plain
+        end = diagram.advance(self._vector(state), self._loads(start, steps))
+        position, velocity = np.split(end[None], 2, axis=1)
+        along = _absolute(diagram.mechanism, position), _absolute(diagram.mechanism, velocity)
+        return self._units.state(*along, self._internal_state(diagram.mechanism, end))
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps of Drake alone, from rest; see `NativeStepping`."""
+        self._plain.native_steps(checked_count("steps", steps))
+
+    def close(self) -> None:
+        """Let go of the diagrams; the next use builds them again."""
+        for name in ("_plain", "_recording"):
+            self.__dict__.pop(name, None)
+
+    @abstractmethod
+    def _mechanism(self, builder: Any) -> Mechanism:
+        """Add masses, joints and friction to a `DiagramBuilder`."""
+
+    @abstractmethod
+    def _contact_forces(self, mechanism: Mechanism, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Give friction and normal force of every contact [N] from rows of the mechanism's port of forces."""
+
+    def _across(self, state: State) -> FloatArray:
+        """Coordinates across the motion, then their velocities, shape (2, k)."""
+        return np.zeros((2, 0))
+
+    def _internal_state(self, mechanism: Mechanism, vector: FloatArray) -> FloatArray | None:
+        """Give what a state has to carry beside positions and velocities."""
+        return None
+
+    @cached_property
+    def _plain(self) -> Diagram:
+        return self._diagram(record=False)
+
+    @cached_property
+    def _recording(self) -> Diagram:
+        return self._diagram(record=True)
+
+    def _diagram(self, *, record: bool) -> Diagram:
+        from pydrake.systems.framework import DiagramBuilder
+
+        builder = DiagramBuilder()
+        return Diagram(builder, self._mechanism(builder), self._time_step, record=record)
+
+    def _loads(self, start: int, steps: int) -> FloatArray:
+        return self.lane.loads(start, checked_count("steps", steps)) / self._units.force
+
+    def _vector(self, state: State) -> FloatArray:
+        """Give Drake's coordinates and their velocities."""
+        mechanism = self._plain.mechanism
+        absolute = np.stack([state.positions[0] / self._units.length, state.velocities[0] / self._units.velocity])
+        outer, inner = np.split(absolute, 2, axis=1)
+        coordinates = np.zeros((2, mechanism.constant_force.shape[0]))
+        coordinates[:, mechanism.outer] = np.diff(outer, axis=1, prepend=0.0)
+        coordinates[:, mechanism.inner] = inner - outer
+        coordinates[:, mechanism.across] = self._across(state)
+        return coordinates.ravel()
+
+
+def set_options(plant: Any, preset: Preset) -> None:
+    """Set what holds for the whole plant."""
+    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -preset["gravity"]])
+    plant.SetUseSampledOutputPorts(preset["output ports"] == "sampled")
+
+
+def add_mass(plant: Any, name: str, mass: float) -> Any:
+    """Add a body; nothing turns, so that its inertia never enters."""
+    from pydrake.multibody.tree import SpatialInertia, UnitInertia
+
+    return plant.AddRigidBody(name, SpatialInertia(mass, [0.0, 0.0, 0.0], UnitInertia.SolidSphere(1.0)))
+
+
+def add_slider(
+    plant: Any, name: str, parent: Any, mass: float, spring: tuple[float, float], axis: tuple[float, float] = (1.0, 0.0)
+) -> Any:
+    """Add a mass on a joint of this name along the row, with a spring and a dashpot of this stiffness and damping."""
+    from pydrake.multibody.tree import PrismaticJoint, PrismaticSpring
+
+    body = add_mass(plant, name, mass)
+    stiffness, damping = spring
+    joint = plant.AddJoint(PrismaticJoint(name, parent.body_frame(), body.body_frame(), [*axis, 0.0], damping=damping))
+    plant.AddForceElement(PrismaticSpring(joint=joint, nominal_position=0.0, stiffness=stiffness))
+    return body
+
+
+def _absolute(mechanism: Mechanism, coordinates: FloatArray) -> FloatArray:
+    """Turn rows of Drake's coordinates into (u, v), shape (steps, 2n); velocities likewise."""
+    outer = np.cumsum(coordinates[:, mechanism.outer], axis=1)
+    return np.concatenate([outer, outer + coordinates[:, mechanism.inner]], axis=1)
+
+
+def actuator_gains(chain: Chain, time_step: float, preset: Preset) -> FloatArray:
+    """Give force over relative velocity in stick of every actuator, shape (n,), in the units of what is given."""
+    if "PdControllerGains.d" in preset.options:
+        return np.full(chain.cells, preset["PdControllerGains.d"])
+    reduced_mass = 1 / (1 / chain.outer_mass + 1 / chain.inner_mass)
+    gains: FloatArray = preset["d"] * reduced_mass / time_step
+    return gains
+
+
+def script_numbers(lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]:
+    """Give what a script prints beside options: the gain of every actuator [N s/m]."""
+    return {"gain": actuator_gains(lane.chain, lane.time_step, preset)}
 
 
 class DrakeJointLane(DrakeLane):
@@ -60,8 +294,9 @@ class DrakeJointLane(DrakeLane):
             parent = add_slider(plant, f"outer {cell}", parent, chain.outer_mass[cell], spring)
             inner_spring = chain.inner_stiffness[cell], chain.inner_damping[cell]
             add_slider(plant, f"inner {cell}", parent, chain.inner_mass[cell], inner_spring)
+        gains = actuator_gains(chain, self._time_step, self._preset)
         for cell in self._rubbing.tolist():
-            self._add_actuator(plant, cell)
+            self._add_actuator(plant, cell, float(gains[cell]))
         plant.Finalize()
         return Mechanism(
             plant,
@@ -72,21 +307,13 @@ class DrakeJointLane(DrakeLane):
             constant_force=np.zeros(2 * chain.cells),
         )
 
-    def _add_actuator(self, plant: Any, cell: int) -> None:
+    def _add_actuator(self, plant: Any, cell: int, gain: float) -> None:
         from pydrake.multibody.tree import PdControllerGains
 
         joint = plant.GetJointByName(f"inner {cell}")
         bound = float(self._chain.friction_bound[cell])
         actuator = plant.AddJointActuator(f"friction {cell}", joint, effort_limit=bound)
-        actuator.set_controller_gains(PdControllerGains(p=0.0, d=self._gain(cell)))
-
-    def _gain(self, cell: int) -> float:
-        """Force over relative velocity in stick, in the plant's units."""
-        if "PdControllerGains.d" in self._preset.options:
-            return float(self._preset["PdControllerGains.d"])
-        chain = self._chain
-        reduced_mass = 1 / (1 / chain.outer_mass[cell] + 1 / chain.inner_mass[cell])
-        return float(self._preset["d"] * reduced_mass / self._time_step)
+        actuator.set_controller_gains(PdControllerGains(p=0.0, d=gain))
 
     def _armed(self, builder: Any, plant: Any) -> Any:
         """Set rest as the target of the actuators, without which they do nothing; give the port of their forces."""

@@ -7,21 +7,23 @@ on planes have the first law only.
 
 from typing import ClassVar
 
-from engines.exudyn.contact import CONTACT_DEFAULT, CONTACT_TUNED, ContactLane
-from engines.exudyn.joint import (
+from engines.exudyn.contact import ContactLane
+from engines.exudyn.joint import BristleLane, RegularisedLane
+from engines.exudyn.presets import (
     BRISTLE_DEFAULT,
     BRISTLE_TUNED,
+    CONTACT_DEFAULT,
+    CONTACT_TUNED,
     REGULARISED_DEFAULT,
     REGULARISED_TUNED,
-    BristleLane,
-    RegularisedLane,
 )
-from engines.exudyn.reproducer import BRISTLE, DISC, ZONE
+from engines.exudyn.reproducer import bristle_numbers, disc_numbers, zone_numbers
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.shared.wheel_engine import WheelEngine
+from engines.shared.pip_engine import PipEngine
+from engines.shared.script_units import script_in_si
 
 
-class ExudynRegularised(WheelEngine):
+class ExudynRegularised(PipEngine):
     """Exudyn, friction proportional to the relative velocity within a narrow zone."""
 
     name: ClassVar[str] = "exudyn-regularised"
@@ -42,10 +44,13 @@ class ExudynRegularised(WheelEngine):
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: RegularisedLane, Formulation.CONTACT: ContactLane}
-    reproducers: ClassVar = {Formulation.JOINT: ZONE, Formulation.CONTACT: DISC}
+    reproducers: ClassVar = {
+        Formulation.JOINT: script_in_si("reproducer_joint.py.jinja", zone_numbers),
+        Formulation.CONTACT: script_in_si("reproducer_contact.py.jinja", disc_numbers),
+    }
 
 
-class ExudynBristle(WheelEngine):
+class ExudynBristle(PipEngine):
     """Exudyn, friction as a bristle: a stiff spring and dashpot until the bound is reached."""
 
     name: ClassVar[str] = "exudyn-bristle"
@@ -63,4 +68,4 @@ class ExudynBristle(WheelEngine):
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: BristleLane}
-    reproducers: ClassVar = {Formulation.JOINT: BRISTLE}
+    reproducers: ClassVar = {Formulation.JOINT: script_in_si("reproducer_joint.py.jinja", bristle_numbers)}

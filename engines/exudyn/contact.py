@@ -1,55 +1,25 @@
 """Exudyn's contact formulation: in every cell a disc, the inner mass, pressed on a plane, the outer one."""
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from engines.exudyn.joint import REGULARISED_DEFAULT, REGULARISED_TUNED, proportional_zone
-from engines.exudyn.lane import ExudynLane
-from engines.exudyn.law import disc
-from engines.interface.presets import Option, Preset
+from engines.exudyn.joint import ExudynLane
+from engines.exudyn.step_model import reduced_mass, zone_widths
+from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
 
-CONTACT_TUNED = Preset(
-    "As in the joint formulation: steps and proportional zone small enough for a transmittance.",
-    {
-        **REGULARISED_TUNED.options,
-        "zone": Option(5e-4, 0.0, "As in the joint, but twice as wide: in a narrower one some orbits do not repeat."),
-        "zone_per_kick": Option(
-            0.15,
-            0.0,
-            "Smallest width over F h / m_red: a disc does not leave its zone within Newton's iteration.",
-        ),
-        "substeps": Option(4, 1, "An eighth of those in the joint formulation: a step costs five times as much."),
-        "discontinuous_tolerance": Option(
-            1e-9, 1.0, "iterationTolerance: at 1 a disc leaves the zone at the end of a step only, and orbits stall."
-        ),
-        "useLinearProportionalZone": Option(True, False, "The zone of the joint formulation; the other is quadratic."),
-    },
-    known_deviation=REGULARISED_TUNED.known_deviation,
-    law=disc,
-    split_tolerance=1e-9,
-    varied={"zone": (2e-3, 8e-3)},
-)
-
-CONTACT_DEFAULT = Preset(
-    "The solver with its own settings, and a proportional zone that a newcomer would write.",
-    {
-        **REGULARISED_DEFAULT.options,
-        "discontinuous_tolerance": Option(1.0, 1.0, "Exudyn's own."),
-        "useLinearProportionalZone": Option(False, False, "Exudyn's own."),
-    },
-    known_deviation=(
-        "friction is F s (2 − s) within a zone of 1e-3 m/s, s the slip velocity over its width, which a disc leaves at "
-        "the end of a correction only: until then friction falls again beyond the zone"
-    ),
-    law=disc,
-    split_tolerance=0.05,
-)
-
 INERTIA = 2.0**40
 """Inertia of a disc in the units of the lane: so large that friction does not make it roll."""
+
+
+def contact_springs(chain: Chain, time_step: float, substeps: int) -> tuple[FloatArray, FloatArray]:
+    """Give stiffness and dashpot of every contact, shape (n,): normal oscillations would take some six steps."""
+    mass = reduced_mass(chain)
+    stiffness = mass * (substeps / time_step) ** 2
+    return stiffness, 2 * np.sqrt(stiffness * mass)
 
 
 class ContactLane(ExudynLane):
@@ -61,17 +31,15 @@ class ContactLane(ExudynLane):
 
     _force_variable = "ForceLocal"
 
-    @property
-    def _stiffness(self) -> FloatArray:
-        """Contact stiffness: normal oscillations would take some six steps."""
-        stiffness: FloatArray = self._reduced_mass * (self._substeps / self._time_step) ** 2
-        return stiffness
+    @cached_property
+    def _springs(self) -> tuple[FloatArray, FloatArray]:
+        return contact_springs(self._chain, self._time_step, self._substeps)
 
-    @property
+    @cached_property
     def _depth(self) -> FloatArray:
         """Depth of every disc in its plane at the static equilibrium; none where nothing rubs."""
         depth: FloatArray = np.zeros(self._chain.cells)
-        depth[self._rubbing] = (self._chain.normal_force / self._stiffness)[self._rubbing]
+        depth[self._rubbing] = (self._chain.normal_force / self._springs[0])[self._rubbing]
         return depth
 
     def _along(self, coordinates: FloatArray) -> FloatArray:
@@ -132,7 +100,7 @@ class ContactLane(ExudynLane):
         for node, force in ((outer, float(chain.normal_force[cell])), (inner, -float(chain.normal_force[cell]))):
             marker = system.AddMarker(itemInterface.MarkerNodeCoordinate(nodeNumber=node, coordinate=1))
             system.AddLoad(itemInterface.LoadCoordinate(markerNumber=marker, load=force))
-        stiffness = float(self._stiffness[cell])
+        stiffness, damping = self._springs
         node = system.AddNode(itemInterface.NodeGenericData(initialCoordinates=[0.0] * 3, numberOfDataCoordinates=3))
         return system.AddObject(
             itemInterface.ObjectConnectorRollingDiscPenalty(
@@ -141,10 +109,10 @@ class ContactLane(ExudynLane):
                 discRadius=1.0,
                 discAxis=[0.0, 0.0, 1.0],
                 planeNormal=[0.0, 1.0, 0.0],
-                contactStiffness=stiffness,
-                contactDamping=2 * float(np.sqrt(stiffness * self._reduced_mass[cell])),
+                contactStiffness=float(stiffness[cell]),
+                contactDamping=float(damping[cell]),
                 dryFriction=[float(chain.friction_coefficient[cell])] * 2,
-                dryFrictionProportionalZone=proportional_zone(self.lane, cell, self._preset) / self._units.velocity,
+                dryFrictionProportionalZone=float(zone_widths(self.lane, self._preset)[cell]) / self._units.velocity,
                 useLinearProportionalZone=self._preset["useLinearProportionalZone"],
             )
         )

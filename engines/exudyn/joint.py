@@ -1,114 +1,23 @@
 """Exudyn's joint formulation: a connector with dry friction between outer and inner mass, by two laws."""
 
+import contextlib
+import io
+import sys
+from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from engines.exudyn.bristle_state import bristles_at
-from engines.exudyn.lane import ExudynLane
-from engines.exudyn.law import bristle, zone
-from engines.interface.presets import Option, Preset
+from engines.exudyn.step_model import bristle_numbers, bristles_at, reduced_mass, zone_widths
+from engines.interface.presets import Preset
+from engines.shared.units import Units
+from reference_lcp.chain.drives import HarmonicBase, HarmonicForce
+from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.chain.trajectory import State
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.schemes.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_count
-
-_SHARED_OPTIONS = {
-    "units": Option("lane", "SI", "Tolerances are then relative to what moves, whatever its size."),
-    "module": Option("fast", "checked", "The build without range checks needs a quarter less time."),
-    "solver": Option("Newmark", "generalised alpha", "Accelerations then follow from the state: restarts are exact."),
-    "relative_tolerance": Option(1e-10, 1e-8, "Newton residual over the first; a period then repeats to 1e-8."),
-    "absolute_tolerance": Option(1e-13, 1e-10, "Newton residual in the units of the lane, where forces are small."),
-    "smallest_step": Option(1e-6, 1e-8, "Over dt, not in seconds; adaptive steps fail below it."),
-}
-
-REGULARISED_TUNED = Preset(
-    "Steps and proportional zone small enough that creep stays below what a transmittance shows.",
-    {
-        **_SHARED_OPTIONS,
-        "substeps": Option(
-            32, 1, "Steps inside each dt: the zone is as wide as they are long, and the error in proportion to it."
-        ),
-        "zone": Option(2.5e-4, 0.0, "frictionProportionalZone over s ω_r, with s the displacement scale of the drive."),
-        "zone_per_kick": Option(
-            0.5, 0.0, "Smallest frictionProportionalZone over F h / m_red, h the substep: in less, Newton may fail."
-        ),
-    },
-    known_deviation=(
-        "friction is proportional to the slip velocity within a zone: a stuck contact creeps, and the error is in"
-        " proportion to the width of the zone, whatever the time step"
-    ),
-    law=zone,
-    static_friction=True,
-    split_tolerance=1e-9,
-    varied={"zone": (1e-3, 4e-3, 16e-3)},
-)
-
-BRISTLE_TUNED = Preset(
-    "Bristles as stiff as the step resolves, and one correction of the friction state a step.",
-    {
-        **_SHARED_OPTIONS,
-        "substeps": Option(4, 1, "Steps inside each dt: reversals that graze are seen at the end of a step only."),
-        "bristle_phase": Option(
-            0.4, 0.0, "h √(k_s / m_red), and so stickingStiffness k_s; at 1.8 far cells err by 0.8 dB, at 0.6 by 0.5."
-        ),
-        "bristle_damping": Option(0.4, 0.0, "stickingDamping over 2 √(k_s m_red); more delays reversals, 0 rings."),
-        "discontinuous_iterations": Option(
-            1, 5, "Corrections of the friction state a step, whatever their error; 5 at coarse steps stall the orbit."
-        ),
-    },
-    known_deviation=(
-        "a stuck contact is a stiff spring that gives way by F / k_s, and sticks only from the end of a substep "
-        "on: short sticks are missed or made up"
-    ),
-    law=bristle,
-    static_friction=True,
-    split_tolerance=1e-9,
-)
-
-_SHARED_DEFAULTS = {
-    "units": Option("SI", "SI", "The chain in SI units."),
-    "module": Option("fast", "checked", "Changes the cost only."),
-    "solver": Option("generalised alpha", "generalised alpha", "Exudyn's own, of spectral radius 0.9."),
-    "relative_tolerance": Option(1e-8, 1e-8, "Exudyn's own."),
-    "absolute_tolerance": Option(1e-10, 1e-10, "Exudyn's own."),
-    "smallest_step": Option(1e-6, 1e-8, "Over dt, not in seconds; met by no motion of a stable step."),
-    "substeps": Option(1, 1, "One step inside each dt."),
-}
-
-# A restart has to find the accelerations anew, which generalised alpha carries from step to step: runs split inexactly.
-REGULARISED_DEFAULT = Preset(
-    "The solver with its own settings, and a proportional zone that a newcomer would write.",
-    {
-        **_SHARED_DEFAULTS,
-        "frictionProportionalZone": Option(
-            1e-3,
-            0.0,
-            "[m/s] Needed: without a zone or a bristle, friction jumps. Exudyn's own for spheres.",
-        ),
-    },
-    known_deviation=(
-        "friction is proportional to the slip velocity within a zone of 1e-3 m/s: a stuck contact creeps, "
-        "whatever the time step"
-    ),
-    law=zone,
-    static_friction=True,
-    split_tolerance=1e-4,
-)
-
-BRISTLE_DEFAULT = Preset(
-    "The solver with its own settings, and the bristle of Exudyn's own friction oscillator.",
-    {
-        **_SHARED_DEFAULTS,
-        "stickingStiffness": Option(1e4, 0.0, "[N/m] Needed; the value of Exudyn's example of a friction oscillator."),
-        "stickingDamping": Option(1e2, 0.0, "[N s/m] As there: a hundredth of the stiffness."),
-        "discontinuous_iterations": Option(5, 5, "Exudyn's own."),
-    },
-    known_deviation="a stuck contact is a spring of 1e4 N/m, so soft that it gives way by as much as the chain moves",
-    law=bristle,
-    static_friction=True,
-    split_tolerance=0.05,
-)
-
 
 STATIC_DECAY = 1e-3
 """Velocity of a slip at which what static friction is above kinetic friction has decayed to 1/e of it [m/s]: Exudyn's
@@ -118,16 +27,233 @@ STATIC_DECAY_PER_KICK = 0.04
 """The same of tuned bristles, over μ_k λ_N h / m_red: it is passed in a substep, and vanishes with the step."""
 
 
-def proportional_zone(lane: Lane, cell: int, preset: Preset) -> float:
-    """Zone [m/s] in which friction is not yet at its bound: as given, or so wide that it neither creeps nor rings."""
-    if "frictionProportionalZone" in preset.options:
-        return float(preset["frictionProportionalZone"])
-    chain = lane.chain
-    inertia = 1 / chain.outer_mass[cell] + 1 / chain.inner_mass[cell]
-    held = lane.static_ratio * float(chain.friction_bound[cell])
-    kick = held * inertia * lane.time_step / preset["substeps"]
-    speed = lane.drive.displacement_scale(chain) * chain.resonator_frequency
-    return max(preset["zone"] * speed, preset["zone_per_kick"] * kick)
+class ExudynLane(LaneModel):
+    """One chain as a system of Exudyn, in the units of its lane; a formulation adds what rubs."""
+
+    _force_variable = "Force"
+    """What sensors record of a connector."""
+
+    def __init__(self, lane: Lane, preset: Preset):
+        self.lane = lane
+        self._preset = preset
+        # With dt as unit of time the solver adds up binary fractions: its times are exact, however late.
+        self._units = Units.in_steps(preset["units"], lane)
+        self._time_step = lane.time_step / self._units.time
+        self._chain = self._units.scaled(lane.chain)
+        self._substeps = preset["substeps"]
+        self._rubbing = np.flatnonzero(self._chain.friction_bound > 0)
+        with imported(preset["module"]) as exudyn:
+            self._exudyn = exudyn
+            self._container = exudyn.SystemContainer()
+            self._system = self._container.AddSystem()
+            self._assemble()
+        self._settings = self._solver_settings()
+        self._loads: list[float] = []
+        self._first_load = 0
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state`; sensors record the ends of the steps."""
+        self._start(state, start, steps, record=True)
+        positions, velocities = self._recorded_motion(steps)
+        friction, normal_force = self._recorded_forces(steps)
+        return Trajectory(
+            self.lane.times(start, steps),
+            positions * self._units.length,
+            velocities * self._units.velocity,
+            friction,
+            normal_force,
+            self._friction_state(),
+        )
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does and give the end only; without sensors it needs less time."""
+        self._start(state, start, steps, record=False)
+        data, current = self._system.systemData, self._exudyn.ConfigurationType.Current
+        position = self._along(np.array(data.GetODE2Coordinates(current)))
+        velocity = self._along(np.array(data.GetODE2Coordinates_t(current)))
+        return self._units.state(position[None], velocity[None], self._friction_state())
+
+    def native_steps(self, steps: int) -> None:
+        """Let Exudyn's solver take steps from rest, nothing recorded; it computes the load itself."""
+        rest = np.zeros(2 * self._chain.cells)
+        self._solve(rest, rest, 0, steps, record=False)
+
+    def close(self) -> None:
+        """Empty the system; Python frees the rest with the last reference."""
+        self._container.Reset()
+
+    def _connector(self, cell: int) -> dict[str, Any]:
+        """Parameters of the friction connector of one cell, in the units of the lane."""
+        raise NotImplementedError
+
+    def _along(self, coordinates: FloatArray) -> FloatArray:
+        """Pick the displacements of outer, then inner masses from Exudyn's coordinates; velocities likewise."""
+        return coordinates
+
+    def _coordinates(self, along: FloatArray) -> FloatArray:
+        """Give all of Exudyn's coordinates for displacements; velocities likewise."""
+        return along
+
+    def _recorded_motion(self, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Displacements and velocities of all masses at the ends of the steps, in the units of the lane."""
+        positions, velocities = (
+            self._along(np.concatenate([self._recorded(sensor, steps) for sensor in sensors], axis=1))
+            for sensors in self._motion_sensors
+        )
+        return positions, velocities
+
+    def _recorded_forces(self, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Friction and normal force of every contact [N]."""
+        friction = np.zeros((steps, self._chain.cells))
+        for cell, sensor in zip(self._rubbing, self._force_sensors, strict=True):
+            # The connector's force resists its elongation: it is -λ_T on the inner mass.
+            friction[:, cell] = -self._recorded(sensor, steps)[:, 0]
+        return friction * self._units.force, self.lane.preloads(0, steps)
+
+    def _set_friction_state(self, state: State, start: int) -> None:
+        """Set the internal state of the friction law, if it has one."""
+        return
+
+    def _friction_state(self) -> FloatArray | None:
+        """Give the internal state of the friction law at the end of a run."""
+        return None
+
+    def _start(self, state: State, start: int, steps: int, record: bool) -> None:
+        checked_count("steps", steps)
+        self._set_friction_state(state, start)
+        units = self._units
+        self._solve(state.positions[0] / units.length, state.velocities[0] / units.velocity, start, steps, record)
+
+    def _solve(self, position: FloatArray, velocity: FloatArray, start: int, steps: int, record: bool) -> None:
+        """Run the solver, a new one each time: none of its data outlive a run."""
+        data, initial = self._system.systemData, self._exudyn.ConfigurationType.Initial
+        data.SetODE2Coordinates(self._coordinates(position), initial)
+        data.SetODE2Coordinates_t(self._coordinates(velocity), initial)
+        self._tabulate_load(start, steps)
+        integration = self._settings.timeIntegration
+        integration.startTime = start * self._time_step
+        integration.endTime = (start + steps) * self._time_step
+        integration.numberOfSteps = steps * self._substeps
+        self._settings.solution.sensors.active = record
+        solver = self._exudyn.MainSolverImplicitSecondOrder()
+        with _silent(self._exudyn):
+            succeeded = solver.SolveSystem(self._system, self._settings)
+        if not succeeded:
+            raise RuntimeError(f"exudyn stopped at {solver.it.currentTime * self._units.time:g} s: no convergence")
+
+    def _recorded(self, sensor: Any, steps: int) -> FloatArray:
+        """Rows of a sensor at the ends of the steps, without its column of time and its initial row."""
+        rows: FloatArray = self._system.GetSensorStoredData(sensor)[1:, 1:]
+        if rows.shape[0] != steps:
+            raise RuntimeError(f"exudyn recorded {rows.shape[0]} rows in {steps} steps")
+        return rows
+
+    def _assemble(self) -> None:
+        """Add masses, springs and dashpots as matrices, the friction connectors, the load and the sensors."""
+        from exudyn import itemInterface
+
+        system, cells = self._system, self._chain.cells
+        still = [0.0] * (2 * cells)
+        node = system.AddNode(
+            itemInterface.NodeGenericODE2(
+                numberOfODE2Coordinates=2 * cells,
+                referenceCoordinates=still,
+                initialCoordinates=still,
+                initialCoordinates_t=still,
+            )
+        )
+        system.AddObject(
+            itemInterface.ObjectGenericODE2(
+                nodeNumbers=[node],
+                massMatrix=self._chain.mass_matrix,
+                stiffnessMatrix=self._chain.stiffness_matrix,
+                dampingMatrix=self._chain.damping_matrix,
+            )
+        )
+        markers = [
+            system.AddMarker(itemInterface.MarkerNodeCoordinate(nodeNumber=node, coordinate=i))
+            for i in range(2 * cells)
+        ]
+        connectors = [
+            system.AddObject(
+                itemInterface.ObjectConnectorCoordinateSpringDamperExt(
+                    markerNumbers=[markers[cell], markers[cells + cell]], **self._connector(cell)
+                )
+            )
+            for cell in self._rubbing.tolist()
+        ]
+        self._add_load(markers[0])
+        self._add_sensors([node], connectors)
+        system.Assemble()
+
+    def _add_load(self, marker: Any) -> None:
+        """Load the outer mass of cell 1: harmonic drives by a compiled expression, others from a table."""
+        from exudyn import advancedUtilities, itemInterface
+
+        load = self._system.AddLoad(itemInterface.LoadCoordinate(markerNumber=marker, load=0.0))
+        harmonic = _harmonic_amplitudes(self.lane)
+        if harmonic is None:
+            function = self._tabulated_load
+        else:
+            sine, cosine = (float(amplitude / self._units.force) for amplitude in harmonic[:2])
+            omega = harmonic[2] * self._units.time
+            symbolic = self._exudyn.symbolic
+
+            def expression(mbs: Any, t: Any, load: Any) -> Any:  # noqa: ARG001 - names that Exudyn looks for
+                return sine * symbolic.sin(omega * t) + cosine * symbolic.cos(omega * t)
+
+            function = advancedUtilities.CreateSymbolicUserFunction(self._system, expression, "loadUserFunction", load)
+        self._load_function = function  # Exudyn does not keep it alive
+        self._system.SetLoadParameter(load, "loadUserFunction", function)
+
+    def _tabulate_load(self, start: int, steps: int) -> None:
+        """Compute a drive that is not harmonic at the ends of all substeps of a run, at once."""
+        if _harmonic_amplitudes(self.lane) is not None:
+            return
+        substeps = start * self._substeps + np.arange(steps * self._substeps + 1, dtype=np.float64)
+        loads = self.lane.drive.load(self.lane.chain, substeps * (self.lane.time_step / self._substeps))
+        self._loads, self._first_load = (loads / self._units.force).tolist(), start * self._substeps
+
+    def _tabulated_load(self, _system: Any, time: float, _load: float) -> float:
+        """Load at a time; between substeps, where the solver halves one, along a straight line."""
+        place = time / self._time_step * self._substeps - self._first_load
+        before = min(max(int(place), 0), len(self._loads) - 2)
+        part = place - before
+        return (1 - part) * self._loads[before] + part * self._loads[before + 1]
+
+    def _add_sensors(self, nodes: Sequence[Any], connectors: Sequence[Any]) -> None:
+        """Record the coordinates of all nodes and the force of each connector, in memory only."""
+        from exudyn import itemInterface
+
+        kinds = self._exudyn.OutputVariableType
+        self._motion_sensors = [
+            [self._add_sensor(itemInterface.SensorNode(nodeNumber=node, outputVariableType=kind)) for node in nodes]
+            for kind in (kinds.Coordinates, kinds.Coordinates_t)
+        ]
+        force = getattr(kinds, self._force_variable)
+        self._force_sensors = [
+            self._add_sensor(itemInterface.SensorObject(objectNumber=connector, outputVariableType=force))
+            for connector in connectors
+        ]
+
+    def _add_sensor(self, sensor: Any) -> Any:
+        """Add a sensor that records in memory only."""
+        sensor.storeInternal, sensor.writeToFile = True, False
+        return self._system.AddSensor(sensor)
+
+    def _solver_settings(self) -> Any:
+        """Settings of the implicit solver, without any output to files or console."""
+        settings = self._exudyn.SimulationSettings()
+        settings.solution.file.write = False
+        # A little less than a step, for times in seconds add up with round-off.
+        settings.solution.sensors.writePeriod = self._time_step * (1 - 1e-9)
+        preset, integration = self._preset, settings.timeIntegration
+        integration.verboseMode = 0
+        integration.minimumStepSize = preset["smallest_step"] * self._time_step
+        integration.generalizedAlpha.useNewmark = preset["solver"] == "Newmark"
+        integration.newton.relativeTolerance = preset["relative_tolerance"]
+        integration.newton.absoluteTolerance = preset["absolute_tolerance"]
+        return settings
 
 
 class JointLane(ExudynLane):
@@ -147,7 +273,7 @@ class RegularisedLane(JointLane):
     """Friction -F ġ_T / v_reg within |ġ_T| < v_reg, -F sign ġ_T beyond; static friction decays in as wide a zone."""
 
     def _connector(self, cell: int) -> dict[str, Any]:
-        zone = proportional_zone(self.lane, cell, self._preset) / self._units.velocity
+        zone = float(zone_widths(self.lane, self._preset)[cell]) / self._units.velocity
         return {**self._friction(cell, zone), "frictionProportionalZone": zone}
 
 
@@ -159,44 +285,30 @@ class BristleLane(JointLane):
     the positions of the feet, stay valid when a solver of periodic orbits moves all masses.
     """
 
+    @cached_property
+    def _bristles(self) -> tuple[FloatArray, FloatArray]:
+        return bristles(self.lane, self._preset, self._units)
+
     def _connector(self, cell: int) -> dict[str, Any]:
         from exudyn import itemInterface
 
         node = self._system.AddNode(
             itemInterface.NodeGenericData(initialCoordinates=[0.0] * 3, numberOfDataCoordinates=3)
         )
+        stiffness, damping = self._bristles
         return {
             "nodeNumber": node,
             **self._friction(cell, self._static_decay(cell)),
-            "stickingStiffness": float(self._stiffness[cell]),
-            "stickingDamping": float(self._damping[cell]),
+            "stickingStiffness": float(stiffness[cell]),
+            "stickingDamping": float(damping[cell]),
         }
 
     def _static_decay(self, cell: int) -> float:
         """Velocity at which static friction decays, in the units of the lane: the default, or a part of a kick."""
         if "stickingStiffness" in self._preset.options:
             return STATIC_DECAY / self._units.velocity
-        kick = self._chain.friction_bound[cell] / self._reduced_mass[cell] * self._time_step / self._substeps
+        kick = self._chain.friction_bound[cell] / reduced_mass(self._chain)[cell] * self._time_step / self._substeps
         return STATIC_DECAY_PER_KICK * float(kick)
-
-    @property
-    def _stiffness(self) -> FloatArray:
-        """Stiffness k_s of each bristle in the units of the lane."""
-        if "stickingStiffness" in self._preset.options:
-            unit = self._units.force / self._units.length
-            return np.full(self._chain.cells, self._preset["stickingStiffness"] / unit)
-        phase = self._preset["bristle_phase"] * self._substeps / self._time_step
-        stiffness: FloatArray = phase**2 * self._reduced_mass
-        return stiffness
-
-    @property
-    def _damping(self) -> FloatArray:
-        """Dashpot beside each bristle in the units of the lane."""
-        if "stickingDamping" in self._preset.options:
-            unit = self._units.force / self._units.velocity
-            return np.full(self._chain.cells, self._preset["stickingDamping"] / unit)
-        damping: FloatArray = self._preset["bristle_damping"] * 2 * np.sqrt(self._stiffness * self._reduced_mass)
-        return damping
 
     def _solver_settings(self) -> Any:
         settings = super()._solver_settings()
@@ -206,10 +318,10 @@ class BristleLane(JointLane):
         return settings
 
     def _set_friction_state(self, state: State, start: int) -> None:
-        units = self._units
-        stiffness, damping = self._stiffness * units.force / units.length, self._damping * units.force / units.velocity
+        units, (stiffness, damping) = self._units, self._bristles
         load = float(self.lane.loads(start, 1)[0])
-        slip, deflection = bristles_at(state, self.lane, load, stiffness, damping)
+        si = stiffness * units.force / units.length, damping * units.force / units.velocity
+        slip, deflection = bristles_at(state, self.lane, load, *si)
         outer, inner = np.split(state.positions[0], 2)
         foot = (inner - outer - deflection) / units.length
         data = np.stack([slip / units.force, foot, np.zeros_like(slip)], axis=1)[self._rubbing]
@@ -223,3 +335,51 @@ class BristleLane(JointLane):
         slip[self._rubbing] = data[:, 0]
         deflection[self._rubbing] = (inner - outer)[self._rubbing] - data[:, 1]
         return np.concatenate([slip * self._units.force, deflection * self._units.length])
+
+
+def bristles(lane: Lane, preset: Preset, units: Units) -> tuple[FloatArray, FloatArray]:
+    """Give stiffness k_s of each bristle and the dashpot beside it, shape (n,) each, in `units`."""
+    if "stickingStiffness" in preset.options:
+        stiffness = preset["stickingStiffness"] / (units.force / units.length)
+        damping = preset["stickingDamping"] / (units.force / units.velocity)
+        return np.full(lane.chain.cells, stiffness), np.full(lane.chain.cells, damping)
+    time_step, numbers = lane.time_step / units.time, (preset["bristle_phase"], preset["bristle_damping"])
+    return bristle_numbers(units.scaled(lane.chain), time_step, preset["substeps"], *numbers)
+
+
+def _harmonic_amplitudes(lane: Lane) -> tuple[float, float, float] | None:
+    """Sine and cosine amplitude [N] and ω [rad/s] of the force on cell 1, ``None`` for other drives."""
+    drive: Any = lane.drive
+    if type(drive) is HarmonicForce:
+        return drive.amplitude, 0.0, drive.angular_frequency
+    if type(drive) is HarmonicBase:
+        chain: Chain = lane.chain
+        spring = float(chain.chain_stiffness[0]) * drive.amplitude
+        dashpot = float(chain.chain_damping[0]) * drive.amplitude * drive.angular_frequency
+        return spring, dashpot, drive.angular_frequency
+    return None
+
+
+@contextlib.contextmanager
+def imported(module: str) -> Iterator[Any]:
+    """Import Exudyn without its greeting, and keep its console silent while a system is built."""
+    if "exudyn" not in sys.modules:
+        # The only switch for the fast build that is read at import and not inherited by other programs.
+        sys.exudynFast = module == "fast"  # type: ignore[attr-defined]
+    with contextlib.redirect_stdout(io.StringIO()):
+        import exudyn
+        import exudyn.advancedUtilities
+        import exudyn.itemInterface
+    with _silent(exudyn):
+        yield exudyn
+
+
+@contextlib.contextmanager
+def _silent(exudyn: Any) -> Iterator[None]:
+    """Keep Exudyn from printing; failures are raised, with their reason."""
+    printed = exudyn.config.printToConsole
+    exudyn.config.printToConsole = False
+    try:
+        yield
+    finally:
+        exudyn.config.printToConsole = printed

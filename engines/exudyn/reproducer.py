@@ -5,15 +5,14 @@ from typing import Any
 
 import numpy as np
 
-from engines.exudyn.bristle_state import bristles_at
-from engines.exudyn.contact import INERTIA
-from engines.exudyn.joint import proportional_zone
+from engines.exudyn.contact import INERTIA, contact_springs
+from engines.exudyn.joint import bristles
+from engines.exudyn.step_model import bristles_at, zone_widths
 from engines.interface.presets import Preset
-from engines.interface.reproducer import Reproducer
+from engines.shared.script_units import SI
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.validation import FloatArray
 
 LONGEST_LINE = 120
 """Characters."""
@@ -21,28 +20,19 @@ LONGEST_LINE = 120
 
 def zone_numbers(lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]:
     """Give the width of the zone, and the settings of the solver."""
-    return {**_solver(lane, preset), "zone": _zones(lane, preset), "bristles": False}
+    return {**_solver(lane, preset), "zone": zone_widths(lane, preset), "bristles": False}
 
 
 def bristle_numbers(lane: Lane, preset: Preset, start: State) -> Mapping[str, Any]:
     """Give the bristles, each with the load that it meets at first, and the settings of the solver."""
-    options = preset.options
-    reduced, steps = _reduced_mass(lane), preset["substeps"] / lane.time_step
-    if "stickingStiffness" in options:
-        stiffness, damping = (
-            np.full(lane.chain.cells, preset[name]) for name in ("stickingStiffness", "stickingDamping")
-        )
-    else:
-        stiffness = (preset["bristle_phase"] * steps) ** 2 * reduced
-        damping = preset["bristle_damping"] * 2 * np.sqrt(stiffness * reduced)
+    stiffness, damping = bristles(lane, preset, SI)
     slip, deflection = bristles_at(start, lane, float(lane.loads(0, 1)[0]), stiffness, damping)
     outer, inner = np.split(start.positions[0], 2)
-    foot = inner - outer - deflection
     return {
         **_solver(lane, preset),
         "bristles": True,
         "slip": slip,
-        "foot": foot,
+        "foot": inner - outer - deflection,
         "sticking_stiffness": stiffness,
         "sticking_damping": damping,
     }
@@ -51,28 +41,18 @@ def bristle_numbers(lane: Lane, preset: Preset, start: State) -> Mapping[str, An
 def disc_numbers(lane: Lane, preset: Preset, start: State) -> Mapping[str, Any]:
     """Give stiffness and depth of the discs, the width of the zone, and the settings of the solver."""
     units = Units.in_steps(preset["units"], lane)
-    reduced = _reduced_mass(lane)
-    stiffness = reduced * (preset["substeps"] / lane.time_step) ** 2
+    stiffness, damping = contact_springs(lane.chain, lane.time_step, preset["substeps"])
     return {
         **_solver(lane, preset),
-        "zone": _zones(lane, preset),
+        "zone": zone_widths(lane, preset),
         "linear": ", useLinearProportionalZone=True" if preset["useLinearProportionalZone"] else "",
         "stiffness": stiffness,
-        "damping": 2 * np.sqrt(stiffness * reduced),
+        "damping": damping,
         "depth": lane.chain.normal_force / stiffness,
         "slip": -np.diff(start.velocities.reshape(2, -1), axis=0)[0],
         "radius": units.length,
         "inertia": INERTIA * units.mass * units.length**2,
     }
-
-
-def _zones(lane: Lane, preset: Preset) -> FloatArray:
-    return np.array([proportional_zone(lane, cell, preset) for cell in range(lane.chain.cells)])
-
-
-def _reduced_mass(lane: Lane) -> FloatArray:
-    mass: FloatArray = 1 / (1 / lane.chain.outer_mass + 1 / lane.chain.inner_mass)
-    return mass
 
 
 def _solver(lane: Lane, preset: Preset) -> Mapping[str, Any]:
@@ -110,8 +90,3 @@ def _assignments(values: Mapping[str, str]) -> list[str]:
 
 def _assignment(values: Mapping[str, str], names: Sequence[str]) -> str:
     return f"{', '.join(names)} = {', '.join(values[name] for name in names)}"
-
-
-ZONE = Reproducer("reproducer_joint.py.jinja", zone_numbers)
-BRISTLE = Reproducer("reproducer_joint.py.jinja", bristle_numbers)
-DISC = Reproducer("reproducer_contact.py.jinja", disc_numbers)

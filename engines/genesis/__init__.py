@@ -2,17 +2,17 @@
 
 from typing import ClassVar
 
-from engines.genesis.contact import CONTACT_DEFAULT, CONTACT_TUNED, ContactSimulation, share_a_scene
-from engines.genesis.joint import JOINT_DEFAULT, JOINT_TUNED, JointSimulation
-from engines.genesis.simulation import GenesisLane
-from engines.interface.preparation import Preparation
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.shared.wheel_engine import WheelEngine
+from engines.genesis.contact import ContactSimulation, share_a_scene
+from engines.genesis.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
+from engines.genesis.simulation import JointSimulation
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
+from engines.shared.pip_engine import PipEngine
+from engines.shared.worlds_simulation import LaneAlone
 from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
+from reference_lcp.schemes.sequential import SequentialSimulation
 
 
-class Genesis(WheelEngine):
+class Genesis(PipEngine):
     """Genesis on the processor, one thread, in double precision."""
 
     name: ClassVar[str] = "genesis"
@@ -47,4 +47,4 @@ class Genesis(WheelEngine):
             return JointSimulation(lanes, preset)
         if share_a_scene(lanes, preset):
             return ContactSimulation(lanes, preset)
-        return SequentialSimulation([GenesisLane(ContactSimulation([lane], preset)) for lane in lanes])
+        return SequentialSimulation([LaneAlone(ContactSimulation([lane], preset)) for lane in lanes])

@@ -11,15 +11,13 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.genesis.law import pyramidal_contact
-from engines.genesis.scene import IMPEDANCE, PRECISION, Scene, chain_model, constraint_parameters
+from engines.genesis.scene import Scene, chain_model, constraint_parameters
 from engines.genesis.simulation import GenesisSimulation
-from engines.interface.presets import Option, Preset
-from engines.mujoco.contact import PLATE, RADIUS
-from engines.mujoco.model import DEPTH
+from engines.interface.presets import Preset
+from engines.mujoco.contact import DEPTH, PLATE, RADIUS
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
 
 LEAST_COEFFICIENT = 0.01
@@ -34,62 +32,6 @@ SOFTNESS = 2.0**-60
 The same for all lanes, so that none depends on the others; their coefficients make the bounds of friction of it. So
 soft that no coefficient comes near `LEAST_COEFFICIENT`: by Signorini's law, nothing but the product matters.
 """
-
-TOUCHING = {
-    "enable_adjacent_collision": Option(True, False, "Genesis lets a body through the one that carries it."),
-    "enable_neutral_collision": Option(True, False, "And bodies through each other that touch from the start."),
-}
-"""Without these there are no contacts, and no message says so."""
-
-CONTACT_TUNED = Preset(
-    "The elliptic cone by Signorini's law: friction is bounded by the normal force, and leaves that as it is.",
-    {
-        "precision": PRECISION,
-        "units": Option("lane", "SI", "Time steps for the unit of time: a scene has one step."),
-        "integrator": Option("Euler", "approximate_implicitfast", "Velocities first, then positions."),
-        **TOUCHING,
-        "friction_cone": Option("elliptic", "pyramidal", "The edges of the pyramid change the normal force."),
-        "contact_resolution": Option("signorini", None, "Friction does not press; with the pyramid it would."),
-        "iterations": Option(100, 25, "Newton goes on to its tolerance."),
-        "tolerance": Option(1e-12, 1e-8, "Of the energy that a step of Newton gains, in units near one."),
-        "impedance": Option((0.9999, 0.9999), IMPEDANCE, "Of solimp, Genesis's hardest: with it, contacts creep less."),
-        "impratio": Option(
-            1e4,
-            1.0,
-            "Friction is harder than the normal force by this factor; above it, rounding costs more than it gains.",
-        ),
-        "time constant in steps": Option(
-            2 / 0.9999, None, "Of solref: the reference acceleration is -ġ_T / dt, and stops a stuck contact."
-        ),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-7,
-    # (1 - d) / d over impratio.
-    residual_slip_compliance=1e-8,
-)
-
-CONTACT_DEFAULT = Preset(
-    "The same sphere and plate in SI units, with Genesis's own cone, solver and time constant.",
-    {
-        "precision": PRECISION,
-        "units": Option("SI", "SI", "The chain in SI units."),
-        "integrator": Option("approximate_implicitfast", "approximate_implicitfast", "Genesis's own."),
-        **TOUCHING,
-        "friction_cone": Option("pyramidal", "pyramidal", "Genesis's own."),
-        "iterations": Option(25, 25, "Genesis's own."),
-        "impedance": Option(IMPEDANCE, IMPEDANCE, "Genesis's own."),
-        "time constant": Option(
-            0.01, 0.01, "Genesis's own, of solref [s]; the damping ratio beside it is chosen to make N = λ_N."
-        ),
-    },
-    known_deviation=(
-        "friction is a soft constraint with a time constant, whatever the time step, so that a stuck contact creeps; "
-        "the edges of the pyramidal cone let friction press, and keep it below the bound"
-    ),
-    law=pyramidal_contact,
-    split_tolerance=1e-9,
-    batch_lanes=4,
-)
 
 
 def share_a_scene(lanes: Sequence[Lane], preset: Preset) -> bool:

@@ -7,10 +7,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from engines.interface.presets import Option, Preset
+from engines.genesis.presets import OPTIONS
+from engines.interface.presets import Preset
+from engines.mujoco.step_model import WIDTH
 from reference_lcp.validation import FloatArray
-
-PRECISION = Option("64", "32", "In single precision a stuck contact would be no better than MuJoCo Warp's.")
 
 SOLVER_OPTIONS = (
     "integrator", "iterations", "tolerance", "noslip_iterations", "friction_cone", "contact_resolution", "impratio",
@@ -24,25 +24,16 @@ CHOICES = ("integrator", "friction_cone", "contact_resolution")
 CANDIDATES = 150
 """Of contacts in a scene, Genesis's own; more where the chain has more cells."""
 
-IMPEDANCE, REST = (0.9, 0.95), (0.001, 0.5, 2.0)
-"""d_0 and d_max, then width [m], midpoint and power of Genesis's constraints: MuJoCo's `solimp`."""
+REST = (WIDTH, 0.5, 2.0)
+"""Width [m], midpoint and power of Genesis's constraints, behind d_0 and d_max: MuJoCo's `solimp`."""
 
 
 class Scene:
     """Environments that hold one chain each, with a time step that they share.
 
     Coordinates are those of `ChainCoordinates.PAIRS`: in each cell the outer mass, then the inner one relative to it.
-
-    Parameters
-    ----------
-    model
-        The chain as an MJCF model of unit masses, with bodies and joints ``outer 0``, ``inner 0``, ``outer 1``, ….
-    masses
-        Masses of all bodies of every environment, shape (environments, 2n).
-    time_step
-        Of all environments.
-    preset
-        The options.
+    `model` is the chain as an MJCF model of unit masses, with bodies and joints ``outer 0``, ``inner 0``, ``outer 1``,
+    …; `masses`, shape (environments, 2n), are those of all bodies.
     """
 
     def __init__(self, model: ElementTree.Element, masses: FloatArray, time_step: float, preset: Preset):
@@ -153,5 +144,5 @@ def import_genesis() -> Any:
     """Import Genesis, and start it once in this process: on the processor, one thread, in double precision."""
     importlib.import_module("torch").set_num_threads(1)
     genesis = importlib.import_module("genesis")
-    genesis.init(backend=genesis.cpu, precision=PRECISION.value, logging_level="error")
+    genesis.init(backend=genesis.cpu, precision=OPTIONS["precision"].value, logging_level="error")
     return genesis

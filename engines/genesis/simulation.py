@@ -1,4 +1,4 @@
-"""Lanes of Genesis, whatever their formulation, as the environments of one scene."""
+"""Lanes of Genesis as the environments of one scene, and its joint formulation: the dry friction of slide joints."""
 
 import weakref
 from abc import ABC, abstractmethod
@@ -8,36 +8,26 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.genesis.scene import Scene
+from engines.genesis.scene import Scene, chain_model, constraint_parameters
 from engines.interface.presets import Preset
+from engines.mujoco.presets import SOLIMP
 from engines.shared.coordinates import ChainCoordinates
+from engines.shared.force_loop import LARGEST_MOTION
 from engines.shared.units import Units
+from engines.shared.worlds_simulation import LanesInUnits
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.stepping.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_count
-
-LARGEST_MOTION = 1e15
-"""Coordinates and velocities, in a lane's units, beyond which it has diverged: at numbers that are not finite, Genesis
-would end the steps of all lanes."""
 
 COORDINATES = ChainCoordinates.PAIRS
 
 
-class GenesisSimulation(ABC):
-    """Lanes as the environments of one scene, under springs, dashpots and drives as forces at the start of each step.
-
-    Parameters
-    ----------
-    lanes
-        At least one.
-    preset
-        The options.
-    """
+class GenesisSimulation(LanesInUnits, ABC):
+    """Lanes as environments of one scene, under springs, dashpots and drives as forces at the start of each step."""
 
     def __init__(self, lanes: Sequence[Lane], preset: Preset):
-        self.lanes, self._preset = tuple(lanes), preset
-        self._units = [self._units_of(lane) for lane in lanes]
+        self._preset = preset
+        super().__init__(lanes, [self._units_of(lane) for lane in lanes])
         self._chains = [units.scaled(lane.chain) for lane, units in zip(lanes, self._units, strict=True)]
         self._forces = np.stack([COORDINATES.force_matrix(chain) for chain in self._chains])
         masses = [np.column_stack([chain.outer_mass, chain.inner_mass]).ravel() for chain in self._chains]
@@ -110,6 +100,7 @@ class GenesisSimulation(ABC):
             if not live.all():
                 forces[~live] = 0.0
             moved = self._scene.step(forces)
+            # At numbers that are not finite, Genesis would end the steps of all lanes.
             diverged = ~(np.max(np.abs(moved), axis=1) < LARGEST_MOTION)
             if diverged.any():
                 live &= ~diverged
@@ -122,17 +113,11 @@ class GenesisSimulation(ABC):
         """Set what changes from step to step."""
         return
 
-    def _loads(self, start: int, steps: int) -> FloatArray:
-        """Give the force on cell 1 in every step, shape (steps, lanes)."""
-        loads = [lane.loads(start, steps) / units.force for lane, units in zip(self.lanes, self._units, strict=True)]
-        return np.stack(loads, axis=1)
-
     def _motion(self, state: State) -> FloatArray:
         """Give the motions of a state, each in the units of its lane, shape (lanes, 4n)."""
-        length, velocity = (
-            np.array([[getattr(units, name)] for units in self._units]) for name in ("length", "velocity")
+        return np.hstack(
+            [COORDINATES.of(state.positions / self._length), COORDINATES.of(state.velocities / self._velocity)]
         )
-        return np.hstack([COORDINATES.of(state.positions / length), COORDINATES.of(state.velocities / velocity)])
 
     def _state(self, lane: int, motions: FloatArray) -> State:
         """Give positions and velocities of motions of one lane, shape (rows, 4n)."""
@@ -147,14 +132,30 @@ class GenesisSimulation(ABC):
         return Trajectory(times, state.positions, state.velocities, friction, contacts[:, 1])
 
 
-class GenesisLane(LaneModel):
-    """A lane in a scene of its own."""
+class JointSimulation(GenesisSimulation):
+    """Lanes with a dry friction in every joint of an inner mass."""
 
-    def __init__(self, simulation: GenesisSimulation):
-        self.lane, self._simulation = simulation.lanes[0], simulation
-        self.advance, self.close = simulation.advance, simulation.close  # type: ignore[method-assign]
-        self.native_steps = simulation.native_steps
+    def _units_of(self, lane: Lane) -> Units:
+        if self._preset["units"] == "steps":
+            return Units(length=lane.time_step**2, mass=1.0, time=lane.time_step)
+        return Units.in_steps(self._preset["units"], lane)
 
-    def run(self, state: State, start: int, steps: int) -> Trajectory:
-        """Advance from `state`; see `LaneModel.run`."""
-        return self._simulation.run(state, start, steps)[0]
+    def _new_scene(self, masses: FloatArray) -> Scene:
+        cells = self.lanes[0].chain.cells
+        scene = Scene(chain_model(cells)[0], masses, 1.0, self._preset)
+        scene.set_joint_constraints(
+            np.stack([constraint_parameters(self._time_constant(lane), 1.0, SOLIMP) for lane in self.lanes])
+        )
+        scene.set_bounds(np.stack([chain.friction_bound for chain in self._chains]))
+        return scene
+
+    def _time_constant(self, lane: Lane) -> float:
+        """Give the time constant of friction in time steps; Genesis takes at least two."""
+        if "time constant" not in self._preset.options:
+            steps: float = self._preset["time constant in steps"]
+            return steps
+        return max(2.0, self._preset["time constant"] / lane.time_step)
+
+    def _before_step(self, step: int) -> None:
+        if any(lane.preload is not None for lane in self.lanes):
+            self._scene.set_bounds(self._bounds(step, 1)[0])

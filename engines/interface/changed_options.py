@@ -8,7 +8,7 @@ from typing import Any
 
 from engines.interface.law import Law, NotModelled
 from engines.interface.presets import Option, Preset
-from reference_lcp.refusal import ParameterError, shown
+from reference_lcp.errors import ParameterError, shown
 
 MOST_COUNT = 2**31 - 1
 """Largest integer that engines in C take."""
@@ -17,26 +17,10 @@ SWITCHES = {"true": True, "false": False}
 
 
 def changed_preset(preset: Preset, settings: Sequence[str], all_presets: Iterable[Preset], name: str) -> Preset:
-    """Give a preset with some of its options changed; the preset itself where nothing is.
+    """Give a preset with some options changed by texts ``NAME=VALUE``; the preset itself where nothing is.
 
     It claims no longer to share the reference's scheme, and its law is that of the changed options where the law is
-    computed from every one of them.
-
-    Parameters
-    ----------
-    preset
-        The preset.
-    settings
-        Texts ``NAME=VALUE``.
-    all_presets
-        All presets of the engine: the texts that an option takes are those that they have.
-    name
-        Of the preset, for messages.
-
-    Raises
-    ------
-    ParameterError
-        If the preset has no such option, it is set twice, or the value is not what the option takes.
+    computed from every one of them. The texts that an option takes are those that `all_presets` have.
     """
     known = list(all_presets)
     values: dict[str, Any] = {}

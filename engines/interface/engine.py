@@ -3,18 +3,27 @@
 import platform
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 from engines.interface.changed_options import changed_preset
-from engines.interface.preparation import Preparation, sample_lane
-from engines.interface.presets import Capabilities, Formulation, Preset
+from engines.interface.presets import Capabilities, Formulation, Preparation, Preset
 from engines.interface.reproducer import Reproducer
+from reference_lcp.chain.drives import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation, common_cells
 from reference_lcp.chain.trajectory import State
-from reference_lcp.refusal import ParameterError, checked_choice
+from reference_lcp.errors import ParameterError, checked_choice
 
 if TYPE_CHECKING:
     from reference_lcp.one_call import SteadyState
+
+
+VERSIONS = "engines.isolated.versioned_engine"
+"""Module of versions of engines, and of engines in environments of their own: engines, and so loaded by name."""
+
+STEPS_PER_PERIOD = 400
+"""Of the lane by which engines are prepared; those that compile do so whatever its numbers are."""
 
 
 @runtime_checkable
@@ -55,6 +64,17 @@ class Engine(ABC):
     def python(self) -> str:
         """Version of the Python that the engine runs in; adapters override it where that is not this one."""
         return platform.python_version()
+
+    def versioned(self, version: str) -> "Engine":
+        """Give what is called ``NAME@VERSION``: a version of it, beside the suite or in an environment of its own.
+
+        Raises
+        ------
+        ParameterError
+            If it has no versions, or its adapter does not take this one.
+        """
+        built: Engine = import_module(VERSIONS).versioned_engine(self, version)
+        return built
 
     @property
     def states_laws_of(self) -> str:
@@ -143,3 +163,10 @@ class Engine(ABC):
 
 class EngineNotInstalled(RuntimeError):
     """The engine's own package is missing; the message names it and the reason."""
+
+
+def sample_lane(cells: int) -> Lane:
+    """Give a lane of so many cells of the canonical chain, that slip and stick."""
+    chain = Chain.from_ratios(cells=cells, friction_ratio=0.3)
+    drive = HarmonicBase.from_ratio(chain, 0.9)
+    return Lane(chain, drive, drive.period / STEPS_PER_PERIOD)

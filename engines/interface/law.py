@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from engines.interface.tolerances import STEPS
 from reference_lcp.chain.simulation import Lane, common_cells
-from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
+from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 
 ROUND_OFF_PERIOD = 1e-11
 """Largest difference of an engine from its law after one period from the same state, over the displacement scale,
@@ -15,70 +15,47 @@ unequal cells."""
 
 @dataclass(frozen=True)
 class Constant:
-    """One constant of a law.
-
-    Parameters
-    ----------
-    value
-        The number, in SI units.
-    unit
-        Its unit; empty for pure numbers.
-    source
-        The option that it comes from, or where the engine has it.
-    too_small_to_see
-        The whole of it moves nothing by more than `Law.period_bound`.
-    visible_error
-        Part of it that an error has to reach to move something by more: above a hundredth where the whole moves only
-        some ten bounds.
-    """
+    """One constant of a law."""
 
     value: float
+    """The number, in SI units."""
     unit: str
+    """Its unit; empty for pure numbers."""
     source: str
+    """The option that it comes from, or where the engine has it."""
     too_small_to_see: bool = False
+    """The whole of it moves nothing by more than `Law.period_bound`."""
     visible_error: float = 0.01
+    """Part of it that an error has to reach to move something by more: above a hundredth where the whole moves only
+    some ten bounds."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Law:
-    """How an engine steps a chain with one preset.
-
-    Parameters
-    ----------
-    formula
-        What a step computes, in the notation of `reference_lcp.stepping.linear_implicit`.
-    model
-        Makes the model of a lane from the values of the constants.
-    constants
-        The numbers in it by their symbols, from the preset's own options.
-    period_bound
-        Largest difference of positions from the engine after one period from the same state, over the displacement
-        scale, as long as nothing is wrong, at `STEPS` steps a period; see `bound_at`.
-    bound_growth
-        Power of the number of steps with which that difference grows: a half where every step rounds by as much as a
-        longer one, for roundings add up as the root of their number.
-    bound_reason
-        Where that difference comes from.
-    modulated
-        It holds under a normal force that changes while contacts stay closed, too.
-    lifting
-        It holds where contacts open and close, too; its state then has their gaps.
-    inclines
-        It holds where the faces of contacts are inclined to the row, too.
-    unmodelled_reason
-        Says why it does not predict the engine in a lane with such a normal force; gives ``None`` where it does.
-    """
+    """How an engine steps a chain with one preset."""
 
     formula: str
+    """What a step computes, in the notation of `reference_lcp.schemes.linear_implicit`."""
     model: Callable[[Lane, Mapping[str, float]], LaneModel]
+    """Makes the model of a lane from the values of the constants."""
     constants: Mapping[str, Constant] = field(default_factory=dict)
+    """The numbers in it by their symbols, from the preset's own options."""
     period_bound: float = ROUND_OFF_PERIOD
+    """Largest difference of positions from the engine after one period from the same state, over the displacement
+    scale, as long as nothing is wrong, at `STEPS` steps a period; see `bound_at`."""
     bound_growth: float = 0.0
+    """Power of the number of steps with which that difference grows: a half where every step rounds by as much as a
+    longer one, for roundings add up as the root of their number."""
     bound_reason: str = "round-off in double precision"
+    """Where that difference comes from."""
     modulated: bool = False
+    """It holds under a normal force that changes while contacts stay closed, too."""
     lifting: bool = False
+    """It holds where contacts open and close, too; its state then has their gaps."""
     inclines: bool = False
+    """It holds where the faces of contacts are inclined to the row, too."""
     unmodelled_reason: Callable[[Lane], str | None] = lambda _: None
+    """Says why it does not predict the engine in a lane with such a normal force; gives ``None`` where it does."""
 
     def bound_at(self, steps: int) -> float:
         """Give `period_bound` for a period of so many steps."""
@@ -115,12 +92,7 @@ class Law:
 
 @dataclass(frozen=True)
 class NotModelled:
-    """A preset whose steps no model predicts.
-
-    Parameters
-    ----------
-    reason
-        What decides them instead, in a sentence.
-    """
+    """A preset whose steps no model predicts."""
 
     reason: str
+    """What decides them instead, in a sentence."""

@@ -1,14 +1,14 @@
 """What an engine can do and how it is set up, as data: capabilities, formulations, presets, options."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import InitVar, dataclass, field, replace
 from enum import StrEnum
-from typing import Any
+from typing import Any, Self
 
 from engines.interface.law import Law, NotModelled
 from reference_lcp.chain.simulation import Lane
+from reference_lcp.defaults import DEFAULT_RESIDUAL
 from reference_lcp.observables.stick_slip import STICK_MARGIN
-from reference_lcp.steady.limits import DEFAULT_RESIDUAL
 
 
 class FrictionLaw(StrEnum):
@@ -43,107 +43,88 @@ class NormalForce(StrEnum):
 
 @dataclass(frozen=True)
 class Option:
-    """One setting of an engine.
-
-    Parameters
-    ----------
-    value
-        What the preset sets, as the engine takes it.
-    default
-        What the engine does without it.
-    reason
-        Why it is set, in one sentence.
-    fixed
-        The engine has it, and lets nobody set it.
-    """
+    """One setting of an engine."""
 
     value: Any
+    """What the preset sets, as the engine takes it."""
     default: Any
+    """What the engine does without it."""
     reason: str
+    """Why it is set, in one sentence."""
     fixed: bool = False
+    """The engine has it, and lets nobody set it."""
+
+    @classmethod
+    def own(cls, value: Any, meaning: str, *, fixed: bool = False) -> Self:
+        """Give a setting as the engine comes: its own value, and in one sentence what that does."""
+        return cls(value, value, meaning, fixed)
 
 
 @dataclass(frozen=True)
 class Preset:
-    """A named, documented set of options of one formulation.
-
-    Parameters
-    ----------
-    description
-        What it is for, in a sentence.
-    options
-        What it sets, by name.
-    shares_scheme
-        With these options the engine advances velocities, then positions, by the same semi-implicit Euler
-        step as equation (5), so that at equal time step its trajectories equal the reference's.
-    split_tolerance
-        Largest difference between one run and the same run split in two, over the displacement scale.
-    residual_slip_compliance
-        Part of the relative velocity which a contact would gain in a step without its forces, along it when it
-        sticks or across it, that is left to it, where no option of the engine makes it zero.
-    known_deviation
-        The law of the engine by which its motion departs from Coulomb's with these options, by more than its time
-        step explains; empty where there is none. Reports print it beside a disagreement.
-    law
-        Gives the model that predicts its steps, with constants taken from its options, or the reason why there is
-        none; ``None`` where it claims the reference's own step.
-    stick_margin
-        Part of the bound that the friction of a stick leaves at least, as `contact_modes` reads it: wider where the
-        friction of a sliding contact only tends to its bound.
-    normal_force
-        How the normal force may change in time.
-    modulated_options
-        What it sets otherwise where it does.
-    modulated_residual_slip_compliance
-        `residual_slip_compliance` where it does.
-    batch_lanes
-        Lanes that one simulation takes at best, where that is another number than the engine's.
-    versions
-        Versions of the engine that have what it sets, as pip has them, such as ``>=4``; any without this.
-    optional
-        It takes part where it is named, and not where all presets of an engine are meant.
-    turns
-        The row may have any direction in the plane of the contacts.
-    inclines
-        The faces of contacts may be inclined to the row.
-    static_friction
-        Friction at rest may be larger than in motion, see `Lane.static_ratio`.
-    inclined_law
-        As `law`, where contacts are inclined to the row and other steps are taken there than the preset otherwise
-        states.
-    turned_bound
-        Gives the bound of sliding friction over μ λ_N in a lane that is turned, at a slip velocity [m/s], where it is
-        not 1 as Coulomb's law has it, and nothing else but this is another.
-    varied
-        Options that decide much, with other values of theirs: reports show the error over them, at a few points.
-    unchanged
-        The preset of the engine of which this is one with changed options; ``None`` of a preset of the engine.
-    settings
-        What is changed, as ``NAME=VALUE``, sorted.
-    """
+    """A named, documented set of options of one formulation."""
 
     description: str
+    """What it is for, in a sentence."""
     options: Mapping[str, Option] = field(default_factory=dict)
+    """The settings of its formulation, by name: the engine's own values, see `Option.own`."""
+    changes: InitVar[Mapping[str, tuple[Any, str]] | None] = None
+    """What it sets otherwise: value and reason, by name. `options` then has all settings with these."""
     shares_scheme: bool = False
+    """With these options the engine advances velocities, then positions, by the same semi-implicit Euler step as
+    equation (5), so that at equal time step its trajectories equal the reference's."""
     split_tolerance: float = 0.0
+    """Largest difference between one run and the same run split in two, over the displacement scale."""
     residual_slip_compliance: float = 0.0
+    """Part of the relative velocity which a contact would gain in a step without its forces, along it when it sticks
+    or across it, that is left to it, where no option of the engine makes it zero."""
     known_deviation: str = ""
+    """The law of the engine by which its motion departs from Coulomb's with these options, by more than its time
+    step explains; empty where there is none. Reports print it beside a disagreement."""
     law: "Callable[[Preset], Law | NotModelled] | None" = None
+    """Gives the model that predicts its steps, with constants taken from its options, or the reason why there is
+    none; ``None`` where it claims the reference's own step."""
     stick_margin: float = STICK_MARGIN
+    """Part of the bound that the friction of a stick leaves at least, as `contact_modes` reads it: wider where the
+    friction of a sliding contact only tends to its bound."""
     normal_force: NormalForce = NormalForce.CONSTANT
+    """How the normal force may change in time."""
     modulated_options: Mapping[str, Option] = field(default_factory=dict)
+    """What it sets otherwise where it does."""
     modulated_residual_slip_compliance: float = 0.0
+    """`residual_slip_compliance` where it does."""
     batch_lanes: int | None = None
+    """Lanes that one simulation takes at best, where that is another number than the engine's."""
     versions: str = ""
+    """Versions of the engine that have what it sets, as pip has them, such as ``>=4``; any without this."""
     optional: bool = False
+    """It takes part where it is named, and not where all presets of an engine are meant."""
     turns: bool = False
+    """The row may have any direction in the plane of the contacts."""
     inclines: bool = False
+    """The faces of contacts may be inclined to the row."""
     static_friction: bool = False
+    """Friction at rest may be larger than in motion, see `Lane.static_ratio`."""
     inclined_law: "Callable[[Preset], Law] | None" = None
+    """As `law`, where contacts are inclined to the row and other steps are taken there than the preset otherwise
+    states."""
     turned_bound: Callable[[Lane, float], float] | None = None
+    """Gives the bound of sliding friction over μ λ_N in a lane that is turned, at a slip velocity [m/s], where it is
+    not 1 as Coulomb's law has it, and nothing else but this is another."""
     varied: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    """Options that decide much, with other values of theirs: reports show the error over them, at a few points."""
     unchanged: "Preset | None" = None
+    """The preset of the engine of which this is one with changed options; ``None`` of a preset of the engine."""
     settings: tuple[str, ...] = ()
+    """What is changed, as ``NAME=VALUE``, sorted."""
+
+    def __post_init__(self, changes: Mapping[str, tuple[Any, str]] | None) -> None:
+        if changes:
+            own = self.options
+            changed = {
+                name: replace(own[name], value=value, reason=reason) for name, (value, reason) in changes.items()
+            }
+            object.__setattr__(self, "options", {**changed, **own, **changed})
 
     def __getitem__(self, name: str) -> Any:
         return self.options[name].value
@@ -194,46 +175,43 @@ class Preset:
 
 
 @dataclass(frozen=True)
-class Capabilities:
-    """What an engine can do, as data.
+class Preparation:
+    """What an engine does before its first run in a process; the first time on a machine, it takes long."""
 
-    Parameters
-    ----------
-    title
-        The name that reports print.
-    package
-        The distribution that holds the engine, by its name for pip.
-    licence
-        Licence of the engine.
-    terms
-        Where the terms stand that its user agrees to, if it is not free software: they are said before it is installed.
-    friction_law
-        How it represents Coulomb friction.
-    presets
-        Presets by formulation, then by name; a formulation that is not listed is not supported.
-    batch_lanes
-        Lanes that one simulation takes at best: few where lanes cost the same alone, many where they share work.
-    precision
-        Arithmetic of the engine.
-    residual
-        Periodicity residual that certifies a steady state: no engine repeats a motion closer than it computes.
-    deterministic
-        Repeated runs are bitwise equal.
-    notes
-        What matters of its friction, in a sentence or two.
-    optional
-        It comes with an extra or with the system and not with the suite: it takes part where it is named.
-    """
+    what: str
+    """What it does, for a reader, such as ``compiles its kernels``."""
+    limit: float
+    """Seconds after which it is given up."""
+    batches: tuple[int, ...] = (1,)
+    """Numbers of lanes that are built, where what it does depends on that."""
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """What an engine can do, as data."""
 
     title: str
+    """The name that reports print."""
     package: str
+    """The distribution that holds the engine, by its name for pip."""
     licence: str
+    """Licence of the engine."""
     friction_law: FrictionLaw
+    """How it represents Coulomb friction."""
     presets: Mapping[Formulation, Mapping[str, Preset]]
+    """Presets by formulation, then by name; a formulation that is not listed is not supported."""
     batch_lanes: int = 4
+    """Lanes that one simulation takes at best: few where lanes cost the same alone, many where they share work."""
     precision: str = "double"
+    """Arithmetic of the engine."""
     residual: float = DEFAULT_RESIDUAL
+    """Periodicity residual that certifies a steady state: no engine repeats a motion closer than it computes."""
     deterministic: bool = True
+    """Repeated runs are bitwise equal."""
     notes: str = ""
+    """What matters of its friction, in a sentence or two."""
     optional: bool = False
+    """It comes with an extra or with the system and not with the suite: it takes part where it is named."""
     terms: str = ""
+    """Where the terms stand that its user agrees to, if it is not free software: they are said before it is
+    installed."""

@@ -1,35 +1,123 @@
-"""Every engine that is registered, by name."""
+"""Every engine by name: those that are registered, their versions, and the models of their laws."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
-from engines.interface.engine import Engine
-from engines.interface.law_engine import LAW_SUFFIX, LawEngine
-from engines.interface.presets import Capabilities
-from reference_lcp.refusal import ParameterError, checked_choice
+from engines.interface.engine import VERSIONS, Engine
+from engines.interface.law import Law
+from engines.interface.presets import Capabilities, Formulation, NormalForce, Preset
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.defaults import DEFAULT_RESIDUAL
+from reference_lcp.errors import ParameterError, checked_choice
+
+LAW_SUFFIX = "@law"
+"""What follows the name of an engine to name the model of its laws."""
+
+BATCH_LANES = 16
+"""Lanes of a batch: they are advanced one after the other, and cost the same alone."""
+
+SPLIT_TOLERANCE = 1e-12
+"""Largest difference between one run and the same run split in two, over the displacement scale: round-off, unless the
+engine itself does not begin where it ended."""
+
+
+class LawEngine(Engine):
+    """The models of an engine's presets, under their own names; presets without a model are left out."""
+
+    def __init__(self, modelled: Engine, version: str):
+        self.name = f"{modelled.name}{LAW_SUFFIX}"  # type: ignore[misc]
+        self.capabilities = _capabilities(modelled.capabilities)  # type: ignore[misc]
+        self._version = version
+
+    def version(self) -> str:
+        """Version of the suite."""
+        return self._version
+
+    @property
+    def host(self) -> str:
+        """The reference, which is the suite's own code as well."""
+        return "reference"
+
+    def unavailable_reason(self) -> str | None:
+        """``None``: models need nothing but the suite."""
+        return None
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        law = law_of(preset)
+        assert law is not None, "presets without a law are not listed"
+        return law.build(lanes)
+
+
+def law_of(preset: Preset) -> Law | None:
+    """Give the model of a preset; ``None`` where it has none."""
+    law = preset.stated_law()
+    return law if isinstance(law, Law) else None
+
+
+def _capabilities(modelled: Capabilities) -> Capabilities:
+    """Give what the models of an engine can do; a formulation without any is none of theirs."""
+    modelled_presets = {formulation: _presets(presets) for formulation, presets in modelled.presets.items()}
+    return replace(
+        modelled,
+        title=f"{modelled.title}'s law",
+        presets={formulation: presets for formulation, presets in modelled_presets.items() if presets},
+        batch_lanes=BATCH_LANES,
+        precision="double",
+        residual=DEFAULT_RESIDUAL,
+        deterministic=True,
+        optional=True,
+    )
+
+
+def _presets(presets: Mapping[str, Preset]) -> dict[str, Preset]:
+    """Give the presets that have a model; its constants come from the options that they keep.
+
+    Where a preset has one for inclined contacts alone, that is the model.
+    """
+    presets = {name: _inclined(preset) for name, preset in presets.items()}
+    laws = {name: law_of(preset) for name, preset in presets.items()}
+    return {
+        name: replace(
+            presets[name],
+            split_tolerance=max(SPLIT_TOLERANCE, presets[name].split_tolerance),
+            known_deviation="",
+            normal_force=_normal_force(law),
+            modulated_options={},
+            batch_lanes=None,
+            versions="",
+            inclines=law.inclines,
+            static_friction=False,
+        )
+        for name, law in laws.items()
+        if law is not None
+    }
+
+
+def _inclined(preset: Preset) -> Preset:
+    """Give a preset with its law for inclined contacts, and the options there, if it has one."""
+    if preset.inclined_law is None:
+        return preset
+    return replace(preset.modulated(), law=preset.inclined_law, shares_scheme=False)
+
+
+def _normal_force(law: Law) -> NormalForce:
+    """Give how the normal force may change, that a law holds."""
+    if law.lifting:
+        return NormalForce.LIFTING
+    return NormalForce.MODULATED if law.modulated else NormalForce.CONSTANT
+
 
 ENTRY_POINT_GROUP = "multibody_xval.engines"
 """Group under which a distribution registers its engines; nothing in the suite is edited for a new one."""
-
-FAMILY_GROUP = "multibody_xval.engine_families"
-"""Group under which a distribution registers families of engines: functions that give the engine ``FAMILY@MEMBER``, of
-``MEMBER``. Engines of families take part where they are named, and are not listed."""
-
-ENVIRONMENTS = "engines.environments.engine"
-"""Module of versions of engines, and of engines in environments of their own: engines, and so loaded by name."""
 
 
 @cache
 def _entry_points() -> dict[str, EntryPoint]:
     return {entry.name: entry for entry in entry_points(group=ENTRY_POINT_GROUP)}
-
-
-@cache
-def _families() -> dict[str, EntryPoint]:
-    return {entry.name: entry for entry in entry_points(group=FAMILY_GROUP)}
 
 
 @cache
@@ -90,8 +178,8 @@ def _check_versions(registered: Engine) -> None:
 def engine(name: str) -> Engine:
     """Give the engine of this name; its own package is imported when it builds something.
 
-    ``NAME@law`` is the model of that engine's laws, which needs no package; ``FAMILY@MEMBER`` is one of a family,
-    and ``NAME@VERSION`` a version of an engine, in an environment of its own unless it is the one beside the suite.
+    ``NAME@law`` is the model of that engine's laws, which needs no package, and ``NAME@VERSION`` what its `versioned`
+    gives: a version of it, in an environment of its own unless it is the one beside the suite.
 
     Raises
     ------
@@ -100,11 +188,9 @@ def engine(name: str) -> Engine:
     """
     if name.endswith(LAW_SUFFIX):
         return _law_engine(name.removesuffix(LAW_SUFFIX))
-    family, _, member = name.partition("@")
-    if member and family in _families():
-        return _member(family, member)
-    if family in _entry_points() and family != name:
-        return _version(family, member)
+    versioned, at, version = name.partition("@")
+    if at and versioned in _entry_points():
+        return _version(versioned, version)
     return _in_own_environment(name) or registered_engine(name)
 
 
@@ -125,22 +211,15 @@ def _law_engine(name: str) -> Engine:
 
 
 @cache
-def _member(family: str, member: str) -> Engine:
-    built: Engine = _families()[family].load()(member)
-    return built
-
-
-@cache
 def _version(name: str, version: str) -> Engine:
     """Give a version of a registered engine."""
-    built: Engine = import_module(ENVIRONMENTS).versioned_engine(registered_engine(name), version)
-    return built
+    return registered_engine(name).versioned(version)
 
 
 @cache
 def _in_own_environment(name: str) -> Engine | None:
     """Give an engine that is not beside the suite, but in an environment of its own; ``None`` otherwise."""
-    built: Engine | None = import_module(ENVIRONMENTS).engine_of_its_own_environment(registered_engine(name))
+    built: Engine | None = import_module(VERSIONS).engine_of_its_own_environment(registered_engine(name))
     return built
 
 

@@ -1,15 +1,14 @@
-"""One way to simulate the chain: an engine, a formulation, a preset, and what is changed in it."""
+"""One way to simulate the chain: an engine, a formulation, a preset and changed options; what names stand for."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
 from engines.interface.changed_options import value_text
-from engines.interface.law_engine import LAW_SUFFIX, law_of
 from engines.interface.presets import Capabilities, Preset
-from engines.interface.registry import engine
+from engines.interface.registry import LAW_SUFFIX, default_engine_names, engine, engine_names, law_of
 from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError, checked_choice
 
 FORM = "ENGINE[:FORMULATION[:PRESET]][:OPTION=VALUE]..."
 """How a variant is named."""
@@ -17,19 +16,12 @@ FORM = "ENGINE[:FORMULATION[:PRESET]][:OPTION=VALUE]..."
 
 @dataclass(frozen=True, order=True)
 class Variant:
-    """An engine, a formulation and a preset, by name.
-
-    Parameters
-    ----------
-    engine, formulation
-        Names.
-    preset_name
-        Name of the preset; after it, as ``:NAME=VALUE``, the options that are changed in it, sorted.
-    """
+    """An engine, a formulation and a preset, by name."""
 
     engine: str
     formulation: str = "joint"
     preset_name: str = "tuned"
+    """Name of the preset; after it, as ``:NAME=VALUE``, the options that are changed in it, sorted."""
 
     @classmethod
     def parse(cls, text: str) -> Self:
@@ -130,13 +122,7 @@ class Variant:
 
 
 def name_parts(text: str) -> tuple[list[str], list[str]]:
-    """Give engine, formulation and preset of a name, as far as it has them, and the options that follow.
-
-    Raises
-    ------
-    ParameterError
-        If there are more parts, or one follows an option.
-    """
+    """Give engine, formulation and preset of a name, as far as it has them, and the options that follow."""
     parts = text.split(":")
     settings = [part for part in parts if "=" in part]
     names = parts[: len(parts) - len(settings)]
@@ -146,13 +132,91 @@ def name_parts(text: str) -> tuple[list[str], list[str]]:
 
 
 def check_version(name: str) -> None:
-    """Refuse a version of an engine that cannot be run here.
+    """Refuse a version of an engine that cannot be run here, with the command that makes it."""
+    missing = engine(name).unavailable_reason() if "@" in name else None
+    if missing is not None:
+        raise ParameterError(f"engine = {name!r} cannot be used: {missing}")
+
+
+ALL = "all"
+"""In place of a part of a name: every one."""
+
+EVERY_VARIANT = f"{ALL}:{ALL}:{ALL}"
+"""Every preset of every engine."""
+
+
+def variants_of(name: str, *, optional: bool = False) -> list[Variant]:
+    """Give the variants of an engine, in the order in which its capabilities list them.
+
+    Parameters
+    ----------
+    name
+        Of the engine.
+    optional
+        Give those of `Preset.optional` too.
 
     Raises
     ------
     ParameterError
-        If it is in no environment, or in one that is not whole; with the command that makes it.
+        If no engine of this name is registered.
     """
-    missing = engine(name).unavailable_reason() if "@" in name else None
+    return [
+        Variant(name, str(formulation), preset_name)
+        for formulation, presets in engine(name).capabilities.presets.items()
+        for preset_name, preset in presets.items()
+        if optional or not preset.optional
+    ]
+
+
+def variants_named(names: Sequence[str]) -> list[Variant]:
+    """Give the variants that are to be run by their names, each once; an engine that is named has to be installed.
+
+    ``all`` in place of a part stands for every one, but for presets that take part only where they are named.
+    """
+    return list(dict.fromkeys(variant for name in names for variant in _variants(name)))
+
+
+def _variants(text: str) -> list[Variant]:
+    """Give the variants of one name; its engine is installed, unless it is one of all."""
+    names, settings = name_parts(text)
+    if ALL not in names:
+        variant = Variant.parse(text)
+        check_installed(variant.engine, variant.unavailable_reason)
+        return [variant]
+    if settings:
+        raise ParameterError(f"engine = {text!r} sets {settings[0]} in several variants; allowed: in one")
+    name, formulation, preset = [*names, *("joint", "tuned")[len(names) - 1 :]]
+    if name != ALL:
+        check_installed(name, engine(name).unavailable_reason())
+    listed = [each for own in (engine_names() if name == ALL else [name]) for each in variants_of(own)]
+    if formulation != ALL:
+        checked_choice(f"formulation of {name}", formulation, _each(each.formulation for each in listed))
+        listed = [each for each in listed if each.formulation == formulation]
+    if preset != ALL:
+        checked_choice(f"preset of {name}", preset, _each(each.preset_name for each in listed))
+        listed = [each for each in listed if each.preset_name == preset]
+    return listed
+
+
+def _each(names: Iterable[str]) -> list[str]:
+    return list(dict.fromkeys(names))
+
+
+def check_installed(name: str, missing: str | None) -> None:
+    """Refuse an engine that is named, if something is missing."""
     if missing is not None:
-        raise ParameterError(f"engine = {name!r} cannot be used: {missing}")
+        raise ParameterError(f"engine = {name} is not installed: {missing}; allowed: one that is")
+
+
+def default_variants() -> list[Variant]:
+    """Give the variants that are compared where none is named: every formulation, tuned and as the engine comes.
+
+    Those of the engines that come with the suite.
+    """
+    return [
+        Variant(name, str(formulation), preset_name)
+        for name in default_engine_names()
+        for formulation, presets in engine(name).capabilities.presets.items()
+        for preset_name in ("tuned", "default")
+        if preset_name in presets
+    ]

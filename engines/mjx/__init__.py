@@ -2,19 +2,17 @@
 
 from typing import ClassVar
 
-from engines.interface.preparation import Preparation
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.mjx.joint import JOINT_TUNED
-from engines.mjx.model import SIZES
-from engines.mjx.worlds import MJXWorlds
-from engines.mujoco.joint import JOINT_DEFAULT
-from engines.mujoco.worlds_simulation import worlds_simulation
-from engines.shared.wheel_engine import WheelEngine
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
+from engines.mjx.presets import JOINT_TUNED
+from engines.mjx.worlds import SIZES, MJXWorlds
+from engines.mujoco.presets import JOINT_DEFAULT
+from engines.mujoco.worlds import ModelsSimulation
+from engines.shared.pip_engine import PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 
 
-class MJX(WheelEngine):
+class MJX(PipEngine):
     """MJX on the processor, in double precision, one thread."""
 
     name: ClassVar[str] = "mjx"
@@ -50,4 +48,4 @@ class MJX(WheelEngine):
         sweeps = preset["noslip_iterations"]
         if sweeps != 0:
             raise ParameterError(f"noslip_iterations = {sweeps}; allowed: 0 in MJX, which ignores it")
-        return worlds_simulation(lanes, formulation, preset, MJXWorlds)
+        return ModelsSimulation.of(lanes, formulation, preset, MJXWorlds)

@@ -18,18 +18,9 @@ def recorded_steps(
 ) -> tuple[tuple[jax.Array, ...], tuple[jax.Array, ...]]:
     """Take so many steps, at most `CHUNK`; give the state after them, and `Rows` of them.
 
-    Parameters
-    ----------
-    model
-        A model of MJX; every number has a row a world.
-    blank
-        Data of one world.
-    state
-        Positions, velocities, and the accelerations that the solver begins with, shape (worlds, nv) each.
-    loads, bounds
-        Control of each step and world, shape (`CHUNK`, worlds), and bounds of friction, shape (`CHUNK`, worlds, n).
-    count
-        Number of steps.
+    `model` has a row a world in every number, and `blank` is the data of one world; `state` holds positions, velocities
+    and the accelerations that the solver begins with, shape (worlds, nv) each; `loads`, shape (`CHUNK`, worlds), are
+    controls, and `bounds`, shape (`CHUNK`, worlds, n), those of friction.
     """
     worlds = loads.shape[1]
 

@@ -12,9 +12,46 @@ from typing import Any
 
 import numpy as np
 
-from engines.mjx.model import batched_model, size_of
 from engines.shared.worlds import CHUNK, Rows, Worlds
 from reference_lcp.validation import FloatArray
+
+SIZES = (1, 8, 64)
+"""Numbers of worlds for which steps are compiled; fewer are filled up, and above the last its multiples are taken.
+
+Compiling takes seconds for every size, and the lanes of a search for steady states become fewer one by one.
+"""
+
+
+def size_of(worlds: int) -> int:
+    """Give the number of worlds that is compiled for, to hold so many."""
+    return next((size for size in SIZES if size >= worlds), -(-worlds // SIZES[-1]) * SIZES[-1])
+
+
+def batched_model(models: Sequence[Any]) -> tuple[Any, Any]:
+    """Give one model in which every number has a row a world, filled up with the last one, and data of one world.
+
+    Whatever the numbers, models of one structure share what has been compiled for any of them.
+    """
+    import jax
+    from mujoco import mjx
+
+    put = [_model(model) for model in models]
+    put += put[-1:] * (size_of(len(models)) - len(models))
+    columns = zip(*(jax.tree.leaves(each) for each in put), strict=True)
+    rows = [jax.device_put(np.stack(column)) for column in columns]
+    return jax.tree.unflatten(jax.tree.structure(put[0]), rows), mjx.make_data(put[0])
+
+
+def _model(model: Any) -> Any:
+    """Put a model into MJX: all inner masses have friction, be it none now and then; nothing but arrays differs."""
+    from mujoco import mjx
+
+    rubs = np.zeros(model.nv, dtype=bool)
+    rubs[1::2] = True
+    # Sizes of geometries beside height fields, of which there are none, would be a part of the structure.
+    no_sizes = np.zeros(model.ngeom)
+    return mjx.put_model(model).tree_replace({"_impl.dof_hasfrictionloss": rubs, "_impl.geom_rbound_hfield": no_sizes})
+
 
 ONE_THREAD = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
 """What keeps JAX's calculations on one thread: the suite runs processes side by side."""
@@ -24,14 +61,9 @@ COMPILED = "compiled"
 
 
 class MJXWorlds(Worlds):
-    """Worlds of one structure that take their steps together.
+    """Worlds of one structure, with one control each, that take their steps together.
 
-    Parameters
-    ----------
-    models
-        A compiled `mujoco.MjModel` a world, with one control.
-    modulated
-        The bounds of friction in joints change from step to step; they are set before each step in either case.
+    The bounds of friction are set before each step, `modulated` or not.
     """
 
     def __init__(self, models: Sequence[Any], modulated: bool):

@@ -3,26 +3,17 @@
 from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.mujoco.contact import (
-    CONTACT_DEFAULT,
-    CONTACT_NEWTON,
-    CONTACT_TUNED,
-    contact_model,
-    contact_units,
-    lifting_model,
-)
-from engines.mujoco.joint import JOINT_DEFAULT, JOINT_TUNED, joint_model
-from engines.mujoco.pressed_contact import pressed_harder
+from engines.mujoco.contact import compiled_contacts
+from engines.mujoco.joint import compiled_joints
+from engines.mujoco.presets import CONTACT_DEFAULT, CONTACT_NEWTON, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED, YIELD
 from engines.mujoco.reproducer import CONTACT, JOINT
 from engines.mujoco.simulation import ModulatedJointSimulation, MuJoCoSimulation
-from engines.mujoco.yielding_simulation import yielding_simulation
-from engines.mujoco.yielding_spring import YIELD
-from engines.shared.units import Units
-from engines.shared.wheel_engine import WheelEngine
+from engines.mujoco.yielding import YieldingSimulation, compiled_springs
+from engines.shared.pip_engine import PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 
 
-class MuJoCo(WheelEngine):
+class MuJoCo(PipEngine):
     """MuJoCo, advanced by `mujoco.batch.Batch` on one thread."""
 
     name: ClassVar[str] = "mujoco"
@@ -48,16 +39,10 @@ class MuJoCo(WheelEngine):
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         if "spring_phase" in preset.options:
-            return yielding_simulation(lanes, preset)
+            return YieldingSimulation([compiled_springs(lane, preset) for lane in lanes])
         modulated = any(lane.preload is not None for lane in lanes)
         options = preset.modulated() if modulated else preset
         if formulation is Formulation.JOINT:
-            pressed, compiled = lanes, joint_model
-            units = [Units.named(preset["units"], lane) for lane in lanes]
-        else:
-            pressed = tuple(pressed_harder(lane, preset) for lane in lanes)
-            units = [contact_units(lane, preset) for lane in pressed]
-            compiled = lifting_model if modulated else contact_model
-        models = [compiled(lane, unit, options) for lane, unit in zip(pressed, units, strict=True)]
-        kind = ModulatedJointSimulation if modulated and formulation is Formulation.JOINT else MuJoCoSimulation
-        return kind(lanes, pressed, units, models)
+            kind = ModulatedJointSimulation if modulated else MuJoCoSimulation
+            return kind([compiled_joints(lane, options) for lane in lanes])
+        return MuJoCoSimulation([compiled_contacts(lane, options, lifting=modulated) for lane in lanes])

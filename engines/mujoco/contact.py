@@ -7,98 +7,19 @@ Where it changes in time the sphere is free across the plate, and an actuator pu
 """
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.mujoco.law import pyramidal_contact
-from engines.mujoco.model import (
-    DEFAULT_OPTIONS,
-    DEPTH,
-    LEAST_COEFFICIENT,
-    TOUCH,
-    TUNED_OPTIONS,
-    add_chain,
-    add_masses,
-    new_spec,
-)
+from engines.interface.presets import Preset
+from engines.mujoco.joint import CompiledLane, add_chain, add_masses, new_spec
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
-
-CONTACT_TUNED = Preset(
-    "The elliptic cone, solved by one dual sweep and one without its softness: it then equals equation (5).",
-    {
-        **TUNED_OPTIONS,
-        "units": Option("contact", "SI", "The sweep's fixed tolerances of 1e-10 are then far below every number."),
-        "solver": Option("PGS", "Newton", "The dual problem: friction does not act back on the normal force."),
-        "cone": Option("elliptic", "pyramidal", "The pyramid's edges change the normal force with friction."),
-        "solreffriction": Option(
-            (-1.0, -1.0), (0.0, 0.0), "Direct form, in units of d_width / dt: a stuck contact stops in one step."
-        ),
-        "normal time constant": Option(0.02, 0.02, "Of solref [s]; its stiffness is chosen so that N = λ_N."),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-12,
-    normal_force=NormalForce.LIFTING,
-    turns=True,
-    inclines=True,
-    modulated_options={
-        "solimp": Option(
-            (0.9999, 0.9999), (0.9, 0.95), "MuJoCo's hardest: a sphere sinks in by a thousandth of N δt² / m or so."
-        ),
-        "solref": Option(
-            (-0.1, -1.0),
-            (0.02, 1.0),
-            "Direct form, in units of d_width² / δt² and d_width / δt: a landing stops in one step, and ten take the "
-            "sphere out of the plate.",
-        ),
-    },
-    modulated_residual_slip_compliance=1e-4,
-    varied={"noslip_iterations": (0, 2)},
-)
-
-CONTACT_NEWTON = Preset(
-    "MuJoCo's own solver under a normal force that friction hardly changes, and a sweep without softness.",
-    {
-        **CONTACT_TUNED.options,
-        "solver": Option("Newton", "Newton", "The sweep after it decides what friction is."),
-        "iterations": Option(5, 100, "The normal forces are found in the first ones."),
-        "solimp": Option((1e-4, 1e-4), (0.9, 0.95), "MuJoCo's softest: friction hardly raises the normal force."),
-        "coefficient": Option(
-            0.01, None, "Contacts are pressed with F / 0.01: what friction adds to the normal force goes with μ²."
-        ),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-12,
-)
-
-CONTACT_DEFAULT = Preset(
-    "The same sphere and plate in SI units, with MuJoCo's own cone, solver and contact damping.",
-    {
-        **DEFAULT_OPTIONS,
-        "solreffriction": Option((0.0, 0.0), (0.0, 0.0), "MuJoCo's own: the damping of solref, for friction too."),
-        "normal time constant": Option(
-            0.02, 0.02, "MuJoCo's own damping 2 / 0.02 s; the stiffness beside it is needed to make N = λ_N."
-        ),
-    },
-    known_deviation=(
-        "friction is a soft constraint with a time constant, whatever the time step, so that a stuck contact creeps; "
-        "the edges of the pyramidal cone let friction press, and keep it below the bound"
-    ),
-    law=pyramidal_contact,
-    split_tolerance=1e-9,
-    normal_force=NormalForce.LIFTING,
-    turns=True,
-    inclines=True,
-    modulated_options={
-        "solimp": Option((0.9, 0.95), (0.9, 0.95), "MuJoCo's own: contacts are soft."),
-        "solref": Option((0.02, 1.0), (0.02, 1.0), "MuJoCo's own: a landing takes 0.02 s, whatever the time step."),
-    },
-)
 
 RADIUS = 4.0
 """Radius of a sphere, and half of a plate's width, over the displacement scale of the drive."""
@@ -112,18 +33,21 @@ FINENESS = 2.0**14
 MuJoCo's sweep solves for a sliding contact to 1e-10 in the square of its force, whatever the force.
 """
 
+DEPTH = 1.0
+"""Depth of a sphere in its plate over the displacement scale."""
+
+TOUCH = 2.0**-30
+"""Depth of a sphere that may leave its plate, over the displacement scale: at none it would begin without contact."""
+
+LEAST_COEFFICIENT = 1e-4
+"""Smallest μ: MuJoCo cuts smaller ones off."""
+
 LEAST_SHARE = 0.01
 """Smallest μ over the largest of a chain: below, MuJoCo takes a contact for singular."""
 
 
 def contact_units(lane: Lane, preset: Preset) -> Units:
-    """Choose units in which A μ² is near one, for A the inverse mass of a contact, and forces are some hundreds.
-
-    Raises
-    ------
-    ParameterError
-        If coefficients of friction are too small, or too different, for MuJoCo.
-    """
+    """Choose units in which A μ² is near one, for A the inverse mass of a contact, and forces are some hundreds."""
     chain = lane.chain
     rubbing = chain.friction_coefficient[chain.friction_bound > 0]
     largest = float(np.max(rubbing, initial=0.0))
@@ -137,27 +61,24 @@ def contact_units(lane: Lane, preset: Preset) -> Units:
     return Units(units.length * coefficient / FINENESS, units.mass / coefficient**2, units.time)
 
 
-def contact_model(lane: Lane, units: Units, preset: Preset) -> Any:
-    """Compile a lane: sliding plates in the world, on each a sphere, tendons between the plates."""
-    chain, time_step = units.scaled(lane.chain), lane.time_step / units.time
-    scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
-    spec = new_spec(time_step, preset)
-    for cell in range(chain.cells):
-        outer, inner = _add_masses(spec, lane, chain, cell, scale)
-        _add_geometry(outer, inner, lane, cell, scale, DEPTH)
-        pair = _add_contact(spec, chain, cell, preset, time_step)
-        # In its direct form, negative, a solref holds stiffness and damping; this is the damping of a time constant.
-        pair.solref = [-1.0, -2 * units.time / preset["normal time constant"]]
-        if chain.friction_bound[cell] == 0:
-            pair.margin = -2 * DEPTH * scale
-    add_chain(spec, chain)
-    model = spec.compile()
-    _set_normal_load(model, chain)
-    return model
+def compiled_contacts(
+    lane: Lane,
+    preset: Preset,
+    *,
+    lifting: bool = False,
+    units_of: Callable[[Lane, Preset], Units] = contact_units,
+) -> CompiledLane:
+    """Compile a lane with spheres that are held in their plates or, if `lifting`, rest on them and may leave them."""
+    pressed = pressed_harder(lane, preset)
+    units = units_of(pressed, preset)
+    model = _model(pressed, units, preset, lifting=lifting)
+    rubs = lane.chain.friction_bound > 0
+    share = np.divide(lane.chain.normal_force, pressed.chain.normal_force, where=rubs, out=np.ones(rubs.size))
+    return CompiledLane(lane, units, model, share)
 
 
-def lifting_model(lane: Lane, units: Units, preset: Preset) -> Any:
-    """Compile a lane as `contact_model` does, but with spheres that rest on their plates and may leave them."""
+def _model(lane: Lane, units: Units, preset: Preset, *, lifting: bool) -> Any:
+    """Compile sliding plates in the world, on each a sphere, and tendons between the plates."""
     import mujoco
 
     chain, time_step = units.scaled(lane.chain), lane.time_step / units.time
@@ -165,18 +86,29 @@ def lifting_model(lane: Lane, units: Units, preset: Preset) -> Any:
     spec = new_spec(time_step, preset)
     for cell in range(chain.cells):
         outer, inner = _add_masses(spec, lane, chain, cell, scale)
-        inner.add_joint(name=f"above {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
-        _add_geometry(outer, inner, lane, cell, scale, TOUCH)
+        if lifting:
+            inner.add_joint(name=f"above {cell}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
+        _add_geometry(outer, inner, lane, cell, scale, TOUCH if lifting else DEPTH)
         pair = _add_contact(spec, chain, cell, preset, time_step)
-        stiffness, damping = preset["solref"]
-        # MuJoCo divides a direct solref by powers of d_width; a positive one is a time constant and a damping ratio.
-        width = pair.solimp[1]
-        direct = [stiffness * (width / time_step) ** 2, damping * width / time_step]
-        pair.solref = direct if stiffness < 0 else [stiffness / units.time, damping]
+        if lifting:
+            stiffness, damping = preset["solref"]
+            # MuJoCo divides a direct solref by powers of d_width; a positive one is a time constant and a ratio.
+            width = pair.solimp[1]
+            direct = [stiffness * (width / time_step) ** 2, damping * width / time_step]
+            pair.solref = direct if stiffness < 0 else [stiffness / units.time, damping]
+        else:
+            # In its direct form, negative, a solref holds stiffness and damping; this is that of a time constant.
+            pair.solref = [-1.0, -2 * units.time / preset["normal time constant"]]
+            if chain.friction_bound[cell] == 0:
+                pair.margin = -2 * DEPTH * scale
     add_chain(spec, chain)
-    for cell in range(chain.cells):
-        _add_pressing(spec, lane, cell)
-    return spec.compile()
+    if lifting:
+        for cell in range(chain.cells):
+            _add_pressing(spec, lane, cell)
+    model = spec.compile()
+    if not lifting:
+        _set_normal_load(model, chain)
+    return model
 
 
 def _add_pressing(spec: Any, lane: Lane, cell: int) -> None:
@@ -251,3 +183,31 @@ def _set_normal_load(model: Any, chain: Chain) -> None:
     force: FloatArray = data.sensordata[::3]
     rubbing = chain.friction_bound > 0
     model.pair_solref[rubbing, 0] *= chain.normal_force[rubbing] / force[rubbing]
+
+
+def light_units(lane: Lane, preset: Preset) -> Units:
+    """Choose units in which the masses that contacts stop are near one: single precision takes small ones for none."""
+    units, chain = contact_units(lane, preset), lane.chain
+    if preset["units"] == "SI":
+        return units
+    stopped = 1 / (1 / chain.outer_mass + 1 / chain.inner_mass)
+    return replace(units, mass=power_of_two(float(np.exp(np.mean(np.log(stopped))))))
+
+
+def pressed_harder(lane: Lane, preset: Preset) -> Lane:
+    """Give the lane with the preset's coefficient of friction and the same bounds, if the preset has one.
+
+    What friction adds to the normal force goes with the square of the coefficient.
+    """
+    if "coefficient" not in preset.options:
+        return lane
+    chain, coefficient = lane.chain, preset["coefficient"]
+    rubs = chain.friction_bound > 0
+    return replace(
+        lane,
+        chain=replace(
+            chain,
+            friction_coefficient=np.where(rubs, coefficient, chain.friction_coefficient),
+            normal_force=np.where(rubs, chain.friction_bound / coefficient, chain.normal_force),
+        ),
+    )

@@ -1,52 +1,96 @@
-"""MuJoCo's joint formulation: the dry friction of a slide joint between outer and inner mass."""
+"""MuJoCo's models of the chain: its masses, springs and options, and the dry friction of slide joints."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.mujoco.law import joint_friction
-from engines.mujoco.model import DEFAULT_OPTIONS, TUNED_OPTIONS, add_chain, add_masses, new_spec
+from engines.interface.presets import Preset
 from engines.shared.units import Units
+from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
-
-JOINT_TUNED = Preset(
-    "The dual solver without its softness: friction stops a contact at the end of the step, as equation (5) does.",
-    {
-        **TUNED_OPTIONS,
-        "units": Option("lane", "SI", "No number comes near MuJoCo's built-in smallest and largest ones."),
-        "solver": Option("PGS", "Newton", "The friction forces are the unknowns, and each solves its own equation."),
-        "cone": Option("pyramidal", "pyramidal", "There are no contacts."),
-        "solref_friction": Option(
-            (-1.0, -1.0), (0.02, 1.0), "Direct form, in units of d_width / dt: a stuck contact stops in one step."
-        ),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-12,
-    normal_force=NormalForce.MODULATED,
-    varied={"noslip_iterations": (0, 2)},
-)
-
-JOINT_DEFAULT = Preset(
-    "A joint's frictionloss in SI units, and MuJoCo's own options.",
-    {
-        **DEFAULT_OPTIONS,
-        "solref_friction": Option(
-            (0.02, 1.0), (0.02, 1.0), "MuJoCo's own: a time constant of 0.02 s, whatever the time step."
-        ),
-    },
-    known_deviation=(
-        "friction is a soft constraint with a time constant, whatever the time step: a stuck contact comes to rest "
-        "with one of 10.6 ms and creeps, and a finer step does not help"
-    ),
-    law=joint_friction,
-    split_tolerance=1e-9,
-    normal_force=NormalForce.MODULATED,
-)
+from reference_lcp.validation import FloatArray
 
 
-def joint_model(lane: Lane, units: Units, preset: Preset) -> Any:
+@dataclass(frozen=True)
+class CompiledLane:
+    """A lane, and its compiled `mujoco.MjModel` in units of its own.
+
+    In each cell, the joints of the outer mass and of the inner one relative to it come first, and that across the plate
+    last where a mass can leave it; then an actuator a cell pushes it on its plate. Where contacts have sensors, these
+    give the contact force, its normal part first.
+    """
+
+    lane: Lane
+    units: Units
+    model: Any
+    normal_share: FloatArray | float = 1.0
+    """λ_N of each cell over that with which its contact is pressed, shape (n,)."""
+
+
+def new_spec(time_step: float, preset: Preset) -> Any:
+    """Begin a model, with what holds for the whole of it."""
+    import mujoco
+
+    spec = mujoco.MjSpec()
+    option = spec.option
+    option.timestep = time_step
+    option.gravity = [0, 0, 0]
+    option.solver = getattr(mujoco.mjtSolver, f"mjSOL_{preset['solver'].upper()}")
+    option.iterations = preset["iterations"]
+    option.noslip_iterations = preset["noslip_iterations"]
+    if "tolerance" in preset.options:
+        option.tolerance = preset["tolerance"]
+    option.cone = getattr(mujoco.mjtCone, f"mjCONE_{preset['cone'].upper()}")
+    option.jacobian = getattr(mujoco.mjtJacobian, f"mjJAC_{preset['jacobian'].upper()}")
+    option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{preset['integrator'].upper()}")
+    for flag in preset["disable"]:
+        option.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag.upper()}"))
+    return spec
+
+
+def add_masses(
+    spec: Any, chain: Chain, cell: int, across: float = 0.0, axis: tuple[float, float] = (1.0, 0.0)
+) -> tuple[Any, Any]:
+    """Add an outer mass that slides in the world, and on it an inner one with its spring and its dashpot."""
+    outer = _add_slider(spec.worldbody, f"outer {cell}", chain.outer_mass[cell], axis, across)
+    inner = _add_slider(outer, f"inner {cell}", chain.inner_mass[cell], axis)
+    set_spring(inner.joints[0], chain.inner_stiffness[cell], chain.inner_damping[cell])
+    return outer, inner
+
+
+def _add_slider(parent: Any, name: str, mass: float, axis: tuple[float, float], across: float = 0.0) -> Any:
+    """Add a body that slides along the row, with a joint of the same name; its inertia never enters."""
+    import mujoco
+
+    place = [0, across, 0]
+    body = parent.add_body(name=name, mass=mass, inertia=[mass] * 3, ipos=[0, 0, 0], explicitinertial=True, pos=place)
+    body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[*axis, 0])
+    return body
+
+
+def add_chain(spec: Any, chain: Chain) -> None:
+    """Add k_c and c_c at the left of every cell, and the force on cell 1, in which is the motion of the base."""
+    import mujoco
+
+    for cell in range(chain.cells):
+        tendon = spec.add_tendon(springlength=[0, 0])
+        set_spring(tendon, chain.chain_stiffness[cell], chain.chain_damping[cell])
+        if cell > 0:
+            tendon.wrap_joint(f"outer {cell - 1}", -1)
+        tendon.wrap_joint(f"outer {cell}", 1)
+    spec.add_actuator(target="outer 0", trntype=mujoco.mjtTrn.mjTRN_JOINT).set_to_motor()
+
+
+def set_spring(element: Any, stiffness: float, damping: float) -> None:
+    """Set spring and dashpot of a joint or a tendon: numbers, or since 3.8 the coefficients of polynomials."""
+    for name, value in (("stiffness", stiffness), ("damping", damping)):
+        setattr(element, name, value if np.ndim(getattr(element, name)) == 0 else [value, 0, 0])
+
+
+def compiled_joints(lane: Lane, preset: Preset) -> CompiledLane:
     """Compile a lane: an outer slide in the world, on each an inner slide, tendons between outer slides."""
+    units = Units.named(preset["units"], lane)
     chain, time_step = units.scaled(lane.chain), lane.time_step / units.time
     spec = new_spec(time_step, preset)
     for cell in range(chain.cells):
@@ -58,4 +102,4 @@ def joint_model(lane: Lane, units: Units, preset: Preset) -> Any:
         # A direct solref, negative, is divided by d_width: this makes the reference acceleration -ġ_T / dt.
         joint.solref_friction = solref if solref[0] > 0 else solref * joint.solimp_friction[1] / time_step
     add_chain(spec, chain)
-    return spec.compile()
+    return CompiledLane(lane, units, spec.compile())

@@ -5,8 +5,8 @@ from typing import Any
 
 from engines.interface.presets import Preset
 from engines.interface.reproducer import Reproducer
-from engines.mujoco.contact import PLATE, RADIUS
-from engines.mujoco.model import DEPTH, TOUCH
+from engines.mujoco.contact import DEPTH, PLATE, RADIUS, TOUCH
+from engines.mujoco.step_model import LARGEST_IMPEDANCE
 from engines.shared.script_units import SI, script_units
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
@@ -15,14 +15,11 @@ from reference_lcp.chain.trajectory import State
 OPTION_ATTRIBUTES = ("solver", "iterations", "noslip_iterations", "cone", "jacobian", "integrator")
 """Options of the whole model."""
 
-WIDTH = 0.95
-"""d_width of MuJoCo's own solimp, by which it divides a stiffness or a damping that is given directly."""
-
 
 def joint_numbers(_lane: Lane, preset: Preset, _start: State, units: Units = SI) -> Mapping[str, Any]:
     """Give the attributes that differ from MuJoCo's own: of the model, and of the joint that rubs."""
     solref = preset["solref_friction"]
-    rates = _rates(solref, (1, 1), WIDTH, units)
+    rates = _rates(solref, (1, 1), LARGEST_IMPEDANCE, units)
     return {**script_units(units), **_model(preset), "joint": "" if solref[0] > 0 else f'solreffriction="{rates}"'}
 
 
@@ -30,6 +27,7 @@ def contact_numbers(lane: Lane, preset: Preset, _start: State, units: Units = SI
     """Give the attributes that differ from MuJoCo's own: of the model, and of the pair that rubs; and its geometry."""
     lifting = lane.preload is not None
     options = preset.modulated() if lifting else preset
+    pair = _pair(options, lifting, units)
     scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
     return {
         **script_units(units),
@@ -40,7 +38,7 @@ def contact_numbers(lane: Lane, preset: Preset, _start: State, units: Units = SI
         "radius": RADIUS * scale,
         "plate": PLATE * scale,
         "height": 2 * RADIUS * scale - (TOUCH if lifting else DEPTH) * scale,
-        "pair": _by_two(_pair(options, lifting, units)),
+        "pair": [" ".join(pair[start : start + 2]) for start in range(0, len(pair), 2)],  # lines of two
     }
 
 
@@ -62,9 +60,9 @@ def _bound(preset: Preset) -> dict[str, str]:
 
 
 def _pair(preset: Preset, lifting: bool, units: Units) -> list[str]:
-    """Give the attributes of the pair; see `contact_model` and `lifting_model`."""
+    """Give the attributes of the pair; see `engines.mujoco.contact`."""
     changed = "solimp" in preset.options and preset["solimp"] != preset.options["solimp"].default
-    width = preset["solimp"][1] if changed else WIDTH
+    width = preset["solimp"][1] if changed else LARGEST_IMPEDANCE
     attributes = [f'solimp="{preset["solimp"][0]} {preset["solimp"][1]}"'] if changed else []
     if not lifting:
         attributes.append(f'solref="-1 {-2 * units.time / preset["normal time constant"]!r}"')
@@ -75,13 +73,8 @@ def _pair(preset: Preset, lifting: bool, units: Units) -> list[str]:
     return attributes
 
 
-def _by_two(attributes: Sequence[str]) -> list[str]:
-    """Set attributes in lines of two."""
-    return [" ".join(attributes[start : start + 2]) for start in range(0, len(attributes), 2)]
-
-
 def _rates(factors: Sequence[float], powers: Sequence[int], width: float, units: Units) -> str:
-    """Write stiffness and damping in the direct form, which MuJoCo divides by powers of d_width."""
+    """Write stiffness and damping in the direct form, which MuJoCo divides by powers of `width`, its d_width."""
     rate = f"{width} / TIME_STEP" if units == SI else f"{width} * TIME / TIME_STEP"
     rates = [rate if power == 1 else f"({rate}) ** {power}" for power in powers]
     return " ".join(

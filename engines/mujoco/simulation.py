@@ -9,46 +9,29 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.mujoco.loop import SteppedModels
-from engines.mujoco.pressed_contact import normal_share
-from engines.shared.cell_joints import absolute_coordinates, joint_coordinates
-from engines.shared.units import Units
+from engines.mujoco.joint import CompiledLane
+from engines.shared.coordinates import absolute_coordinates, joint_coordinates
+from engines.shared.worlds_simulation import LanesInUnits
 from reference_lcp.chain.simulation import Lane, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray, checked_count
 
 LARGEST_NUMBER = 1e10
 """MuJoCo's mjMAXVAL, in units of the lane: beyond, coordinates stop a simulation, and forces count as zero."""
 
 
-class MuJoCoSimulation:
-    """Lanes as the simulations of one batch, each with a model of its own.
+class MuJoCoSimulation(LanesInUnits):
+    """Lanes as the simulations of one batch, each with a model of its own."""
 
-    Parameters
-    ----------
-    lanes
-        The lanes.
-    pressed
-        The lanes as the models have them: some press contacts harder, with a smaller coefficient of friction.
-    units
-        The units of each lane's model.
-    models
-        A compiled `mujoco.MjModel` a lane: in each cell, the joints of the outer mass and of the inner one
-        relative to it come first, and that across the plate last where a mass can leave it; then an actuator a cell
-        pushes it on its plate. Where contacts have sensors, these give the contact force, its normal part first.
-    """
-
-    def __init__(self, lanes: Sequence[Lane], pressed: Sequence[Lane], units: Sequence[Units], models: Sequence[Any]):
-        self.lanes, self._pressed = tuple(lanes), tuple(pressed)
-        self._models = tuple(models)
-        self._units = tuple(units)
-        self._joints = self._models[0].nq // common_cells(lanes)
+    def __init__(self, compiled: Sequence[CompiledLane]):
+        super().__init__([each.lane for each in compiled], [each.units for each in compiled])
+        self._compiled, self._models = tuple(compiled), [each.model for each in compiled]
+        self._joints = self._models[0].nq // common_cells(self.lanes)
         self._opens = self._models[0].nu > 1
         self._recorded = ("qpos", "qvel", "qfrc_constraint") + ("sensordata",) * (self._models[0].nsensor > 0)
-        self._length = np.array([[unit.length] for unit in units])
-        self._velocity = np.array([[unit.velocity] for unit in units])
-        self._batch = _batch(self._models)
+        batch = _Batch if importlib.util.find_spec("mujoco.batch") else SteppedModels
+        self._batch = batch(self._models)
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         """Advance every lane; see `Simulation.run`.
@@ -77,12 +60,7 @@ class MuJoCoSimulation:
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
         """Give the lanes of these indices; they share the models."""
-        return type(self)(
-            [self.lanes[lane] for lane in lanes],
-            [self._pressed[lane] for lane in lanes],
-            [self._units[lane] for lane in lanes],
-            [self._models[lane] for lane in lanes],
-        )
+        return type(self)([self._compiled[lane] for lane in lanes])
 
     def native_steps(self, steps: int) -> None:
         """Take steps of MuJoCo's own loop on the model of one lane after the other, from rest."""
@@ -90,10 +68,6 @@ class MuJoCoSimulation:
 
         for model in self._models:
             mujoco.mj_step(model, mujoco.MjData(model), steps)
-
-    def close(self) -> None:
-        """Nothing to do: memory is all that MuJoCo holds, and it goes with the last reference."""
-        return
 
     def _rollout(self, state: State, start: int, steps: int, record: Sequence[str]) -> dict[str, FloatArray]:
         """Set the state and take `steps` steps, with the load of each step as its control."""
@@ -127,7 +101,9 @@ class MuJoCoSimulation:
             if self._opens:
                 columns.append(-lane.preloads(start, steps))
             forces = np.hstack(columns)
-            _check_forces(forces, LARGEST_NUMBER * units.force)
+            largest, allowed = float(np.max(np.abs(forces), initial=0.0)), LARGEST_NUMBER * units.force
+            if largest > allowed:  # MuJoCo would take zero without a message
+                raise ParameterError(f"forces reach {largest:g} N; allowed by MuJoCo: {allowed:g} N")
             controls.append(forces / units.force)
         return np.stack(controls)
 
@@ -184,7 +160,7 @@ class MuJoCoSimulation:
         given = lane.preloads(start, steps)
         if "sensordata" not in record:
             return given
-        share = normal_share(lane, self._pressed[index])
+        share = self._compiled[index].normal_share
         measured = record["sensordata"][index, :, ::3] * self._units[index].force * share
         return np.where(lane.chain.friction_bound > 0, measured, given)
 
@@ -227,18 +203,6 @@ class _Batch:
         return rows
 
 
-def _batch(models: Sequence[Any]) -> _Batch | SteppedModels:
-    """Give a batch, or what does the same in versions of MuJoCo that have none."""
-    return _Batch(models) if importlib.util.find_spec("mujoco.batch") else SteppedModels(models)
-
-
-def _check_forces(forces: FloatArray, allowed: float) -> None:
-    """Refuse controls for which MuJoCo would take zero without a message."""
-    largest = float(np.max(np.abs(forces), initial=0.0))
-    if largest > allowed:
-        raise ParameterError(f"forces reach {largest:g} N; allowed by MuJoCo: {allowed:g} N")
-
-
 @contextlib.contextmanager
 def _no_warning_file() -> Iterator[None]:
     """Keep MuJoCo from writing to MUJOCO_LOG.TXT when a motion diverges; the rows show it."""
@@ -250,3 +214,53 @@ def _no_warning_file() -> Iterator[None]:
         yield
     finally:
         mujoco.set_mju_user_warning(handler)
+
+
+class SteppedModels:
+    """What a batch does of which the suite makes use, for versions before 3.17, which have none: step after step."""
+
+    def __init__(self, models: Sequence[Any]):
+        import mujoco
+
+        self._models = models
+        self._data = [mujoco.MjData(model) for model in models]
+        self._bound: dict[str, FloatArray] = {}
+
+    def bind(self, name: str) -> FloatArray:
+        """Give a part of the state, shape (simulations, size): what is written into it is where steps begin."""
+        if name not in self._bound:
+            self._bound[name] = np.stack([getattr(data, name) for data in self._data])
+        return self._bound[name]
+
+    def rollout(self, control: FloatArray, record: Sequence[str]) -> dict[str, FloatArray]:
+        """Take a step for each control, shape (lanes, steps, controls); gives records, shape (lanes, steps, size).
+
+        A simulation that diverges stops, and its last row is repeated.
+        """
+        rows = {
+            name: np.stack([np.tile(getattr(data, name), (control.shape[1], 1)) for data in self._data])
+            for name in record
+        }
+        for index, data in enumerate(self._data):
+            for name, bound in self._bound.items():
+                getattr(data, name)[:] = bound[index]
+            self._step(index, control[index], {name: row[index] for name, row in rows.items()})
+            for name, bound in self._bound.items():
+                bound[index] = getattr(data, name)
+        return rows
+
+    def _step(self, index: int, control: FloatArray, rows: dict[str, FloatArray]) -> None:
+        """Take the steps of one simulation; a warning, such as of a coordinate that is too large, is its end."""
+        import mujoco
+
+        model, data = self._models[index], self._data[index]
+        before = data.warning.number.tobytes()
+        for step, force in enumerate(control):
+            if data.warning.number.tobytes() != before:
+                for row in rows.values():
+                    row[step:] = row[step - 1]
+                return
+            data.ctrl[:] = force
+            mujoco.mj_step(model, data)
+            for name, row in rows.items():
+                row[step] = getattr(data, name)

@@ -2,15 +2,17 @@
 
 from typing import ClassVar
 
-from engines.interface.preparation import Preparation
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.mujoco.worlds_simulation import worlds_simulation
-from engines.mujoco_warp.contact import CONTACT_DEFAULT, CONTACT_TUNED
-from engines.mujoco_warp.joint import JOINT_DEFAULT, JOINT_TUNED
-from engines.mujoco_warp.reproducer import CONTACT, JOINT
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
+from engines.interface.reproducer import Reproducer
+from engines.interface.tolerances import SINGLE_RESIDUAL
+from engines.mujoco.contact import light_units, pressed_harder
+from engines.mujoco.reproducer import contact_numbers, joint_numbers
+from engines.mujoco.worlds import ModelsSimulation
+from engines.mujoco_warp.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
 from engines.mujoco_warp.worlds import MuJoCoWarpWorlds
-from engines.shared.mass_ratio import check_mass_ratio
-from engines.shared.wheel_engine import WheelEngine
+from engines.shared.claims import check_mass_ratio
+from engines.shared.pip_engine import PipEngine
+from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane, Simulation
 
 LARGEST_MASS_RATIO = {Formulation.JOINT: 100.0, Formulation.CONTACT: 20.0}
@@ -22,7 +24,7 @@ joints is off by 4e-6 of the motion at 50, 1e-5 at 100, 5e-2 at 1,000. Contacts 
 """
 
 
-class MuJoCoWarp(WheelEngine):
+class MuJoCoWarp(PipEngine):
     """MuJoCo Warp on the processor, one thread, its step recorded as a graph."""
 
     name: ClassVar[str] = "mujoco-warp"
@@ -41,17 +43,28 @@ class MuJoCoWarp(WheelEngine):
         },
         batch_lanes=64,
         precision="single",
-        # Positions and velocities are rounded by 2^-24 of themselves in every step: of one period of 400 steps,
-        # this adds up to 1e-6 of the displacement scale or somewhat more, at a resonance to 9e-6.
-        residual=1e-5,
+        residual=SINGLE_RESIDUAL,
         notes=(
             "MuJoCo's laws, in single precision: by default friction is a soft constraint with a time constant. The "
             "no-slip sweep of the tuned presets removes the softness; then a motion equals equation (5) to some 1e-6 "
             "of its size."
         ),
     )
-    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
+    reproducers: ClassVar = {
+        Formulation.JOINT: Reproducer(
+            "reproducer_joint.py.jinja",
+            lambda lane, preset, start: joint_numbers(lane, preset, start, Units.named(preset["units"], lane)),
+            own_units=True,
+        ),
+        Formulation.CONTACT: Reproducer(
+            "reproducer_contact.py.jinja",
+            lambda lane, preset, start: contact_numbers(
+                lane, preset, start, light_units(pressed_harder(lane, preset), preset)
+            ),
+            own_units=True,
+        ),
+    }
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         check_mass_ratio(lanes, LARGEST_MASS_RATIO[formulation], self.capabilities.title)
-        return worlds_simulation(lanes, formulation, preset, MuJoCoWarpWorlds)
+        return ModelsSimulation.of(lanes, formulation, preset, MuJoCoWarpWorlds)

@@ -1,10 +1,12 @@
 """The worlds of one batch in MuJoCo Warp's memory."""
 
+import dataclasses
 import importlib
 from collections.abc import Sequence
 from typing import Any
 
-from engines.mujoco_warp.model import batched_model
+import numpy as np
+
 from engines.shared.warp_worlds import WarpWorlds, import_warp
 from engines.shared.worlds import Rows
 from reference_lcp.validation import FloatArray
@@ -14,15 +16,7 @@ ROWS_OF_A_CONTACT = 4
 
 
 class MuJoCoWarpWorlds(WarpWorlds):
-    """Models of MuJoCo as worlds.
-
-    Parameters
-    ----------
-    models
-        A compiled `mujoco.MjModel` a world, with one control.
-    modulated
-        The bounds of friction in joints change from step to step.
-    """
+    """Models of MuJoCo as worlds, with one control each; `modulated` ones have bounds that change in every step."""
 
     def __init__(self, models: Sequence[Any], modulated: bool):
         self._models, self._modulated = models, modulated
@@ -31,7 +25,7 @@ class MuJoCoWarpWorlds(WarpWorlds):
     def _allocate(self) -> Rows:
         model, engine = self._models[0], import_mujoco_warp()
         rows = model.nv + ROWS_OF_A_CONTACT * model.npair
-        self._model = batched_model(self._models)
+        self._model = _batched_model(self._models)
         self._data = engine.make_data(model, nworld=len(self._models), nconmax=model.npair, njmax=rows)
         return Rows(self._data.qpos, self._data.qvel, self._data.qfrc_constraint, self._data.sensordata)
 
@@ -41,7 +35,7 @@ class MuJoCoWarpWorlds(WarpWorlds):
         self._data.qacc_warmstart.zero_()
 
     def _set_forces(self) -> None:
-        from engines.mujoco_warp import kernels
+        from engines.shared import warp_kernels as kernels
 
         warp = import_warp()
         warp.launch(kernels.load, len(self._models), [self._step, self._loads, self._data.ctrl])
@@ -51,6 +45,28 @@ class MuJoCoWarpWorlds(WarpWorlds):
 
     def _advance(self) -> None:
         import_mujoco_warp().step(self._model, self._data)
+
+
+def _batched_model(models: Sequence[Any]) -> Any:
+    """Give one model for MuJoCo Warp, with a row a world of friction bounds, and of whatever differs between models."""
+    import mujoco_warp
+    import warp
+
+    def differs(name: str) -> bool:
+        first = getattr(models[0], name, None)
+        if not isinstance(first, np.ndarray):
+            return False
+        return any(not np.array_equal(first, getattr(model, name)) for model in models)
+
+    differing = {field.name for field in dataclasses.fields(mujoco_warp.Model) if differs(field.name)}
+    names = sorted(differing | {"dof_frictionloss"})
+    batched = mujoco_warp.put_model(models[0], batch_sizes=dict.fromkeys(names, len(models)))
+    for name in names:
+        rows = getattr(batched, name)
+        rows.assign(np.stack([getattr(model, name) for model in models]).reshape(rows.numpy().shape))
+    batched.opt.timestep = warp.array([model.opt.timestep for model in models], dtype=float)
+    batched.opt.warn_overflow = 0  # a solver that ends at its last iteration says so on standard output
+    return batched
 
 
 def import_mujoco_warp() -> Any:

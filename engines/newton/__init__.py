@@ -2,16 +2,17 @@
 
 from typing import ClassVar
 
-from engines.interface.preparation import Preparation
-from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.newton.contact import CONTACT_DEFAULT, CONTACT_TUNED
-from engines.newton.joint import JOINT_DEFAULT, JOINT_TUNED
-from engines.newton.reproducer import CONTACT, JOINT
-from engines.newton.simulation import NewtonLane, NewtonSimulation
-from engines.shared.mass_ratio import check_mass_ratio
-from engines.shared.wheel_engine import WheelEngine
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preparation, Preset
+from engines.interface.tolerances import SINGLE_RESIDUAL
+from engines.newton.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
+from engines.newton.worlds import ContactWorlds, NewtonSimulation
+from engines.shared.claims import check_mass_ratio
+from engines.shared.pip_engine import PipEngine
+from engines.shared.script_units import script_in_units
+from engines.shared.units import Units
+from engines.shared.worlds_simulation import LaneAlone
 from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
+from reference_lcp.schemes.sequential import SequentialSimulation
 
 LARGEST_MASS_RATIO = 1000.0
 """Largest inner mass over the outer one of a cell.
@@ -21,7 +22,7 @@ off by 4e-6 of the motion at 100, 3e-5 at 1,000, a tenth at 10,000.
 """
 
 
-class Newton(WheelEngine):
+class Newton(PipEngine):
     """Newton on the processor, one thread, its step recorded as a graph."""
 
     name: ClassVar[str] = "newton"
@@ -42,18 +43,21 @@ class Newton(WheelEngine):
         },
         batch_lanes=64,
         precision="single",
-        # Positions and velocities are rounded by 2^-24 of themselves in every step: of one period of 400 steps,
-        # this adds up to 1e-6 of the displacement scale or somewhat more, more at a resonance.
-        residual=1e-5,
+        residual=SINGLE_RESIDUAL,
         notes=(
             "Coulomb's law, in single precision, by the experimental one of Newton's solvers. On a processor it has no "
             "dry friction of joints; a velocity drive of bounded effort is one."
         ),
     )
-    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
+    reproducers: ClassVar = {
+        Formulation.JOINT: script_in_units("reproducer_joint.py.jinja", Units.in_steps),
+        Formulation.CONTACT: script_in_units(
+            "reproducer_contact.py.jinja", Units.in_steps, rows_of_a_cell=ContactWorlds.rows_of_a_cell
+        ),
+    }
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         check_mass_ratio(lanes, LARGEST_MASS_RATIO, self.capabilities.title)
         if preset["units"] == "SI":
-            return SequentialSimulation([NewtonLane(lane, formulation, preset) for lane in lanes])
+            return SequentialSimulation([LaneAlone(NewtonSimulation([lane], formulation, preset)) for lane in lanes])
         return NewtonSimulation(lanes, formulation, preset)

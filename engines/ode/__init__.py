@@ -4,15 +4,28 @@ from pathlib import Path
 from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.ode.contact import CONTACT_DEFAULT, CONTACT_TUNED
-from engines.ode.joint import JOINT_DEFAULT, JOINT_STOPS, JOINT_TUNED
-from engines.ode.reproducer import CONTACT, JOINT
-from engines.out_of_process.engine import OutOfProcessEngine
-from engines.out_of_process.interpreter import Installation
+from engines.isolated.out_of_process import Installation, OutOfProcessEngine, OutOfProcessLane
+from engines.ode.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_STOPS, JOINT_TUNED
+from engines.shared.script_units import script_in_si
+
+BOX = 4.0
+"""Half of a box's edge, or a sphere's radius, over the displacement scale of the drive."""
+
+PLATE = 2.0**20
+"""Half of a plate's length over the displacement scale; beyond, inner masses fall off."""
+
+SPACING = 8 * BOX
+"""Distance of neighbouring cells over the displacement scale, across the motion."""
 
 INSTALLATION = Installation(
     "ode", Path(__file__).with_name("server.py"), "MULTIBODY_XVAL_ODE_PYTHON", "apt install python3-pyode"
 )
+
+
+class ODELane(OutOfProcessLane):
+    """One chain in ODE."""
+
+    sizes: ClassVar = {"box": BOX, "plate": PLATE, "spacing": SPACING}
 
 
 class ODE(OutOfProcessEngine):
@@ -36,4 +49,8 @@ class ODE(OutOfProcessEngine):
         ),
     )
     installation: ClassVar[Installation] = INSTALLATION
-    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
+    lane_model: ClassVar[type[OutOfProcessLane]] = ODELane
+    reproducers: ClassVar = {
+        Formulation.JOINT: script_in_si("reproducer_joint.py.jinja"),
+        Formulation.CONTACT: script_in_si("reproducer_contact.py.jinja", box=BOX, plate=PLATE, spacing=SPACING),
+    }

@@ -19,15 +19,6 @@ import ode
 LOW_STOP, HIGH_STOP, VELOCITY, STOP_ERP, STOP_CFM = 0, 1, 2, 9, 10
 """Numbers of parameters in ODE 0.16; some of pyode's constants are those of an older one."""
 
-BOX = 4.0
-"""Half of a box's edge, or a sphere's radius, over the displacement scale of the drive."""
-
-PLATE = 2.0**20
-"""Half of a plate's length over the displacement scale; beyond, inner masses fall off."""
-
-SPACING = 8 * BOX
-"""Distance of neighbouring cells over the displacement scale, across the motion."""
-
 STOP_BEYOND = 1e8
 """Motion over the displacement scale at which a run ends: further on, ODE would end the process."""
 
@@ -45,13 +36,7 @@ def versions() -> dict[str, str]:
 
 
 class EngineLane:
-    """One chain.
-
-    Parameters
-    ----------
-    parameters
-        What `engines.out_of_process.lane` sends of a chain, and the options of its preset.
-    """
+    """One chain; `parameters` are what `engines.isolated.out_of_process` sends of it, and the options of its preset."""
 
     def __init__(self, parameters: dict[str, Any]):
         model = ContactModel if str(parameters["formulation"]) == "contact" else JointModel
@@ -256,6 +241,7 @@ class ContactModel(JointModel):
     def __init__(self, given: dict[str, Any], position: Any, velocity: Any, record: bool):
         """Build a world in this state; see `JointModel`."""
         self._scale = float(given["length"])
+        self._half, self._reach = float(given["box"]) * self._scale, float(given["plate"]) * self._scale
         self._constant_normal_load = True
         super().__init__(given, position, velocity, record)
         self.world.setContactSurfaceLayer(float(given["surface_layer"]) * self._scale)
@@ -271,7 +257,7 @@ class ContactModel(JointModel):
             rows["gap"], rows["gap_rate"] = gaps(len(loads))
         self._drop_contacts()
         outer, inner = np.split(rows["position"], 2, axis=1)
-        reach = (PLATE - BOX) * self._scale
+        reach = self._reach - self._half
         if np.any(np.abs(inner - outer)[:, self._bound > 0] > reach):
             raise RuntimeError("an inner mass has left the plate of its outer one")
         return rows
@@ -344,21 +330,20 @@ class ContactModel(JointModel):
         return np.concatenate([pressing, -pressing]).tolist()
 
     def _places(self) -> Iterator[tuple[float, float]]:
-        half, depth = BOX * self._scale, float(self._given["depth"]) * self._scale
+        half, depth = self._half, float(self._given["depth"]) * self._scale
         # An inner mass is above the centre of its plate, along a face that is inclined.
         further = (2 * half - depth) * (1 / self._cosine - 1)
         for height in (-half, half - depth + further):
             for cell in range(self._cells):
-                yield cell * SPACING * self._scale, height
+                yield cell * float(self._given["spacing"]) * self._scale, height
 
     def _add_friction(self) -> Any:
         """Give all masses their shapes; before a step, contacts have to be found."""
-        edge = 2 * BOX * self._scale
+        edge, length = 2 * self._half, 2 * self._reach
         self._contacts = ode.JointGroup()
         self._rubbing = []
         for cell in np.flatnonzero(self._bound > 0).tolist():
             outer, inner = self._bodies[cell], self._bodies[self._cells + cell]
-            length = 2 * PLATE * self._scale
             plate = ode.GeomBox(None, lengths=(length, length if self._axis[1] else edge, edge))
             if str(self._given["shape"]) == "sphere":
                 slider = ode.GeomSphere(None, edge / 2)
@@ -404,7 +389,7 @@ class ContactModel(JointModel):
 
     def _new_body(self, mass: float, place: tuple[float, float]) -> Any:
         body, inertia = super()._new_body(mass, place), ode.Mass()
-        turning = float(self._given["inertia"]) * mass * (BOX * self._scale) ** 2
+        turning = float(self._given["inertia"]) * mass * self._half**2
         inertia.setParameters(mass, 0, 0, 0, turning, turning, turning, 0, 0, 0)
         body.setMass(inertia)
         if self._inclination:

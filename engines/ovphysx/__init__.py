@@ -3,13 +3,14 @@
 from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.ovphysx.joint import JOINT_DEFAULT, JOINT_TUNED
+from engines.interface.tolerances import SUBSTEPS_RESIDUAL
+from engines.ovphysx.presets import JOINT_DEFAULT, JOINT_TUNED
 from engines.ovphysx.simulation import OvphysxSimulation
-from engines.shared.wheel_engine import WheelEngine
+from engines.shared.pip_engine import PipEngine
 from reference_lcp.chain.simulation import Lane, Simulation
 
 
-class Ovphysx(WheelEngine):
+class Ovphysx(PipEngine):
     """ovphysx on the processor, one thread, in an environment of its own."""
 
     name: ClassVar[str] = "ovphysx"
@@ -28,10 +29,7 @@ class Ovphysx(WheelEngine):
         presets={Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT}},
         batch_lanes=64,
         precision="single",
-        # Positions and velocities are rounded by 2^-24 of themselves in every step, and roundings add up as the root of
-        # their number: 1e-6 of the displacement scale or somewhat more over a period of 400 steps, and somewhat more
-        # where 32 substeps make one. No mixing of iterates removes it.
-        residual=2e-5,
+        residual=SUBSTEPS_RESIDUAL,
         notes=(
             "Coulomb's law, in single precision: a motion repeats to some 1e-6 of its size, and no closer. Joints have "
             "a static and a dynamic friction in newtons, and report it. What PhysX calls position iterations of "

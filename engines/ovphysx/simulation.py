@@ -7,32 +7,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines.interface.presets import Preset
-from engines.ovphysx.scene import Scene
-from engines.ovphysx.stage import stage_text
-from engines.shared.carried_coordinates import CarriedCoordinates
+from engines.ovphysx.scene import Scene, stage_text
+from engines.shared.coordinates import CarriedCoordinates, friction_of_joints
 from engines.shared.force_loop import LARGEST_MOTION
-from engines.shared.joint_force import friction_of_joints
 from engines.shared.units import Units
+from engines.shared.worlds_simulation import LanesInUnits
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.validation import FloatArray, checked_count
 
 
-class OvphysxSimulation:
-    """Lanes as articulations of one scene, each in its own units, of which its time step is one.
-
-    Parameters
-    ----------
-    lanes
-        The lanes.
-    preset
-        The options.
-    """
+class OvphysxSimulation(LanesInUnits):
+    """Lanes as articulations of one scene, each in its own units, of which its time step is one."""
 
     def __init__(self, lanes: Sequence[Lane], preset: Preset):
         """Make the scene."""
-        self.lanes, self._preset = tuple(lanes), preset
-        self._units = [Units.in_steps(preset["units"], lane) for lane in lanes]
+        super().__init__(lanes, [Units.in_steps(preset["units"], lane) for lane in lanes])
+        self._preset = preset
         self._time_step = lanes[0].time_step / self._units[0].time
         self._coordinates = [CarriedCoordinates.of_chain(lane.chain) for lane in lanes]
         self._chains = [units.scaled(lane.chain) for units, lane in zip(self._units, lanes, strict=True)]
@@ -124,23 +115,6 @@ class OvphysxSimulation:
         force[~moving[:, 0]] = 0.0
         position, velocity = np.split(np.where(moving, motion, 0.0), 2, axis=1)
         self._scene.set(position, velocity)
-
-    def _loads(self, start: int, steps: int) -> FloatArray:
-        """Give the force on cell 1 at the start of each step, shape (steps, lanes)."""
-        return np.stack(
-            [lane.loads(start, steps) / units.force for lane, units in zip(self.lanes, self._units, strict=True)],
-            axis=1,
-        )
-
-    def _bounds(self, start: int, steps: int) -> FloatArray:
-        """Give μ λ_N of every contact in every step, shape (steps, lanes, n)."""
-        return np.stack(
-            [
-                lane.chain.friction_coefficient * lane.preloads(start, steps) / units.force
-                for lane, units in zip(self.lanes, self._units, strict=True)
-            ],
-            axis=1,
-        )
 
     def _absolute(self, index: int, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give positions [m] and velocities [m/s] of a lane, shape (..., 2n), of its motions, shape (..., 4n)."""

@@ -3,12 +3,13 @@
 from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.pinocchio.joint import JOINT_ADMM, JOINT_DEFAULT, JOINT_TUNED, PinocchioJointLane
-from engines.pinocchio.reproducer import JOINT
-from engines.shared.wheel_engine import WheelEngine
+from engines.pinocchio.joint import PinocchioJointLane
+from engines.pinocchio.presets import JOINT_ADMM, JOINT_DEFAULT, JOINT_TUNED
+from engines.shared.pip_engine import PipEngine
+from engines.shared.script_units import script_in_si
 
 
-class Pinocchio(WheelEngine):
+class Pinocchio(PipEngine):
     """Pinocchio: its dynamics and its constraint solvers, put together to a time step."""
 
     name: ClassVar[str] = "pinocchio"
@@ -29,4 +30,4 @@ class Pinocchio(WheelEngine):
     )
 
     lane_models: ClassVar = {Formulation.JOINT: PinocchioJointLane}
-    reproducers: ClassVar = {Formulation.JOINT: JOINT}
+    reproducers: ClassVar = {Formulation.JOINT: script_in_si("reproducer_joint.py.jinja")}

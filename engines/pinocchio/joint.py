@@ -5,57 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.pinocchio.law import admm
+from engines.interface.presets import Preset
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import ExplicitForcesLane, Step
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
-
-_TOLERANCE = 1e-6
-"""Pinocchio's own, of primal and dual feasibility and of complementarity."""
-
-JOINT_TUNED = Preset(
-    "Friction impulses by projected Gauss-Seidel, which one sweep solves.",
-    {
-        "units": Option("lane", "SI", "No number comes near built-in smallest ones."),
-        "solver": Option("PGS", "PGS or ADMM", "Frictions do not touch each other's masses: the first sweep is exact."),
-        "tolerance": Option(0.0, _TOLERANCE, "The solver's tolerances are absolute, whatever the units."),
-        "max_iterations": Option(2, 1000, "One sweep solves it; the second one confirms that."),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-12,
-    normal_force=NormalForce.MODULATED,
-)
-
-JOINT_DEFAULT = Preset(
-    "Projected Gauss-Seidel in SI units, with Pinocchio's own settings.",
-    {
-        "units": Option("SI", "SI", "The chain in SI units."),
-        "solver": Option("PGS", "PGS or ADMM", "Gauss–Seidel, as in most contact engines."),
-        "tolerance": Option(_TOLERANCE, _TOLERANCE, "Pinocchio's own: absolute."),
-        "max_iterations": Option(1000, 1000, "Pinocchio's own."),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-12,
-    normal_force=NormalForce.MODULATED,
-)
-
-JOINT_ADMM = Preset(
-    "ADMM in SI units, with Pinocchio's own settings: an impulse is right to 1e-6 N s, however small it is.",
-    {
-        **JOINT_DEFAULT.options,
-        "solver": Option("ADMM", "PGS or ADMM", "Pinocchio's solver for hard problems."),
-    },
-    known_deviation=(
-        "the solver's tolerance of 1e-6 N s is absolute: the finer the step, the larger the relative error of the "
-        "friction impulses F dt"
-    ),
-    law=admm,
-    split_tolerance=1e-12,
-    normal_force=NormalForce.MODULATED,
-)
 
 
 class PinocchioJointLane(ExplicitForcesLane):
@@ -64,7 +19,6 @@ class PinocchioJointLane(ExplicitForcesLane):
     coordinates = ChainCoordinates.PAIRS
 
     def __init__(self, lane: Lane, preset: Preset):
-        """Take the lane's parameters in its units."""
         self._preset = preset
         super().__init__(lane, Units.named(preset["units"], lane))
         self._impulses = np.zeros(lane.chain.cells)

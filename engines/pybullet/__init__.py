@@ -4,16 +4,16 @@ import sys
 from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.pybullet.connection import Connection
-from engines.pybullet.contact import CONTACT_DEFAULT, CONTACT_TUNED, PyBulletContactLane
-from engines.pybullet.joint import JOINT_DEFAULT, JOINT_TUNED, PyBulletJointLane
-from engines.pybullet.reproducer import CONTACT, JOINT
-from engines.shared.wheel_engine import WheelEngine
+from engines.pybullet.contact import PLATE, REST_DEPTH, SPACING, PyBulletContactLane
+from engines.pybullet.joint import Connection, PyBulletJointLane
+from engines.pybullet.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
+from engines.shared.pip_engine import PipEngine
+from engines.shared.script_units import script_in_si
 from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
+from reference_lcp.schemes.sequential import SequentialSimulation
 
 
-class PyBullet(WheelEngine):
+class PyBullet(PipEngine):
     """PyBullet, without graphics."""
 
     name: ClassVar[str] = "pybullet"
@@ -34,7 +34,10 @@ class PyBullet(WheelEngine):
         ),
     )
 
-    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
+    reproducers: ClassVar = {
+        Formulation.JOINT: script_in_si("reproducer_joint.py.jinja"),
+        Formulation.CONTACT: script_in_si("reproducer_contact.py.jinja", rest=REST_DEPTH, plate=PLATE, spacing=SPACING),
+    }
 
     def unavailable_reason(self) -> str | None:
         """Reason why PyBullet cannot be used here, with the Pythons that it has wheels for."""

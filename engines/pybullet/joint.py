@@ -1,133 +1,123 @@
 """PyBullet's joint formulation: one tree of sliders, with a velocity motor of bounded force as dry friction."""
 
-from collections.abc import Iterator
+import functools
+import importlib
+import sys
+from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.pybullet.connection import Connection, import_pybullet
-from engines.pybullet.law import damped_joints
+from engines.interface.presets import Preset
 from engines.shared.coordinates import ChainCoordinates
+from engines.shared.force_loop import ExplicitForcesLane, Step
+from engines.shared.silence import silent_standard_error
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.refusal import ParameterError
-from reference_lcp.stepping.sequential import LaneModel
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
 
-JOINT_TUNED = Preset(
-    "Motors that hold the relative velocity at zero with at most the friction bound, and no damping by Bullet.",
-    {
-        "units": Option("lane", "SI", "No number comes near Bullet's built-in smallest and largest ones."),
-        "velocityGain": Option(1.0, 1.0, "The motor's share of the velocity that it removes in one step."),
-        "outer motor force": Option(0.0, "large", "A new joint has a motor that locks it."),
-        "linearDamping": Option(0.0, 0.04, "Bullet slows every body down, against the ground."),
-        "maxJointVelocity": Option(1e30, 100.0, "Bullet cuts joint velocities off, whatever the units."),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-12,
-    normal_force=NormalForce.MODULATED,
-)
 
-JOINT_DEFAULT = Preset(
-    "Motors as dry friction in SI units, and Bullet's default options.",
-    {
-        "units": Option("SI", "SI", "The chain in SI units."),
-        "velocityGain": Option(1.0, 1.0, "Bullet's own."),
-        "outer motor force": Option(0.0, "large", "Needed: a new joint has a motor that locks it."),
-        "linearDamping": Option(0.04, 0.04, "Bullet's own; it slows every body down, against the ground."),
-        "maxJointVelocity": Option(100.0, 100.0, "Bullet's own."),
-    },
-    known_deviation=(
-        "Bullet's damping, 0.04 /s of the velocity v and 0.04 /m of v |v|, slows every mass down against the ground, "
-        "whatever the time step"
-    ),
-    law=damped_joints,
-    split_tolerance=1e-12,
-    normal_force=NormalForce.MODULATED,
-    varied={"linearDamping": (0.0, 0.01, 0.02)},
-)
+class Connection:
+    """A connection to Bullet, opened on first use: opening one takes longer than a period of the chain."""
+
+    def __init__(self) -> None:
+        self._client: int | None = None
+
+    @property
+    def client(self) -> int:
+        """Number of the connection."""
+        if self._client is None:
+            bullet = import_pybullet()
+            self._client = int(bullet.connect(bullet.DIRECT))
+            if self._client < 0:
+                raise RuntimeError("PyBullet opens no further world; close simulations that are no longer used")
+        return self._client
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps and do nothing else."""
+        step, client = import_pybullet().stepSimulation, self.client
+        for _ in range(steps):
+            step(physicsClientId=client)
+
+    def close(self) -> None:
+        """Close the connection; the next use opens another."""
+        if self._client is not None:
+            import_pybullet().disconnect(self._client)
+            self._client = None
+
+    def __del__(self) -> None:
+        if not sys.is_finalizing():
+            self.close()
+
+
+@functools.cache
+def import_pybullet() -> Any:
+    """Import PyBullet, which reports its build time to the standard error stream when it is loaded."""
+    with silent_standard_error():
+        return importlib.import_module("pybullet")
+
 
 MOST_CELLS = 63
 """Two joints a cell: PyBullet addresses fewer than 128 joints of a body."""
 
 
-class PyBulletJointLane(LaneModel):
+class PyBulletLane(ExplicitForcesLane):
     """One chain; a run makes its bodies anew, so that nothing is left of earlier runs."""
 
     def __init__(self, connection: Connection, lane: Lane, preset: Preset):
-        """Take the lane's parameters in its units."""
-        cells = lane.chain.cells
-        if cells > MOST_CELLS:
-            raise ParameterError(f"cells = {cells} is outside what PyBullet takes; allowed: at most {MOST_CELLS}")
-        self.lane = lane
-        self._connection = connection
-        self._preset = preset
-        self._units = Units.named(preset["units"], lane)
-        self._chain = self._units.scaled(lane.chain)
-        self._time_step = lane.time_step / self._units.time
-        self._forces = ChainCoordinates.CELLS.force_matrix(self._chain)
-
-    def run(self, state: State, start: int, steps: int) -> Trajectory:
-        """Advance from `state`; see `LaneModel.run`."""
-        cells, units = self._chain.cells, self._units
-        rows = self._rows(state, start, steps)
-        position, velocity, friction = np.split(rows, [2 * cells, 4 * cells], axis=1)
-        normal = self.lane.preloads(start, steps)
-        # Of a motor that may do nothing in a step Bullet reports what it did in an earlier one.
-        friction[normal == 0] = 0.0
-        return Trajectory(
-            self.lane.times(start, steps),
-            ChainCoordinates.CELLS.absolute(position) * units.length,
-            ChainCoordinates.CELLS.absolute(velocity) * units.velocity,
-            friction * units.force,
-            normal,
-        )
+        super().__init__(lane, Units.named(preset["units"], lane))
+        self._connection, self._preset = connection, preset
 
     def native_steps(self, steps: int) -> None:
         """Take steps of Bullet alone, from rest; see `NativeStepping`."""
-        body = self._new_body(*np.zeros((2, 2 * self._chain.cells)))
+        self._across = np.zeros((2, self._chain.cells))
+        self._begin(np.zeros(4 * self._chain.cells))
         self._connection.native_steps(steps)
-        import_pybullet().removeBody(body, physicsClientId=self._connection.client)
 
     def close(self) -> None:
         """Close the connection that this lane shares with the others of its simulation."""
         self._connection.close()
 
-    def _rows(self, state: State, start: int, steps: int) -> FloatArray:
-        """Give coordinates, their velocities and friction of every step, shape (steps, 5n)."""
-        bullet, client = import_pybullet(), self._connection.client
-        coordinates = ChainCoordinates.CELLS.of(state.positions[0] / self._units.length)
-        velocities = ChainCoordinates.CELLS.of(state.velocities[0] / self._units.velocity)
-        body = self._new_body(coordinates, velocities)
-        cells = self._chain.cells
-        links = _links(cells)
-        rows: list[list[float]] = []
-        now = np.concatenate([coordinates, velocities])
-        torque = np.empty(2 * cells)
-        bounds = self._changing_bounds(start, steps)
-        for load in self.lane.loads(start, steps) / self._units.force:
-            if bounds is not None:
-                self._set_bounds(body, links[cells:], next(bounds))
-            np.dot(self._forces, now, out=torque)
-            torque[0] += load
-            bullet.setJointMotorControlArray(
-                body, links, bullet.TORQUE_CONTROL, forces=torque.tolist(), physicsClientId=client
-            )
-            bullet.stepSimulation(physicsClientId=client)
-            joints = bullet.getJointStates(body, links, physicsClientId=client)
-            after = [joint[0] for joint in joints] + [joint[1] for joint in joints]
-            now[:] = after
-            rows.append(after + [joint[3] for joint in joints[cells:]])
-        bullet.removeBody(body, physicsClientId=client)
-        return np.array(rows)
 
-    def _changing_bounds(self, start: int, steps: int) -> Iterator[list[float]] | None:
-        """Give the friction bounds of every step where they change."""
-        if self.lane.preload is None:
-            return None
-        bounds = self.lane.chain.friction_coefficient * self.lane.preloads(start, steps) / self._units.force
-        return iter(bounds.tolist())
+class PyBulletJointLane(PyBulletLane):
+    """Sliders with motors."""
+
+    coordinates = ChainCoordinates.CELLS
+
+    def __init__(self, connection: Connection, lane: Lane, preset: Preset):
+        cells = lane.chain.cells
+        if cells > MOST_CELLS:
+            raise ParameterError(f"cells = {cells} is outside what PyBullet takes; allowed: at most {MOST_CELLS}")
+        super().__init__(connection, lane, preset)
+        # Those of the outer masses, then of the inner ones.
+        self._links = [*range(0, 2 * cells, 2), *range(1, 2 * cells, 2)]
+
+    def _begin(self, motion: FloatArray) -> Step:
+        bullet, client, links = import_pybullet(), self._connection.client, self._links
+        self._body = body = self._new_body(*np.split(motion, 2))
+        control, torque = bullet.setJointMotorControlArray, bullet.TORQUE_CONTROL
+        step_simulation, read = bullet.stepSimulation, bullet.getJointStates
+
+        def step(force: FloatArray) -> None:
+            control(body, links, torque, forces=force.tolist(), physicsClientId=client)
+            step_simulation(physicsClientId=client)
+            self._joints = joints = read(body, links, physicsClientId=client)
+            motion[:] = [joint[0] for joint in joints] + [joint[1] for joint in joints]
+
+        return step
+
+    def _set_normal_load(self, normal_load: FloatArray) -> None:
+        bounds = self._chain.friction_coefficient * normal_load
+        self._set_bounds(self._body, self._links[self._chain.cells :], bounds.tolist())
+
+    def _contacts(self) -> list[float]:
+        return [joint[3] for joint in self._joints[self._chain.cells :]]
+
+    def _contact_forces(
+        self, read: FloatArray, motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        # Of a motor that may do nothing in a step Bullet reports what it did in an earlier one.
+        return np.where(given == 0, 0.0, read * self._units.force), given
 
     def _set_bounds(self, body: int, links: list[int], bounds: list[float]) -> None:
         """Set what the motors of these links can do at most."""
@@ -138,8 +128,12 @@ class PyBulletJointLane(LaneModel):
         )  # fmt: skip
 
     def _new_body(self, coordinates: FloatArray, velocities: FloatArray) -> int:
-        """Make the chain and set its state; motors last, for Bullet stores their bounds times the time step."""
-        bullet, client = import_pybullet(), self._connection.client
+        """Empty the world, make the chain and set its state.
+
+        Motors come last, for Bullet stores their bounds times the time step.
+        """
+        bullet, client, links = import_pybullet(), self._connection.client, self._links
+        bullet.resetSimulation(physicsClientId=client)
         bullet.setTimeStep(self._time_step, physicsClientId=client)
         body = _new_tree(self._chain.outer_mass, self._chain.inner_mass, client)
         preset = self._preset
@@ -147,12 +141,12 @@ class PyBulletJointLane(LaneModel):
             body, -1, linearDamping=preset["linearDamping"], maxJointVelocity=preset["maxJointVelocity"],
             physicsClientId=client,
         )  # fmt: skip
-        cells = self._chain.cells
-        links = _links(cells)
         bullet.resetJointStatesMultiDof(
             body, links, coordinates[:, None].tolist(), velocities[:, None].tolist(), physicsClientId=client
         )
-        self._set_bounds(body, links, [preset["outer motor force"]] * cells + self._chain.friction_bound.tolist())
+        self._set_bounds(
+            body, links, [preset["outer motor force"]] * self._chain.cells + self._chain.friction_bound.tolist()
+        )
         return body
 
 
@@ -179,8 +173,3 @@ def _new_tree(outer_mass: FloatArray, inner_mass: FloatArray, client: int) -> in
         physicsClientId=client,
     )
     return body
-
-
-def _links(cells: int) -> list[int]:
-    """Links of the outer masses, then of the inner ones."""
-    return [*range(0, 2 * cells, 2), *range(1, 2 * cells, 2)]

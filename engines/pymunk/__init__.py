@@ -3,16 +3,17 @@
 from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
-from engines.pymunk.contact import CONTACT_DEFAULT, CONTACT_TUNED, PymunkBoxes
-from engines.pymunk.joint import JOINT_DEFAULT, JOINT_TUNED, PymunkJoints
-from engines.pymunk.reproducer import CONTACT, JOINT
-from engines.pymunk.simulation import PymunkLane, PymunkSimulation
-from engines.shared.wheel_engine import WheelEngine
+from engines.pymunk.contact import DEPTH, PymunkBoxes
+from engines.pymunk.joint import PymunkJoints
+from engines.pymunk.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
+from engines.pymunk.simulation import SPRING_LENGTH, PymunkLane, PymunkSimulation
+from engines.shared.pip_engine import PipEngine
+from engines.shared.script_units import script_in_si
 from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
+from reference_lcp.schemes.sequential import SequentialSimulation
 
 
-class Pymunk(WheelEngine):
+class Pymunk(PipEngine):
     """pymunk, Chipmunk's bodies in the plane."""
 
     name: ClassVar[str] = "pymunk"
@@ -36,7 +37,10 @@ class Pymunk(WheelEngine):
             "gained the sign."
         ),
     )
-    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
+    reproducers: ClassVar = {
+        Formulation.JOINT: script_in_si("reproducer_joint.py.jinja", length=SPRING_LENGTH),
+        Formulation.CONTACT: script_in_si("reproducer_contact.py.jinja", length=SPRING_LENGTH, depth=DEPTH),
+    }
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         kind = PymunkJoints if formulation is Formulation.JOINT else PymunkBoxes

@@ -5,44 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import Option, Preset
-from engines.pymunk.bodies import PymunkBodies, World
-from engines.pymunk.law import damped_springs
+from engines.interface.presets import Preset
+from engines.pymunk.simulation import PymunkBodies, World
 from engines.shared.box_geometry import PressedBoxes
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
-
-CONTACT_TUNED = Preset(
-    "Boxes pressed on plates; springs, dashpots and drive as forces at the start of equation (5)'s step.",
-    {
-        "units": Option("lane", "SI", "Depths of contacts are below the slop, and no number is near Chipmunk's own."),
-        "springs": Option("forces", "damped springs", "At the start of the step, as in equation (5)."),
-        "positions": Option(
-            "of the step before", "as they are", "Chipmunk advances positions first: forces are evaluated after that."
-        ),
-        "iterations": Option(1, 10, "A contact's normal force is found before its friction, and no other touches it."),
-        "collision_slop": Option(
-            0.1, 0.1, "pymunk's own; boxes are less deep in their plates, not pushed out.", fixed=True
-        ),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-12,
-)
-
-CONTACT_DEFAULT = Preset(
-    "The same boxes and pymunk's damped springs, in SI units.",
-    {
-        "units": Option("SI", "SI", "The chain in SI units."),
-        "springs": Option("damped springs", "damped springs", "pymunk's own, with dashpots that are implicit."),
-        "positions": Option("as they are", "as they are", "What Body.position and Body.velocity hold."),
-        "iterations": Option(10, 10, "pymunk's own."),
-        "collision_slop": Option(0.1, 0.1, "pymunk's own.", fixed=True),
-    },
-    law=damped_springs,
-    split_tolerance=1e-12,
-)
 
 DEPTH = 2.0**-7
 """Depth of a box in its plate over half its edge: at zero, round-off would lose a contact now and then."""
@@ -52,7 +21,6 @@ class PymunkBoxes(PymunkBodies):
     """Lanes with a box on a plate in every cell, side by side across the motion."""
 
     def __init__(self, lanes: Sequence[Lane], preset: Preset):
-        """Take the lanes' parameters in their units."""
         super().__init__(lanes, preset)
         self._sizes = [PressedBoxes.of(lane, units) for lane, units in zip(lanes, self.units, strict=True)]
         for index, (sizes, chain) in enumerate(zip(self._sizes, self.chains, strict=True)):

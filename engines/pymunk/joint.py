@@ -5,49 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.pymunk.bodies import PymunkBodies, World
-from engines.pymunk.law import damped_springs
+from engines.interface.presets import Preset
+from engines.pymunk.simulation import PymunkBodies, World
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
-
-JOINT_TUNED = Preset(
-    "Pivot joints of bounded force; springs, dashpots and drive as forces at the start of equation (5)'s step.",
-    {
-        "units": Option("lane", "SI", "No number comes near Chipmunk's built-in smallest ones."),
-        "springs": Option("forces", "damped springs", "At the start of the step, as in equation (5)."),
-        "positions": Option(
-            "of the step before", "as they are", "Chipmunk advances positions first: forces are evaluated after that."
-        ),
-        "max_bias": Option(0.0, "infinite", "A pivot joint pulls its anchors together, as no friction does."),
-        "iterations": Option(1, 10, "Frictions do not touch each other's masses, so that the first sweep is exact."),
-    },
-    shares_scheme=True,
-    split_tolerance=1e-12,
-    normal_force=NormalForce.MODULATED,
-)
-
-JOINT_DEFAULT = Preset(
-    "Pivot joints as pymunk's own examples use them for friction, and its damped springs, in SI units.",
-    {
-        "units": Option("SI", "SI", "The chain in SI units."),
-        "springs": Option("damped springs", "damped springs", "pymunk's own, with dashpots that are implicit."),
-        "positions": Option("as they are", "as they are", "What Body.position and Body.velocity hold."),
-        "max_bias": Option(0.0, "infinite", "Needed: a pivot joint pulls its anchors together, as no friction does."),
-        "iterations": Option(10, 10, "pymunk's own."),
-    },
-    law=damped_springs,
-    split_tolerance=1e-12,
-    normal_force=NormalForce.MODULATED,
-)
 
 
 class PymunkJoints(PymunkBodies):
     """Lanes with a joint in every cell; what it did is read as the size of its impulse."""
 
     def __init__(self, lanes: Sequence[Lane], preset: Preset):
-        """Take the lanes' parameters in their units."""
         super().__init__(lanes, preset)
         self._bounds = np.concatenate([chain.friction_bound for chain in self.chains]).tolist()
         self._reusable: World | None = None

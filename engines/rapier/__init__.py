@@ -3,13 +3,15 @@
 from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.rapier.contact import CONTACT_DEFAULT, CONTACT_TUNED, RapierContactLane
-from engines.rapier.joint import JOINT_DEFAULT, JOINT_TUNED, RapierJointLane
-from engines.rapier.reproducer import CONTACT, JOINT
-from engines.shared.wheel_engine import WheelEngine
+from engines.interface.tolerances import SUBSTEPS_RESIDUAL
+from engines.rapier.contact import CLEARANCE, RapierContactLane
+from engines.rapier.joint import RapierJointLane
+from engines.rapier.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
+from engines.shared.pip_engine import PipEngine
+from engines.shared.script_units import script_in_units
 
 
-class Rapier(WheelEngine):
+class Rapier(PipEngine):
     """Rapier in three dimensions, in single precision."""
 
     name: ClassVar[str] = "rapier"
@@ -25,11 +27,7 @@ class Rapier(WheelEngine):
             Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
         },
         precision="single",
-        # Positions and velocities are rounded by 2^-24 of themselves in every substep, as Box2D's in every step, and
-        # roundings add up as the root of their number: 1e-6 of the displacement scale or somewhat more over a period of
-        # 400 of them, four times as much over the 6,400 of the default at 1,600 steps. No mixing of iterates removes
-        # it.
-        residual=2e-5,
+        residual=SUBSTEPS_RESIDUAL,
         notes=(
             "Coulomb's law, exact in stick, in single precision: a motion repeats to some 1e-6 of its size, and no "
             "closer. What Rapier calls iterations of its solver are substeps over which forces do not change: with "
@@ -37,4 +35,7 @@ class Rapier(WheelEngine):
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: RapierJointLane, Formulation.CONTACT: RapierContactLane}
-    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
+    reproducers: ClassVar = {
+        Formulation.JOINT: script_in_units("reproducer_joint.py.jinja"),
+        Formulation.CONTACT: script_in_units("reproducer_contact.py.jinja", clearance=CLEARANCE),
+    }

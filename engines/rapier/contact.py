@@ -7,54 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.rapier.bodies import DEFAULT_OPTIONS, FOUR_SUBSTEPS, TUNED_OPTIONS, RapierLane
-from engines.rapier.law import contact_substeps
+from engines.interface.presets import Preset
+from engines.rapier.joint import RapierLane
 from engines.shared.box_geometry import PressedBoxes
 from engines.shared.force_loop import Step
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
-
-FRICTION_MODEL = Option(
-    "COULOMB", "SIMPLIFIED", "Reports friction; bodies that do not turn move the same to single precision."
-)
-
-CONTACT_TUNED = Preset(
-    "Spheres pressed on plates; springs, dashpots and drive as forces at the start of the step.",
-    {
-        **TUNED_OPTIONS,
-        "friction_model": FRICTION_MODEL,
-        "friction_in_bias_pass": Option(
-            True, False, "Friction is found before positions move, and not after them with that of the step before."
-        ),
-        "warmstart_coefficient": Option(0.0, 1.0, "Sweeps start from zero, not from the last impulses."),
-        "contact_recycling": Option(
-            False, True, "Friction found before positions move aims at where recycled points were, and reverses late."
-        ),
-    },
-    shares_scheme=True,
-    normal_force=NormalForce.MODULATED,
-    turns=True,
-)
-
-CONTACT_DEFAULT = Preset(
-    "The same spheres and forces in SI units, with Rapier's own four substeps a step.",
-    {
-        **DEFAULT_OPTIONS,
-        "friction_model": FRICTION_MODEL,
-        "friction_in_bias_pass": Option(False, False, "Rapier's own."),
-        "warmstart_coefficient": Option(1.0, 1.0, "Rapier's own: substeps start from the last impulses."),
-        "contact_recycling": Option(True, True, "Rapier's own."),
-    },
-    known_deviation=FOUR_SUBSTEPS,
-    law=contact_substeps,
-    # Positions move by the friction of the substep before, which a state does not hold: a run starts with that of its
-    # own first step, which is another one by the change of friction in a step, 1e-2 of h² μ λ_N / m.
-    split_tolerance=1e-6,
-    normal_force=NormalForce.MODULATED,
-    turns=True,
-)
 
 CLEARANCE = 4.0
 """What cells stand further apart than spheres need, over the distance from which Rapier sees contacts."""
@@ -71,7 +29,7 @@ class RapierContactLane(RapierLane):
         import rapier3d
 
         super().__init__(lane, preset)
-        self._sizes = PressedBoxes.of(lane, self._units)
+        self._sizes: PressedBoxes = PressedBoxes.of(lane, self._units)
         apart = self._sizes.spacing + CLEARANCE * rapier3d.IntegrationParameters().prediction_distance()
         cells = lane.chain.cells
         self._places[:, 0] = np.tile(apart * np.arange(cells), 2)
@@ -143,8 +101,3 @@ class RapierContactLane(RapierLane):
     ) -> tuple[FloatArray, FloatArray]:
         forces = read / self._time_step * self._units.force
         return forces[:, 0], forces[:, 1]
-
-    def _state(self, motions: FloatArray) -> State:
-        end = super()._state(motions)
-        self._sizes.check_reach(end, self._units)
-        return end

@@ -1,28 +1,91 @@
-"""Rapier's joint formulation: in every cell a motor of bounded force that holds the slip velocity at zero."""
+"""Lanes of Rapier, and its joint formulation: motors of bounded force that hold slip velocities at zero."""
 
+from abc import abstractmethod
 from typing import Any
 
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.rapier.bodies import DEFAULT_OPTIONS, FOUR_SUBSTEPS, TUNED_OPTIONS, RapierLane
-from engines.rapier.law import motor_substeps
+import numpy as np
+
+from engines.interface.presets import Preset
+from engines.shared.force_loop import ExplicitForcesLane, Step
+from engines.shared.units import Units
+from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
-MOTOR = Option(1e9, None, "Damping of the motor: a smaller one lets stuck contacts creep.")
 
-JOINT_TUNED = Preset(
-    "Motors of bounded force between free bodies; springs, dashpots and drive as forces at the start of the step.",
-    {**TUNED_OPTIONS, "motor factor": MOTOR},
-    shares_scheme=True,
-    normal_force=NormalForce.MODULATED,
-)
+class RapierLane(ExplicitForcesLane):
+    """One chain; a run makes its world anew, for contacts keep their last impulses."""
 
-JOINT_DEFAULT = Preset(
-    "The same motors and forces in SI units, with Rapier's own four substeps a step.",
-    {**DEFAULT_OPTIONS, "motor factor": MOTOR},
-    known_deviation=FOUR_SUBSTEPS,
-    law=motor_substeps,
-    normal_force=NormalForce.MODULATED,
-)
+    FREE_INNER = (True, False, False)
+    """Directions in which inner masses move."""
+
+    def __init__(self, lane: Lane, preset: Preset):
+        """Take the lane's parameters in the units of the preset."""
+        super().__init__(lane, Units.named(preset["units"], lane))
+        self._preset = preset
+        # Where bodies are across the motion, shape (2n, 2), and the forces on them along z, shape (2n,).
+        self._places = np.zeros((2 * lane.chain.cells, 2))
+        self._pressing = np.zeros(2 * lane.chain.cells)
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone, with bodies at rest kept awake; see `NativeStepping`."""
+        world, _ = self._new_world(np.zeros(4 * self._chain.cells), can_sleep=False)
+        step = world.step
+        for _ in range(steps):
+            step()
+
+    @abstractmethod
+    def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
+        """Add what makes friction between the masses of each cell, given by their handles."""
+
+    def _begin(self, motion: FloatArray) -> Step:
+        self._world, handles = self._new_world(motion, can_sleep=self._preset["can_sleep"])
+        self._bodies = bodies = [self._world.rigid_bodies[handle] for handle in handles]
+        loads = [(body.reset_forces, body.add_force) for body in bodies]
+        advance, (x, y) = self._world.step, self.lane.axis
+
+        def step(force: FloatArray) -> None:
+            # Forces stay until they are taken off.
+            for (reset, push), along, across in zip(loads, force.tolist(), self._pressing.tolist(), strict=True):
+                reset(True)
+                push((x * along, y * along, across), True)
+            advance()
+            vectors = [body.translation for body in bodies] + [body.linvel for body in bodies]
+            motion[:] = [x * vector.x + y * vector.y for vector in vectors] if y else [vector.x for vector in vectors]
+
+        return step
+
+    def _new_world(self, motion: FloatArray, *, can_sleep: bool) -> tuple[Any, list[Any]]:
+        """Make the world with this motion; give it and the handles of its bodies, outer masses first."""
+        import rapier3d
+
+        world = rapier3d.PhysicsWorld()
+        # What is given here is the world's own, and must not be assigned back.
+        parameters = world.integration_parameters
+        parameters.dt = self._time_step
+        for name in ("num_solver_iterations", "normalized_max_linear_velocity"):
+            setattr(parameters, name, self._preset[name])
+        cells, masses = self._chain.cells, np.concatenate([self._chain.outer_mass, self._chain.inner_mass])
+        # An outer mass slides along the row or, where that is turned, in the plane.
+        x, y = self.lane.axis
+        free = [(True, bool(y), False)] * cells + [self.FREE_INNER] * cells
+        positions, velocities = motion.reshape(2, -1).tolist()
+        handles = [
+            # Every call gives another builder, and leaves the one before as it was.
+            world.add_body(
+                rapier3d.RigidBody.dynamic()
+                .translation((x * position, y * position + aside, z))
+                .linvel((x * velocity, y * velocity, 0.0))
+                .additional_mass(mass)
+                .enabled_translations(directions)
+                .enabled_rotations((False, False, False))
+                .can_sleep(can_sleep)
+            )
+            for position, velocity, (aside, z), mass, directions in zip(
+                positions, velocities, self._places.tolist(), masses.tolist(), free, strict=True
+            )
+        ]
+        self._hold(world, handles[:cells], handles[cells:])
+        return world, handles
 
 
 class RapierJointLane(RapierLane):

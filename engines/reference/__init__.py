@@ -1,9 +1,9 @@
 """The reference as an engine: the Euler scheme of equation (5), compiled, and the exact motion."""
 
 from engines.interface.engine import Engine
+from engines.interface.law import NotModelled
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, NormalForce, Option, Preset
-from engines.reference.law import authority
-from engines.shared.wheel_engine import installed_version
+from engines.shared.pip_engine import installed_version
 from reference_lcp.chain.simulation import Lane, Simulation
 
 EXACT = "exact"
@@ -19,6 +19,11 @@ CONVERGED_SUBSTEPS = 32
 The scheme is of first order: at 400 steps a period its error reaches 0.2 dB on the steepest flanks
 of figure 3, at 32 times as many 0.006 dB, far below every tolerance that is compared with it.
 """
+
+
+def authority(_: Preset) -> NotModelled:
+    """Say that they are not predicted by anything: others are compared with them."""
+    return NotModelled("it is what others are judged by: Coulomb's law itself, with a finer step or none")
 
 
 class Reference(Engine):
@@ -77,7 +82,7 @@ class Reference(Engine):
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         from engines.reference.simulations import RefinedSimulation, exact_simulation
-        from reference_lcp.stepping.euler import euler_simulation
+        from reference_lcp.schemes.euler import euler_simulation
 
         if preset is self.capabilities.presets[formulation][EXACT]:
             return exact_simulation(lanes)

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.exact.event_driven import EventDrivenSimulation
-from reference_lcp.exact.stick_slip_lane import StickSlipLane
+from reference_lcp.exact.event_driven_system import StickSlipLane
 from reference_lcp.one_call import SteadyState, exact_steady_state
-from reference_lcp.stepping.euler import euler_simulation
-from reference_lcp.stepping.sequential import SequentialSimulation
+from reference_lcp.schemes.euler import euler_simulation
+from reference_lcp.schemes.sequential import SequentialSimulation
 from reference_lcp.validation import checked_count
 
 
@@ -39,14 +39,7 @@ def exact_simulation(lanes: Sequence[Lane]) -> Simulation:
 class RefinedSimulation:
     """The compiled scheme with a whole number of Euler steps to each time step of the lanes.
 
-    Parameters
-    ----------
-    lanes
-        As for every simulation; rows of trajectories are at their time steps.
-    substeps
-        Euler steps to one time step.
-    fine
-        The lanes with these Euler steps, where they are built already.
+    Rows of trajectories are at their time steps; `fine` are the lanes with these Euler steps, where they are built.
     """
 
     def __init__(self, lanes: Sequence[Lane], substeps: int, fine: Simulation | None = None):

@@ -3,13 +3,15 @@
 from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.sapien.contact import CONTACT_DEFAULT, CONTACT_TUNED, SapienContactLane
-from engines.sapien.joint import JOINT_DEFAULT, JOINT_TUNED, SapienJointLane
-from engines.sapien.reproducer import CONTACT, JOINT
-from engines.shared.wheel_engine import WheelEngine
+from engines.interface.tolerances import SUBSTEPS_RESIDUAL
+from engines.sapien.contact import SapienContactLane
+from engines.sapien.joint import SapienJointLane
+from engines.sapien.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
+from engines.shared.pip_engine import PipEngine
+from engines.shared.script_units import script_in_units
 
 
-class Sapien(WheelEngine):
+class Sapien(PipEngine):
     """SAPIEN on the processor, in single precision."""
 
     name: ClassVar[str] = "sapien"
@@ -25,10 +27,7 @@ class Sapien(WheelEngine):
             Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
         },
         precision="single",
-        # Positions and velocities are rounded by 2^-24 of themselves in every step, and roundings add up as the root of
-        # their number: 1e-6 of the displacement scale or somewhat more over a period of 400 steps, and somewhat more
-        # where ten substeps make one. No mixing of iterates removes it.
-        residual=2e-5,
+        residual=SUBSTEPS_RESIDUAL,
         notes=(
             "Coulomb's law, in single precision: a motion repeats to some 1e-6 of its size, and no closer. Of PhysX's "
             "two solvers of contacts, the projected Gauss–Seidel takes the reference's step; the temporal one, "
@@ -36,4 +35,7 @@ class Sapien(WheelEngine):
         ),
     )
     lane_models: ClassVar = {Formulation.JOINT: SapienJointLane, Formulation.CONTACT: SapienContactLane}
-    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
+    reproducers: ClassVar = {
+        Formulation.JOINT: script_in_units("reproducer_joint.py.jinja"),
+        Formulation.CONTACT: script_in_units("reproducer_contact.py.jinja"),
+    }

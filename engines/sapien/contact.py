@@ -4,88 +4,18 @@ Both are pressed, against each other, and touch without a gap: a mass that is pr
 some steps after the start, with another normal force in each.
 """
 
-import dataclasses
 from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import NormalForce, Option, Preset
+from engines.interface.presets import Preset
 from engines.interface.tolerances import SINGLE
-from engines.sapien.law import temporal_gauss_seidel
-from engines.sapien.scene import SOLVER_ITERATIONS, VELOCITY_ITERATIONS, SapienLane, import_sapien
+from engines.sapien.joint import SapienLane, import_sapien
 from engines.shared.box_geometry import PressedBoxes
 from engines.shared.force_loop import Step
-from engines.shared.tangents import tangents_of_the_world
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
-
-LIGHT = 2.0**-20
-"""Unit of mass over the lane's: an impulse of friction is then some 100 units, and not 1e-4."""
-
-INERTIA = 1e30
-"""Of every body, in units: bodies do not turn, and yet a smaller one would yield under forces beside its centre."""
-
-SHARED_OPTIONS = {
-    "units": Option("light", "SI", "Where four contacts are solved together, each may pass its bound by 1e-5 units."),
-    "inertia": Option(INERTIA, None, "A locked rotation still yields to a force beside the centre, within a step."),
-    "solver_position_iterations": SOLVER_ITERATIONS,
-    "solver_velocity_iterations": VELOCITY_ITERATIONS,
-}
-"""What both presets set."""
-
-LEAST_SPEED_OF_TANGENTS = 0.01
-"""Of a slip, in the units of the scene: PhysX's projected solver has its tangents along and across faster ones."""
-
-
-def _tangents_of_a_slow_slip(lane: Lane, slip_velocity: float) -> float:
-    """Give the bound of friction over μ λ_N: two tangents, each with its own, which a slow slip finds in the world."""
-    slow = abs(slip_velocity) < LEAST_SPEED_OF_TANGENTS * contact_units(SHARED_OPTIONS["units"].value, lane).velocity
-    return tangents_of_the_world(lane) if slow else 1.0
-
-
-CONTACT_TUNED = Preset(
-    "Spheres pressed on plates; springs, dashpots and drive as forces at the start of the step.",
-    {
-        **SHARED_OPTIONS,
-        "enable_tgs": Option(False, True, "Projected Gauss–Seidel finds friction before masses move."),
-    },
-    shares_scheme=True,
-    # A stuck contact is drawn back to where it began to stick, from wherever roundings have brought it since; a run
-    # that begins takes where it is.
-    split_tolerance=1e-5,
-    normal_force=NormalForce.MODULATED,
-    turns=True,
-    static_friction=True,
-    turned_bound=_tangents_of_a_slow_slip,
-)
-
-CONTACT_DEFAULT = Preset(
-    "The same spheres and forces with SAPIEN's own solver.",
-    {
-        **SHARED_OPTIONS,
-        "enable_tgs": Option(True, True, "SAPIEN's own solver, the temporal Gauss–Seidel: ten substeps a step."),
-    },
-    known_deviation=(
-        "a contact that comes to rest in a step still slips in its first substeps, of which each takes 63 % of the "
-        "slip, and is drawn back in the last ones"
-    ),
-    law=temporal_gauss_seidel,
-    split_tolerance=1e-4,
-    normal_force=NormalForce.MODULATED,
-    turns=True,
-    static_friction=True,
-)
-
-
-def contact_units(name: str, lane: Lane) -> Units:
-    """Give units by name: ``"light"`` ones are the lane's, with a smaller unit of mass."""
-    if name != "light":
-        return Units.named(name, lane)
-    units = Units.of(lane)
-    return dataclasses.replace(units, mass=LIGHT * units.mass)
-
 
 ROUNDINGS = 8
 """Of a velocity in a step: two in storing it before and after, the others in adding impulses."""
@@ -100,8 +30,8 @@ class SapienContactLane(SapienLane):
 
     def __init__(self, lane: Lane, preset: Preset):
         """Take the lane's parameters in the units of the preset."""
-        super().__init__(lane, preset, contact_units(preset["units"], lane))
-        self._sizes = PressedBoxes.of(lane, self._units)
+        super().__init__(lane, preset, Units.named(preset["units"], lane))
+        self._sizes: PressedBoxes = PressedBoxes.of(lane, self._units)
         # Forces on all bodies in the next step; those along the motion are the loop's.
         self._pushing = np.zeros((2 * lane.chain.cells, 3))
 
@@ -167,11 +97,6 @@ class SapienContactLane(SapienLane):
 
     def _set_normal_load(self, normal_load: FloatArray) -> None:
         self._pushing[:, 2] = np.concatenate([normal_load, -normal_load])
-
-    def _state(self, motions: FloatArray) -> State:
-        end = super()._state(motions)
-        self._sizes.check_reach(end, self._units)
-        return end
 
     def _contacts(self) -> FloatArray:
         """Read nothing: friction is in the motion."""

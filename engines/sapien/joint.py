@@ -1,55 +1,54 @@
-"""SAPIEN's joint formulation: in every cell a drive of bounded force that holds the slip velocity at zero."""
+"""Lanes of SAPIEN, and its joint formulation: drives of bounded force that hold slip velocities at zero."""
 
+import functools
+import importlib
+import warnings
 from typing import Any
 
 import numpy as np
 
-from engines.interface.presets import NormalForce, Option, Preset
-from engines.sapien.law import damped_links
-from engines.sapien.scene import SOLVER_ITERATIONS, VELOCITY_ITERATIONS, SapienLane, import_sapien
-from engines.shared.carried_coordinates import CarriedCoordinates
-from engines.shared.force_loop import Step
-from engines.shared.joint_force import friction_of_joints
+from engines.interface.presets import Preset
+from engines.shared.coordinates import CarriedCoordinates, friction_of_joints
+from engines.shared.force_loop import ExplicitForcesLane, Step
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
-OWN_OPTIONS = {
-    "joint friction": Option(0.0, 0.05, "A dimensionless one of PhysX's, which is no bound of a force."),
-    "drive damping": Option(1e20, 0.0, "A smaller one lets stuck contacts creep."),
-    "max joint velocity": Option(1e30, 100.0, "No motion is cut off, however large."),
-    "max linear velocity": Option(1e30, 10.0, "Neither is that of a link, which SAPIEN cuts off at 10 m/s."),
-}
-"""What both presets set of joints."""
 
-JOINT_TUNED = Preset(
-    "Drives of bounded force in one articulation; springs, dashpots and load as forces at the start of the step.",
-    {
-        "units": Option("lane", "SI", "Numbers of order one: single precision ends at 1e-38."),
-        "enable_tgs": Option(False, True, "The temporal solver moves masses ten times a step, and rounds each time."),
-        "solver_position_iterations": Option(1, 10, "Drives stop a joint at once."),
-        "solver_velocity_iterations": VELOCITY_ITERATIONS,
-        "linear damping": Option(0.0, 0.05, "PhysX slows every link down, against the ground."),
-        **OWN_OPTIONS,
-    },
-    shares_scheme=True,
-    normal_force=NormalForce.MODULATED,
-)
+class SapienLane(ExplicitForcesLane):
+    """One chain; a run makes its scene anew, for contacts keep where they stuck."""
 
-JOINT_DEFAULT = Preset(
-    "The same drives and forces in SI units, with SAPIEN's own solver and damping of links.",
-    {
-        "units": Option("SI", "SI", "The chain in SI units."),
-        "enable_tgs": Option(True, True, "SAPIEN's own solver, the temporal Gauss–Seidel."),
-        "solver_position_iterations": SOLVER_ITERATIONS,
-        "solver_velocity_iterations": VELOCITY_ITERATIONS,
-        "linear damping": Option(0.05, 0.05, "PhysX's own; it slows every link down, against the ground."),
-        **OWN_OPTIONS,
-    },
-    known_deviation="every mass is slowed down against the ground, by 5 % of its velocity in a second",
-    law=damped_links,
-    normal_force=NormalForce.MODULATED,
-)
+    def __init__(self, lane: Lane, preset: Preset, units: Units):
+        """Take the lane's parameters in `units`."""
+        super().__init__(lane, units)
+        self._preset = preset
+
+    def _new_scene(self) -> tuple[Any, Any]:
+        """Make an empty scene, kept until the next one is made; gives it, and the system that steps it."""
+        sapien = import_sapien()
+        physx, preset = sapien.physx, self._preset
+        # Configurations are global, and copied by what is made next.
+        physx.set_scene_config(gravity=np.zeros(3), enable_tgs=preset["enable_tgs"])
+        physx.set_body_config(
+            solver_position_iterations=preset["solver_position_iterations"],
+            solver_velocity_iterations=preset["solver_velocity_iterations"],
+            sleep_threshold=0.0,
+        )
+        system = physx.PhysxCpuSystem()
+        system.timestep = self._time_step
+        # Bodies do not keep their scene: without it they are gone, and to use them ends the process.
+        self._scene = sapien.Scene([system])
+        return self._scene, system
+
+
+@functools.cache
+def import_sapien() -> Any:
+    """Import SAPIEN, without its warnings that there is nothing to draw with, and with what it logs left to errors."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        sapien = importlib.import_module("sapien")
+    sapien.set_log_level("error")
+    return sapien
 
 
 class SapienJointLane(SapienLane):

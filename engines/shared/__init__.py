@@ -1,1 +1,1 @@
-"""What several adapters share: wheel engines, the force loop, coordinates, units, boxes on plates, step costs."""
+"""What several adapters share: engines from pip, the force loop, coordinates, units, boxes on plates, step costs."""

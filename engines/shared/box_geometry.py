@@ -24,21 +24,14 @@ SPACING = 4 * BOX
 
 @dataclass(frozen=True)
 class PressedBoxes:
-    """Sizes and places of the boxes and plates of a lane, in an engine's units.
-
-    Parameters
-    ----------
-    box
-        Half of a box's edge, and half of a plate's thickness.
-    plate
-        Half of a plate's length.
-    spacing
-        Distance of neighbouring cells.
-    """
+    """Sizes and places of the boxes and plates of a lane, in an engine's units."""
 
     box: float
+    """Half of a box's edge, and half of a plate's thickness."""
     plate: float
+    """Half of a plate's length."""
     spacing: float
+    """Distance of neighbouring cells."""
 
     @classmethod
     def of(cls, lane: Lane, units: Units) -> "PressedBoxes":
@@ -47,13 +40,7 @@ class PressedBoxes:
         return cls(BOX * scale, PLATE * scale, SPACING * scale)
 
     def check_reach(self, end: State, units: Units) -> None:
-        """Refuse a motion in which a box has left its plate: there it would feel no friction.
-
-        Raises
-        ------
-        RuntimeError
-            If one has left its plate.
-        """
+        """Refuse a motion in which a box has left its plate: there it would feel no friction."""
         outer, inner = np.split(end.positions[-1], 2)
         largest, reach = float(np.max(np.abs(inner - outer))), (self.plate - self.box) * units.length
         if not largest < reach:

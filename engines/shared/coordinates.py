@@ -1,9 +1,13 @@
-"""Coordinates in which an engine moves the chain, and the forces of springs and dashpots in them."""
+"""Coordinates of engines, from absolute ones and back, and the friction along them."""
 
+from dataclasses import dataclass
 from enum import Enum
+from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
+from engines.interface.tolerances import SINGLE
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import FloatArray
 
@@ -58,13 +62,87 @@ class ChainCoordinates(Enum):
 def generalised_force_matrix(chain: Chain, absolute: FloatArray) -> FloatArray:
     """Give the matrix that turns coordinates and velocities into generalised forces, shape (2n, 4n).
 
-    Parameters
-    ----------
-    chain
-        The chain.
-    absolute
-        Absolute positions for one unit of each coordinate, one in a column, shape (2n, 2n).
+    A column of `absolute`, shape (2n, 2n), has the absolute positions for one unit of a coordinate.
     """
     stiffness = absolute.T @ chain.stiffness_matrix @ absolute
     damping = absolute.T @ chain.damping_matrix @ absolute
     return -np.hstack([stiffness, damping])
+
+
+@dataclass(frozen=True)
+class CarriedCoordinates:
+    """(a_i, b_i - a_i): joints on the ground carry the heavier mass a_i of every cell, and this the other one, b_i.
+
+    `inner_carries`, shape (n,), tells the cells whose inner mass is the heavier one.
+    """
+
+    inner_carries: NDArray[np.bool_]
+
+    @classmethod
+    def of_chain(cls, chain: Chain) -> Self:
+        """Choose what carries."""
+        return cls(chain.inner_mass > chain.outer_mass)
+
+    @property
+    def sign(self) -> FloatArray:
+        """Friction on the inner mass over that on the carried one, shape (n,)."""
+        return np.where(self.inner_carries, -1.0, 1.0)
+
+    def of(self, absolute: FloatArray) -> FloatArray:
+        """Turn (u, v) into these coordinates, shape (..., 2n)."""
+        return ChainCoordinates.CELLS.of(self.exchanged(absolute))
+
+    def absolute(self, coordinates: FloatArray) -> FloatArray:
+        """Turn these coordinates into (u, v), shape (..., 2n)."""
+        return self.exchanged(ChainCoordinates.CELLS.absolute(coordinates))
+
+    def exchanged(self, values: FloatArray) -> FloatArray:
+        """Turn what outer and inner masses have into what carriers and carried masses have, and back."""
+        outer, inner = np.split(values, 2, axis=-1)
+        first, second = np.where(self.inner_carries, (inner, outer), (outer, inner))
+        return np.concatenate([first, second], axis=-1)
+
+    def force_matrix(self, chain: Chain) -> FloatArray:
+        """Give the matrix that turns coordinates and velocities into generalised forces, shape (2n, 4n)."""
+        return generalised_force_matrix(chain, self.absolute(np.eye(2 * chain.cells)).T)
+
+    @property
+    def loaded(self) -> int | slice:
+        """Coordinates on which a force on the first outer mass acts: on both of the cell where it is carried."""
+        cells = self.inner_carries.size
+        return slice(0, cells + 1, cells) if self.inner_carries[0] else 0
+
+
+def joint_coordinates(absolute: FloatArray, joints: int) -> FloatArray:
+    """Turn (u, v), shape (..., 2n), into (u_1, v_1 - u_1, ..., u_2, ...), `joints` a cell; velocities likewise."""
+    outer, inner = np.split(absolute, 2, axis=-1)
+    coordinates = np.zeros((*outer.shape, joints))
+    coordinates[..., 0], coordinates[..., 1] = outer, inner - outer
+    return coordinates.reshape(*outer.shape[:-1], -1)
+
+
+def absolute_coordinates(coordinates: FloatArray, joints: int) -> FloatArray:
+    """Turn (u_1, v_1 - u_1, ..., u_2, ...), `joints` a cell, into (u, v); velocities likewise."""
+    outer, relative = coordinates[..., 0::joints], coordinates[..., 1::joints]
+    return np.concatenate([outer, outer + relative], axis=-1)
+
+
+ROUNDINGS = 16
+"""Of the forces that make up the one along a joint. Measured are 4 where a step, or each of ten substeps, has one
+impulse, and 10 where those of 32 substeps are added."""
+
+
+def friction_of_joints(along: FloatArray, applied: FloatArray, bound: FloatArray, chain: Chain) -> FloatArray:
+    """Give the friction on the carried masses of `CarriedCoordinates`, shape (steps, n).
+
+    It is taken for its bound μ λ_N, shape (steps, n), where it is as near to it as single precision can tell. `along`
+    is the force along the joints of carried masses that the engine tells after a step: friction, and what was applied;
+    `applied`, shape (steps, 2n), are the generalised forces of the step. All are in the units of the chain.
+    """
+    on_both, on_carried = np.split(applied, 2, axis=-1)
+    friction = along - on_carried
+    heavier, lighter = np.maximum(chain.outer_mass, chain.inner_mass), np.minimum(chain.outer_mass, chain.inner_mass)
+    # What accelerates the carrier pulls at what it carries.
+    pulling = lighter / heavier * (np.abs(on_both - on_carried) + bound)
+    rounding = ROUNDINGS * SINGLE * (bound + np.abs(on_carried) + pulling)
+    return np.where(np.abs(friction) > bound - rounding, np.copysign(bound, friction), friction)

@@ -10,12 +10,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from engines.shared.carried_coordinates import CarriedCoordinates
-from engines.shared.coordinates import ChainCoordinates
+from engines.shared.box_geometry import PressedBoxes
+from engines.shared.coordinates import CarriedCoordinates, ChainCoordinates
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.stepping.sequential import LaneModel
+from reference_lcp.schemes.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_count
 
 Step = Callable[[FloatArray], None]
@@ -34,16 +34,13 @@ class ExplicitForcesLane(LaneModel):
 
     Everything that an engine sees is in the lane's `Units`. A motion is one vector of coordinates, then of their
     velocities, shape (4n,); the loop owns it, and the engine writes what it reads into it.
-
-    Parameters
-    ----------
-    lane
-        The lane.
-    units
-        In which the engine computes.
     """
 
     coordinates: ChainCoordinates | CarriedCoordinates = ChainCoordinates.ABSOLUTE
+    _sizes: PressedBoxes | None = None
+    """Plates that a body must not leave."""
+    _own_springs = False
+    """Springs and dashpots are the engine's: only the drive is a force."""
 
     def __init__(self, lane: Lane, units: Units):
         """Take the lane's parameters in `units`."""
@@ -120,20 +117,15 @@ class ExplicitForcesLane(LaneModel):
     ) -> tuple[FloatArray, FloatArray]:
         """Turn what was read into friction on the inner masses and normal force [N], shape (steps, n) each.
 
-        Parameters
-        ----------
-        read
-            What `_contacts` gave, one row a step; here the friction itself, in the lane's units.
-        motions
-            The motion at the start, and at the end of each step, shape (steps + 1, 4n).
-        given
-            Normal load of the contacts in each step [N], shape (steps, n).
+        `read` is what `_contacts` gave, one row a step: here the friction itself, in the lane's units. `motions`, shape
+        (steps + 1, 4n), has the start and the ends of the steps; `given`, shape (steps, n), the normal loads [N].
         """
         return read * self._units.force, given
 
     def _force_matrix(self) -> FloatArray:
         """Give the matrix that turns a motion into generalised forces, shape (2n, 4n)."""
-        return self.coordinates.force_matrix(self._chain)
+        matrix = self.coordinates.force_matrix(self._chain)
+        return np.zeros_like(matrix) if self._own_springs else matrix
 
     def _motion(self, state: State) -> FloatArray:
         """Give the motion of a state, a batch of one lane."""
@@ -143,7 +135,10 @@ class ExplicitForcesLane(LaneModel):
     def _state(self, motions: FloatArray) -> State:
         """Give positions and velocities of motions, shape (rows, 4n)."""
         position, velocity = np.split(motions, 2, axis=1)
-        return self._units.state(self.coordinates.absolute(position), self.coordinates.absolute(velocity))
+        state = self._units.state(self.coordinates.absolute(position), self.coordinates.absolute(velocity))
+        if self._sizes is not None:
+            self._sizes.check_reach(state, self._units)
+        return state
 
     def _started(self, state: State, start: int, steps: int) -> tuple[FloatArray, Step]:
         """Give the motion of `state` and the function that advances it."""

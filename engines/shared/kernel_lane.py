@@ -1,23 +1,50 @@
-"""Models of laws whose steps a compiled kernel takes, and of which positions and velocities are the whole state."""
+"""Models of laws whose steps a compiled kernel takes."""
 
-from abc import abstractmethod
+import functools
+from collections.abc import Callable
+from typing import Any, Generic, ParamSpec, TypeVar
 
 import numpy as np
 
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.stepping.sequential import LaneModel
+from reference_lcp.schemes.sequential import LaneModel
 from reference_lcp.validation import FloatArray
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class Kernel(Generic[P, R]):
+    """A function that numba compiles when it is first called, with the kernels of its module that it calls.
+
+    Numba is imported then, and not with the adapter.
+    """
+
+    def __init__(self, function: Callable[P, R]):
+        self._function = function
+
+    def __call__(self, *arguments: P.args, **named: P.kwargs) -> R:
+        """Call what is compiled."""
+        return self._compiled(*arguments, **named)
+
+    @functools.cached_property
+    def _compiled(self) -> Any:
+        import numba
+
+        module = self._function.__globals__
+        for name in self._function.__code__.co_names:
+            if isinstance(called := module.get(name), Kernel):
+                module[name] = called._compiled
+        return numba.njit(cache=True, error_model="numpy")(self._function)
 
 
 class KernelLane(LaneModel):
-    """One chain; an adapter's model adds the kernel and its numbers.
+    """One chain; an adapter's model adds the kernel and its numbers."""
 
-    Parameters
-    ----------
-    lane
-        The lane.
-    """
+    columns = 5
+    """Numbers a cell that are recorded of a step: positions and velocities of both masses and friction; with 6 the
+    normal force, which is otherwise what presses; with 7 the gaps, which an internal state then holds."""
 
     def __init__(self, lane: Lane):
         chain = lane.chain
@@ -25,36 +52,37 @@ class KernelLane(LaneModel):
         self._force = -np.hstack([chain.stiffness_matrix, chain.damping_matrix])
         self._masses = np.concatenate([chain.outer_mass, chain.inner_mass])
 
-    @abstractmethod
-    def _take(self, motion: FloatArray, loads: FloatArray, bounds: FloatArray, record: FloatArray) -> None:
-        """Take a step for each load.
-
-        Parameters
-        ----------
-        motion
-            Positions and velocities, shape (4n,), which become those of the end.
-        loads, bounds
-            Force on cell 1 and μ λ_N of every contact in each step, shapes (steps,) and (steps, n).
-        record
-            Gets positions, velocities and friction of each step, shape (steps, 5n); without rows, nothing is written.
-        """
-
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state` at step index `start`."""
-        lane, size = self.lane, 2 * self.lane.chain.cells
-        record = np.empty((steps, 5 * lane.chain.cells))
-        self._integrate(state, start, steps, record)
-        columns = record[:, :size], record[:, size : 2 * size], record[:, 2 * size :]
-        return Trajectory(lane.times(start, steps), *columns, lane.preloads(start, steps))
+        lane, cells = self.lane, self.lane.chain.cells
+        record = np.empty((steps, self.columns * cells))
+        end = self._integrate(state, start, steps, record)
+        position, velocity, friction, normal, gap = np.split(record, np.array([2, 4, 5, 6]) * cells, axis=1)
+        pressed = normal if normal.size else lane.preloads(start, steps)
+        internal_state = None if end.internal_state is None else end.internal_state[0]
+        gaps = gap if gap.size and internal_state is not None else None
+        return Trajectory(lane.times(start, steps), position, velocity, friction, pressed, internal_state, gaps)
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance as `run` does, and keep the end only."""
-        return self._integrate(state, start, steps, np.empty((0, 5 * self.lane.chain.cells)))
+        return self._integrate(state, start, steps, np.empty((0, self.columns * self.lane.chain.cells)))
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
-        lane = self.lane
+        """Take the steps, write a row of each into `record` unless it has none, and give the end."""
         motion = np.concatenate([state.positions[0], state.velocities[0]])
-        bounds = np.ascontiguousarray(lane.chain.friction_coefficient * lane.preloads(start, steps))
-        self._take(motion, lane.loads(start, steps), bounds, record)
+        self._take(motion, self.lane.loads(start, steps), self._bounds(start, steps), record)
         position, velocity = np.split(motion[None], 2, axis=1)
         return State(position, velocity)
+
+    def _take(self, motion: FloatArray, loads: FloatArray, bounds: FloatArray, record: FloatArray) -> None:
+        """Take a step for each load; a model with an internal state overrides `_integrate` instead.
+
+        `motion`, shape (4n,), are positions and velocities, which become those of the end; `loads`, shape (steps,), the
+        force on cell 1, and `bounds`, shape (steps, n), what `_bounds` gives. `record`, shape (steps, 5n), gets
+        positions, velocities and friction of each step; it may have no rows.
+        """
+        raise NotImplementedError
+
+    def _bounds(self, start: int, steps: int) -> FloatArray:
+        """Give μ λ_N of every contact in each step, shape (steps, n)."""
+        return np.ascontiguousarray(self.lane.chain.friction_coefficient * self.lane.preloads(start, steps))

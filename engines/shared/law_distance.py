@@ -1,17 +1,28 @@
 """How far an engine is from what it states, its law or the reference's step, after one period from the same state."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from engines.interface.engine import Engine
 from engines.interface.law import Law
-from engines.interface.law_engine import law_of
-from engines.interface.registry import engine
+from engines.interface.registry import engine, law_of
 from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
 from engines.interface.variant import Variant
+from reference_lcp.chain.drives import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.defaults import BASE_AMPLITUDE, MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.errors import shortened
+
+FRICTION_RATIOS, FREQUENCY_RATIOS = (0.1, 0.3, 1.0), (0.5, 0.7, 0.9, 1.1, 1.3, 1.5)
+"""The points of figure 3 at which engine and law are compared."""
+
+LONGEST_FAILURE = 200
+"""Characters of an error of an engine."""
 
 APPROACH_PERIODS = 10
 """Periods from rest that the law leads to the state from which both start: stick and slip are then as they will be."""
@@ -19,18 +30,12 @@ APPROACH_PERIODS = 10
 
 @dataclass(frozen=True)
 class LawDistance:
-    """Largest differences of positions over a period from the same state, over the displacement scale.
-
-    Parameters
-    ----------
-    law
-        Of the engine from its law, or from the reference's step where it takes that.
-    reference
-        Of the engine from the reference.
-    """
+    """Largest differences of positions over a period from the same state, over the displacement scale."""
 
     law: float
+    """Of the engine from its law, or from the reference's step where it takes that."""
     reference: float
+    """Of the engine from the reference."""
 
 
 def stepped_by(variant: Variant) -> Engine | Law | None:
@@ -52,15 +57,7 @@ def allowed_distance(variant: Variant) -> float:
 
 
 def distance_from_law(simulation: Simulation, law: Engine | Law, lane: Lane, steps: int) -> LawDistance:
-    """Compare a period of an engine with its law's, from the same state.
-
-    Parameters
-    ----------
-    simulation
-        The engine with this lane alone.
-    law, lane, steps
-        What it steps by, see `stepped_by`; the lane; the number of steps of a period.
-    """
+    """Compare a period of an engine that has this lane alone with one of what it states, see `stepped_by`."""
     model = law.build([lane])
     state = model.advance(State.at_rest(1, lane.chain.cells), 0, APPROACH_PERIODS * steps)
     own, predicted, reference = (
@@ -78,3 +75,29 @@ def _period(simulation: Simulation, state: State, steps: int) -> Trajectory:
         return simulation.run(state, 0, steps)[0]
     finally:
         simulation.close()
+
+
+def figure3_lanes() -> list[Lane]:
+    """Give the chain of figure 3 at every point at which engine and law are compared."""
+    lanes = []
+    for friction_ratio in FRICTION_RATIOS:
+        chain = Chain.from_ratios(friction_ratio=friction_ratio)
+        for frequency_ratio in FREQUENCY_RATIOS:
+            base = HarmonicBase.from_ratio(chain, frequency_ratio, BASE_AMPLITUDE)
+            lanes.append(Lane.periodic(chain, base, MINIMUM_STEPS_PER_PERIOD))
+    return lanes
+
+
+def difference_in_words(variant: Variant, law: Law, lanes: Sequence[Lane]) -> str:
+    """Say how far an engine is from its law and from the reference, at most; or that one of them fails."""
+    try:
+        distances = [distance_from_law(variant.build([lane]), law, lane, MINIMUM_STEPS_PER_PERIOD) for lane in lanes]
+    except Exception as problem:  # an engine may raise anything
+        text = shortened(" ".join(f"{type(problem).__name__}: {problem}".split()), LONGEST_FAILURE)
+        return f"not measured: engine or law fails with {text}"
+    own, reference = (float(np.max([getattr(each, name) for each in distances])) for name in ("law", "reference"))
+    if math.isfinite(own):
+        text = f"at most {own:.2g} U0 from its law, {reference:.2g} U0 from the reference"
+    else:
+        text = "the engine's positions are not finite"
+    return f"after a period from the same state, at {len(lanes)} points: {text}"

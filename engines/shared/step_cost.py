@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from engines.interface.engine import NativeStepping
 from engines.interface.variant import Variant
-from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD as STEPS
 from reference_lcp.chain.trajectory import State
-from reference_lcp.stepping.sequential import SequentialSimulation
+from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD as STEPS
+from reference_lcp.schemes.sequential import SequentialSimulation
 from reference_lcp.validation import checked_count
 
 SAMPLES = 7
@@ -21,26 +21,18 @@ SAMPLES = 7
 
 @dataclass(frozen=True)
 class StepCost:
-    """Seconds a step and lane of seven cells, on one core.
-
-    Parameters
-    ----------
-    variant
-        What was measured.
-    lanes
-        Of the batch.
-    advance, run
-        By the adapter: the end of a period only, and with every step recorded.
-    bare
-        By the engine alone, from rest, in the tightest loop of its Python interface; NaN where it has none.
-        Lanes that are advanced one after the other cost the same alone, and one of them is measured.
-    """
+    """Seconds a step and lane of seven cells, on one core."""
 
     variant: Variant
+    """What was measured."""
     lanes: int
+    """Of the batch."""
     advance: float
     run: float
+    """By the adapter: the end of a period only, and with every step recorded."""
     bare: float
+    """By the engine alone, from rest, in the tightest loop of its Python interface; NaN where it has none. Lanes
+    that are advanced one after the other cost the same alone, and one of them is measured."""
 
     @property
     def ratio(self) -> float:

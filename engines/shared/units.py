@@ -16,7 +16,7 @@ import numpy as np
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.refusal import checked_choice
+from reference_lcp.errors import checked_choice
 from reference_lcp.validation import FloatArray
 
 LIGHT = 2.0**-20
@@ -25,17 +25,12 @@ LIGHT = 2.0**-20
 
 @dataclass(frozen=True)
 class Units:
-    """Powers of two near the displacement scale, the outer mass and the time step of a lane.
-
-    Parameters
-    ----------
-    length, mass, time
-        Units [m], [kg], [s].
-    """
+    """Powers of two near the displacement scale, the outer mass and the time step of a lane."""
 
     length: float
     mass: float
     time: float
+    """Units [m], [kg], [s]."""
 
     @classmethod
     def named(cls, name: str, lane: Lane) -> Self:

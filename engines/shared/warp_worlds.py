@@ -21,13 +21,6 @@ class WarpWorlds(Worlds):
 
     A step is recorded once as a graph: launched kernel by kernel from Python it takes a hundred times as long. The
     graph holds no numbers of its own: it finds its loads, and where its record goes, by a counter of steps.
-
-    Parameters
-    ----------
-    size
-        How many worlds there are.
-    cells
-        Cells in each.
     """
 
     def __init__(self, size: int, cells: int):

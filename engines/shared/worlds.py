@@ -32,13 +32,8 @@ class Worlds(ABC):
     def steps(self, loads: FloatArray, pressing: FloatArray) -> Rows:
         """Take a step for each row of loads, at most `CHUNK`.
 
-        Parameters
-        ----------
-        loads
-            Force on cell 1 in each step and world, shape (steps, worlds).
-        pressing
-            What bounds friction in each step, world and cell, shape (steps, worlds, n): a force of friction in joints,
-            a normal force in contacts.
+        `loads`, shape (steps, worlds), are forces on cell 1; `pressing`, shape (steps, worlds, n), bounds friction: a
+        force of friction in joints, a normal force in contacts.
         """
         rows = self._steps(loads, pressing)
         self._repeat_last_finite(rows)

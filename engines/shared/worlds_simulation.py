@@ -7,34 +7,75 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from engines.shared.cell_joints import absolute_coordinates, joint_coordinates
+from engines.interface.engine import NativeStepping
+from engines.shared.coordinates import absolute_coordinates, joint_coordinates
 from engines.shared.units import Units
 from engines.shared.worlds import CHUNK, Rows, Worlds
-from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.schemes.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_count
 
 
-class WorldsSimulation(ABC):
+class LanesInUnits:
+    """Lanes that take their steps together, each in units of its own."""
+
+    def __init__(self, lanes: Sequence[Lane], units: Sequence[Units]):
+        self.lanes, self._units = tuple(lanes), tuple(units)
+        self._length = np.array([[unit.length] for unit in units])
+        self._velocity = np.array([[unit.velocity] for unit in units])
+
+    def close(self) -> None:
+        """Nothing to do where memory is all that the engine holds: it goes with the last reference."""
+        return
+
+    def _loads(self, start: int, steps: int) -> FloatArray:
+        """Give the force on cell 1 in every step, shape (steps, lanes)."""
+        loads = [lane.loads(start, steps) / units.force for lane, units in zip(self.lanes, self._units, strict=True)]
+        return np.stack(loads, axis=1)
+
+    def _bounds(self, start: int, steps: int) -> FloatArray:
+        """Give μ λ_N of every contact in every step, shape (steps, lanes, n)."""
+        bounds = [
+            lane.chain.friction_coefficient * lane.preloads(start, steps) / units.force
+            for lane, units in zip(self.lanes, self._units, strict=True)
+        ]
+        return np.stack(bounds, axis=1)
+
+
+class LaneAlone(LaneModel):
+    """The only lane of a simulation that takes many."""
+
+    def __init__(self, simulation: Simulation):
+        self.lane, self._simulation = simulation.lanes[0], simulation
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state`; see `LaneModel.run`."""
+        return self._simulation.run(state, start, steps)[0]
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does, and keep the end only."""
+        return self._simulation.advance(state, start, steps)
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone; see `NativeStepping`."""
+        assert isinstance(self._simulation, NativeStepping)
+        self._simulation.native_steps(steps)
+
+    def close(self) -> None:
+        """Free what the simulation holds."""
+        self._simulation.close()
+
+
+class WorldsSimulation(LanesInUnits, ABC):
     """Lanes as worlds, each with its own numbers and units.
 
-    Parameters
-    ----------
-    lanes
-        The lanes.
-    units
-        The units of each.
-    joints
-        Coordinates of a cell: those of the outer mass and of the inner one relative to it come first.
-    worlds
-        The worlds.
+    A cell has so many `joints`: the coordinates of the outer mass and of the inner one relative to it come first.
     """
 
     def __init__(self, lanes: Sequence[Lane], units: Sequence[Units], joints: int, worlds: Worlds):
-        self.lanes, self._units = tuple(lanes), tuple(units)
+        super().__init__(lanes, units)
         self._joints, self._worlds = joints, worlds
-        self._length = np.array([[unit.length] for unit in units])
-        self._velocity = np.array([[unit.velocity] for unit in units])
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         """Advance every lane; see `Simulation.run`.
@@ -70,10 +111,6 @@ class WorldsSimulation(ABC):
         """Take steps of the engine alone; see `NativeStepping`."""
         self._worlds.native_steps(steps)
 
-    def close(self) -> None:
-        """Nothing to do: memory is all that the engine holds, and it goes with the last reference."""
-        return
-
     def _chunks(self, state: State, start: int, steps: int) -> Iterator[Rows]:
         """Set the state, and give the rows of `steps` steps, some at a time."""
         checked_count("steps", steps)
@@ -86,18 +123,9 @@ class WorldsSimulation(ABC):
             length = min(CHUNK, start + steps - first)
             yield self._worlds.steps(self._loads(first, length), self._pressing(first, length))
 
-    def _loads(self, start: int, steps: int) -> FloatArray:
-        """Give the force on cell 1 in every step, shape (steps, lanes)."""
-        loads = [lane.loads(start, steps) / units.force for lane, units in zip(self.lanes, self._units, strict=True)]
-        return np.stack(loads, axis=1)
-
     def _pressing(self, start: int, steps: int) -> FloatArray:
         """Give what bounds the friction of every contact in every step, shape (steps, lanes, n): here μ λ_N."""
-        bounds = [
-            lane.chain.friction_coefficient * lane.preloads(start, steps) / units.force
-            for lane, units in zip(self.lanes, self._units, strict=True)
-        ]
-        return np.stack(bounds, axis=1)
+        return self._bounds(start, steps)
 
     @abstractmethod
     def _friction(self, index: int, rows: FloatArray) -> FloatArray:

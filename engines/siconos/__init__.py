@@ -4,13 +4,13 @@ from pathlib import Path
 from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.out_of_process.engine import OutOfProcessEngine
-from engines.out_of_process.interpreter import Installation
-from engines.out_of_process.lane import OutOfProcessLane
-from engines.siconos.contact import CONTACT_DEFAULT, CONTACT_TUNED
-from engines.siconos.joint import JOINT_DEFAULT, JOINT_EULER, JOINT_TUNED
-from engines.siconos.reproducer import CONTACT, JOINT
+from engines.isolated.out_of_process import Installation, OutOfProcessEngine, OutOfProcessLane
+from engines.shared.script_units import script_in_si
+from engines.siconos.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_EULER, JOINT_TUNED
 from reference_lcp.validation import FloatArray
+
+DEEP = 1e9
+"""Depth at which every relay starts, over the displacement scale: no motion brings it to the surface."""
 
 INSTALLATION = Installation(
     "siconos",
@@ -22,6 +22,8 @@ INSTALLATION = Installation(
 
 class SiconosLane(OutOfProcessLane):
     """One chain in Siconos."""
+
+    sizes: ClassVar = {"deep": DEEP}
 
     def _loads(self, start: int, steps: int) -> FloatArray:
         """Force on cell 1 [N] as the θ-scheme takes it: (1 − θ) F(t) + θ F(t + dt); as forces, at the start."""
@@ -53,4 +55,7 @@ class Siconos(OutOfProcessEngine):
     )
     installation: ClassVar[Installation] = INSTALLATION
     lane_model: ClassVar[type[OutOfProcessLane]] = SiconosLane
-    reproducers: ClassVar = {Formulation.JOINT: JOINT, Formulation.CONTACT: CONTACT}
+    reproducers: ClassVar = {
+        Formulation.JOINT: script_in_si("reproducer_joint.py.jinja", deep=DEEP),
+        Formulation.CONTACT: script_in_si("reproducer_contact.py.jinja"),
+    }

@@ -16,9 +16,6 @@ from siconos import kernel, numerics
 ALLOWED_RESIDUAL = 1e-6
 """Of Coulomb's law, over the bound: a solver that fails only prints a warning, and Siconos goes on."""
 
-DEEP = 1e9
-"""Depth at which every relay starts, over the displacement scale: no motion brings it to the surface."""
-
 DIVERGED_BEYOND = 1e12
 """Motion, over the displacement scale, beyond which an exception of Siconos is no more than that."""
 
@@ -38,13 +35,7 @@ def versions() -> dict[str, str]:
 
 
 class EngineLane:
-    """One chain.
-
-    Parameters
-    ----------
-    parameters
-        What `engines.out_of_process.lane` sends of a chain, and the options of its preset.
-    """
+    """One chain; `parameters` are what `engines.isolated.out_of_process` sends of it, and the options of its preset."""
 
     def __init__(self, parameters: dict[str, Any]):
         model = ContactModel if str(parameters["formulation"]) == "contact" else JointModel
@@ -177,7 +168,11 @@ class JointModel:
 
     def _linked(self) -> Iterator[tuple[Any, Any]]:
         """Link a relay to every group of contacts; gives it with the contacts whose impulses it holds."""
-        depth = -DEEP * float(self._given["length"]) if str(self._given["activation"]) == "always" else 0.0
+        depth = (
+            -float(self._given["deep"]) * float(self._given["length"])
+            if str(self._given["activation"]) == "always"
+            else 0.0
+        )
         for cells in self._groups():
             impulse = float(self._bound[cells[0]]) * self._dt
             direction = np.zeros((len(cells), 2 * self._cells))

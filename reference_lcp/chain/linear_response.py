@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.chain.harmonic import HarmonicBase, PeriodicDrive
+from reference_lcp.chain.drives import HarmonicBase, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 
 
@@ -27,8 +27,7 @@ def sliding_mass(chain: Chain, inclination: float) -> NDArray[np.float64]:
     Closed contacts lift the inner mass by tan α (v − u): the slip has the inertia m_i tan² α besides.
     """
     slip = chain.contact_directions
-    mass: NDArray[np.float64] = chain.mass_matrix + np.tan(inclination) ** 2 * (slip * chain.inner_mass) @ slip.T
-    return mass
+    return chain.mass_matrix + np.tan(inclination) ** 2 * (slip * chain.inner_mass) @ slip.T
 
 
 def stuck_basis(chain: Chain) -> NDArray[np.float64]:
@@ -61,5 +60,4 @@ def _response(
         force[0] = (chain.chain_stiffness[0] + 1j * omega * chain.chain_damping[0]) * drive.amplitude
     else:
         force[0] = drive.amplitude
-    solution: NDArray[np.complex128] = basis @ np.linalg.solve(basis.T @ dynamic @ basis, basis.T @ force)
-    return solution
+    return basis @ np.linalg.solve(basis.T @ dynamic @ basis, basis.T @ force)

@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from reference_lcp.chain import canonical
+from reference_lcp import defaults
 from reference_lcp.validation import (
     LARGEST_PARAMETER,
     LARGEST_UNIT,
@@ -40,37 +40,26 @@ class Chain:
     Cell *i* has an outer mass at u_i and an inner mass at v_i that slides inside it. The base is at
     the left of cell 1; the right end is free. Every parameter is a number, or an array with one
     value a cell; it is stored as a read-only array of shape ``(cells,)``.
-
-    Parameters
-    ----------
-    cells
-        Number of cells n.
-    outer_mass, inner_mass
-        m_o and m_i [kg], > 0.
-    chain_stiffness, chain_damping
-        k_c [N/m] > 0 and c_c [N s/m] >= 0 of the spring and the dashpot at the left of each cell.
-    inner_stiffness, inner_damping
-        k_i [N/m] > 0 and c_i [N s/m] >= 0 between outer and inner mass.
-    normal_force
-        λ_N [N] >= 0 that presses the inner on the outer mass.
-    friction_coefficient
-        μ [-] >= 0.
-
-    Raises
-    ------
-    ParameterError
-        If a value is not finite, outside its range, or not a scalar or of shape ``(cells,)``.
     """
 
-    cells: int = canonical.CELLS
+    cells: int = defaults.CELLS
+    """Number of cells n."""
     outer_mass: FloatArray
+    """m_o [kg], > 0."""
     inner_mass: FloatArray
+    """m_i [kg], > 0."""
     chain_stiffness: FloatArray
+    """k_c [N/m], > 0, of the spring at the left of each cell."""
     inner_stiffness: FloatArray
+    """k_i [N/m], > 0, between outer and inner mass."""
     chain_damping: FloatArray = dataclasses.field(default_factory=lambda: np.zeros(()))
+    """c_c [N s/m], >= 0, of the dashpot at the left of each cell."""
     inner_damping: FloatArray = dataclasses.field(default_factory=lambda: np.zeros(()))
+    """c_i [N s/m], >= 0, between outer and inner mass."""
     normal_force: FloatArray = dataclasses.field(default_factory=lambda: np.zeros(()))
+    """λ_N [N] >= 0 that presses the inner on the outer mass."""
     friction_coefficient: FloatArray = dataclasses.field(default_factory=lambda: np.zeros(()))
+    """μ [-] >= 0."""
 
     def __post_init__(self) -> None:
         checked_count("cells", self.cells, 1, MOST_CELLS)
@@ -81,18 +70,18 @@ class Chain:
     def from_ratios(
         cls,
         *,
-        cells: int = canonical.CELLS,
-        mass_ratio: ArrayLike = canonical.MASS_RATIO,
-        stiffness_ratio: ArrayLike = canonical.STIFFNESS_RATIO,
-        damping_ratio: ArrayLike = canonical.DAMPING_RATIO,
+        cells: int = defaults.CELLS,
+        mass_ratio: ArrayLike = defaults.MASS_RATIO,
+        stiffness_ratio: ArrayLike = defaults.STIFFNESS_RATIO,
+        damping_ratio: ArrayLike = defaults.DAMPING_RATIO,
         friction_ratio: ArrayLike = 0.0,
         inner_damping_ratio: ArrayLike = 0.0,
         outer_mass_ratio: ArrayLike = 1.0,
         chain_stiffness_ratio: ArrayLike = 1.0,
-        base_amplitude: float = canonical.BASE_AMPLITUDE,
-        outer_mass: float = canonical.OUTER_MASS,
-        chain_stiffness: float = canonical.CHAIN_STIFFNESS,
-        friction_coefficient: float = canonical.FRICTION_COEFFICIENT,
+        base_amplitude: float = defaults.BASE_AMPLITUDE,
+        outer_mass: float = defaults.OUTER_MASS,
+        chain_stiffness: float = defaults.CHAIN_STIFFNESS,
+        friction_coefficient: float = defaults.FRICTION_COEFFICIENT,
     ) -> Self:
         """Build a chain from non-dimensional ratios; the defaults are the canonical frictionless case.
 
@@ -180,7 +169,7 @@ class Chain:
     @cached_property
     def highest_natural_frequency(self) -> float:
         """Highest natural frequency of the frictionless chain [rad/s]; builds no matrix."""
-        from reference_lcp.chain.natural_frequency import highest_square  # numba is imported on first use
+        from reference_lcp.chain.kernels import highest_square
 
         squared = highest_square(self.outer_mass, self.inner_mass, self.chain_stiffness, self.inner_stiffness)
         return math.sqrt(squared)
@@ -206,3 +195,15 @@ class Chain:
 def _dashpot(name: str, ratio: ArrayLike, stiffness: FloatArray, mass: FloatArray) -> FloatArray:
     """Give c = 2 ζ √(k m) of the ratio ζ that has this name."""
     return 2 * checked_array(name, ratio, ">= 0", largest=LARGEST_PARAMETER) * np.sqrt(stiffness * mass)
+
+
+def mechanical_energy(chain: Chain, positions: FloatArray, velocities: FloatArray) -> FloatArray:
+    """Kinetic energy and energy of the springs [J], shape (times,), of states (times, 2n); the base at zero.
+
+    Sums over the elements: no matrix of the chain is built, however long it is.
+    """
+    cells = chain.cells
+    outer, inner = positions[:, :cells], positions[:, cells:]
+    kinetic = velocities[:, :cells] ** 2 @ chain.outer_mass + velocities[:, cells:] ** 2 @ chain.inner_mass
+    elastic = np.diff(outer, axis=1, prepend=0.0) ** 2 @ chain.chain_stiffness
+    return (kinetic + elastic + (inner - outer) ** 2 @ chain.inner_stiffness) / 2

@@ -4,7 +4,7 @@ An actuator in every cell presses the inner mass on the outer one, across the ro
 
     N_i(t) = N0_i (1 + a sin(Ω t + φ)),
 
-N0_i being the chain's `normal_force`: `InclinedChain` with faces along the row, α = 0. Nothing couples the normal
+N0_i being the chain's `normal_force`: faces lie along the row. Nothing couples the normal
 direction to the motion along the row then (G_NT = 0): λ_N(t) is known before the row moves, friction under it is
 monotone, and a steady state is as unique as under a constant normal force.
 
@@ -18,44 +18,24 @@ from typing import Self
 
 import numpy as np
 
-from reference_lcp.chain.harmonic import PeriodicDrive
-from reference_lcp.refusal import ParameterError
+from reference_lcp.chain.drives import PeriodicDrive
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray, checked_scalar
 
 LARGEST_PERIODIC_MODULATION = math.sqrt(1 + math.pi**2)
 """Up to this a, about 3.3, a flight ends before the actuator pulls again; beyond, flights need not repeat."""
 
 
-def preload_factor(
-    time: FloatArray | float, modulation: FloatArray | float, angular_frequency: float, phase: float
-) -> FloatArray:
-    """N(t) / N0 = 1 + a sin(Ω t + φ), of the shape that `time` [s] and a `modulation` a, one a cell, have together."""
-    factor: FloatArray = 1 + modulation * np.sin(angular_frequency * time + phase)
-    return factor
-
-
 @dataclass(frozen=True, kw_only=True)
 class Preload:
-    """How the force that presses the masses of every cell together changes, as a factor on its mean.
-
-    Parameters
-    ----------
-    modulation
-        a >= 0.
-    angular_frequency
-        Ω [rad/s], > 0.
-    phase
-        φ [rad].
-
-    Raises
-    ------
-    ParameterError
-        If a value is not finite or outside its range.
-    """
+    """How the force that presses the masses of every cell together changes, as a factor on its mean."""
 
     modulation: float
+    """a >= 0."""
     angular_frequency: float
+    """Ω [rad/s], > 0."""
     phase: float = 0.0
+    """φ [rad]."""
 
     def __post_init__(self) -> None:
         checked_scalar("modulation", self.modulation, ">= 0")
@@ -81,7 +61,7 @@ class Preload:
 
     def factor(self, time: FloatArray) -> FloatArray:
         """N(t) / N0, negative where the actuator pulls; shape of `time` [s]."""
-        return preload_factor(time, self.modulation, self.angular_frequency, self.phase)
+        return 1 + self.modulation * np.sin(self.angular_frequency * time + self.phase)
 
 
 @dataclass(frozen=True)
@@ -90,28 +70,18 @@ class Flight:
 
     With y'' = −N(t) / m from lift-off, where N falls through zero, to y = 0. Times do not depend on the masses, nor
     does the impulse of the landing, ∫ N dt.
-
-    Parameters
-    ----------
-    lift_off, landing
-        Phases Ω t + φ [rad] of the preload, π < `lift_off` < 3π/2 and `landing` < `lift_off` + 2π.
-    highest
-        Largest gap over N0 / (m Ω²), m being the mass that flies.
     """
 
     lift_off: float
+    """Phase Ω t + φ [rad] of the preload, in (π, 3π/2)."""
     landing: float
+    """The same, < `lift_off` + 2π."""
     highest: float
+    """Largest gap over N0 / (m Ω²), m being the mass that flies."""
 
     @classmethod
     def of(cls, preload: Preload) -> Self:
-        """Integrate N(t) twice, and find the roots.
-
-        Raises
-        ------
-        ParameterError
-            If contacts do not open, or a flight does not end before the next one would begin.
-        """
+        """Integrate N(t) twice, and find the roots; refused unless contacts open, and land before they open again."""
         a = preload.modulation
         if not 1 < a < LARGEST_PERIODIC_MODULATION:
             raise ParameterError(f"modulation = {a:g}; allowed for a flight a cycle: (1, √(1 + π²) = 3.3)")
@@ -140,21 +110,14 @@ class Flight:
 
 @dataclass(frozen=True)
 class NormalMotion:
-    """The normal direction of contacts over consecutive steps; row k belongs to the end of step k.
-
-    Parameters
-    ----------
-    normal_force
-        λ_N >= 0 [N] during the step, shape (steps, ...).
-    gap
-        g_N [m] at the end of the step, same shape.
-    speed
-        Its rate at the end of the last step [m/s], shape (...).
-    """
+    """The normal direction of contacts over consecutive steps; row k belongs to the end of step k."""
 
     normal_force: FloatArray
+    """λ_N >= 0 [N] during the step, shape (steps, ...)."""
     gap: FloatArray
+    """g_N [m], same shape."""
     speed: FloatArray
+    """Rate of the gap at the end of the last step [m/s], shape (...)."""
 
 
 def normal_motion(
@@ -162,18 +125,10 @@ def normal_motion(
 ) -> NormalMotion:
     """Advance the normal direction alone, by equation (7): 0 <= Λ_N ⟂ g_N + Δt ġ_N⁺ >= 0 with m Δġ_N = Λ_N − N Δt.
 
-    Parameters
-    ----------
-    normal_load
-        N at the start of each step [N], negative where the actuator pulls, shape (steps, ...).
-    mass
-        Mass that moves across the row [kg], of a shape that broadcasts with (...).
-    time_step
-        Δt [s], likewise.
-    gap, speed
-        g_N >= 0 [m] and its rate [m/s] at the start, shape (...).
+    `normal_load` is N at the start of each step [N], negative where the actuator pulls, shape (steps, ...); `gap` >= 0
+    [m] and its rate `speed` [m/s] have shape (...), with which `mass` [kg] and `time_step` [s] broadcast.
     """
-    from reference_lcp.chain.preload_kernel import advance_normal  # numba is imported once something moves
+    from reference_lcp.chain.kernels import advance_normal
 
     steps, shape = normal_load.shape[0], normal_load.shape[1:]
     flat = [np.broadcast_to(part, shape).ravel() for part in (mass, time_step, gap, speed)]

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
-from reference_lcp.chain.harmonic import MovingBase
-from reference_lcp.refusal import ParameterError, checked_path
+from reference_lcp.chain.drives import MovingBase
+from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.validation import FloatArray, checked_scalar
 
 if TYPE_CHECKING:
@@ -31,13 +31,6 @@ class RecordedBase(MovingBase):
     The spline begins and ends at rest; before the first sample and after the last one the base stands still.
     The chain is undeformed at the first sample: displacements count from there, and times too.
 
-    Parameters
-    ----------
-    times
-        When samples were taken [s], ascending, at least four.
-    displacements
-        The samples [m], as many.
-
     Raises
     ------
     ParameterError
@@ -46,7 +39,9 @@ class RecordedBase(MovingBase):
 
     kind: ClassVar[str] = "recorded base"
     times: tuple[float, ...]
+    """When samples were taken [s], ascending, at least four."""
     displacements: tuple[float, ...]
+    """The samples [m], as many."""
 
     def __post_init__(self) -> None:
         if len(self.times) != len(self.displacements) or len(self.times) < FEWEST_SAMPLES:

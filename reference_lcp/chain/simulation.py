@@ -3,57 +3,74 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.chain.harmonic import Drive, PeriodicDrive
-from reference_lcp.chain.inclination import check_inclination
+from reference_lcp.chain.drives import Drive, PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
-from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.refusal import ParameterError
+from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, LARGEST_PHASE_STEP, MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import MOST_STEPS, FloatArray, check_record_size, checked_count, checked_scalar
+
+
+def uniqueness_margin(chain: Chain, inclination: float) -> FloatArray:
+    """Give m_i (G_NN − μ |G_NT|) = 1 + (sin² α − μ |sin α cos α|) m_i / m_o of every contact, shape (n,).
+
+    Where it is positive a step of a contact has one solution. Where it is not, friction that a normal force makes
+    presses a slipping contact together more than that force parts it (Painlevé, 1895): there may be several solutions
+    or none. That takes outer masses below m_i (√(1 + μ²) − 1) / 2.
+    """
+    along, across = math.cos(inclination), math.sin(inclination)
+    coupling = across**2 - chain.friction_coefficient * abs(across * along)
+    return 1 + coupling * chain.inner_mass / chain.outer_mass
+
+
+def check_inclination(chain: Chain, inclination: float) -> None:
+    """Raise a `ParameterError` unless −π/2 < `inclination` < π/2 [rad], and the motion of every contact is unique."""
+    if abs(checked_scalar("inclination", inclination)) >= math.pi / 2:
+        raise ParameterError(f"inclination = {inclination:g} is outside its range; allowed: (-pi/2, pi/2)")
+    margin = uniqueness_margin(chain, inclination)
+    if np.any(margin <= 0):
+        cell = int(np.argmin(margin))
+        across, along = math.sin(inclination), abs(math.cos(inclination))
+        largest = (float(chain.outer_mass[cell] / chain.inner_mass[cell]) + across**2) / abs(across * along)
+        raise ParameterError(
+            f"friction_coefficient = {chain.friction_coefficient[cell]:g} in cell {cell + 1} with inclination = "
+            f"{inclination:g}: its motion is not unique; allowed: < {largest:.4g}"
+        )
 
 
 @dataclass(frozen=True)
 class Lane:
-    """One chain under one drive, advanced with one time step.
-
-    Parameters
-    ----------
-    chain, drive
-        What moves, and what moves it.
-    time_step
-        dt [s], > 0.
-    preload
-        How the normal force changes in time; ``None`` where it is constant.
-    direction
-        Angle by which the row is turned in the plane of the contacts [rad], −π/2 to π/2; Coulomb's law does not
-        depend on it. Rows of one cell are turned alone: cells stand side by side across the row.
-    inclination
-        α of the contact faces to the row [rad], see `reference_lcp.lcp.inclined_chain`: the inner masses move in the
-        plane of row and normal, and normal forces depend on the motion. It needs a preload, which acts along the
-        normals, and is refused where the motion would not be unique.
-    static_ratio
-        μ_s / μ_k >= 1 of all contacts: friction at rest holds up to μ_s λ_N, that of a slip is μ_k λ_N, with the
-        chain's coefficient of friction as μ_k.
-
-    Raises
-    ------
-    ParameterError
-        If a value is outside its range.
-    """
+    """One chain under one drive, advanced with one time step."""
 
     chain: Chain
     drive: Drive
     time_step: float
+    """dt [s], > 0."""
     preload: Preload | None = None
+    """How the normal force changes in time; ``None`` where it is constant."""
     direction: float = 0.0
+    """Angle by which the row is turned in the plane of the contacts [rad], −π/2 to π/2.
+
+    Coulomb's law does not depend on it. Rows of one cell are turned alone: cells stand side by side across the row.
+    """
     inclination: float = 0.0
+    """α of the contact faces to the row [rad], see `reference_lcp.schemes.inclined`.
+
+    The inner masses move in the plane of row and normal, and normal forces depend on the motion. It needs a preload,
+    which acts along the normals, and is refused where the motion would not be unique.
+    """
     static_ratio: float = 1.0
+    """μ_s / μ_k >= 1 of all contacts.
+
+    Friction at rest holds up to μ_s λ_N, that of a slip is μ_k λ_N, with the chain's coefficient of friction as μ_k.
+    """
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time_step", checked_scalar("time_step", self.time_step, "> 0"))
@@ -118,14 +135,7 @@ class Lane:
 
 
 def steps_per_period_for(chain: Chain, drive: PeriodicDrive, minimum: int = MINIMUM_STEPS_PER_PERIOD) -> int:
-    """Give the number of steps a period that keeps dt ω_max <= 0.4, at least `minimum`.
-
-    Raises
-    ------
-    ParameterError
-        If `minimum` is below `FEWEST_STEPS_PER_PERIOD`, or more than `MOST_STEPS` are needed, or more than a record
-        holds.
-    """
+    """Give the number of steps a period that keeps dt ω_max <= 0.4, at least `minimum`, at most what a record holds."""
     checked_count("steps_per_period", minimum, FEWEST_STEPS_PER_PERIOD, MOST_STEPS)
     stable = drive.period * chain.highest_natural_frequency / LARGEST_PHASE_STEP
     if stable > MOST_STEPS:
@@ -173,14 +183,45 @@ class Simulation(Protocol):
 
 
 def common_cells(lanes: Sequence[Lane]) -> int:
-    """Give the number of cells that all lanes share.
-
-    Raises
-    ------
-    ParameterError
-        If there is no lane, or chains of different lengths are mixed in one batch.
-    """
+    """Give the number of cells that all lanes, one at least, share."""
     lengths = {lane.chain.cells for lane in lanes}
     if len(lengths) != 1:
         raise ParameterError(f"a batch holds chains of {sorted(lengths)} cells; allowed: one length, at least one lane")
     return lengths.pop()
+
+
+class OrbitStatus(StrEnum):
+    """How the search for a periodic orbit ended."""
+
+    CONVERGED = "converged"
+    PERIOD_LIMIT = "period limit"
+    DIVERGED = "diverged"
+
+
+@dataclass(frozen=True)
+class PeriodicOrbit:
+    """One period of the steady state of one lane."""
+
+    lane: Lane
+    """The chain, its drive and the time step."""
+    trajectory: Trajectory
+    """One period, one row a step, starting at phase zero of the drive."""
+    residual: float
+    """max(|Δ position| / s, |Δ velocity| / (s ω), |Δ internal state| / its size) over one plain period.
+
+    s is the displacement scale of the drive and ω its angular frequency; for the size see `StateScales`.
+    """
+    periods: int
+    """Periods that were simulated to find it, the certifying one included."""
+    status: OrbitStatus
+    """Whether the tolerance has been reached."""
+    multiple: int = 1
+    """Periods of the drive after which the motion repeats, if the search has looked for it.
+
+    More than one for a subharmonic response, 0 where no repetition was found.
+    """
+
+    @property
+    def converged(self) -> bool:
+        """Whether the tolerance has been reached."""
+        return self.status is OrbitStatus.CONVERGED

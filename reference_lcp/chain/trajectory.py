@@ -7,31 +7,26 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
 
 
 @dataclass(frozen=True)
 class State:
-    """Positions and velocities of a batch of lanes at one instant.
-
-    Parameters
-    ----------
-    positions
-        Absolute displacements [m], shape (lanes, 2n), outer masses first.
-    velocities
-        Absolute velocities [m/s], same shape.
-    internal_state
-        What a history-dependent friction law carries beside positions and velocities (the anchor of
-        a bristle, say), shape (lanes, k); ``None`` for laws without any, and for a fresh start. Where there
-        are several values a contact, the first of every contact, then the second: values of a kind share their size in
-        the periodicity residual. A search of periodic orbits may set any values near those that a run has given.
-        Where contacts open, the gap of every contact [m], then its rate [m/s]: see `normal_state`.
-    """
+    """Positions and velocities of a batch of lanes at one instant."""
 
     positions: FloatArray
+    """Absolute displacements [m], shape (lanes, 2n), outer masses first."""
     velocities: FloatArray
+    """Absolute velocities [m/s], same shape."""
     internal_state: FloatArray | None = None
+    """What a history-dependent friction law carries beside these (the anchor of a bristle, say), shape (lanes, k).
+
+    ``None`` for laws without any, and for a fresh start. Where there are several values a contact, the first of every
+    contact, then the second: values of a kind share their size in the periodicity residual. A search of periodic orbits
+    may set any values near those that a run has given. Where contacts open, the gap of every contact [m], then its rate
+    [m/s]: see `normal_state`.
+    """
 
     def __post_init__(self) -> None:
         if np.ndim(self.positions) != 2 or np.shape(self.positions) != np.shape(self.velocities):
@@ -94,30 +89,22 @@ class Trajectory:
 
     Row k belongs to the end of step k: the initial state is not repeated, so that the rows of
     consecutive runs join without overlap and one period of N steps has exactly N samples.
-
-    Parameters
-    ----------
-    time
-        Ends of the steps [s], shape (steps,).
-    positions, velocities
-        Absolute [m], [m/s], shape (steps, 2n), outer masses first.
-    friction
-        λ_T during the step that ends at each row, as it acts on the inner mass [N], shape (steps, n).
-    normal_force
-        λ_N during the step [N], shape (steps, n).
-    internal_state
-        Internal state of the friction law at the end, shape (k,), or ``None``.
-    normal_gap
-        g_N [m] at the end of each step, shape (steps, n); ``None`` where contacts cannot open.
     """
 
     time: FloatArray
+    """Ends of the steps [s], shape (steps,)."""
     positions: FloatArray
+    """Absolute [m], shape (steps, 2n), outer masses first."""
     velocities: FloatArray
+    """Absolute [m/s], likewise."""
     friction: FloatArray
+    """λ_T during the step that ends at each row, as it acts on the inner mass [N], shape (steps, n)."""
     normal_force: FloatArray
+    """λ_N during the step [N], shape (steps, n)."""
     internal_state: FloatArray | None = None
+    """Internal state of the friction law at the end, shape (k,), or ``None``."""
     normal_gap: FloatArray | None = None
+    """g_N [m] at the end of each step, shape (steps, n); ``None`` where contacts cannot open."""
 
     @property
     def cells(self) -> int:

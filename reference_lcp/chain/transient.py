@@ -12,8 +12,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.chain.harmonic import MovingBase
-from reference_lcp.refusal import ParameterError, checked_choice
+from reference_lcp.chain.drives import MovingBase
+from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 
 QUIET = 10.0
@@ -29,26 +29,15 @@ class RickerPulse(MovingBase):
 
     Its spectrum ω² exp(−ω²/ω_p²) is largest at ω_p (N. Ricker, "The form and laws of propagation of seismic
     wavelets", Geophysics 18, 1953) and zero at ω = 0: the base ends where it began.
-
-    Parameters
-    ----------
-    amplitude
-        A [m], > 0, reached at t = delay.
-    peak_frequency
-        ω_p [rad/s], > 0.
-    delay
-        When the pulse is highest [s], at least `QUIET` / ω_p.
-
-    Raises
-    ------
-    ParameterError
-        If a parameter is outside its range.
     """
 
     kind: ClassVar[str] = "Ricker pulse"
     amplitude: float
+    """A [m], > 0, reached at t = delay."""
     peak_frequency: float
+    """ω_p [rad/s], > 0."""
     delay: float
+    """When the pulse is highest [s], at least `QUIET` / ω_p."""
 
     def __post_init__(self) -> None:
         checked_scalar("pulse amplitude", self.amplitude, "> 0")
@@ -63,15 +52,13 @@ class RickerPulse(MovingBase):
     def displacement(self, time: FloatArray) -> FloatArray:
         """Displacement of the base [m]."""
         square = (self.peak_frequency * (np.asarray(time, dtype=np.float64) - self.delay)) ** 2
-        pulse: FloatArray = self.amplitude * (1 - square / 2) * np.exp(-square / 4)
-        return pulse
+        return self.amplitude * (1 - square / 2) * np.exp(-square / 4)
 
     def velocity(self, time: FloatArray) -> FloatArray:
         """Velocity of the base [m/s]."""
         phase = self.peak_frequency * (np.asarray(time, dtype=np.float64) - self.delay)
         shape = phase * (phase**2 / 4 - 3 / 2) * np.exp(-(phase**2) / 4)
-        rate: FloatArray = self.amplitude * self.peak_frequency * shape
-        return rate
+        return self.amplitude * self.peak_frequency * shape
 
 
 @dataclass(frozen=True)
@@ -80,33 +67,21 @@ class SweptSine(MovingBase):
 
     A linear sweep has φ̇ = ω_1 + (ω_2 − ω_1) t / T, a logarithmic one φ̇ = ω_1 (ω_2 / ω_1)^(t/T). The window
     w rises from 0 to 1 and falls again by half a cosine, in a part of T each.
-
-    Parameters
-    ----------
-    amplitude
-        A [m], > 0.
-    first_frequency, last_frequency
-        ω_1 and ω_2 [rad/s], > 0 and different; the sweep may go down.
-    duration
-        T [s], > 0.
-    sweep
-        ``"linear"`` or ``"logarithmic"``.
-    taper
-        Part of T that the rise takes, and the fall, in (0, 1/2].
-
-    Raises
-    ------
-    ParameterError
-        If a parameter is outside its range.
     """
 
     kind: ClassVar[str] = "swept sine"
     amplitude: float
+    """A [m], > 0."""
     first_frequency: float
+    """ω_1 [rad/s], > 0."""
     last_frequency: float
+    """ω_2 [rad/s], > 0 and another; the sweep may go down."""
     duration: float
+    """T [s], > 0."""
     sweep: str = "logarithmic"
+    """``"linear"`` or ``"logarithmic"``."""
     taper: float = 0.05
+    """Part of T that the rise takes, and the fall, in (0, 1/2]."""
 
     def __post_init__(self) -> None:
         checked_scalar("sweep amplitude", self.amplitude, "> 0")
@@ -123,15 +98,13 @@ class SweptSine(MovingBase):
         """Displacement of the base [m]."""
         phase, _ = self._phase(time)
         window, _ = self._window(time)
-        moved: FloatArray = self.amplitude * window * np.sin(phase)
-        return moved
+        return self.amplitude * window * np.sin(phase)
 
     def velocity(self, time: FloatArray) -> FloatArray:
         """Velocity of the base [m/s]."""
         phase, frequency = self._phase(time)
         window, rate = self._window(time)
-        moved: FloatArray = self.amplitude * (rate * np.sin(phase) + window * frequency * np.cos(phase))
-        return moved
+        return self.amplitude * (rate * np.sin(phase) + window * frequency * np.cos(phase))
 
     def _phase(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give φ [rad] and φ̇ [rad/s]."""
@@ -160,33 +133,21 @@ class FilteredNoise(MovingBase):
     evenly. With many of them the displacement is nearly normally distributed (M. Shinozuka and C.-M. Jan,
     "Digital simulation of random processes and its applications", J. Sound Vib. 25, 1972). It begins at
     rest, by half a cosine.
-
-    Parameters
-    ----------
-    amplitude
-        √2 times the root mean square [m], > 0: that of a harmonic motion of the same power.
-    lowest_frequency, highest_frequency
-        The band [rad/s], 0 < lowest < highest.
-    repetition
-        Time after which the noise repeats [s]; at least ten multiples of 2π / repetition lie in the band.
-    rise
-        Time in which it comes up [s], > 0.
-    seed
-        Of the phases, >= 0.
-
-    Raises
-    ------
-    ParameterError
-        If a parameter is outside its range.
     """
 
     kind: ClassVar[str] = "filtered noise"
     amplitude: float
+    """√2 times the root mean square [m], > 0: that of a harmonic motion of the same power."""
     lowest_frequency: float
+    """Lower end of the band [rad/s], > 0."""
     highest_frequency: float
+    """Upper end of the band [rad/s]."""
     repetition: float
+    """Time after which the noise repeats [s]; at least ten multiples of 2π / repetition lie in the band."""
     rise: float
+    """Time in which it comes up [s], > 0."""
     seed: int = 0
+    """Of the phases, >= 0."""
 
     def __post_init__(self) -> None:
         checked_scalar("noise amplitude", self.amplitude, "> 0")
@@ -230,8 +191,7 @@ class FilteredNoise(MovingBase):
         """Complex amplitude of each sine [m]."""
         # the stream of a named bit generator does not change between versions of NumPy
         turns = np.random.Generator(np.random.PCG64(self.seed)).random(self._lines.size)
-        phasors: NDArray[np.complex128] = self.amplitude / np.sqrt(self._lines.size) * np.exp(2j * np.pi * turns)
-        return phasors
+        return self.amplitude / np.sqrt(self._lines.size) * np.exp(2j * np.pi * turns)
 
     def _sum(self, phasors: NDArray[np.complex128], time: FloatArray) -> FloatArray:
         """Im Σ_k p_k z^k with z = exp(iΔω t), by Horner's rule: |z| = 1, so that no rounding grows."""

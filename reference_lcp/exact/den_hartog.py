@@ -17,7 +17,7 @@ from typing import Self
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import checked_scalar
 
 TURN_SEARCH_POINTS = 2001
@@ -27,35 +27,20 @@ function that is maximised has a few bends there."""
 
 @dataclass(frozen=True)
 class SlidingMotion:
-    """The periodic motion of a friction oscillator that slides without a stop.
-
-    Parameters
-    ----------
-    frequency_ratio
-        r = ω / √(k / m).
-    force_ratio
-        F / P0, friction over the amplitude of the force.
-    amplitude
-        x0 k / P0, the displacement at the turns over the static one.
-    phase
-        φ [rad]: at the turn at +x0 the force is P0 cos φ.
-    """
+    """The periodic motion of a friction oscillator that slides without a stop."""
 
     frequency_ratio: float
+    """r = ω / √(k / m)."""
     force_ratio: float
+    """F / P0, friction over the amplitude of the force."""
     amplitude: float
+    """x0 k / P0, the displacement at the turns over the static one."""
     phase: float
+    """φ [rad]: at the turn at +x0 the force is P0 cos φ."""
 
     @classmethod
     def of(cls, frequency_ratio: float, force_ratio: float) -> Self:
-        """Find the motion.
-
-        Raises
-        ------
-        ParameterError
-            If the frequency ratio is not > 0 or is one without a periodic motion (1, 1/2, 1/3, …), or the force
-            ratio is not within [0, limit), where the mass does not stop.
-        """
+        """Find the motion; refused where there is none (r = 1, 1/2, 1/3, …), or the mass stops."""
         limit = largest_sliding_force_ratio(frequency_ratio)
         if not 0 <= checked_scalar("force_ratio", force_ratio) < limit:
             raise ParameterError(
@@ -92,11 +77,6 @@ def largest_sliding_force_ratio(frequency_ratio: float) -> float:
     """F/P0 from which on the mass stops at its turns: √(V² / (U² + (S/r²)²)).
 
     S is the maximum of [r sin τ + U r² (cos rτ − cos τ)] / sin rτ over 0 < τ < π/r, from turn to turn.
-
-    Raises
-    ------
-    ParameterError
-        If the frequency ratio is not > 0, or is 1 or an inverse whole number.
     """
     r = checked_scalar("frequency_ratio", frequency_ratio, "> 0")
     v, u = _factors(r)

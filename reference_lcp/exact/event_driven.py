@@ -28,10 +28,10 @@ from numpy.typing import NDArray
 
 from reference_lcp.chain.simulation import Lane, check_one_coefficient, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.errors import ParameterError
 from reference_lcp.exact.mode_dynamics import SERIES_ORDER, BoolArray, PiecewiseLinearChain, Segment
 from reference_lcp.exact.polynomial_roots import first_roots
-from reference_lcp.refusal import ParameterError
-from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
+from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 from reference_lcp.validation import FloatArray
 
 REST_TOLERANCE = 1e-13
@@ -76,25 +76,7 @@ class _Start:
 
 
 class EventDrivenChain:
-    """One chain under one drive, advanced from event to event.
-
-    Parameters
-    ----------
-    lane
-        The chain and the drive; the time step sets the rows of trajectories only.
-
-    Attributes
-    ----------
-    system
-        The linear systems between events.
-    outer_share
-        m_o / (m_o + m_i), shape (n,): the part of the outer mass in a cell's common velocity.
-
-    Raises
-    ------
-    ParameterError
-        If the drive is neither harmonic nor still.
-    """
+    """One chain under one harmonic or still drive, advanced from event to event; the time step sets the rows only."""
 
     def __init__(self, lane: Lane):
         self.lane = lane
@@ -255,15 +237,7 @@ class _EventDrivenLane(LaneModel):
 class EventDrivenSimulation(SequentialSimulation):
     """The motion between events in closed form, and every event; a `Simulation` without a time-step error.
 
-    Parameters
-    ----------
-    lanes
-        Chains of one length under harmonic drives, or at rest; the time steps set the rows only.
-
-    Raises
-    ------
-    ParameterError
-        If chains of different lengths are mixed, a drive is neither harmonic nor still, or a normal force changes.
+    Drives are harmonic, or still; the time steps set the rows only.
     """
 
     def __init__(self, lanes: Sequence[Lane]):

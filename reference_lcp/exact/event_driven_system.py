@@ -13,27 +13,29 @@ is linear, and solved by its power series over at most one span. A stretch ends 
 
 The first two are roots of polynomials, of which `first_roots` misses none. At every start of a stretch the modes of
 contacts at rest are decided anew. Those that slide at once are found on the level of accelerations, by the LCP of a
-step of unit time from rest (`reference_lcp.lcp.static_friction`). Of the others, one whose friction is on its bound and
+step of unit time from rest (`reference_lcp.lcp.time_step`). Of the others, one whose friction is on its bound and
 about to pass slides too: the lowest order in time first and of these the largest excess, and the others are decided
 again. What slides must then move against its friction, or the motion is ambiguous and refused; with static above
 kinetic friction such states exist.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.errors import ParameterError
 from reference_lcp.exact.event_driven import EVENTS_PER_SPAN, FORCE_TOLERANCE, EventsAccumulate
-from reference_lcp.exact.mode_dynamics import SERIES_ORDER
+from reference_lcp.exact.mode_dynamics import SERIES_ORDER, harmonic_load
 from reference_lcp.exact.polynomial_roots import first_roots
-from reference_lcp.lcp.frictional_system import SystemTrajectory
-from reference_lcp.lcp.mass_spring_system import MassSpringSystem
-from reference_lcp.lcp.signal import Harmonic
-from reference_lcp.lcp.static_friction import REST_TOLERANCE, solve_stick_slip_step
-from reference_lcp.lcp.time_step import FrictionalStep
-from reference_lcp.refusal import ParameterError
+from reference_lcp.lcp.systems import FrictionContact, Harmonic, MassSpringSystem, Signal, Spring, SystemTrajectory
+from reference_lcp.lcp.time_step import REST_TOLERANCE, FrictionalStep, solve_step
+from reference_lcp.schemes.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_array, checked_scalar
 
 Modes = NDArray[np.int8]
@@ -48,30 +50,24 @@ class AmbiguousModes(RuntimeError):
 
 @dataclass(frozen=True)
 class Stretch:
-    """A stretch of motion in which no contact changes its mode.
-
-    Parameters
-    ----------
-    start, duration
-        Start and length [s].
-    span
-        Unit of the series' variable s = (t − start) / span [s].
-    motion
-        u and u̇ in powers of s, shape (SERIES_ORDER + 1, 2f).
-    normal_force, friction, slip
-        N, λ_T [N] and ġ_T [m/s] in powers of s, shape (SERIES_ORDER + 1, c).
-    modes
-        −1 and 1 for slip, 0 for rest, shape (c,); of a contact without normal force, the direction of its slip.
-    """
+    """A stretch of motion in which no contact changes its mode; series are in powers of s = (t − start) / span."""
 
     start: float
+    """[s]"""
     duration: float
+    """[s]"""
     span: float
+    """[s]"""
     motion: FloatArray
+    """u and u̇, shape (SERIES_ORDER + 1, 2f)."""
     normal_force: FloatArray
+    """N [N], shape (SERIES_ORDER + 1, c)."""
     friction: FloatArray
+    """λ_T [N], likewise."""
     slip: FloatArray
+    """ġ_T [m/s], likewise."""
     modes: Modes
+    """−1 and 1 for slip, 0 for rest, shape (c,); of a contact without normal force, the direction of its slip."""
 
     @property
     def end(self) -> float:
@@ -81,8 +77,7 @@ class Stretch:
     def values(self, series: FloatArray, times: ArrayLike) -> FloatArray:
         """Give one of the series at times [s], shape (times,), as rows."""
         elapsed = (np.atleast_1d(np.asarray(times, dtype=np.float64)) - self.start) / self.span
-        rows: FloatArray = np.vander(elapsed, SERIES_ORDER + 1, increasing=True) @ series
-        return rows
+        return np.vander(elapsed, SERIES_ORDER + 1, increasing=True) @ series
 
     def sliding_distance(self, start: float, end: float) -> FloatArray:
         """∫ |ġ_T| dt of every contact over the part of the stretch between two times [m], shape (c,)."""
@@ -301,9 +296,6 @@ class _Start:
             time_step=1.0,
             normal_directions=none,
             tangential_directions=W,
-            tangential_directions_of_position=none,
-            normal_motion=still,
-            tangential_motion=still,
             normal_gap=still,
             relative_velocity=still,
             friction_coefficient=self._kinetic[rest],
@@ -311,7 +303,7 @@ class _Start:
             # Where a contact is at its bound, round-off would decide; there its series does.
             normal_force=(1 + FORCE_TOLERANCE) * normal[rest],
         )
-        gained = solve_stick_slip_step(step).relative_velocity
+        gained = solve_step(step).relative_velocity
         self._modes[rest] = np.where(np.abs(gained) > self._speed_tolerance / self._span, np.sign(gained), 0)
 
     def _solve_series(self) -> None:
@@ -331,13 +323,11 @@ class _Start:
 
     def _slip(self) -> FloatArray:
         f = self._W.shape[0]
-        slip: FloatArray = self._series[:, f : 2 * f] @ self._W
-        return slip
+        return self._series[:, f : 2 * f] @ self._W
 
     def _distance_from_bound(self, side: FloatArray) -> FloatArray:
         """μ_s N less friction at rest on one side, ±1 a contact, in powers of s, shape (SERIES_ORDER + 1, c)."""
-        distance: FloatArray = self._static * (self._series @ self._normal.T) - side * self._friction
-        return distance
+        return self._static * (self._series @ self._normal.T) - side * self._friction
 
     def _excess(self) -> tuple[NDArray[np.intp], FloatArray]:
         """By how much the friction of every contact passes its bound, over its size, and in which order of time."""
@@ -389,3 +379,40 @@ class _Start:
                 f"normal force of contact {contact} = {ends[row, contact]:g} N at {stretch.start:g} s to "
                 f"{stretch.end:g} s; allowed: >= 0"
             )
+
+
+class StickSlipLane(LaneModel):
+    """A lane with a harmonic or still drive, advanced from event to event and read at the ends of its time steps."""
+
+    def __init__(self, lane: Lane):
+        if lane.preload is not None:
+            raise ParameterError("the event-driven solver cannot represent a modulated normal force; allowed: constant")
+        self.lane = lane
+        self._frequency, (sine, cosine) = harmonic_load(lane.chain, lane.drive)
+        self._amplitude, self._phase = math.hypot(sine, cosine), math.atan2(cosine, sine)
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state` at step index `start`; λ_T is that of the instant of each row."""
+        lane = self.lane
+        phase = self._phase + self._frequency * start * lane.time_step
+        load = Harmonic(amplitude=self._amplitude, angular_frequency=self._frequency, phase=phase)
+        system = system_of(lane.chain, load, lane.static_ratio)
+        motion = EventDrivenSystem(system).motion(
+            position=state.positions[0], velocity=state.velocities[0], times=lane.times(0, steps)
+        )
+        return Trajectory(
+            lane.times(start, steps), motion.positions, motion.velocities, motion.friction, motion.normal_force
+        )
+
+
+def system_of(chain: Chain, load: Signal, static_ratio: float = 1.0) -> MassSpringSystem:
+    """Give a chain body by body, outer masses first, with a `load` [N] on the first one and μ_s / μ_k of contacts."""
+    n = chain.cells
+    outer = [Spring(k, k - 1 if k else None, chain.chain_stiffness[k], chain.chain_damping[k]) for k in range(n)]
+    inner = [Spring(n + k, k, chain.inner_stiffness[k], chain.inner_damping[k]) for k in range(n)]
+    friction = [
+        FrictionContact(n + k, k, float(chain.normal_force[k]), mu, static_ratio * mu)
+        for k, mu in enumerate(chain.friction_coefficient.tolist())
+    ]
+    masses = np.concatenate([chain.outer_mass, chain.inner_mass])
+    return MassSpringSystem(masses=masses, springs=[*outer, *inner], friction=friction, forces={0: load})

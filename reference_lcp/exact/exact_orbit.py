@@ -1,16 +1,33 @@
-"""One period of event-driven motion: its transitions, harmonics and energies without sampling error."""
+"""Exact steady states: Newton's method on the event-driven period map, and what is read from the segments it gives.
 
+It begins at the Euler scheme's steady state. Where that does not lead to one, Anderson acceleration leads from rest to
+where Newton's method takes over.
+
+The Jacobian (monodromy matrix) of a piecewise smooth flow is the product of the propagators of its
+segments and, at each event, of a saltation matrix S = I + (f⁺ − f⁻) hᵀ / (hᵀ f⁻), with h the gradient
+of the event function and f the rate of the state before and after (Leine and Nijmeijer, "Dynamics and
+bifurcations of non-smooth mechanical systems", 2004, chapter 7). Where a sticking contact starts to slip
+the rate is continuous and S = I; where a slipping one stops or turns round, h is its relative velocity.
+"""
+
+import dataclasses
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.chain.simulation import Lane
-from reference_lcp.exact.event_driven import EventDrivenChain
-from reference_lcp.exact.mode_dynamics import Segment
+from reference_lcp.chain.drives import PeriodicDrive
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, steps_per_period_for
+from reference_lcp.chain.trajectory import State
+from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimulation
+from reference_lcp.exact.mode_dynamics import PiecewiseLinearChain, Segment
 from reference_lcp.observables.stick_slip import MODE_OF_SIGN, Transition
-from reference_lcp.steady.orbits import PeriodicOrbit
+from reference_lcp.schemes.euler import CompiledSimulation
+from reference_lcp.steady.orbits import periodic_orbits
 from reference_lcp.validation import FloatArray
 
 QUADRATURE_POINTS = 16
@@ -28,17 +45,29 @@ size of the periodicity residual.
 """
 
 
+NEWTON_STEPS = 12
+"""Most steps of Newton's method; from a residual of 1e-8 one or two reach round-off.
+
+Where a contact creeps towards a place in which its force just reaches the bound, the fixed point is a
+double one: each step then lowers the residual by four only, and twelve lower it by 10^7.
+"""
+
+NULL_DIRECTION = 1e-12
+"""Singular values of I − J, over the largest, that belong to offsets of cells that stay stuck.
+
+These are zero but for round-off; the least damped motion of a chain with ζ = 1e-6 is far above.
+"""
+
+SCHEME_STEPS = 800
+"""Steps a period of the Euler scheme's steady state: within some 1e-3 of the exact one, where Newton's method works."""
+
+MOST_SCHEME_STEPS = 10 * SCHEME_STEPS
+"""Steps with which a period of the scheme takes as long as one from event to event; stiff chains need more."""
+
+
 @dataclass(frozen=True)
 class ExactPeriod:
-    """The segments of one period of a steady state.
-
-    Parameters
-    ----------
-    lane
-        The chain and its periodic drive.
-    segments
-        From phase zero of the drive over one period.
-    """
+    """The segments of one period of a steady state, from phase zero of the drive."""
 
     lane: Lane
     segments: list[Segment]
@@ -84,18 +113,13 @@ class ExactPeriod:
         # Both sums run over the same rows in the same order: a contact that always sticks has exactly one.
         durations = np.array([[segment.duration] for segment in self.segments])
         sticks = self._modes == 0
-        sums: FloatArray = np.sum(durations * sticks, axis=0) / np.sum(durations * np.ones_like(sticks), axis=0)
-        return sums
+        return np.sum(durations * sticks, axis=0) / np.sum(durations * np.ones_like(sticks), axis=0)
 
     def harmonic(self, order: int = 1) -> NDArray[np.complex128]:
-        """Complex amplitudes [m] of a harmonic of all masses, shape (2n,), outer masses first.
-
-        A displacement A sin(kωt + φ) gives A exp(iφ), as `transmittance.fundamental` does for k = 1.
-        """
+        """Complex amplitudes A exp(iφ) [m] of the displacements A sin(kωt + φ), shape (2n,), outer masses first."""
         phases = np.exp(-2j * np.pi * order / self.period * self._times)
         positions = self._states[:, : 2 * self.lane.chain.cells]
-        amplitudes: NDArray[np.complex128] = 2j / self.period * ((self._weights * phases) @ positions)
-        return amplitudes
+        return 2j / self.period * ((self._weights * phases) @ positions)
 
     @property
     def complex_transmittance(self) -> complex:
@@ -174,3 +198,107 @@ class ExactPeriod:
     @cached_property
     def _states(self) -> FloatArray:
         return np.concatenate([s.states(s.duration * self._nodes[0]) for s in self.segments])
+
+
+def monodromy_matrix(chain: EventDrivenChain, segments: list[Segment]) -> FloatArray:
+    """Jacobian of the end of a row of segments to its start, in (u, v, u̇, v̇), shape (4n, 4n).
+
+    Contacts that stick at the start have one velocity for both masses; a change of it that parts them
+    counts for its common part.
+    """
+    n = chain.lane.chain.cells
+    outer, inner = 2 * n + np.flatnonzero(segments[0].modes == 0), 3 * n + np.flatnonzero(segments[0].modes == 0)
+    total = np.eye(4 * n)
+    share = chain.outer_share[segments[0].modes == 0, None]
+    total[outer] = total[inner] = share * total[outer] + (1 - share) * total[inner]
+    total = chain.system.propagator(segments[0].modes == 0, segments[0].duration) @ total
+    for before, after in pairwise(segments):
+        total = _saltation(chain.system, before, after) @ total
+        total = chain.system.propagator(after.modes == 0, after.duration) @ total
+    return total
+
+
+def _saltation(system: PiecewiseLinearChain, before: Segment, after: Segment) -> FloatArray:
+    """Saltation matrix of the contacts that stop or turn round between two segments, shape (4n, 4n)."""
+    n = before.cells
+    matrix = np.eye(4 * n)
+    stopping = np.flatnonzero((before.modes != 0) & (after.modes != before.modes))
+    if stopping.size == 0:
+        return matrix
+    rate = system.rates(before.end_vector, before.modes == 0)
+    jump = system.rates(after.coefficients[0], after.modes == 0) - rate
+    for cell in stopping:
+        outer, inner = 2 * n + cell, 3 * n + cell
+        slip_acceleration = rate[inner] - rate[outer]
+        for mass in (outer, inner):
+            matrix[mass, inner] += jump[mass] / slip_acceleration
+            matrix[mass, outer] -= jump[mass] / slip_acceleration
+    return matrix
+
+
+def polished(orbit: PeriodicOrbit, steps_per_period: int, tolerance: float) -> PeriodicOrbit:
+    """Improve an orbit by Newton's method while its residual falls; `tolerance` decides the status.
+
+    Each step is certified by plain periods, as every orbit is. Where modes change from one iterate to the
+    next a step may not help; the better orbit is then kept.
+    """
+    if orbit.status is OrbitStatus.DIVERGED:
+        return orbit
+    simulation = EventDrivenSimulation([orbit.lane])
+    periods = orbit.periods
+    best, state = orbit, orbit.trajectory.end
+    for _ in range(NEWTON_STEPS):
+        state = _newton_step(EventDrivenChain(orbit.lane), state, steps_per_period * orbit.lane.time_step)
+        candidate = periodic_orbits(
+            simulation, steps_per_period, start=state, tolerance=tolerance, max_periods=1, longest_multiple=1
+        )[0]
+        periods += 1 + candidate.periods
+        if not candidate.residual < best.residual:
+            break
+        best, state = candidate, candidate.trajectory.end
+    status = best.status if best.residual > tolerance else OrbitStatus.CONVERGED
+    return PeriodicOrbit(best.lane, best.trajectory, best.residual, periods, status)
+
+
+def _newton_step(chain: EventDrivenChain, state: State, period: float) -> State:
+    """X + (I − J)⁺ (g(x) − x) with g the period map; offsets of stuck cells stay as they are."""
+    width = 2 * chain.lane.chain.cells
+    segments = list(chain.segments(state, 0.0, period))
+    x = np.concatenate([state.positions[0], state.velocities[0]])
+    change = segments[-1].states(np.array([segments[-1].duration]))[0] - x
+    scale = np.repeat([1.0, 2 * np.pi / period], width)
+    matrix = np.eye(2 * width) - monodromy_matrix(chain, segments) * scale / scale[:, None]
+    x = x + scale * np.linalg.lstsq(matrix, change / scale, rcond=NULL_DIRECTION)[0]
+    return State(x[None, :width], x[None, width:])
+
+
+def exact_orbit(
+    chain: Chain,
+    drive: PeriodicDrive,
+    *,
+    steps_per_period: int = MINIMUM_STEPS_PER_PERIOD,
+    tolerance: float = EXACT_RESIDUAL,
+    max_periods: int = DEFAULT_PERIODS,
+) -> tuple[PeriodicOrbit, ExactPeriod]:
+    """Find the periodic orbit, and its segments between events; arguments are those of `exact_steady_state`."""
+    simulation = EventDrivenSimulation([Lane.periodic(chain, drive, steps_per_period)])
+    search = partial(periodic_orbits, simulation, steps_per_period, longest_multiple=1)
+    state = _scheme_state(chain, drive)
+    if state is not None:
+        orbit = polished(search(start=state, tolerance=tolerance, max_periods=1)[0], steps_per_period, tolerance)
+        if orbit.converged:
+            return orbit, ExactPeriod.following(orbit, drive.period)
+    orbit = polished(search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0], steps_per_period, tolerance)
+    if not orbit.converged and orbit.periods < max_periods:
+        again = search(start=orbit.trajectory.end, tolerance=tolerance, max_periods=max_periods - orbit.periods)[0]
+        orbit = dataclasses.replace(again, periods=orbit.periods + again.periods)
+    return orbit, ExactPeriod.following(orbit, drive.period)
+
+
+def _scheme_state(chain: Chain, drive: PeriodicDrive) -> State | None:
+    """Give where a period of the Euler scheme's steady state begins; ``None`` where it finds none, or is slow."""
+    steps = steps_per_period_for(chain, drive, SCHEME_STEPS)
+    if steps > MOST_SCHEME_STEPS:
+        return None
+    orbit = periodic_orbits(CompiledSimulation([Lane.periodic(chain, drive, steps)]), steps, longest_multiple=1)[0]
+    return orbit.trajectory.end if orbit.converged else None

@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from reference_lcp.chain.harmonic import Drive, HarmonicBase, HarmonicForce, StillBase
+from reference_lcp.chain.drives import Drive, HarmonicBase, HarmonicForce, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
 
 SERIES_ORDER = 20
@@ -79,20 +79,10 @@ def _exponential(entries: Any, columns: Any, starts: Any, size: int) -> Any:
 
 
 class PiecewiseLinearChain:
-    """A chain under a harmonic drive, as one linear system for each pattern of sticking contacts.
+    """A chain under a harmonic or still drive, as one linear system for each pattern of sticking contacts.
 
-    The vector z has d = 5n + 2 entries: u, v, u̇, v̇ (n each), sin ωt, cos ωt, and λ_T of the contacts
-    that slip (n; the entries of sticking contacts have no effect).
-
-    Parameters
-    ----------
-    chain, drive
-        What moves, and what moves it.
-
-    Raises
-    ------
-    ParameterError
-        If the drive is neither harmonic nor still.
+    The vector z has d = 5n + 2 entries: u, v, u̇, v̇ (n each), sin ωt, cos ωt, and λ_T of the contacts that slip (n;
+    the entries of sticking contacts have no effect).
     """
 
     def __init__(self, chain: Chain, drive: Drive):
@@ -128,13 +118,11 @@ class PiecewiseLinearChain:
     def series(self, z: FloatArray, stuck: BoolArray) -> FloatArray:
         """Coefficients of z(τ) in powers of s = τ / span, shape (SERIES_ORDER + 1, d)."""
         rates = self._matrices(stuck).sparse_rates
-        coefficients: FloatArray = _series(rates.data, rates.indices, rates.indptr, z)
-        return coefficients
+        return _series(rates.data, rates.indices, rates.indptr, z)
 
     def friction(self, vectors: FloatArray, stuck: BoolArray) -> FloatArray:
         """λ_T [N] of vectors z, or of coefficients of them, shape (..., d); the result has (..., n)."""
-        force: FloatArray = vectors @ self._matrices(stuck).friction.T
-        return force
+        return vectors @ self._matrices(stuck).friction.T
 
     def force_magnitude(self, coefficients: FloatArray) -> FloatArray:
         """Sum of the sizes of all forces on the two masses of each cell [N], shape (n,): what round-off scales with.
@@ -147,18 +135,13 @@ class PiecewiseLinearChain:
 
     def rates(self, z: FloatArray, stuck: BoolArray) -> FloatArray:
         """ż of the vector z, shape (d,)."""
-        rates: FloatArray = self._matrices(stuck).scaled_rates @ z * self.rate
-        return rates
+        return self._matrices(stuck).scaled_rates @ z * self.rate
 
     def propagator(self, stuck: BoolArray, duration: float) -> FloatArray:
-        """Jacobian of the state after `duration` [s] of one pattern to the state before, shape (4n, 4n).
-
-        The series of the motion itself, for a duration of at most one span.
-        """
+        """Jacobian of the state after `duration` [s] <= one span of one pattern to the state before, shape (4n, 4n)."""
         motion = 4 * self.chain.cells
         rates = self._matrices(stuck).sparse_rates[:motion, :motion] * (duration * self.rate)
-        matrix: FloatArray = _exponential(rates.data, rates.indices, rates.indptr, motion)
-        return matrix
+        return _exponential(rates.data, rates.indices, rates.indptr, motion)
 
     def _matrices(self, stuck: BoolArray) -> _Matrices:
         """Matrices of one pattern; the motion visits few of the 2ⁿ, and those are kept."""
@@ -213,28 +196,20 @@ def harmonic_load(chain: Chain, drive: Drive) -> tuple[float, tuple[float, float
 
 @dataclass(frozen=True)
 class Segment:
-    """A stretch of motion, at most one span long, in which no contact changes its mode.
-
-    Parameters
-    ----------
-    start, duration
-        Start and length [s].
-    span
-        Unit of the series' variable s = (t − start) / span [s].
-    coefficients
-        z in powers of s, shape (SERIES_ORDER + 1, d).
-    friction
-        λ_T in powers of s [N], shape (SERIES_ORDER + 1, n).
-    modes
-        Mode of every contact: −1 backward slip, 0 stick, +1 forward slip; shape (n,).
-    """
+    """A stretch of motion, at most one span long, in which no contact changes its mode; s = (t − start) / span."""
 
     start: float
+    """[s]"""
     duration: float
+    """[s]"""
     span: float
+    """[s]"""
     coefficients: FloatArray = dataclasses.field(repr=False)
+    """z in powers of s, shape (SERIES_ORDER + 1, d)."""
     friction: FloatArray = dataclasses.field(repr=False)
+    """λ_T in powers of s [N], shape (SERIES_ORDER + 1, n)."""
     modes: NDArray[np.int8]
+    """−1 backward slip, 0 stick, +1 forward slip; shape (n,)."""
 
     @property
     def end(self) -> float:
@@ -249,8 +224,7 @@ class Segment:
     @property
     def end_vector(self) -> FloatArray:
         """The vector z at the end, shape (d,)."""
-        vector: FloatArray = (self._powers(np.array([self.duration])) @ self.coefficients)[0]
-        return vector
+        return (self._powers(np.array([self.duration])) @ self.coefficients)[0]
 
     def states(self, elapsed: FloatArray) -> FloatArray:
         """(u, v, u̇, v̇) at times after the start [s], shape (times,); the result has (times, 4n)."""
@@ -262,8 +236,7 @@ class Segment:
 
     def friction_at(self, elapsed: FloatArray) -> FloatArray:
         """λ_T [N] at times after the start [s]; the result has shape (times, n)."""
-        force: FloatArray = self._powers(elapsed) @ self.friction
-        return force
+        return self._powers(elapsed) @ self.friction
 
     def _powers(self, elapsed: FloatArray) -> FloatArray:
         return np.vander(np.asarray(elapsed) / self.span, SERIES_ORDER + 1, increasing=True)

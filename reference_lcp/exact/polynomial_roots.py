@@ -28,10 +28,7 @@ ROOT_TOLERANCE = 1e-15
 
 @cache
 def bernstein_matrix(degree: int) -> FloatArray:
-    """Matrix from coefficients of 1, s, … s^N to Bernstein coefficients, shape (N + 1, N + 1).
-
-    All its entries lie in [0, 1]: the conversion amplifies no round-off.
-    """
+    """Matrix from coefficients of 1, s, … s^N to Bernstein coefficients, shape (N + 1, N + 1), entries in [0, 1]."""
     rows = [[comb(j, k) / comb(degree, k) if k <= j else 0.0 for k in range(degree + 1)] for j in range(degree + 1)]
     matrix = np.array(rows)
     matrix.flags.writeable = False
@@ -50,8 +47,8 @@ def _left_half(degree: int) -> FloatArray:
 def first_roots(coefficients: FloatArray) -> FloatArray:
     """First root on (0, 1] of every column of coefficients of 1, s, … s^N, shape (N + 1, m); inf without one.
 
-    Each polynomial is positive just behind s = 0, where it may itself be zero only after the caller has
-    divided the factor s out. The result has shape (m,).
+    Each polynomial is positive just behind s = 0, where it may itself be zero only after the caller has divided the
+    factor s out.
     """
     bernstein = bernstein_matrix(coefficients.shape[0] - 1) @ coefficients
     roots = np.full(coefficients.shape[1], np.inf)

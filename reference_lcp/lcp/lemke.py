@@ -11,8 +11,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reference_lcp.errors import ParameterError
 from reference_lcp.lcp.pivoting import solve_lcp
-from reference_lcp.refusal import ParameterError
 from reference_lcp.validation import FloatArray, checked_array, checked_count
 
 
@@ -32,41 +32,23 @@ STATUSES = tuple(LemkeStatus)
 
 @dataclass(frozen=True)
 class LemkeResult:
-    """Answer of `lemke`.
-
-    Parameters
-    ----------
-    z, w
-        The solution, shape (n,); NaN unless solved.
-    pivots
-        Number of pivots made, of all paths together.
-    status
-        How the method ended.
-    residual
-        Natural residual ‖min(z, w)‖∞, with z scaled as in the pivoting and each w_i over the size of the
-        terms it is the sum of; NaN unless a basis was reached.
-    basic
-        Which z the final basis holds, shape (n,); it warm-starts a similar problem.
-    """
+    """Answer of `lemke`."""
 
     z: FloatArray
+    """Shape (n,), as `w`; NaN unless solved."""
     w: FloatArray
     pivots: int
+    """Of all paths together."""
     status: LemkeStatus
     residual: float
+    """‖min(z, w)‖∞, z scaled as in the pivoting, w_i over the size of its terms; NaN unless a basis was reached."""
     basic: NDArray[np.bool_]
+    """Which z the final basis holds, shape (n,); it warm-starts a similar problem."""
 
     @property
     def solved(self) -> bool:
         """Whether z and w are a checked solution."""
         return self.status is LemkeStatus.SOLVED
-
-
-def natural_residual(M: ArrayLike, q: ArrayLike, z: ArrayLike) -> float:
-    """‖min(z, M z + q)‖∞: zero if and only if z solves LCP(q, M)."""
-    z = np.asarray(z, dtype=np.float64)
-    w = np.asarray(M, dtype=np.float64) @ z + np.asarray(q, dtype=np.float64)
-    return float(np.max(np.abs(np.minimum(z, w)), initial=0.0))
 
 
 def lemke(

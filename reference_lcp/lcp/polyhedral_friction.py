@@ -17,9 +17,9 @@ from functools import cached_property
 
 import numpy as np
 
+from reference_lcp.errors import ParameterError
 from reference_lcp.lcp.lemke import lemke
 from reference_lcp.lcp.time_step import PATHS, StepFailed
-from reference_lcp.refusal import ParameterError
 from reference_lcp.validation import FloatArray, checked_array, checked_count, checked_scalar
 
 LEAST_FACETS = 4
@@ -28,44 +28,26 @@ LEAST_FACETS = 4
 
 @dataclass(frozen=True, kw_only=True)
 class PolyhedralStep:
-    """Everything that one step of a system with c contacts takes from its start.
-
-    Parameters
-    ----------
-    mass_matrix
-        M, shape (f, f), symmetric positive definite.
-    force
-        h, all forces but those of the contacts [N], shape (f,).
-    velocity
-        q at the start of the step, shape (f,).
-    time_step
-        Δt [s].
-    normal_directions
-        W_N, shape (f, c).
-    tangential_directions
-        W_T, shape (f, 2c): two perpendicular tangents of the first contact, then of the next.
-    normal_gap
-        g_N at the start of the step [m], shape (c,).
-    friction_coefficient
-        μ >= 0, shape (c,).
-    facets
-        m, even, >= 4; the first corner is on the first tangent.
-
-    Raises
-    ------
-    ParameterError
-        If a value is not finite or outside its range, or a shape does not fit.
-    """
+    """Everything that one step of a system with c contacts takes from its start."""
 
     mass_matrix: FloatArray
+    """M, shape (f, f), symmetric positive definite."""
     force: FloatArray
+    """h, all forces but those of the contacts [N], shape (f,)."""
     velocity: FloatArray
+    """q at the start of the step, shape (f,)."""
     time_step: float
+    """Δt [s]."""
     normal_directions: FloatArray
+    """W_N, shape (f, c)."""
     tangential_directions: FloatArray
+    """W_T, shape (f, 2c): two perpendicular tangents of the first contact, then of the next."""
     normal_gap: FloatArray
+    """g_N at the start of the step [m], shape (c,)."""
     friction_coefficient: FloatArray
+    """μ >= 0, shape (c,)."""
     facets: int
+    """m, even, >= 4; the first corner is on the first tangent."""
 
     def __post_init__(self) -> None:
         checked_scalar("time_step", self.time_step, "> 0")
@@ -98,24 +80,16 @@ class PolyhedralStep:
 
 @dataclass(frozen=True)
 class PolyhedralImpulses:
-    """What the contacts do in one step.
-
-    Parameters
-    ----------
-    normal
-        Λ_N [N s], shape (c,).
-    tangential
-        Friction's impulse in the two tangents of every contact [N s], shape (c, 2).
-    velocity
-        q at the end of the step, shape (f,).
-    slip
-        s at the end of the step [m/s], shape (c, 2).
-    """
+    """What the contacts do in one step."""
 
     normal: FloatArray
+    """Λ_N [N s], shape (c,)."""
     tangential: FloatArray
+    """Friction's impulse in the two tangents of every contact [N s], shape (c, 2)."""
     velocity: FloatArray
+    """q at the end of the step, shape (f,)."""
     slip: FloatArray
+    """s at the end of the step [m/s], shape (c, 2)."""
 
 
 def solve_polyhedral_step(step: PolyhedralStep) -> PolyhedralImpulses:

@@ -8,16 +8,33 @@ follows the derivation:
   end of the step: the print gives both parts of the relative velocity the same symbol;
 - C_T = (W_Tᵀ + W̃_Tᵀ Δt) M⁻¹ h Δt + W̃_Tᵀ q Δt + ω̃_T Δt + g_T: the print has an undefined
   G_T h Δt, and W_Tᵀ q Δt without the tilde.
+
+Friction at rest may be larger than in motion. With μ_s > μ_k the law of a contact is
+
+    |λ_T| <= μ_s λ_N where ġ_T = 0,        λ_T = −μ_k λ_N sign ġ_T elsewhere,
+
+and a step is a sequence of LCPs, each equation (7) with one coefficient a contact:
+
+1. contacts at rest at the start of the step have μ_s, all others μ_k;
+2. a contact with μ_s that slips in the solution is released: it has μ_k from then on. One with μ_k whose relative
+   velocity has changed its sign passed rest within the step, and has μ_s. The LCP is solved anew.
+
+Each contact changes at most twice, so that at most 2c + 1 LCPs are solved; what the last one gives fulfils the law in
+every contact. With a given normal force each LCP is that of a convex quadratic programme, whose relative velocities are
+unique. The law is not monotone, though, where μ_s > μ_k: other sets of sliding contacts may fulfil it too, and of
+these it is the rule above that chooses: rest before slip, and all that break away in one LCP are released together.
+With μ_s = μ_k there is one LCP, and nothing to choose.
 """
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from reference_lcp.errors import ParameterError
 from reference_lcp.lcp.lemke import LemkeResult, lemke
-from reference_lcp.refusal import ParameterError
 from reference_lcp.validation import FloatArray, checked_array, checked_scalar
 
 PATHS = 8
@@ -28,80 +45,59 @@ a path may end on a ray beside a solution.
 """
 
 
+REST_TOLERANCE = 1e-12
+"""Relative velocity over the largest velocity of the step at which a contact is at rest: roundings of its solution."""
+
+
 class StepFailed(RuntimeError):
     """The complementarity problem of a step has not been solved; the message has the status of Lemke's path."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionalStep:
-    """Everything that equation (7) takes from the start of one step of a system with c contacts.
-
-    Parameters
-    ----------
-    mass_matrix
-        M, shape (f, f), symmetric positive definite.
-    force
-        h, all forces but those of the contacts [N], shape (f,), at the start of the step.
-    velocity
-        q = u̇ at the start of the step, shape (f,).
-    time_step
-        Δt [s].
-    normal_directions, tangential_directions
-        W_N and W_T, shape (f, c).
-    tangential_directions_of_position
-        W̃_T = (∂ġ_T/∂u)ᵀ [1/s], shape (f, c).
-    normal_motion
-        ω̃_N = ∂g_N/∂t [m/s], shape (c,): a surface that moves along the normal.
-    tangential_motion
-        ω̃_T = ∂ġ_T/∂t [m/s²], shape (c,): a surface whose tangential velocity changes.
-    normal_gap
-        g_N at the start of the step [m], shape (c,).
-    relative_velocity
-        ġ_T at the start of the step [m/s], shape (c,), the velocity of moving surfaces included.
-    friction_coefficient
-        μ, shape (c,); of contacts in motion, where friction at rest is another.
-    static_friction_coefficient
-        μ_s >= μ of contacts at rest, shape (c,), see `reference_lcp.lcp.static_friction`; ``None`` where it is μ.
-    normal_force
-        λ_N [N] >= 0 where it is given, shape (c,); ``None`` where the step resolves it.
-
-    Raises
-    ------
-    ParameterError
-        If a value is not finite or outside its range, or a shape does not fit.
-    """
+    """Everything that equation (7) takes from the start of one step of a system with c contacts."""
 
     mass_matrix: FloatArray
+    """M, shape (f, f), symmetric positive definite."""
     force: FloatArray
+    """h, all forces but those of the contacts [N], shape (f,), at the start of the step."""
     velocity: FloatArray
+    """q = u̇ at the start of the step, shape (f,)."""
     time_step: float
+    """Δt [s]."""
     normal_directions: FloatArray
+    """W_N, shape (f, c)."""
     tangential_directions: FloatArray
-    tangential_directions_of_position: FloatArray
-    normal_motion: FloatArray
-    tangential_motion: FloatArray
+    """W_T, shape (f, c)."""
     normal_gap: FloatArray
+    """g_N at the start of the step [m], shape (c,)."""
     relative_velocity: FloatArray
+    """ġ_T at the start of the step [m/s], shape (c,), the velocity of moving surfaces included."""
     friction_coefficient: FloatArray
+    """μ, shape (c,); of contacts in motion, where friction at rest is another."""
+    tangential_directions_of_position: FloatArray = dataclasses.field(default_factory=lambda: np.zeros(()))
+    """W̃_T = (∂ġ_T/∂u)ᵀ [1/s], shape (f, c)."""
+    normal_motion: FloatArray = dataclasses.field(default_factory=lambda: np.zeros(()))
+    """ω̃_N = ∂g_N/∂t [m/s], shape (c,): a surface that moves along the normal."""
+    tangential_motion: FloatArray = dataclasses.field(default_factory=lambda: np.zeros(()))
+    """ω̃_T = ∂ġ_T/∂t [m/s²], shape (c,): a surface whose tangential velocity changes."""
     static_friction_coefficient: FloatArray | None = None
+    """μ_s >= μ of contacts at rest, shape (c,), see `reference_lcp.lcp.time_step`; ``None`` where it is μ."""
     normal_force: FloatArray | None = None
+    """λ_N [N] >= 0 where it is given, shape (c,); ``None`` where the step resolves it."""
 
     def __post_init__(self) -> None:
         checked_scalar("time_step", self.time_step, "> 0")
         freedoms, contacts = np.shape(self.velocity)[0], np.shape(self.normal_gap)[0]
-        shapes: dict[str, tuple[int, ...]] = {
-            "mass_matrix": (freedoms, freedoms),
-            "force": (freedoms,),
-            "velocity": (freedoms,),
-            "normal_directions": (freedoms, contacts),
-            "tangential_directions": (freedoms, contacts),
-            "tangential_directions_of_position": (freedoms, contacts),
-            "normal_motion": (contacts,),
-            "tangential_motion": (contacts,),
-            "normal_gap": (contacts,),
-            "relative_velocity": (contacts,),
-            "friction_coefficient": (contacts,),
-        }
+        shapes: dict[str, tuple[int, ...]] = {"mass_matrix": (freedoms, freedoms), "force": (freedoms,)}
+        shapes |= {"velocity": (freedoms,), "normal_directions": (freedoms, contacts)}
+        shapes |= {"tangential_directions": (freedoms, contacts), "normal_gap": (contacts,)}
+        shapes |= {"relative_velocity": (contacts,), "friction_coefficient": (contacts,)}
+        moving: dict[str, tuple[int, ...]] = {"normal_motion": (contacts,), "tangential_motion": (contacts,)}
+        for name, shape in (moving | {"tangential_directions_of_position": (freedoms, contacts)}).items():
+            if np.ndim(getattr(self, name)) == 0:
+                object.__setattr__(self, name, np.full(shape, getattr(self, name)))
+            shapes[name] = shape
         for name, shape in shapes.items():
             checked_array(name, getattr(self, name), shape=shape)
         checked_array("friction_coefficient", self.friction_coefficient, ">= 0")
@@ -178,37 +174,40 @@ class FrictionalStep:
 
 @dataclass(frozen=True)
 class ContactImpulses:
-    """What the contacts do in one step.
-
-    Parameters
-    ----------
-    normal
-        Λ_N = λ_N Δt [N s], shape (c,).
-    tangential
-        Λ_T = λ_T Δt [N s], shape (c,), positive along W_T.
-    normal_gap
-        g_N at the end of the step [m]; ``None`` where the normal force was given.
-    relative_velocity
-        ġ_T at the end of the step [m/s].
-    basic
-        Which unknowns of the LCP are basic, shape (3c,), or (2c,) where the normal force was given; it
-        warm-starts the next step.
-    """
+    """What the contacts do in one step."""
 
     normal: FloatArray
+    """Λ_N = λ_N Δt [N s], shape (c,)."""
     tangential: FloatArray
+    """Λ_T = λ_T Δt [N s], shape (c,), positive along W_T."""
     normal_gap: FloatArray | None
+    """g_N at the end of the step [m]; ``None`` where the normal force was given."""
     relative_velocity: FloatArray
+    """ġ_T at the end of the step [m/s]."""
     basic: NDArray[np.bool_]
+    """Which unknowns of the LCP are basic, shape (3c,), or (2c,) where the normal force was given, for a warm start."""
 
 
 def assemble(step: FrictionalStep) -> tuple[FloatArray, FloatArray]:
-    """Matrix and vector of equation (7), shapes (3c, 3c) and (3c,).
+    """Matrix and vector of equation (7), shapes (3c, 3c) and (3c,), or of its friction part where Λ_N is given.
 
-    Unknowns (Λ_N Δt, Λ_TR Δt, ġ_T⁻ Δt), complements (g_N, ġ_T⁺ Δt, Λ_TL Δt).
+    Unknowns (Λ_N Δt, Λ_TR Δt, ġ_T⁻ Δt), complements (g_N, ġ_T⁺ Δt, Λ_TL Δt):
+
+        ⎡ G_NN − G_NT μ   G_NT   0 ⎤   ⎡ C_N    ⎤
+        ⎢ G_TN − G_TT μ   G_TT   I ⎥ , ⎢ C_T Δt ⎥ .
+        ⎣ 2 μ             −I     0 ⎦   ⎣ 0      ⎦
+
+    A given Λ_N moves to the right-hand side; what it does to the motion, by the directions W_N, stays in the equation:
+
+        (ġ_T⁺, Λ_TL) = [[G_TT, I], [−I, 0]] (Λ_TR, ġ_T⁻) + (C_T + (G_TN − G_TT μ) Λ_N, 2 μ Λ_N).
     """
-    mu = np.diag(step.friction_coefficient)
     identity, zero = np.eye(step.contacts), np.zeros((step.contacts, step.contacts))
+    if step.normal_force is not None:
+        normal = step.normal_force * step.time_step
+        bound = step.friction_coefficient * normal
+        matrix = np.block([[step.g_tt, identity], [-identity, zero]])
+        return matrix, np.concatenate([step.c_t + step.g_tn @ normal - step.g_tt @ bound, 2 * bound])
+    mu = np.diag(step.friction_coefficient)
     matrix = np.block(
         [
             [step.g_nn - step.g_nt @ mu, step.g_nt, zero],
@@ -219,55 +218,45 @@ def assemble(step: FrictionalStep) -> tuple[FloatArray, FloatArray]:
     return matrix, np.concatenate([step.c_n, step.c_t * step.time_step, np.zeros(step.contacts)])
 
 
-def assemble_given_normal_force(step: FrictionalStep, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Matrix and vector of the friction part of equation (7) when Λ_N is given, shapes (2c, 2c) and (2c,).
-
-    (ġ_T⁺, Λ_TL) = [[G_TT, I], [−I, 0]] (Λ_TR, ġ_T⁻) + (C_T + (G_TN − G_TT μ) Λ_N, 2 μ Λ_N).
-
-    `normal` is Λ_N [N s], shape (c,), >= 0. The directions W_N stay in the equation: what the
-    given normal impulse does to the motion is part of the right-hand side.
-    """
-    checked_array("normal impulse", normal, ">= 0")
-    identity, zero = np.eye(step.contacts), np.zeros((step.contacts, step.contacts))
-    bound = step.friction_coefficient * normal
-    matrix = np.block([[step.g_tt, identity], [-identity, zero]])
-    return matrix, np.concatenate([step.c_t + step.g_tn @ normal - step.g_tt @ bound, 2 * bound])
-
-
 def solve_step(step: FrictionalStep, *, warm_start: NDArray[np.bool_] | None = None) -> ContactImpulses:
-    """Solve equation (7) by Lemke's method.
+    """Solve equation (7) by Lemke's method, with μ_s of contacts at rest by the rule of this module.
 
-    Parameters
-    ----------
-    step
-        The data of the step.
-    warm_start
-        `ContactImpulses.basic` of the step before: contacts that keep their modes need no pivot then.
-
-    Raises
-    ------
-    StepFailed
-        If none of the paths of Lemke's method ends with a solution.
+    `warm_start` is `ContactImpulses.basic` of the step before. A `StepFailed` if no path of Lemke's method ends with a
+    solution.
     """
-    dt, c = step.time_step, step.contacts
-    result = _solved(lemke(*assemble(step), warm_start=warm_start, paths=PATHS))
-    normal = result.z[:c] / dt
-    tangential = result.z[c : 2 * c] / dt - step.friction_coefficient * normal
-    slip = (result.w[c : 2 * c] - result.z[2 * c :]) / dt
-    return ContactImpulses(normal, tangential, result.w[:c], slip, result.basic)
+    if step.contacts == 0:
+        none = np.zeros(0)
+        return ContactImpulses(none, none, none, none, np.zeros(0, dtype=bool))
+    static, kinetic = step.static_friction_coefficient, step.friction_coefficient
+    if static is None or np.array_equal(static, kinetic):
+        return _impulses(step, lemke(*assemble(step), warm_start=warm_start, paths=PATHS))
+    gained = step.free_acceleration * step.time_step
+    fastest = float(np.max(np.abs(step.velocity), initial=0.0) + np.max(np.abs(gained), initial=0.0))
+    rest = REST_TOLERANCE * fastest
+    before = np.where(np.abs(step.relative_velocity) > rest, np.sign(step.relative_velocity), 0.0)
+    holds, released = before == 0, np.zeros(step.contacts, dtype=bool)
+    while True:
+        tried = dataclasses.replace(step, friction_coefficient=np.where(holds, static, kinetic))
+        impulses = _impulses(tried, lemke(*assemble(tried), warm_start=warm_start, paths=PATHS))
+        slips = np.abs(impulses.relative_velocity) > rest
+        breaks = holds & slips
+        turns = ~holds & ~released & slips & (impulses.relative_velocity * before < 0)
+        if not np.any(breaks | turns):
+            return impulses
+        holds, released, warm_start = (holds | turns) & ~breaks, released | breaks, impulses.basic
 
 
-def solve_step_given_normal_force(
-    step: FrictionalStep, normal: FloatArray, *, warm_start: NDArray[np.bool_] | None = None
-) -> ContactImpulses:
-    """Solve the friction part of equation (7) for a given Λ_N [N s], shape (c,), by Lemke's method.
-
-    `warm_start` and what is raised are as in `solve_step`.
-    """
-    c = step.contacts
-    result = _solved(lemke(*assemble_given_normal_force(step, normal), warm_start=warm_start, paths=PATHS))
-    tangential = result.z[:c] - step.friction_coefficient * normal
-    return ContactImpulses(normal, tangential, None, result.w[:c] - result.z[c:], result.basic)
+def _impulses(step: FrictionalStep, result: LemkeResult) -> ContactImpulses:
+    """Give what the contacts do, from the solution of equation (7)."""
+    if not result.solved:
+        raise StepFailed(f"the LCP of the step is not solved: {result.status} after {result.pivots} pivots")
+    dt, c, z, w = step.time_step, step.contacts, result.z, result.w
+    if step.normal_force is not None:
+        normal = step.normal_force * dt
+        return ContactImpulses(normal, z[:c] - step.friction_coefficient * normal, None, w[:c] - z[c:], result.basic)
+    normal = z[:c] / dt
+    tangential = z[c : 2 * c] / dt - step.friction_coefficient * normal
+    return ContactImpulses(normal, tangential, w[:c], (w[c : 2 * c] - z[2 * c :]) / dt, result.basic)
 
 
 def advanced(step: FrictionalStep, impulses: ContactImpulses, position: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -275,9 +264,3 @@ def advanced(step: FrictionalStep, impulses: ContactImpulses, position: FloatArr
     contact = step.response_to_normal @ impulses.normal + step.response_to_tangential @ impulses.tangential
     velocity = step.velocity + step.free_acceleration * step.time_step + contact
     return position + velocity * step.time_step, velocity
-
-
-def _solved(result: LemkeResult) -> LemkeResult:
-    if not result.solved:
-        raise StepFailed(f"the LCP of the step is not solved: {result.status} after {result.pivots} pivots")
-    return result

@@ -1,5 +1,6 @@
-"""Stick and slip: modes, transitions and stuck fraction of every contact over one period."""
+"""Stick and slip: modes, transitions and stuck fraction of every contact over one period, which is cyclic."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
@@ -7,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.validation import FloatArray
+from reference_lcp.validation import FloatArray, checked_scalar
 
 if TYPE_CHECKING:
-    from reference_lcp.steady.orbits import PeriodicOrbit
+    from reference_lcp.chain.simulation import PeriodicOrbit
 
 STICK_MARGIN = 1e-6
 """A contact sticks while |λ_T| < (1 − STICK_MARGIN) μ λ_N.
@@ -39,6 +40,17 @@ OPEN = 1e-9
 """A contact is open while λ_N is at most this part of its mean: far above round-off, far below any preload."""
 
 
+MATCHING_WINDOW = 0.02
+"""Largest distance of two matching transitions over the period: eight steps of 400.
+
+Far more than the error of a step or two that the scheme makes, far less than what separates two
+transitions of one contact to the same mode in figure 3.
+"""
+
+TimedTransition = tuple[int, float, str]
+"""Cell from 1, time in the period [s], new mode: as results hold them."""
+
+
 class Mode(StrEnum):
     """The three cases of Coulomb's law, equation (1)."""
 
@@ -52,21 +64,14 @@ MODE_OF_SIGN = {0: Mode.STICK, 1: Mode.FORWARD, -1: Mode.BACKWARD}
 
 @dataclass(frozen=True)
 class Transition:
-    """A change of the mode of one contact.
-
-    Parameters
-    ----------
-    cell
-        Number of the cell, from 1.
-    time
-        When the new mode begins [s], from the start of the period.
-    kind
-        The new mode.
-    """
+    """A change of the mode of one contact."""
 
     cell: int
+    """From 1."""
     time: float
+    """When the new mode begins [s], from the start of the period."""
     kind: Mode
+    """The new mode."""
 
     @property
     def timed(self) -> tuple[int, float, str]:
@@ -81,16 +86,10 @@ class Transition:
 def contact_modes(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> NDArray[np.int8]:
     """Mode of every contact in every step: −1 backward slip, 0 stick, +1 forward slip; shape (steps, n).
 
-    The force decides (equation 1), so that exact and regularised friction laws are read alike. A
-    contact without friction never sticks; the sign of its relative velocity gives its direction. So it is
-    with a contact that is open, whose bound is zero: it slips, forward or backward, until it has landed.
-
-    Parameters
-    ----------
-    orbit
-        One period.
-    stick_margin
-        Part of the bound that the friction of a stick leaves at least, in (0, 1).
+    The force decides (equation 1), so that exact and regularised friction laws are read alike: a stick leaves
+    `stick_margin`, in (0, 1), of the bound at least. A contact without friction never sticks; the sign of its relative
+    velocity gives its direction. So it is with a contact that is open, whose bound is zero: it slips, forward or
+    backward, until it has landed.
     """
     from reference_lcp.observables.stick_slip_kernel import read_modes, resolve  # numba is imported on first use
 
@@ -148,8 +147,7 @@ def largest_gap(orbit: "PeriodicOrbit") -> FloatArray:
 def creep_velocity(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> FloatArray:
     """Largest |ġ_T| of each contact while it sticks [m/s], shape (n,); zero if it never does.
 
-    Steps next to a slip are left out: in them even an exact contact still comes to rest. Parameters as in
-    `contact_modes`.
+    Steps next to a slip are left out: in them even an exact contact still comes to rest.
     """
     stuck = contact_modes(orbit, stick_margin) == 0
     inside = stuck & np.roll(stuck, 1, axis=0) & np.roll(stuck, -1, axis=0)
@@ -173,3 +171,65 @@ def _pass_impacts(column: NDArray[np.int8], opened: NDArray[np.bool_]) -> None:
     for landing in np.flatnonzero(~opened & np.roll(opened, 1)):
         impact = np.arange(landing, landing + IMPACT_STEPS) % column.size
         column[impact] = column[(landing + IMPACT_STEPS) % column.size]
+
+
+@dataclass(frozen=True)
+class TransitionMatch:
+    """How the transitions of one simulation fit to those of another."""
+
+    pairs: tuple[tuple[TimedTransition, TimedTransition], ...]
+    """(observed, expected) transitions that match, by cell and then by time of the expected one."""
+    missed: tuple[TimedTransition, ...]
+    """Expected transitions that were not observed."""
+    spurious: tuple[TimedTransition, ...]
+    """Observed transitions that were not expected."""
+    time_errors: tuple[float, ...]
+    """Time of each pair's observed transition less the expected one's, over the period, in [−window, window]."""
+
+
+def match_transitions(
+    observed: Sequence[TimedTransition],
+    expected: Sequence[TimedTransition],
+    period: float,
+    window: float = MATCHING_WINDOW,
+) -> TransitionMatch:
+    """Pair transitions of the same cell to the same mode, one to one, the closest in cyclic time first.
+
+    `period` is that of the cycle [s], and `window` the largest distance of a pair over it.
+    """
+    checked_scalar("period", period, "> 0")
+    checked_scalar("window", window, "> 0")
+    partner: dict[int, tuple[int, float]] = {}
+    taken: set[int] = set()
+    for error, f, e in _candidates(observed, expected, period, window):
+        if e not in partner and f not in taken:
+            partner[e] = (f, error)
+            taken.add(f)
+    order = sorted(partner, key=lambda e: expected[e])
+    return TransitionMatch(
+        pairs=tuple((observed[partner[e][0]], expected[e]) for e in order),
+        missed=tuple(transition for e, transition in enumerate(expected) if e not in partner),
+        spurious=tuple(transition for f, transition in enumerate(observed) if f not in taken),
+        time_errors=tuple(partner[e][1] for e in order),
+    )
+
+
+def _candidates(
+    observed: Sequence[TimedTransition], expected: Sequence[TimedTransition], period: float, window: float
+) -> list[tuple[float, int, int]]:
+    """Pairs that may match as (time error over the period, index observed, index expected), the closest first."""
+    of_kind: dict[tuple[int, str], list[tuple[float, int]]] = {}
+    for f, (cell, time, kind) in enumerate(observed):
+        of_kind.setdefault((cell, kind), []).append((time, f))
+    near = []
+    for e, (cell, time, kind) in enumerate(expected):
+        for other_time, f in of_kind.get((cell, kind), ()):
+            error = _cyclic((other_time - time) / period)
+            if abs(error) <= window:
+                near.append((error, f, e))
+    return sorted(near, key=lambda candidate: (abs(candidate[0]), candidate[2], candidate[1]))
+
+
+def _cyclic(fraction: float) -> float:
+    """Shift a fraction of a period into [−1/2, 1/2)."""
+    return (fraction + 0.5) % 1.0 - 0.5

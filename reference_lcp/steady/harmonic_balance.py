@@ -32,20 +32,7 @@ FIRST_HARMONIC = 2j * np.exp(-2j * np.pi * LOAD_PHASES) / LOAD_SAMPLES
 
 
 def harmonic_balance_start(lanes: Sequence[Lane], steps_per_period: int) -> State:
-    """Approximate the steady states of lanes at phase zero of their drives.
-
-    Parameters
-    ----------
-    lanes
-        Chains of one length, under periodic drives; of a preload, its mean counts.
-    steps_per_period
-        Steps of one period of each drive.
-
-    Returns
-    -------
-    State
-        Im x and ω Re x of the complex amplitudes x of all masses.
-    """
+    """Approximate the steady states of lanes at phase zero of their periodic drives; of a preload, its mean counts."""
     omega = np.array([2 * np.pi / (lane.time_step * steps_per_period) for lane in lanes])
     amplitudes = np.array([_amplitudes(lane, float(w), steps_per_period) for lane, w in zip(lanes, omega, strict=True)])
     return State(amplitudes.imag.copy(), omega[:, None] * amplitudes.real)

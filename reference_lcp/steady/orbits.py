@@ -2,71 +2,39 @@
 
 A lightly damped chain needs thousands of periods to settle. The map x(t) → x(t + T) has the steady state as its fixed
 point, which the acceleration finds in some thirty periods, starting from harmonic balance. The residual of one plain
-period certifies what was found. Where there is no such point, motions that repeat after some periods of the drive
-only are looked for.
+period certifies what was found. Where there is no such point, the attractor may
+be a cycle of m points of the map: a subharmonic response, which repeats after m periods of the drive; or it may be
+quasi-periodic, and repeat never.
 """
 
 import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD
-from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.refusal import ParameterError
-from reference_lcp.steady.anderson import LARGEST_RESIDUAL, FixedPointSearch
+from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit, Simulation
+from reference_lcp.chain.trajectory import State
+from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, FEWEST_STEPS_PER_PERIOD
+from reference_lcp.errors import ParameterError
+from reference_lcp.steady.anderson import LARGEST_RESIDUAL, FixedPointSearch, StateScales
 from reference_lcp.steady.harmonic_balance import harmonic_balance_start
-from reference_lcp.steady.limits import DEFAULT_PERIODS, DEFAULT_RESIDUAL
-from reference_lcp.steady.state_scales import StateScales
-from reference_lcp.steady.subharmonics import LONGEST_MULTIPLE, repetitions
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 
+LONGEST_MULTIPLE = 8
+"""Most periods of the drive after which a motion is looked at for a repetition."""
 
-class OrbitStatus(StrEnum):
-    """How the search for a periodic orbit ended."""
+SETTLING_PERIODS = 64
+"""Plain periods before the comparison: they lead from the search's best iterate to the attractor."""
 
-    CONVERGED = "converged"
-    PERIOD_LIMIT = "period limit"
-    DIVERGED = "diverged"
+HINT = 0.5
+"""x(t + mT) this many times closer to x(t) than x(t + T) is makes m worth a search of its own."""
 
-
-@dataclass(frozen=True)
-class PeriodicOrbit:
-    """One period of the steady state of one lane.
-
-    Parameters
-    ----------
-    lane
-        The chain, its drive and the time step.
-    trajectory
-        One period, one row a step, starting at phase zero of the drive.
-    residual
-        max(|Δ position| / s, |Δ velocity| / (s ω), |Δ internal state| / its size) over one plain period, with s the
-        displacement scale of the drive and ω its angular frequency; for the size see `StateScales`.
-    periods
-        Periods that were simulated to find it, the certifying one included.
-    status
-        Whether the tolerance has been reached.
-    multiple
-        Periods of the drive after which the motion repeats, if the search has looked for it: more than one for a
-        subharmonic response, 0 where no repetition was found.
-    """
-
-    lane: Lane
-    trajectory: Trajectory
-    residual: float
-    periods: int
-    status: OrbitStatus
-    multiple: int = 1
-
-    @property
-    def converged(self) -> bool:
-        """Whether the tolerance has been reached."""
-        return self.status is OrbitStatus.CONVERGED
+SEARCHED = 30
+"""Applications of the m-fold map that such a search may take: the median of figure 3's with m = 1 is 28."""
 
 
 def periodic_orbits(
@@ -83,7 +51,7 @@ def periodic_orbits(
     Coulomb friction with a given normal force is monotone: the energy norm of the difference of two
     motions under the same drive never grows. A fixed point of the period map is therefore the
     attractor, unique up to the offsets of cells that stay stuck. Where normal forces depend on the motion it
-    need not attract, see `reference_lcp.steady.multipliers`.
+    need not attract.
 
     Parameters
     ----------
@@ -235,3 +203,77 @@ def _check_period(lane: Lane, steps_per_period: int) -> None:
         multiple = lane.preload.angular_frequency * period / (2 * np.pi)
         if not math.isclose(multiple, max(1, round(multiple)), rel_tol=1e-12):
             raise ParameterError(f"the preload has {multiple:g} times the drive's frequency; allowed: whole multiples")
+
+
+@dataclass(frozen=True)
+class Repetitions:
+    """After how many periods of the drive the motions of a batch repeat."""
+
+    multiples: list[int]
+    """For each lane the smallest m in 1…longest; 0 where there is none."""
+    states: State
+    """Where the plain motion of each lane has settled."""
+    distances: FloatArray
+    """|x(t + mT) − x(t)| from there, shape (lanes, longest)."""
+    periods: int
+    """Plain periods that were followed."""
+
+
+def repetitions(
+    simulation: Simulation, start: State, steps_per_period: int, tolerance: float, longest: int = LONGEST_MULTIPLE
+) -> Repetitions:
+    """Find after how many periods of the drive, `longest` at most, each lane's motion repeats to `tolerance`.
+
+    The plain motion is followed for `SETTLING_PERIODS`, and x(t + mT) compared with x(t). The m that comes closest to a
+    repetition is tried on its own: a fixed point of the m-fold map is searched for with Anderson acceleration. It costs
+    `SETTLING_PERIODS` + `longest` periods a lane, and at most `SEARCHED` · m where an m is tried.
+    """
+    scales = StateScales(simulation.lanes, steps_per_period)
+    end = _advanced(simulation, start, steps_per_period, SETTLING_PERIODS)
+    distances = _distances(simulation, scales, end, steps_per_period, longest)
+    multiples = [_smallest(row <= tolerance) for row in distances]
+    for lane in [lane for lane, m in enumerate(multiples) if m == 0]:
+        m = int(np.argmin(distances[lane])) + 1
+        if distances[lane, m - 1] < HINT * distances[lane, 0]:
+            alone, own, state = simulation.subset([lane]), scales.subset([lane]), end.subset([lane])
+            repeated = _searched(alone, own, state, steps_per_period, m, tolerance)
+            multiples[lane] = repeated if repeated > 1 else 0
+    return Repetitions(multiples, end, distances, SETTLING_PERIODS + longest)
+
+
+def _advanced(simulation: Simulation, state: State, steps_per_period: int, periods: int) -> State:
+    """State after so many plain periods."""
+    for _ in range(periods):
+        state = simulation.advance(state, 0, steps_per_period)
+    return state
+
+
+def _distances(
+    simulation: Simulation, scales: StateScales, state: State, steps_per_period: int, longest: int
+) -> FloatArray:
+    """|x(t + mT) − x(t)| of each lane, m = 1…longest; shape (lanes, longest)."""
+    lanes = np.arange(len(simulation.lanes))
+    states = [state]
+    for _ in range(longest):
+        states.append(simulation.advance(states[-1], 0, steps_per_period))
+    scales.learn(None, states[0], lanes)
+    for before, after in pairwise(states):
+        scales.learn(before, after, lanes)
+    first, *others = (scales.vectors(state, lanes) for state in states)
+    return np.stack([np.max(np.abs(other - first), axis=1) for other in others], axis=1)
+
+
+def _searched(
+    simulation: Simulation, scales: StateScales, start: State, steps_per_period: int, m: int, tolerance: float
+) -> int:
+    """Search a lane's fixed point of the m-fold map; gives the smallest repetition of what is found, or 0."""
+    search = FixedPointSearch(simulation, scales, m * steps_per_period, tolerance)
+    search.run(start, SEARCHED)
+    if not search.best_residual[0] <= tolerance:
+        return 0
+    return _smallest(_distances(simulation, scales, search.starts([0]), steps_per_period, m)[0] <= tolerance)
+
+
+def _smallest(repeats: Any) -> int:
+    """Smallest m, counted from 1, that repeats; 0 without any."""
+    return int(np.argmax(repeats)) + 1 if np.any(repeats) else 0

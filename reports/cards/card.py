@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 from engines.interface.law import NotModelled
 from engines.interface.registry import engine
-from engines.interface.selection import check_installed
-from engines.interface.variant import Variant
+from engines.interface.variant import Variant, check_installed
 from reports.reproducers.questions import QUESTIONS, Number
 from reports.reproducers.script import Reproduction, checked, has_reproducer, script
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.steady.figure3 import LOWER_EDGE
-from scenarios.execution.evaluator import Evaluator
+from scenarios.runs.evaluator import Evaluator
 from scenarios.studies.accuracy import SIX_POINTS, accuracies
 from scenarios.studies.work_precision import StepPoint, step_study
 from scenarios.verdicts.finding import Finding
@@ -43,31 +42,17 @@ READINGS = (
 
 @dataclass(frozen=True)
 class Row:
-    """One line of a card.
-
-    Parameters
-    ----------
-    name, unit
-        What the number is.
-    value, exact
-        The variant's, NaN where there is none, and the truth.
-    case
-        Of the scenario.
-    reason
-        Why there is no number; empty where there is one.
-    command
-        Command that prints a script for the number; empty where there is none.
-    where
-        The place of the worst of several numbers.
-    """
+    """One line of a card."""
 
     name: str
     unit: str
     value: float
     exact: float
+    """The variant's, NaN where there is none, and the truth."""
     case: str
     reason: str = ""
     command: str = ""
+    """Command that prints a script for the number; empty where there is none."""
     where: str = ""
 
     @property
@@ -88,26 +73,7 @@ class ChangedOption:
 
 @dataclass(frozen=True)
 class VariantCard:
-    """One formulation with one preset.
-
-    Parameters
-    ----------
-    variant, description
-        Which, and what it is for.
-    largest_db, median_db, certified, points
-        Errors of transmittance to the exact motion over the map of `studies.accuracy`, and at how many of its points
-        there is a certified steady state; all of the points and steps that were run.
-    rows
-        Band edge, creep, breakaway, stopping distance, direction.
-    steps
-        Error and cost by the steps a period, over six stick–slip points.
-    options
-        Those that differ from the engine's own.
-    law
-        Formula of its law, or why it has none.
-    script
-        The reproducer of its creep; empty where its engine has no template.
-    """
+    """One formulation with one preset."""
 
     variant: Variant
     description: str
@@ -115,11 +81,17 @@ class VariantCard:
     median_db: float
     certified: int
     points: int
+    """Errors of transmittance to the exact motion over the map of `studies.accuracy`, and at how many of its points
+    there is a certified steady state; all of the points and steps that were run.
+    """
     rows: tuple[Row, ...]
+    """Band edge, creep, breakaway, stopping distance, direction."""
     steps: tuple[StepPoint, ...]
     options: tuple[ChangedOption, ...]
     law: str
+    """Formula of its law, or why it has none."""
     script: str
+    """The reproducer of its creep; empty where its engine has no template."""
 
     @property
     def steps_to_goal(self) -> int | None:
@@ -145,15 +117,7 @@ class VariantCard:
 
 @dataclass(frozen=True)
 class Card:
-    """What a maintainer would quote of one engine.
-
-    Parameters
-    ----------
-    name, title, package, version, licence, notes
-        Of the engine.
-    variants
-        Default beside tuned, by formulation.
-    """
+    """What a maintainer would quote of one engine."""
 
     name: str
     title: str
@@ -162,16 +126,11 @@ class Card:
     licence: str
     notes: str
     variants: tuple[VariantCard, ...]
+    """Default beside tuned, by formulation."""
 
 
 def card_variants(name: str) -> list[Variant]:
-    """Give the variants of a card, before any work.
-
-    Raises
-    ------
-    ParameterError
-        If no engine of this name is registered, or it is not installed.
-    """
+    """Give the variants of a card, before any work."""
     capabilities = engine(name).capabilities
     check_installed(name, engine(name).unavailable_reason())
     pairs = [
@@ -181,15 +140,7 @@ def card_variants(name: str) -> list[Variant]:
 
 
 def card(name: str, evaluator: Evaluator) -> Card:
-    """Collect the card of an engine; what the store lacks is computed.
-
-    Parameters
-    ----------
-    name
-        Of the engine, or ``NAME@VERSION``.
-    evaluator
-        Gives the results.
-    """
+    """Collect the card of an engine; what the store lacks is computed."""
     variants = card_variants(name)
     exactness = accuracies(variants, evaluator)
     steps = step_study(variants, evaluator)

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from reference_lcp.console import checked_output_file, checked_output_folder
-from reference_lcp.output import write_whole
+from reference_lcp.output import checked_output_file, checked_output_folder, write_whole
 from reports.cards.card import GOAL_DB, Card, Row, VariantCard
 from reports.export.files import CARD, PAGE
 from reports.formatting import MISSING, card_number

@@ -1,1 +1,1 @@
-"""Further commands of ``python -m reports``."""
+"""Further commands of ``multibody-xval report``."""

@@ -1,17 +1,33 @@
-"""``python -m reports compare``: the changes from one store to another, for people and for CI."""
+"""``multibody-xval compare``: the changes from one store to another, for people and for CI."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scenarios.cli.options import check_outs
+from reference_lcp.errors import ExitCode
+from reports.cli.options import check_outs
+from scenarios.runs import TIME_LIMIT
 from scenarios.verdicts.thresholds import Thresholds
+
+if TYPE_CHECKING:
+    from reports.export.changes import Regression
+    from scenarios.runs.result import Result
+    from scenarios.runs.task import Task
+
+app = typer.Typer(name="multibody-xval compare", add_completion=False, pretty_exceptions_enable=False)
+
+MOST_ROWS = 20
+"""Changed points that are printed; a file holds all of them."""
 
 ENDINGS = (".md", ".json", ".xml", ".csv")
 """Formats of the changes."""
 
 
+@app.command()
 def compare(
     first: Annotated[Path, typer.Argument(help="The store before.")],
     second: Annotated[Path, typer.Argument(help="The store now.")],
@@ -55,10 +71,46 @@ def compare(
     finite, or changed where the truth is not known; 2: wrong input, no point in common, or results of different
     formats; 3: --out could not be written at the end; 130: interrupted.
 
-    Example: python -m reports compare before/results.sqlite now/results.sqlite --out changes.md
+    Example: multibody-xval compare before/results.sqlite now/results.sqlite --out changes.md
     """
     outs = check_outs(out, ENDINGS, [first, second])
-    from reports.cli.changes import print_changes
+    from reference_lcp.output import write_whole
+    from reports.export.changes import CHANGE_FORMATS, Regression
+    from scenarios.verdicts.regression import compare_stores
 
     thresholds = Thresholds(decibel, stuck_fraction, transition, motion)
-    print_changes(first, second, thresholds, outs, strict=strict, exact=exact)
+    comparison = compare_stores(first, second, thresholds, _computed if exact else None)
+    regression = Regression(comparison, str(first), str(second), thresholds, strict)
+    _print(regression)
+    for written in outs:
+        write_whole(written, CHANGE_FORMATS[written.suffix](regression))
+    raise typer.Exit(ExitCode.FAILED if regression.failing else ExitCode.DONE)
+
+
+def _computed(tasks: Sequence[Task]) -> list[Result]:
+    """Compute exact motions, which are not kept."""
+    from reports.cli.evaluation import evaluator_of_run
+    from scenarios.runs.dask_cluster import executor_for
+    from scenarios.verdicts.steady_case import EXACT
+
+    with evaluator_of_run(None, executor_for(None, TIME_LIMIT, None), [EXACT]) as evaluator:
+        return evaluator.evaluate(tasks)
+
+
+def _print(regression: Regression) -> None:
+    from rich.console import Console
+
+    from reports.export.changes import PRINTED_COLUMNS, counted_by_variant, identities
+    from scenarios.tables import plain, print_table, text_table
+
+    console = Console()
+    for line in (*counted_by_variant(regression.comparison), *identities(regression.comparison)):
+        console.print(plain(line), soft_wrap=True)
+    shown = regression.comparison.beyond[:MOST_ROWS]
+    for variant in dict.fromkeys(change.variant for change in shown):
+        own = [change for change in shown if change.variant == variant]
+        print_table(text_table(PRINTED_COLUMNS, own), title=variant)
+    left = len(regression.comparison.beyond) - len(shown)
+    if left:
+        console.print(f"{left} more changed points; --out writes all of them")
+    console.print(plain(regression.summary), soft_wrap=True)

@@ -1,4 +1,4 @@
-"""``multibody-xval``: the commands of the four packages under one name.
+"""``multibody-xval``: every command of the suite.
 
 ``python -m reports`` finds a file ``reports.py`` of the folder that it is typed in before it finds the package; a
 console script does not look there.
@@ -15,18 +15,18 @@ from reference_lcp.console import run_command
 
 COMMANDS = {
     "engines": ("engines", "List engines, their versions and presets, and why an engine is missing."),
-    "reference": ("reference_lcp", "Compute the steady state of one chain with the reference."),
-    "run": ("scenarios run", "Run a scenario of the catalogue, all of them, or a measurement."),
-    "sweep": ("scenarios sweep", "Run every combination of the parameters and engines that a file names."),
-    "example": ("scenarios example", "Print a commented file of parameters for `sweep`."),
-    "store": ("scenarios store", "Check a store of results, and save the intact rows of a damaged one."),
-    "report": ("reports", "Compare engines with the reference, and write a page about it."),
-    "compare": ("reports compare", "Compare two stores, and print what has changed."),
-    "card": ("reports card", "Write the numbers of one engine that its maintainer would quote."),
-    "reproduce": ("reports reproduce", "Print a script that shows a number in an engine's own API."),
-    "animate": ("reports animate", "Show the chain in motion over one period."),
+    "reference": ("reference", "Compute the steady state of one chain with the reference."),
+    "run": ("run", "Run a scenario of the catalogue, all of them, or a measurement."),
+    "sweep": ("sweep", "Run every combination of the parameters and engines that a file names."),
+    "example": ("sweep", "Print a commented file of parameters for `sweep`."),
+    "store": ("sweep", "Check a store of results, and save the intact rows of a damaged one."),
+    "report": ("report", "Compare engines with the reference, and write a page about it."),
+    "compare": ("compare", "Compare two stores, and print what has changed."),
+    "card": ("shown", "Write the numbers of one engine that its maintainer would quote."),
+    "reproduce": ("shown", "Print a script that shows a number in an engine's own API."),
+    "animate": ("shown", "Show the chain in motion over one period."),
 }
-"""What each command is under ``python -m``, and what it does in a sentence."""
+"""The module of `reports.cli` that has each command, and what the command does in a sentence."""
 
 
 class CommandsOnUse(TyperGroup):
@@ -49,12 +49,10 @@ class CommandsOnUse(TyperGroup):
 
 
 def loaded(name: str | None) -> Any:
-    """Import a command of `COMMANDS`."""
-    package, *path = COMMANDS[str(name)][0].split()
-    command: Any = typer.main.get_command(importlib.import_module(f"{package}.__main__").app)
-    for part in path:
-        command = command.commands[part]
-    return command
+    """Import a command of `COMMANDS`: one of its module, or the only one that this has."""
+    module = importlib.import_module(f"reports.cli.{COMMANDS[str(name)][0]}")
+    command: Any = typer.main.get_command(module.app)
+    return getattr(command, "commands", {}).get(name, command)
 
 
 app = typer.Typer(
@@ -83,6 +81,6 @@ def multibody_xval(
     """
 
 
-def main() -> None:
-    """Run the command line and end with its exit code."""
-    sys.exit(run_command(app))
+def main(*before: str) -> None:
+    """Run the command line, with words `before` what was typed, and end with its exit code."""
+    sys.exit(run_command(app, [*before, *sys.argv[1:]]))

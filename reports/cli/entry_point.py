@@ -1,6 +1,6 @@
 """The entry point of ``multibody-xval``: heeds Ctrl-C before it imports anything else."""
 
-from reference_lcp.interrupt import heed_interrupts
+from reference_lcp.process import heed_interrupts
 
 
 def main() -> None:

@@ -1,133 +1,140 @@
-"""What ``python -m reports`` does: run or read a sweep, and write the report of it."""
+"""``multibody-xval report``: run or read a sweep, and write the page about it."""
 
+from __future__ import annotations
+
+import gc
 import shlex
-import sys
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from engines.interface.presets import Formulation
-from engines.interface.selection import default_variants, variants_named
-from engines.interface.variant import Variant
-from engines.shared.law_distance import stepped_by, unclaimed_reason
-from reference_lcp.compilation import announce_compilation
-from reference_lcp.exit_code import ExitCode
-from reference_lcp.interrupt import announce_interrupt
-from reference_lcp.refusal import ParameterError
-from reference_lcp.visible import visible
-from reports.data.collect import QUICK, Scope
-from reports.write import STORE, Written, check_folder, write_dataset_report, write_sweep_report
-from scenarios.catalogue.verdict_table import verdict_table
-from scenarios.execution.executor import Executor
-from scenarios.execution.storage.store_file import existing_store
-from scenarios.studies.as_installed import FEW_POINTS, QUICK_POINTS
-from scenarios.studies.figure3 import (
-    FRICTION_RATIOS,
-    QUICK_FRICTION_RATIOS,
-    default_frequency_ratios,
-    figure3,
-    quick_frequency_ratios,
+from engines.completion import complete_variant
+from reference_lcp.errors import ExitCode, ParameterError
+from reference_lcp.process import announce_interrupt
+from reference_lcp.terminal import visible
+from reports.cli.options import (
+    ENGINE_HELP,
+    NAME_METAVAR,
+    Limit,
+    Retry,
+    Scheduler,
+    Settings,
+    Workers,
+    check_retry,
+    with_settings,
 )
-from scenarios.studies.one_option import one_option_variants
-from scenarios.sweeps.dataset_file import read_dataset
-from scenarios.sweeps.noted import noted_sweeps
-from scenarios.sweeps.size import check_size
-from scenarios.sweeps.spec_file import read_sweep
-from scenarios.sweeps.sweep import Sweep
-from scenarios.tables import print_table
-from scenarios.tasks.parameters import ChainRatios
-from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.runs import TIME_LIMIT
 
-PROGRAM = ("python", "-m", "reports")
+if TYPE_CHECKING:
+    from reports.write import Written
 
-SCENARIOS = ("frictionless-limit", "locked-limit", "unit-cell", "breakaway", "stopping-distance")
-"""Scenarios of the default report: limits, transitions and thresholds; half a minute of a processor at most."""
+RARE_COLLECTIONS = (200_000, 20, 100)
+"""Thresholds of Python's collector of cycles: searching millions of live results and curves takes an eighth of
+the time of a report of 20,000 points with the default threshold of 700 objects."""
+
+Folder = Annotated[Path, typer.Option(help="Folder of the page and its files; made if it is missing.")]
+Quick = Annotated[bool, typer.Option("--quick", help="Take a small grid: the whole report takes about a minute.")]
+Chosen = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--engine",
+        metavar=NAME_METAVAR,
+        help=f"{ENGINE_HELP}Without it: the engines that come with the suite, tuned and default.",
+        autocompletion=complete_variant,
+    ),
+]
+SweepFile = Annotated[
+    Path | None, typer.Option(help="Sweep file with engines, chain and grid; multibody-xval example prints one.")
+]
+Dataset = Annotated[
+    Path | None, typer.Option(help="Dataset of a sweep (NetCDF); its results are shown, and nothing is run.")
+]
+Store = Annotated[Path | None, typer.Option(help="File that stores every result; without it, results.sqlite in --out.")]
+Run = Annotated[
+    bool,
+    typer.Option(
+        "--run/--no-run", help="Run missing points; --no-run shows only stored results, and names missing ones."
+    ),
+]
+
+app = typer.Typer(name="multibody-xval report", add_completion=False, pretty_exceptions_enable=False)
 
 
-@dataclass(frozen=True)
-class PlannedReport:
-    """What a report shows: its sweep, the parts beside its grid, and the command that gives the same numbers."""
+@app.command()
+def report(
+    out: Folder = Path("report"),
+    quick: Quick = False,
+    chosen: Chosen = None,
+    settings: Settings = None,
+    sweep: SweepFile = None,
+    data: Dataset = None,
+    store: Store = None,
+    run: Run = True,
+    workers: Workers = None,
+    time_limit: Limit = TIME_LIMIT,
+    scheduler: Scheduler = None,
+    retry_blocked: Retry = False,
+) -> None:
+    """Compare every engine with the reference on the frictional chain, and write a page about it.
 
-    sweep: Sweep
-    scope: Scope
-    command: str
+    Without --engine and --sweep, joints are compared on the whole grid: tuned ones, and default ones that a law
+    predicts everywhere. Contacts and other defaults are shown at a few points, without a verdict, and never change the
+    exit code.
+
+    Results are stored: a second run takes seconds, and an interrupted run continues.
+    Exit code 0: the page is written, and every disagreement is as its law predicts; 1: the page is written, and a
+    disagreement is unexplained or too few points of a variant are certified; 2: wrong input; 3: results or the page
+    could not be written; 130: interrupted.
+
+    Example: multibody-xval report --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
+    """
+    check_retry(run, retry_blocked)
+    names = with_settings(chosen, settings)
+    from reference_lcp.terminal import announce_compilation
+    from reports.plan import planned_report
+    from reports.write import STORE, check_folder, write_sweep_report
+    from scenarios.runs.dask_cluster import executor_for
+    from scenarios.runs.store import existing_store
+
+    if data is not None:
+        _report_of_dataset(data, out, alone=not (sweep or names or quick))
+        return
+    gc.set_threshold(*RARE_COLLECTIONS)
+    kept = store or out / STORE
+    planned = planned_report(names, sweep, quick=quick, stored_in=None if run else kept)
+    executor = executor_for(workers, time_limit, scheduler)
+    announce_compilation()
+    if not run:
+        existing_store(kept)
+    check_folder("--out", out, [kept, sweep])
+    try:
+        written = write_sweep_report(
+            planned.sweep, out, planned.command,
+            store=kept, run=run, scope=planned.scope, executor=executor, retry_blocked=retry_blocked,
+        )  # fmt: skip
+    except KeyboardInterrupt:
+        announce_interrupt(f"interrupted: results are kept in {kept}; the same command goes on from there")
+        raise typer.Exit(ExitCode.INTERRUPTED) from None
+    _end(written)
 
 
-def report_of_dataset(data: Path, out: Path, *, alone: bool) -> None:
+def _report_of_dataset(data: Path, out: Path, *, alone: bool) -> None:
     """Write the report of a dataset, which has to be `alone`; nothing is run."""
+    from reports.plan import PROGRAM
+    from reports.write import write_dataset_report
+    from scenarios.sweeps.dataset_reader import read_dataset
+
     if not alone:
         raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
     _end(write_dataset_report(read_dataset(data), out, shlex.join([*PROGRAM, "--data", str(data)]), data))
 
 
-def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stored_in: Path | None) -> PlannedReport:
-    """Plan a report before any work: of a sweep's file, named variants, all that is stored, or the default one."""
-    if file is not None:
-        return PlannedReport(_sweep(file, names, quick), Scope(), command_of(names, quick, file))
-    if names:
-        planned = _figure3(variants_named(names), quick)
-        scope = QUICK if quick else _scope(_predicted(planned))
-        return PlannedReport(planned, scope, command_of(names, quick, None))
-    if stored_in is not None and not quick:
-        stored = stored_sweep(stored_in)
-        scope = replace(_scope(_predicted(stored), _beside(stored)), beside_points=(*FEW_POINTS, *QUICK_POINTS))
-        return PlannedReport(stored, scope, command_of((), False, None, stored_in))
-    planned = _default_sweep(quick)
-    beside = _beside(planned)
-    scope = replace(QUICK, beside=beside) if quick else replace(_scope(planned.variants, beside), scenarios=SCENARIOS)
-    return PlannedReport(planned, scope, command_of((), quick, None))
-
-
-def _scope(settling: Sequence[Variant], beside: tuple[Variant, ...] = ()) -> Scope:
-    """Give the parts beside a sweep, with single options of defaults that settle, for a law predicts them.
-
-    A preview has none of these: at its two points errors may cancel.
-    """
-    return Scope(beside=beside, one_option=one_option_variants(settling, beside))
-
-
-def stored_sweep(store: Path) -> Sweep:
-    """Give the sweep that a store noted last, with all engines that it has of these points; others are named."""
-    noted = noted_sweeps(store)
-    for other in noted.others:
-        names = ", ".join(map(str, other.variants))
-        axes = ", ".join(f"{len(values)} of {name}" for name, values in other.axes.items())
-        print(f"not shown: the store also has {axes}, of {names}; --sweep FILE shows them", file=sys.stderr)
-    return noted.sweep.with_reference()
-
-
-def report_of_sweep(
-    planned: PlannedReport,
-    out: Path,
-    store: Path | None,
-    executor: Executor,
-    *,
-    file: Path | None,
-    ask: bool,
-    retry_blocked: bool,
-) -> None:
-    """Run what the store lacks of a sweep, which a `file` or nothing at all may name, and write the report."""
-    announce_compilation()
-    store = store if store is not None else out / STORE
-    if not ask:
-        existing_store(store)
-    check_folder("--out", out, [store, file])
-    try:
-        written = write_sweep_report(
-            planned.sweep, out, planned.command,
-            store=store, ask=ask, scope=planned.scope, executor=executor, retry_blocked=retry_blocked,
-        )  # fmt: skip
-    except KeyboardInterrupt:
-        announce_interrupt(f"interrupted: results are kept in {store}; the same command goes on from there")
-        raise typer.Exit(ExitCode.INTERRUPTED) from None
-    _end(written)
-
-
 def _end(written: Written) -> None:
     """Print the page, the verdicts, and why the comparison fails, which is the exit code then."""
+    from scenarios.catalogue.verdict_table import verdict_table
+    from scenarios.tables import print_table
+
     print(written.page)
     if written.findings:
         print_table(verdict_table(written.findings))
@@ -135,62 +142,3 @@ def _end(written: Written) -> None:
         print(visible(line))
     if written.failures:
         raise typer.Exit(ExitCode.FAILED)
-
-
-def _default_sweep(quick: bool) -> Sweep:
-    """Give the sweep of Figure 3 with all joints, tuned and default, whose laws say what they do at every point.
-
-    What no law predicts is unexplained wherever it departs, and the comparison would always fail.
-    """
-    joints = [variant for variant in default_variants() if variant.formulation == Formulation.JOINT]
-    planned = _figure3(joints, quick)
-    return replace(planned, variants=_predicted(planned))
-
-
-def _beside(planned: Sweep) -> tuple[Variant, ...]:
-    """Give every other default variant: these are compared at a few points."""
-    return tuple(variant for variant in default_variants() if variant not in planned.variants)
-
-
-def _predicted(planned: Sweep) -> tuple[Variant, ...]:
-    """Give the variants but for those of engines that no law predicts at every point."""
-    engines = [variant for variant in planned.variants if variant.engine != REFERENCE.engine]
-    unpredicted = {task.variant for task in planned.tasks() if task.variant in engines and not _is_predicted(task)}
-    return tuple(variant for variant in planned.variants if variant not in unpredicted)
-
-
-def _is_predicted(task: SteadyStateTask) -> bool:
-    law = stepped_by(task.variant)
-    return law is not None and unclaimed_reason(law, task.lane()[0]) is None
-
-
-def _figure3(variants: list[Variant], quick: bool) -> Sweep:
-    """Give the sweep of Figure 3."""
-    ratios = ChainRatios()
-    return figure3(
-        variants=tuple(variants),
-        friction_ratios=QUICK_FRICTION_RATIOS if quick else FRICTION_RATIOS,
-        frequency_ratios=quick_frequency_ratios(ratios) if quick else default_frequency_ratios(ratios),
-        ratios=ratios,
-    )
-
-
-def _sweep(file: Path, chosen: Sequence[str], quick: bool) -> Sweep:
-    """Read a sweep from its file."""
-    if chosen or quick:
-        raise ParameterError("--sweep names engines and grid; allowed beside it: neither --engine nor --quick")
-    planned = read_sweep(file).with_reference()
-    check_size(planned)
-    return planned
-
-
-def command_of(chosen: Sequence[str], quick: bool, sweep: Path | None, stored: Path | None = None) -> str:
-    """Give the command that gives the same numbers, of a `stored` sweep too; the folder of the report is left out."""
-    options = ["--quick"] if quick else []
-    for name in chosen:
-        options += ["--engine", name]
-    if sweep is not None:
-        options += ["--sweep", str(sweep)]
-    if stored is not None:
-        options += ["--no-ask", "--store", str(stored)]
-    return shlex.join([*PROGRAM, *options])

@@ -7,14 +7,12 @@ from typing import Any
 
 from engines.interface.variant import Variant
 from scenarios.catalogue import CATALOGUE
-from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.predicted import run_with_predictions
-from scenarios.execution.evaluator import Evaluator, StoredResults
-from scenarios.execution.storage.store import ResultStore
-from scenarios.tasks.result import Result, ResultStatus
-from scenarios.tasks.task import Task
-from scenarios.verdicts.finding import Finding
-from scenarios.verdicts.verdict import Verdict
+from scenarios.catalogue.base import Scenario, run_with_predictions
+from scenarios.runs.evaluator import Evaluator, StoredResults
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.store import ResultStore
+from scenarios.runs.task import Task
+from scenarios.verdicts.finding import Finding, Verdict
 
 
 class Outcome(StrEnum):
@@ -84,13 +82,7 @@ class _Watched(StoredResults):
 
 
 def cell_of(counts: Mapping[Any, int]) -> dict[str, str]:
-    """Give the class, the text and the words of a cell: the worst outcome, with how many have it where not all do.
-
-    Parameters
-    ----------
-    counts
-        Numbers by outcome, those that there are, the worst first.
-    """
+    """Give the class, the text and the words of a cell: the worst outcome, with how many have it where not all do."""
     worst = next(iter(counts))
     number = "" if len(counts) == 1 else f" {counts[worst]}"
     return {

@@ -10,9 +10,12 @@ from engines.interface.variant import Variant
 from reports.data.catalogue import catalogue_outcomes
 from reports.data.report import Report
 from reports.data.stick_slip import CasePoint
-from scenarios.execution.evaluator import Evaluator, StoredResults
-from scenarios.execution.storage.store import ResultStore
-from scenarios.studies.as_installed import FEW_POINTS, QUICK_POINTS, few_points
+from scenarios.runs.evaluator import Evaluator, StoredResults
+from scenarios.runs.parameters import ChainRatios, OperatingPoint
+from scenarios.runs.recorded import RecordedPeriod, RecordedPeriodTask
+from scenarios.runs.store import ResultStore
+from scenarios.runs.task import SteadyStateTask
+from scenarios.studies.few_points import FEW_POINTS, QUICK_POINTS, few_points
 from scenarios.studies.friction_map import (
     MAP_FREQUENCY_RATIOS,
     MAP_FRICTION_RATIOS,
@@ -30,15 +33,11 @@ from scenarios.studies.work_precision import (
     thrifty_step_study,
 )
 from scenarios.sweeps.compared import compare_sweep, judged_points
-from scenarios.sweeps.dataset_check import recorded_variants
-from scenarios.sweeps.dataset_results import DatasetResults
+from scenarios.sweeps.dataset_reader import DatasetResults, recorded_variants
 from scenarios.sweeps.start_check import LEAST_POINTS, check_starts
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import grid, tasks_of
 from scenarios.sweeps.truths import exact_tasks, recorded_truths, truths
-from scenarios.tasks.parameters import ChainRatios, OperatingPoint
-from scenarios.tasks.recorded import RecordedPeriod, RecordedPeriodTask
-from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.pointwise import CONVERGED
 
 RECORDED_POINTS = (OperatingPoint(0.3, 0.9), OperatingPoint(1.0, 0.9))
@@ -51,38 +50,27 @@ MOST_PERIODS = 6
 
 @dataclass(frozen=True)
 class Scope:
-    """The parts of a report beside the grid of its sweep.
-
-    Parameters
-    ----------
-    recorded_points
-        Points whose period is recorded.
-    map_friction_ratios, map_frequency_ratios
-        Grid of the friction map.
-    steps
-        Steps a period at which every variant is simulated at six points, `FINEST_STEPS` only where its error still
-        falls; what the store holds of others is shown too.
-    starts
-        Fewest points of each variant whose steady state is searched from harmonic balance too.
-    beside
-        Variants that are compared with the truth at `beside_points` only, and have no verdict.
-    beside_points
-        Those of them that the grid does not hold are left out.
-    one_option
-        Variants that differ in one option from a preset, see `one_option_variants`; at `beside_points` too.
-    scenarios
-        Scenarios of the catalogue that all variants are run in; of others, what the store knows is shown.
-    """
+    """The parts of a report beside the grid of its sweep."""
 
     recorded_points: tuple[OperatingPoint, ...] = RECORDED_POINTS
+    """Points whose period is recorded."""
     map_friction_ratios: tuple[float, ...] = MAP_FRICTION_RATIOS
     map_frequency_ratios: tuple[float, ...] = MAP_FREQUENCY_RATIOS
+    """Grid of the friction map."""
     steps: tuple[int, ...] = STUDY_STEPS
+    """Steps a period at which every variant is simulated at six points, `FINEST_STEPS` only where its error still
+    falls; what the store holds of others is shown too.
+    """
     starts: int = LEAST_POINTS
+    """Fewest points of each variant whose steady state is searched from harmonic balance too."""
     beside: tuple[Variant, ...] = ()
+    """Variants that are compared with the truth at `beside_points` only, and have no verdict."""
     beside_points: tuple[OperatingPoint, ...] = FEW_POINTS
+    """Those of them that the grid does not hold are left out."""
     one_option: tuple[Variant, ...] = ()
+    """Variants that differ in one option from a preset, see `one_option_variants`; at `beside_points` too."""
     scenarios: tuple[str, ...] = ()
+    """Scenarios of the catalogue that all variants are run in; of others, what the store knows is shown."""
 
 
 QUICK = Scope(
@@ -100,30 +88,22 @@ def collect(
     *,
     scope: Scope | None = None,
 ) -> Report:
-    """Collect everything that the report of a sweep shows.
-
-    Parameters
-    ----------
-    sweep
-        The sweep; the reference takes part, see `Sweep.with_reference`.
-    store
-        The store.
-    evaluator
-        Gives the results; one that only reads (`StoredResults`) gives a report of what there is.
-    command
-        The command line that gives the same numbers.
-    scope
-        What the report has beside the grid; everything without it.
-    """
+    """Collect everything that the report of a sweep shows."""
     scope = scope or Scope()
-    result, starts = check_starts(compare_sweep(sweep, evaluator), evaluator, scope.starts)
+    evaluator.stage("points, band edges and laws")
+    compared = compare_sweep(sweep, evaluator)
+    evaluator.stage("searches from harmonic balance")
+    result, starts = check_starts(compared, evaluator, scope.starts)
+    evaluator.stage("recorded periods")
     mapped = _map(sweep, scope)
     tasks = _recorded_tasks(sweep, scope.recorded_points)
     periods: dict[CasePoint, dict[Variant, RecordedPeriod]] = {}
     for (point, variant), recorded in zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True):
         periods.setdefault(point, {})[variant] = RecordedPeriod.of_result(recorded)
     variants = (*sweep.variants, *scope.beside)
+    evaluator.stage("exact motions")
     known = truths(result, evaluator)  # before steps that are read from the store: these compare with the exact motion
+    evaluator.stage("other steps, friction map and further variants")
     return Report(
         result,
         command,
@@ -139,13 +119,7 @@ def collect(
 
 
 def collect_dataset(data: xr.Dataset, command: str) -> Report:
-    """Collect what a dataset holds: its points, judged; nothing is computed, and no edge is refined.
-
-    Raises
-    ------
-    ParameterError
-        If it is not the dataset of a sweep.
-    """
+    """Collect what a dataset holds: its points, judged; nothing is computed, and no edge is refined."""
     results = DatasetResults(data)
     recorded = recorded_variants(data)
     points = sorted(results.points, key=lambda point: point[2])

@@ -6,12 +6,15 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import Any
 
+import pandas as pd
+
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from reference_lcp.chain.step_limits import LARGEST_PHASE_STEP
-from reference_lcp.steady.limits import DEFAULT_RESIDUAL
+from reference_lcp.defaults import DEFAULT_RESIDUAL, LARGEST_PHASE_STEP
 from reports.data.descriptions import band_definition, compared_with, drive_description
-from reports.data.findings import VariantFindings
+from reports.data.points import by_variant
+from reports.data.variants import blocked_reason
+from scenarios.runs.result import ResultStatus
 from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.dataset import description_of
@@ -26,25 +29,11 @@ PACKAGES = ("multibody-xval", "numpy", "scipy", "numba")
 def provenance(
     result: ComparedSweep,
     command: str,
-    findings: Mapping[Variant, VariantFindings],
+    points: pd.DataFrame,
     recorded: Mapping[str, Mapping[str, Any]],
     starts: Sequence[StartCheck] = (),
 ) -> dict[str, Any]:
-    """Give all that a reader needs to reproduce the numbers, as plain data.
-
-    Parameters
-    ----------
-    result
-        The sweep, every variant compared with the reference.
-    command
-        The command line that gives the same numbers.
-    findings
-        Of every variant of the sweep.
-    recorded
-        Versions and options that were noted with the results, by the name of a variant; else this machine's are given.
-    starts
-        Of which points steady states were searched from elsewhere too, by variant.
-    """
+    """Give all that a reader needs to reproduce the numbers, as plain data; `points` are those of the grid."""
     sweep = result.sweep
     return {
         "command": command,
@@ -52,11 +41,22 @@ def provenance(
         "python": f"{platform.python_implementation()} {platform.python_version()}",
         "platform": f"{platform.system()} {platform.machine()}",
         "packages": {package: version(package) for package in PACKAGES},
-        "variants": [_variant(result, findings[variant], recorded.get(str(variant))) for variant in sweep.variants],
+        "variants": [
+            _variant(result, variant, own, recorded.get(str(variant)))
+            for variant, own in by_variant(points, sweep.variants).items()
+        ],
         "chain": {name: value for name, value in sweep.ratios.as_data().items() if name not in sweep.axes},
-        "drive": _drive(sweep),
-        **{_plural(name): list(values) for name, values in sweep.axes.items() if name != "frequency_ratio"},
-        "frequency_ratios": {_name(case): _grid(result, case) for case in sweep.cases},
+        "drive": {
+            "kind": sweep.excitation.kind,
+            "amplitude": sweep.excitation.amplitude,
+            "description": drive_description(sweep),
+        },
+        **{
+            name if name == "cells" else f"{name}s": list(values)
+            for name, values in sweep.axes.items()
+            if name != "frequency_ratio"
+        },
+        "frequency_ratios": {", ".join(map(repr, case.by_axis.values())): _grid(result, case) for case in sweep.cases},
         "band": {
             "definition": band_definition(sweep),
             "threshold_db": sweep.band.threshold_db,
@@ -70,11 +70,6 @@ def provenance(
         "starts": [_start(check) for check in starts],
         "tolerances": {"residual": DEFAULT_RESIDUAL, "floor_db": FLOOR_DB, "given": _given_tolerance(sweep)},
     }
-
-
-def _drive(sweep: Sweep) -> dict[str, Any]:
-    drive = sweep.excitation
-    return {"kind": drive.kind, "amplitude": drive.amplitude, "description": drive_description(sweep)}
 
 
 def _start(check: StartCheck) -> dict[str, Any]:
@@ -94,34 +89,26 @@ def _given_tolerance(sweep: Sweep) -> dict[str, Any] | None:
     return {"transmittance_db": given.transmittance_db, "baseline": str(given.baseline)}
 
 
-def _variant(result: ComparedSweep, own: VariantFindings, recorded: Mapping[str, Any] | None) -> dict[str, Any]:
+def _variant(
+    result: ComparedSweep, variant: Variant, points: pd.DataFrame, recorded: Mapping[str, Any] | None
+) -> dict[str, Any]:
     """Describe one variant: what it is, how it is set up, how well it converged."""
-    variant, of = own.variant, engine(own.variant.engine)
-    results = [point.result for point in result.points_of(variant) if point.result.converged]
+    of, converged = engine(variant.engine), points[points["status"] == ResultStatus.CONVERGED]
     return {
         "engine": variant.engine,
         "formulation": variant.formulation,
         "preset": variant.preset_name,
         "title": variant.title,
-        "blocked": own.blocked,
+        "blocked": blocked_reason(result, variant),
         "licence": of.capabilities.licence,
         "friction_law": str(of.capabilities.friction_law),
         "precision": of.capabilities.precision,
         "notes": of.capabilities.notes,
         "compared_with": compared_with(variant, result.sweep.tolerance),
         **(recorded or description_of(variant)),
-        "steps_per_period": sorted({converged.steps_per_period for converged in results}),
-        "worst_residual": own.worst_residual,
+        "steps_per_period": sorted(map(int, set(converged["steps_per_period"]))),
+        "worst_residual": float(converged["residual"].max()),
     }
-
-
-def _plural(name: str) -> str:
-    return name if name == "cells" else f"{name}s"
-
-
-def _name(case: Case) -> str:
-    """Give the values of a case in full."""
-    return ", ".join(repr(value) for value in case.by_axis.values())
 
 
 def _grid(result: ComparedSweep, case: Case) -> list[float]:

@@ -5,12 +5,11 @@ from statistics import mean, median
 from typing import Any
 
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
-from reference_lcp.observables.transition_matching import match_transitions
+from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
+from scenarios.runs.result import Result
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case
 from scenarios.sweeps.table import Point
-from scenarios.tasks.result import Result
 from scenarios.verdicts.steady_case import REFERENCE
 
 CasePoint = tuple[Case, float]
@@ -70,12 +69,11 @@ def _row(point: Point, expected: Result) -> dict[str, Any]:
 
 
 def _compared(result: Result, expected: Result) -> dict[str, Any]:
-    match = match_transitions(result.transitions, expected.transitions, expected.period)
+    match = result.matched(expected)
     errors = [abs(error) for error in match.time_errors]
-    pairs = zip(result.stuck_fraction, expected.stuck_fraction, strict=True)
     return {
         "stuck_fraction": mean(result.stuck_fraction),
-        "stuck_fraction_error": max(abs(ours - theirs) for ours, theirs in pairs),
+        "stuck_fraction_error": result.stuck_difference(expected),
         "transitions": len(result.transitions),
         "missed": len(match.missed),
         "spurious": len(match.spurious),

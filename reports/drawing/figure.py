@@ -18,31 +18,20 @@ from reports.formatting import ratio
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis of a panel.
-
-    Parameters
-    ----------
-    label
-        With its unit.
-    range
-        Both ends, the first at the left or at the bottom; as the marks need if ``None``.
-    scale
-        ``asinh`` is for differences with a sign: to scale up to `linear`, by their logarithm beyond.
-    ticks
-        Text by value; the backend's own choice if ``None``.
-    most_ticks
-        How many the backend may choose; 0: as many as it likes.
-    decimals
-        Digits after the point that the page holds; an axis with a logarithm has as many that count.
-    """
+    """An axis of a panel."""
 
     label: str = ""
     range: tuple[float, float] | None = None
+    """Both ends, the first at the left or at the bottom; as the marks need if ``None``."""
     scale: Literal["linear", "log", "asinh"] = "linear"
+    """``asinh`` is for differences with a sign: to scale up to `linear`, by their logarithm beyond."""
     linear: float = 1.0
     ticks: Mapping[float, str] | None = None
+    """Text by value; the backend's own choice if ``None``."""
     most_ticks: int = 0
+    """How many the backend may choose; 0: as many as it likes."""
     decimals: int = 4
+    """Digits after the point that the page holds; an axis with a logarithm has as many that count."""
     grid: bool = True
 
 
@@ -55,32 +44,20 @@ def difference_axis(label: str, linear: float, ticks: Sequence[float], limit: fl
 
 @dataclass(frozen=True)
 class Series:
-    """Points, joined by a line or not; NaN is a gap.
-
-    Parameters
-    ----------
-    x, y
-        Values, shape (points,).
-    style
-        Colour, shape and line.
-    name
-        In the legend, once for all series of that name, which are shown and hidden together; none without.
-    draw
-        What is drawn of it.
-    hover, notes
-        Text at the pointer, see the module, and the text of each point in it; nothing without.
-    x_error
-        Half the length of horizontal error bars, as wide as the line would be.
-    """
+    """Points, joined by a line or not; NaN is a gap."""
 
     x: ArrayLike
     y: ArrayLike
+    """Values, shape (points,)."""
     style: Style
     name: str = ""
+    """In the legend, once for all series of that name, which are shown and hidden together; none without."""
     draw: Literal["lines", "markers", "lines+markers"] = "lines"
     hover: str = ""
     notes: Sequence[str] = ()
+    """Text at the pointer, see the module, and the text of each point in it; nothing without."""
     x_error: ArrayLike | None = None
+    """Half the length of horizontal error bars, as wide as the line would be."""
 
 
 @dataclass(frozen=True)
@@ -98,32 +75,18 @@ class Bars:
 
 @dataclass(frozen=True)
 class HeatMap:
-    """Values in colours; the scale of the first one of a figure is shown, and is that of all others.
-
-    Parameters
-    ----------
-    x, y, z
-        Middles of the columns and rows, and values, shape (y, x); NaN is blank.
-    low, high
-        Ends of the colours.
-    label
-        Of the scale, with its unit.
-    hover
-        Text at the pointer, see the module.
-    scale
-        ``log``: colours are even in the logarithm, and `z` is positive.
-    notes
-        Text of each value in the hover text, shape (y, x).
-    """
+    """Values in colours; the scale of the first one of a figure is shown, and is that of all others."""
 
     x: FloatArray
     y: FloatArray
     z: FloatArray
+    """Middles of the columns and rows, and values, shape (y, x); NaN is blank."""
     low: float
     high: float
     label: str
     hover: str
     scale: Literal["linear", "log"] = "linear"
+    """``log``: colours are even in the logarithm, and `z` is positive."""
     notes: Sequence[Sequence[str]] = ()
 
     @property
@@ -147,66 +110,46 @@ Mark = Series | Bars | HeatMap | Rule
 
 @dataclass(frozen=True)
 class Panel:
-    """Marks between two axes; later ones are drawn above earlier ones.
-
-    Parameters
-    ----------
-    title
-        Above the panel in print, below it on the page.
-    names_at_right
-        Text by value of y, in print, where there is no pointer.
-    """
+    """Marks between two axes; later ones are drawn above earlier ones."""
 
     x: Axis
     y: Axis
     marks: Sequence[Mark]
     title: str = ""
+    """Above the panel in print, below it on the page."""
     names_at_right: Mapping[float, str] | None = None
+    """Text by value of y, in print, where there is no pointer."""
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure.
-
-    Parameters
-    ----------
-    name
-        Name of its files, without the ending, and its identifier in the page; unique in a report.
-    caption
-        Content, in a sentence.
-    panels
-        Row by row. Panels below each other in one column share x, side by side share y.
-    height, pixels
-        In print [inch], and on the page without its legend.
-    columns, heights
-        Panels in a row, and heights of the rows over each other; equal if not given.
-    legend_columns, legend_title
-        Of the printed legend; 0: there is none, nor on the page.
-    x_label, y_label
-        What all panels share, in print.
-    wide
-        As wide as two columns of a journal, and the whole width of the page.
-    dense
-        It holds so much that the page has a still picture of pixels of it, which is smaller than the drawing, and that
-        points are pixels in print too.
-    together
-        The pointer tells the values of all series at its x on the page, and not of the nearest point alone.
-    """
+    """One figure."""
 
     name: str
+    """Name of its files, without the ending, and its identifier in the page; unique in a report."""
     caption: str
     panels: Sequence[Panel]
+    """Row by row. Panels below each other in one column share x, side by side share y."""
     height: float
     pixels: int
+    """In print [inch], and on the page without its legend."""
     columns: int = 1
     heights: Sequence[float] = ()
+    """Panels in a row, and heights of the rows over each other; equal if not given."""
     legend_columns: int = 2
     legend_title: str = ""
+    """Of the printed legend; 0: there is none, nor on the page."""
     x_label: str = ""
     y_label: str = ""
+    """What all panels share, in print."""
     wide: bool = False
+    """As wide as two columns of a journal, and the whole width of the page."""
     dense: bool = False
+    """It holds so much that the page has a still picture of pixels of it, which is smaller than the drawing, and that
+    points are pixels in print too.
+    """
     together: bool = False
+    """The pointer tells the values of all series at its x on the page, and not of the nearest point alone."""
 
     @property
     def rows(self) -> int:

@@ -23,27 +23,17 @@ _DASHES = ((5.0, 1.5), (1.0, 1.0), (4.0, 1.0, 1.0, 1.0), (8.0, 2.0), (4.0, 1.0, 
 
 @dataclass(frozen=True)
 class Style:
-    """How a series is drawn; those of variants differ in colour, shape and line, so that any one of them is enough.
-
-    Parameters
-    ----------
-    colour
-        As ``#rrggbb``.
-    symbol
-        Shape of the points, by plotly's name: hollow, but for ``dot``.
-    size
-        Of the shape in print [pt].
-    dash
-        Lengths of dashes and of the gaps between them, over the width of the line; `SOLID` if empty.
-    width
-        Of the line in print [pt].
-    """
+    """How a series is drawn; those of variants differ in colour, shape and line, so that any one of them is enough."""
 
     colour: str
     symbol: str = "dot"
+    """Shape of the points, by plotly's name: hollow, but for ``dot``."""
     size: float = 1.0
+    """Of the shape in print [pt]."""
     dash: tuple[float, ...] = SOLID
+    """Lengths of dashes and of the gaps between them, over the width of the line; `SOLID` if empty."""
     width: float = 1.1
+    """Of the line in print [pt]."""
 
 
 RULE = Style("#666666", width=0.6)

@@ -9,9 +9,9 @@ from typing import Any
 import pandas as pd
 
 from scenarios.junit import JUnitCase, junit_text
+from scenarios.runs.result import ResultStatus
 from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records, text_table
-from scenarios.tasks.result import ResultStatus
-from scenarios.verdicts.regression import Change, StoreComparison, TruthDirection
+from scenarios.verdicts.regression import NOT_COMPARED, Change, StoreComparison, TruthDirection
 from scenarios.verdicts.thresholds import Thresholds
 
 MOST_SHOWN = 10
@@ -89,25 +89,14 @@ CHANGE_COLUMNS: tuple[Column[Change], ...] = (
 
 @dataclass(frozen=True)
 class Regression:
-    """A comparison of stores, and how it is judged.
-
-    Parameters
-    ----------
-    comparison
-        The stores compared.
-    before, now
-        Names of the stores.
-    thresholds
-        What counts as no change.
-    strict
-        Whether every change is a failure, and not only one for the worse.
-    """
+    """A comparison of stores, and how it is judged."""
 
     comparison: StoreComparison
     before: str
     now: str
     thresholds: Thresholds
     strict: bool = False
+    """Whether every change is a failure, and not only one for the worse."""
 
     @property
     def failing(self) -> list[Change]:
@@ -176,7 +165,9 @@ def identities(comparison: StoreComparison) -> list[str]:
     """Name every change of a version, of an option, and of the points that are there, once a variant."""
     lines = []
     for variant, own in _by_variant(comparison.changes).items():
-        lines += [f"{variant}: {line}" for line in (*_versions(own), *_options(own), *_blocked(own))]
+        lines += [
+            f"{variant}: {line}" for line in (*_versions(own), *_options(own), *_blocked(own), *_uncertified(own))
+        ]
     return lines + [
         f"{variant}: {count} points in the store now only" for variant, count in comparison.only_second.items()
     ]
@@ -204,6 +195,11 @@ def _blocked(changes: Sequence[Change]) -> list[str]:
         for side in ([change.first for change in changes], [change.second for change in changes])
     )
     return [f"{before} points blocked before, {now} blocked now"] if before or now else []
+
+
+def _uncertified(changes: Sequence[Change]) -> list[str]:
+    count = sum(change.uncertified for change in changes)
+    return [f"{count} points without a certified steady state before and now: not compared"] if count else []
 
 
 def _by_variant(changes: Iterable[Change]) -> dict[str, list[Change]]:
@@ -245,7 +241,8 @@ def _explanation(regression: Regression) -> list[str]:
         f"exact motion, or to the converged reference. A change is one of more than {limits.transmittance_db:g} dB, of "
         f"{limits.stuck_fraction:g} of a contact's stuck fraction, of {limits.transition:g} periods in the time of a "
         f"transition, a transition without a partner, or {limits.motion:.2g} of the displacement scale in a transient "
-        f"motion. What fails: {fails}."
+        f"motion; other numbers by the same thresholds. Not compared: {', '.join(NOT_COMPARED).replace('_', ' ')}. "
+        f"What fails: {fails}."
     ]
 
 

@@ -11,7 +11,7 @@ import xarray as xr
 
 from reference_lcp.output import write_whole
 from reports.data.report import Report
-from reports.drawing.drawn import DrawnFigures
+from reports.drawing.printing import DrawnFigures
 from reports.export.tables import table_files
 from reports.page.render import FIGURES, page, sections
 from scenarios.sweeps.attenuation_band import Edge

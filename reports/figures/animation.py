@@ -14,8 +14,8 @@ from reference_lcp.observables.stick_slip import MODE_OF_SIGN
 from reference_lcp.validation import FloatArray
 from reports.figures.stick_slip import MODE_COLOURS
 from reports.formatting import ratio
-from scenarios.tasks.recorded import RecordedPeriod
-from scenarios.tasks.task import SteadyStateTask
+from scenarios.runs.recorded import RecordedPeriod
+from scenarios.runs.task import SteadyStateTask
 
 SPACING = 2.0
 """Distance of neighbouring cells in the drawing, over the width of an outer mass."""
@@ -43,15 +43,7 @@ def write_animation(task: SteadyStateTask, period: RecordedPeriod, frames: int, 
 
 
 class ChainDrawing:
-    """The chain as a row of boxes in boxes, with a clock of the period below it.
-
-    Parameters
-    ----------
-    task, period
-        The task, and its recorded period.
-    frames
-        Pictures of one period.
-    """
+    """The chain as a row of boxes in boxes, with a clock of the period below it."""
 
     def __init__(self, task: SteadyStateTask, period: RecordedPeriod, frames: int):
         self._period = period

@@ -16,15 +16,7 @@ MOST_DRAWN = 7
 
 
 def chain_drawing(cells: int, drive: str) -> Markup:
-    """Give the drawing of a chain as SVG, in the colour of the text around it.
-
-    Parameters
-    ----------
-    cells
-        Number of cells.
-    drive
-        ``base`` or ``force``: a moving base, or a force on the first outer mass.
-    """
+    """Give the drawing of a chain as SVG, in the colour of the text around it."""
     shown = min(cells, MOST_DRAWN)
     middle = TOP + HEIGHT / 2
     parts = [_base(drive)]

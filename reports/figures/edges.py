@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from engines.interface.variant import Variant
-from reports.data.findings import blocked_reason
+from reports.data.variants import blocked_reason
 from reports.drawing.figure import Axis, Figure, Mark, Panel, Rule, Series, difference_axis
 from reports.drawing.style import RULE, Style, compared_variants, style_of
 from scenarios.sweeps.attenuation_band import Edge

@@ -1,4 +1,4 @@
-"""Figure 3 of the paper, by the reference; then by every engine, with its differences from the converged reference."""
+"""Figure 3 of the paper, by the reference and by every engine with its differences; and over friction and frequency."""
 
 import math
 
@@ -7,14 +7,52 @@ import numpy as np
 from engines.interface.tolerances import CONVERGED_TOLERANCE_DB, SCHEME_TOLERANCE_DB
 from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
-from reports.data.curves import converged_edges, differences, reference_line
 from reports.data.descriptions import file_name, named_axes
-from reports.drawing.figure import Axis, Figure, Mark, Panel, Rule, Series, difference_axis
-from reports.drawing.style import DASHED, DOTTED, RULE, Style, compared_variants, curve_style, style_of
+from reports.drawing.figure import Axis, Figure, HeatMap, Mark, Panel, Rule, Series, difference_axis
+from reports.drawing.style import DASHED, DOTTED, RULE, SOLID, Style, compared_variants, curve_style, style_of
+from scenarios.studies.friction_map import FrictionMap
 from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.sweep import Case, baseline_of
 from scenarios.sweeps.table import Point
+from scenarios.verdicts.finding import FLOOR_DB
+from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import REFERENCE
+
+
+def baseline_curve(result: ComparedSweep, case: Case) -> dict[float, float]:
+    """Transmittance [dB] by η_r of the converged reference, or of the reference where that takes no part."""
+    reference = baseline_of(result.sweep.variants)
+    curve = [] if reference is None else result.curve(reference, case)
+    return {point.frequency_ratio: point.result.transmittance_db for point in curve if point.result.converged}
+
+
+def differences(result: ComparedSweep, variant: Variant, case: Case) -> tuple[FloatArray, FloatArray]:
+    """η_r, and transmittance less the converged reference's [dB]; NaN where that is below `FLOOR_DB` or unknown."""
+    baseline = baseline_curve(result, case)
+    pairs = []
+    for point in result.curve(variant, case):
+        known = point.result.converged and baseline.get(point.frequency_ratio, -math.inf) > FLOOR_DB
+        difference = point.result.transmittance_db - baseline[point.frequency_ratio] if known else math.nan
+        pairs.append((point.frequency_ratio, difference))
+    etas, all_differences = np.array(pairs).reshape(-1, 2).T
+    return etas, all_differences
+
+
+def reference_line(result: ComparedSweep, case: Case) -> tuple[FloatArray, FloatArray]:
+    """η_r and transmittance [dB] of the reference: its dense curve, and the grid with the resonances in it."""
+    eta, curve = result.dense_reference.get(case, (np.empty(0), np.empty(0)))
+    known = dict(zip(eta.tolist(), curve.tolist(), strict=True))
+    for point in result.curve(REFERENCE, case):
+        known[point.frequency_ratio] = point.result.transmittance_db if point.result.converged else math.nan
+    ascending = sorted(known.items())
+    return np.array([eta for eta, _ in ascending]), np.array([value for _, value in ascending])
+
+
+def converged_edges(result: ComparedSweep, case: Case) -> list[float]:
+    """η_r of the edges of the converged reference that are known."""
+    etas = [edge.frequency_ratio for edge in result.edges if (edge.variant, edge.case) == (CONVERGED, case)]
+    return [eta for eta in etas if eta is not None and not math.isnan(eta)]
+
 
 FREQUENCY_LABEL = "frequency ratio η_r = ω/ω_r [-]"
 
@@ -141,3 +179,44 @@ def _largest_difference(result: ComparedSweep) -> float:
     ]
     every = np.concatenate(curves)
     return max(1.4 * CONVERGED_TOLERANCE_DB, 1.3 * float(np.max(np.abs(every[np.isfinite(every)]), initial=0.0)))
+
+
+MAP_LOWEST_DB, MAP_HIGHEST_DB = -60.0, 20.0
+"""Range of the colours: beyond, curves show more."""
+
+
+def friction_map_figure(data: FrictionMap) -> Figure:
+    """Draw the map, with both edges of the band over friction."""
+    colours = HeatMap(
+        data.frequency_ratios, data.friction_ratios, data.transmittance_db, MAP_LOWEST_DB, MAP_HIGHEST_DB,
+        "transmittance [dB]", "friction %{y}\nη_r %{x}\n%{z} dB",
+    )  # fmt: skip
+    first, last = data.frequency_ratios[[0, -1]]
+    panel = Panel(
+        Axis(FREQUENCY_LABEL, (first, last), grid=False),
+        Axis("friction ratio μλ̃_N [-]", grid=False),
+        [
+            colours,
+            *_edge(data, "lower edge", data.lower, SOLID),
+            *_edge(data, "upper edge", data.upper, DASHED),
+        ],
+    )
+    return Figure(
+        "friction-map",
+        "Transmittance of the reference over friction and frequency [dB]; lines: lower (solid) and upper (dashed) "
+        "edge of the attenuation band",
+        [panel],
+        height=2.9,
+        pixels=430,
+        legend_columns=0,
+    )
+
+
+def _edge(data: FrictionMap, name: str, edge: FloatArray, dash: tuple[float, ...]) -> list[Series]:
+    """Draw an edge in white on black, to be seen on every colour."""
+    friction = data.friction_ratios
+    return [
+        Series(edge, friction, Style("#000000", size=3.8, width=2.6), draw="lines+markers"),
+        Series(edge, friction, Style("#ffffff", size=2.6, dash=dash, width=1.4), name, "lines+markers",
+               "friction %{y}\nη_r %{x:.3f}"),
+    ]  # fmt: skip

@@ -13,10 +13,9 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from reports.data.report import Report
-from reports.drawing.drawn import INDEX, DrawnFigures, index_of
 from reports.drawing.figure import Figure
 from reports.drawing.plotly_backend import plot
-from reports.drawing.printing import Printer
+from reports.drawing.printing import INDEX, DrawnFigures, Printer, index_of
 from reports.formatting import fixed, per_cell, ratio, scientific, signed, span, typeset
 from reports.page.section import SUITE_TEMPLATES, Section, registered_sections
 from reports.page.sections import (
@@ -73,18 +72,11 @@ class RenderedSection:
 
 @dataclass(frozen=True)
 class RenderedPage:
-    """What is written.
-
-    Parameters
-    ----------
-    html
-        The document.
-    figures
-        Every figure as SVG and PDF, dense ones as PNG too, and their index, by file name.
-    """
+    """What is written."""
 
     html: str
     figures: dict[str, bytes]
+    """Every figure as SVG and PDF, dense ones as PNG too, and their index, by file name."""
 
 
 def sections(report: Report) -> list[Section]:

@@ -20,11 +20,6 @@ class Section(ABC):
 
     A section of another package sets `templates` to that package, whose folder ``templates`` holds
     ``<template>.html``. Templates are of jinja2; ``{{ figure("name") }}`` sets one of the section's figures.
-
-    Parameters
-    ----------
-    report
-        The collected results.
     """
 
     title: ClassVar[str]

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from engines.interface.variant import Variant
-from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.drives import HarmonicBase
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.block.base import BlockScenario
 from scenarios.catalogue.block.breakaway import FRACTION, LEAST_SPEED, PULLS, Pull, slip_time
@@ -18,10 +18,10 @@ from scenarios.catalogue.block.stopping_distance import DISTANCE, THROWS
 from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
 from scenarios.catalogue.steady.figure3 import Figure3Points
 from scenarios.catalogue.transient.base import with_refined_steps
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
-from scenarios.tasks.transient import TransientTask
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.result import Result
+from scenarios.runs.task import SteadyStateTask
+from scenarios.runs.transient_task import TransientTask
 from scenarios.verdicts.finding import TRANSMITTANCE, Metric
 from scenarios.verdicts.judge import missing
 from scenarios.verdicts.steady_case import EXACT, REFERENCE, SteadyCase
@@ -40,22 +40,14 @@ class Number:
 
 
 class Question(ABC):
-    """A number of one scenario.
-
-    Attributes
-    ----------
-    scenario, metric
-        Whose number it is.
-    case
-        The one that is shown unless another is named.
-    protocol
-        What the script does otherwise than the scenario; empty if nothing.
-    """
+    """A number of one scenario."""
 
     scenario: ClassVar[str]
     metric: ClassVar[Metric]
     case: ClassVar[str]
+    """The one that is shown unless another is named."""
     protocol: ClassVar[str] = ""
+    """What the script does otherwise than the scenario; empty if nothing."""
 
     @abstractmethod
     def cases(self) -> Iterable[str]:

@@ -4,6 +4,7 @@ import math
 import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import singledispatch
 from importlib import import_module
 from importlib.resources import files
 
@@ -14,14 +15,14 @@ from engines.interface.presets import Formulation
 from engines.interface.registry import engine, engine_names, registered_engine
 from engines.interface.reproducer import Reproducer
 from engines.interface.variant import Variant
+from reference_lcp.chain.drives import Drive, GrowingAcceleration, HarmonicBase, StillBase, Vibration
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.trajectory import State
-from reference_lcp.refusal import ParameterError, checked_choice
+from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray
-from reports.reproducers.base_motion import base_motion
 from reports.reproducers.questions import QUESTIONS, Number, Question
 from scenarios.catalogue import CATALOGUE
-from scenarios.execution.evaluator import Evaluator
+from scenarios.runs.evaluator import Evaluator
 
 MOST_LINES = 60
 """A script stays readable in a tracker."""
@@ -45,17 +46,11 @@ class Reproduction:
     def command(self) -> str:
         """The command that prints the script."""
         case = "" if self.case == self.question.case else f' "{self.case}"'
-        return f"python -m reports reproduce {self.variant} {self.question.scenario}{case}"
+        return f"multibody-xval reproduce {self.variant} {self.question.scenario}{case}"
 
 
 def checked(variant: str, scenario: str, case: str | None = None) -> Reproduction:
-    """Check what is to be shown, before any work.
-
-    Raises
-    ------
-    ParameterError
-        If there is no such variant, question or case, or the engine has no template.
-    """
+    """Check what is to be shown, before any work."""
     checked_choice("scenario", scenario, list(QUESTIONS))
     question, parsed = QUESTIONS[scenario], Variant.parse(variant)
     chosen = question.case if case is None else checked_choice("case", case, list(question.cases()))
@@ -64,14 +59,7 @@ def checked(variant: str, scenario: str, case: str | None = None) -> Reproductio
 
 
 def reproducer_of(variant: Variant) -> Reproducer:
-    """Give how a variant is written as a script.
-
-    Raises
-    ------
-    ParameterError
-        If its engine has no template for its formulation, that does not write its preset, or options are changed in
-        that; names those that have one.
-    """
+    """Give how a variant is written as a script."""
     reproducer = _template(variant)
     if reproducer is None:
         allowed = ", ".join(_reproducible())
@@ -102,15 +90,7 @@ def _reproducible() -> Iterable[str]:
 
 
 def script(shown: Reproduction, evaluator: Evaluator) -> str:
-    """Write the script of one number; the suite's own is in its header, computed where the store lacks it.
-
-    Parameters
-    ----------
-    shown
-        The variant, the question and the case; see `checked`.
-    evaluator
-        Gives the suite's number.
-    """
+    """Write the script of one number; the suite's own is in its header, computed where the store lacks it."""
     variant, question = shown.variant, shown.question
     task = question.task(variant, shown.case)
     lane, reproducer = task.lane(), reproducer_of(variant)
@@ -197,3 +177,31 @@ def _list(values: FloatArray) -> str:
     """Write numbers as a list, short where all are equal."""
     numbers = [float(value) for value in values]
     return f"[{numbers[0]!r}] * {len(numbers)}" if len(numbers) > 2 and len(set(numbers)) == 1 else repr(numbers)
+
+
+@singledispatch
+def base_motion(drive: Drive) -> str:
+    """Give both expressions; an empty text where the base stands still."""
+    raise TypeError(f"{type(drive).__name__} is no drive of a reproducer")
+
+
+@base_motion.register
+def _still(_drive: StillBase) -> str:
+    return ""
+
+
+@base_motion.register
+def _harmonic(drive: HarmonicBase) -> str:
+    amplitude, omega = drive.amplitude, drive.angular_frequency
+    return f"{amplitude!r} * np.sin({omega!r} * t), {amplitude * omega!r} * np.cos({omega!r} * t)"
+
+
+@base_motion.register
+def _vibration(drive: Vibration) -> str:
+    swing, omega = drive.swing, drive.angular_frequency
+    return f"{swing!r} * (1 - np.cos({omega!r} * t)), {swing * omega!r} * np.sin({omega!r} * t)"
+
+
+@base_motion.register
+def _growing(drive: GrowingAcceleration) -> str:
+    return f"{drive.amplitude / drive.duration**3!r} * t**3, {drive.jerk / 2!r} * t**2"

@@ -1,18 +1,20 @@
 """Verdicts as tables: for the terminal, for documents, for other programs."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+import platform
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
 
-from engines.interface.law_engine import law_of
+from engines.interface.registry import law_of
 from engines.interface.variant import Variant
 from scenarios.catalogue.base import Scenario
-from scenarios.tables import Column, text_table
-from scenarios.verdicts.failure import failures, silent, unexplained
-from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.verdict import Verdict
+from scenarios.junit import JUnitCase, junit_text
+from scenarios.runs.task import versions_of
+from scenarios.tables import Column, csv_text, full_table, json_text, markdown_lines, records, text_table
+from scenarios.verdicts.finding import Finding, Metric, Verdict, failing, failures, silent, unexplained
 
 Results = Mapping[Scenario, Sequence[Finding]]
 """Findings by scenario, in the order in which they were run."""
@@ -27,7 +29,7 @@ VERDICT_LEGEND = """\
 - *Own step too coarse*: the difference is allowed, but the errors of steps in the allowance are more than a tenth of
   what friction changes at all.
 - *Inconclusive*: there is no certified steady state, nothing to compare, or no result so far (skipped as too slow, or
-  left out by --no-ask).
+  left out by --no-run).
 - *Says nothing*: no certified steady state, or too coarse a step, where the law of the preset does not say the same.
 - *Blocked*: the engine is not installed, or has failed.
 - *Worst*: the largest difference over what is allowed for it.
@@ -48,7 +50,7 @@ class VariantRow:
     @property
     def worst(self) -> Finding | None:
         """The finding whose difference is largest beside what is allowed; ``None`` where none has a number."""
-        worst = max(self.findings, key=excess)
+        worst = max(self.findings, key=lambda own: own.excess)
         return None if math.isnan(worst.comparison.excess) else worst
 
     @property
@@ -126,14 +128,9 @@ def details(findings: Sequence[Finding]) -> Iterator[tuple[Variant, list[str]]]:
             yield row.variant, [_detail(group) for group in order.values()]
 
 
-def excess(finding: Finding) -> float:
-    """Give the difference over what is allowed; −1 where there is none."""
-    return -1.0 if math.isnan(finding.comparison.excess) else finding.comparison.excess
-
-
 def _detail(group: Sequence[Finding]) -> str:
     """One line for findings of one metric and verdict: the worst of them, and how many there are."""
-    worst = max(group, key=excess)
+    worst = max(group, key=lambda own: own.excess)
     more = f" (and {len(group) - 1} more)" if len(group) > 1 else ""
     law = "" if worst.prediction is None else f"; {worst.prediction}"
     return f"{worst.comparison.verdict}, {worst.metric.name}, {worst.case}: {worst.comparison.reason}{law}{more}"
@@ -144,3 +141,158 @@ def law_in_words(variant: Variant) -> str:
     model = variant.inclined_law
     law = None if model is None else law_of(model.preset)
     return variant.preset.known_deviation or ("" if law is None else law.formula)
+
+
+MOST_SHOWN = 10
+"""Numbers that the summary of a document shows; everything else is folded."""
+
+
+def verdict_document(results: Results, command: str) -> str:
+    """Give everything as a document for a comment on a pull request: a summary, and each scenario folded."""
+    findings = [finding for own in results.values() for finding in own]
+    lines = [*_summary(results), "", *markdown_lines(matrix(results)), "", *_largest(results)]
+    for scenario, own in results.items():
+        lines += _folded(scenario.name, [scenario.question, "", *_description(scenario), "", *_verdicts(own)])
+    lines += _folded("What the words mean", [VERDICT_LEGEND])
+    names = sorted({finding.variant.engine for finding in findings})
+    versions = f"Versions: {versions_of(names)}; Python {platform.python_version()}."
+    return "\n".join([*lines, "", f"Made by `{command}`. {versions}", ""])
+
+
+def _summary(results: Results) -> list[str]:
+    """Say whether the run fails, and why."""
+    findings = [finding for own in results.values() for finding in own]
+    count = Counter(str(finding.comparison.verdict) for finding in findings)
+    verdicts = ", ".join(f"{count[verdict]} {verdict}" for verdict in Verdict if count[verdict])
+    predicted = sum(finding.as_predicted for finding in findings)
+    fails = sum(len(failing(own)) for own in results.values())
+    counted = f"{len(findings)} numbers: {verdicts}; {predicted} as their law predicts, {fails} fail."
+    lines = [f"- {scenario.name}: {line}" for scenario, own in results.items() for line in failures(own)]
+    return [f"## Verdicts: {'fails' if lines else 'passes'}", "", counted, "", *lines]
+
+
+_Row = tuple[Scenario, Finding]
+
+LARGEST_COLUMNS: tuple[Column[_Row], ...] = (
+    Column("variant", lambda row: str(row[1].variant)),
+    Column("scenario", lambda row: row[0].name),
+    Column("case", lambda row: row[1].case),
+    Column("metric", lambda row: row[1].metric.name),
+    Column("difference", lambda row: row[1].comparison.difference, pattern="{:+.3g}"),
+    Column("allowed", lambda row: row[1].comparison.tolerance, pattern="{:.2g}"),
+    Column("verdict", lambda row: f"{row[1].comparison.verdict}{', as predicted' * row[1].as_predicted}"),
+)
+
+
+def _largest(results: Results) -> list[str]:
+    """Give what fails, and what disagrees, the largest differences over what is allowed first."""
+    fails = {id(finding) for own in results.values() for finding in failing(own)}
+    rows = [(scenario, finding) for scenario, own in results.items() for finding in own]
+    rows = [row for row in rows if id(row[1]) in fails or row[1].comparison.verdict is Verdict.DISAGREE]
+    rows.sort(key=lambda row: (id(row[1]) not in fails, -row[1].excess))
+    if not rows:
+        return []
+    title = f"The {MOST_SHOWN} largest of {len(rows)}:" if len(rows) > MOST_SHOWN else "What disagrees:"
+    return [title, "", *markdown_lines(text_table(LARGEST_COLUMNS, rows[:MOST_SHOWN])), ""]
+
+
+def _folded(title: str, lines: Sequence[str]) -> list[str]:
+    return ["", f"<details><summary>{title}</summary>", "", *lines, "", "</details>"]
+
+
+def _description(scenario: Scenario) -> list[str]:
+    lines = [f"- from: {scenario.source}", f"- compared with: {scenario.expects}"]
+    lines += [
+        f"- {metric.name}{f' [{metric.unit}]' if metric.unit else ''}: {metric.meaning}" for metric in scenario.metrics
+    ]
+    return lines + [f"- {line}" for line in scenario.parameters()]
+
+
+def _verdicts(findings: Sequence[Finding]) -> list[str]:
+    """Give the verdicts of a scenario, what does not agree, and the laws that predict it."""
+    lines = markdown_lines(verdict_table(findings))
+    wrong = list(details(findings))
+    if wrong:
+        lines += ["", "What does not agree:", ""]
+    for variant, remarks in wrong:
+        lines += [f"- {variant}", *(f"  - {remark}" for remark in remarks)]
+    predicted = dict.fromkeys(finding.variant for finding in findings if finding.as_predicted)
+    if predicted:
+        lines += ["", "What the laws of the presets are:", ""]
+    return lines + [f"- {variant}: {law_in_words(variant)}" for variant in predicted]
+
+
+def _predicted(name: str) -> Column[_Row]:
+    """Give a number of the prediction; NaN where there is none."""
+    return Column(f"law {name}".replace("_", " "), lambda row: getattr(row[1].prediction, name, math.nan))
+
+
+FINDING_COLUMNS: tuple[Column[_Row], ...] = (
+    Column("scenario", lambda row: row[0].name),
+    Column("case", lambda row: row[1].case),
+    Column("engine", lambda row: row[1].variant.engine),
+    Column("formulation", lambda row: row[1].variant.formulation),
+    Column("preset", lambda row: row[1].variant.preset_name),
+    Column("metric", lambda row: row[1].metric.name),
+    Column("unit", lambda row: row[1].metric.unit),
+    Column("value", lambda row: row[1].value),
+    Column("expected", lambda row: row[1].expected),
+    Column("verdict", lambda row: str(row[1].comparison.verdict)),
+    Column("difference", lambda row: row[1].comparison.difference),
+    Column("allowed", lambda row: row[1].comparison.tolerance),
+    Column("as predicted", lambda row: row[1].as_predicted),
+    *(_predicted(name) for name in ("value", "difference", "allowed", "distance", "period_bound")),
+    Column("reason", lambda row: row[1].comparison.reason),
+)
+
+
+def finding_table(results: Results) -> pd.DataFrame:
+    """Give every finding, with full precision."""
+    return full_table(FINDING_COLUMNS, [(scenario, finding) for scenario, own in results.items() for finding in own])
+
+
+def _content(results: Results, command: str) -> dict[str, object]:
+    findings = [finding for own in results.values() for finding in own]
+    return {
+        "command": command,
+        "passes": not any(failing(own) for own in results.values()),
+        "versions": versions_of(sorted({finding.variant.engine for finding in findings})),
+        "scenarios": [
+            {"name": scenario.name, "question": scenario.question, "source": scenario.source,
+             "expects": scenario.expects, "parameters": scenario.parameters()}
+            for scenario in results
+        ],
+        "findings": records(finding_table(results)),
+        "laws": {str(finding.variant): law_in_words(finding.variant) for finding in findings if finding.as_predicted},
+    }  # fmt: skip
+
+
+def _junit(results: Results) -> str:
+    cases = []
+    for scenario, own in results.items():
+        fails = {id(finding) for finding in failing(own)}
+        cases += [_junit_case(scenario, finding, fails=id(finding) in fails) for finding in own]
+    return junit_text("multibody-xval run", cases)
+
+
+def _junit_case(scenario: Scenario, finding: Finding, *, fails: bool) -> JUnitCase:
+    """Give a number as a case; one about which nothing is known is skipped."""
+    comparison = finding.comparison
+    law = "" if finding.prediction is None else f"\n{finding.prediction}"
+    unknown = comparison.verdict in (Verdict.BLOCKED, Verdict.INCONCLUSIVE)
+    return JUnitCase(
+        suite=f"{scenario.name}, {finding.variant}",
+        name=f"{finding.metric.name}, {finding.case}",
+        failure=f"{comparison.verdict}: {comparison.reason}" if fails else "",
+        skipped=f"{comparison.verdict}: {comparison.reason}" if unknown else "",
+        output=f"{comparison.verdict}: {comparison.reason}{law}",
+    )
+
+
+VERDICT_FORMATS: dict[str, Callable[[Results, str], str]] = {
+    ".md": verdict_document,
+    ".json": lambda results, command: json_text(_content(results, command), indent=1),
+    ".xml": lambda results, _command: _junit(results),
+    ".csv": lambda results, _command: csv_text(finding_table(results), missing=""),
+}
+"""What is written of verdicts and the command that made them, by the ending of the file."""

@@ -1,19 +1,21 @@
 """Errors of the friction of engines: one row of numbers for every variant, against the exact motion."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import platform
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.convergence import STICK_SLIP_POINTS
-from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.observables.transition_matching import match_transitions
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.parameters import Excitation, OperatingPoint
-from scenarios.tasks.result import Result, ResultStatus
-from scenarios.tasks.task import DEFAULT_EXCITATION, SteadyStateTask
+from engines.shared.step_cost import StepCost
+from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.parameters import Excitation, OperatingPoint
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask, versions_of
+from scenarios.tables import Column, csv_text, full_table, markdown_lines, text_table
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.judge import metric_difference
 from scenarios.verdicts.steady_case import EXACT
@@ -41,50 +43,34 @@ ORDER_STEPS = (400, 800, 1600)
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Errors of a variant; worst values over all certified points, NaN where there is none.
-
-    Parameters
-    ----------
-    variant
-        The variant.
-    points_db
-        Largest transmittance error over the six stick–slip points [dB], by steps a period.
-    map_db, worst_point
-        Largest transmittance error over the map [dB] and where, as (friction ratio, frequency ratio).
-    map_median_db
-        Median of them [dB].
-    stuck_fraction
-        Largest error of a contact's stuck fraction on the map.
-    median_transition, largest_transition
-        |Time error| of matched transitions on the map, over the period.
-    transitions, missed, spurious
-        Transitions of the exact motion on the map; those that the variant misses, and those that it has beside them.
-    creep
-        Largest |ġ_T| within a stick, over ω U0.
-    order
-        In the time step: −slope of the root mean square error at the six points; NaN unless all are certified.
-    points, certified
-        Number of points, and of those with a certified steady state.
-    blocked
-        Reason of the first blocked point; empty if there is none.
-    """
+    """Errors of a variant; worst values over all certified points, NaN where there is none."""
 
     variant: Variant
     points_db: Mapping[int, float]
+    """Largest transmittance error over the six stick–slip points [dB], by steps a period."""
     map_db: float
     map_median_db: float
+    """Median of them [dB]."""
     worst_point: OperatingPoint | None
+    """Largest transmittance error over the map [dB] and where, as (friction ratio, frequency ratio)."""
     stuck_fraction: float
+    """Largest error of a contact's stuck fraction on the map."""
     median_transition: float
     largest_transition: float
+    """|Time error| of matched transitions on the map, over the period."""
     transitions: int
     missed: int
     spurious: int
+    """Transitions of the exact motion on the map; those that the variant misses, and those that it has beside them."""
     creep: float
+    """Largest |ġ_T| within a stick, over ω U0."""
     order: float
+    """In the time step: −slope of the root mean square error at the six points; NaN unless all are certified."""
     points: int
     certified: int
+    """Number of points, and of those with a certified steady state."""
     blocked: str
+    """Reason of the first blocked point; empty if there is none."""
 
 
 def accuracy_tasks(variant: Variant) -> list[SteadyStateTask]:
@@ -113,20 +99,7 @@ def task_at(
 
 
 def accuracies(variants: Sequence[Variant], evaluator: Evaluator) -> list[Accuracy]:
-    """Compare every variant with the exact motion.
-
-    Parameters
-    ----------
-    variants
-        Which ones.
-    evaluator
-        Gives the results; all tasks go to it at once, those of the exact motion too.
-
-    Returns
-    -------
-    list of Accuracy
-        One a variant, in order.
-    """
+    """Compare every variant with the exact motion."""
     tasks = {variant: accuracy_tasks(variant) for variant in variants}
     every = [*exact_tasks().values(), *(task for own in tasks.values() for task in own)]
     results = dict(zip(every, evaluator.evaluate(every), strict=True))
@@ -147,10 +120,7 @@ def accuracy_of(
         if (point := point_of(task)) in ACCURACY_MAP and task.steps_per_period == ACCURACY_MAP_STEPS
     }
     errors = {point: transmittance_error_db(result, exact[point]) for point, result in mapped.items()}
-    matches = [
-        match_transitions(result.transitions, exact[point].transitions, result.period)
-        for point, result in mapped.items()
-    ]
+    matches = [result.matched(exact[point]) for point, result in mapped.items()]
     times = [abs(error) for match in matches for error in match.time_errors]
     blocked = [result.reason for result in results.values() if result.status is ResultStatus.BLOCKED]
     return Accuracy(
@@ -159,7 +129,7 @@ def accuracy_of(
         map_db=_largest(errors.values()),
         map_median_db=float(np.median(list(errors.values()))) if errors else math.nan,
         worst_point=max(errors, key=lambda point: errors[point], default=None),
-        stuck_fraction=_largest(_stuck_error(result, exact[point]) for point, result in mapped.items()),
+        stuck_fraction=_largest(result.stuck_difference(exact[point]) for point, result in mapped.items()),
         median_transition=float(np.median(times)) if times else math.nan,
         largest_transition=_largest(times),
         transitions=sum(len(exact[point].transitions) for point in mapped),
@@ -205,9 +175,90 @@ def _order(certified: Mapping[SteadyStateTask, Result], exact: Mapping[Operating
     return float(-np.polyfit(np.log(ORDER_STEPS), np.log(size), 1)[0])
 
 
-def _stuck_error(result: Result, exact: Result) -> float:
-    return float(np.max(np.abs(np.subtract(result.stuck_fraction, exact.stuck_fraction))))
-
-
 def _largest(values: Iterable[float]) -> float:
     return max(values, default=math.nan)
+
+
+# A variant's accuracy, and what its step costs if that was measured.
+AccuracyRow = tuple[Accuracy, StepCost | None]
+
+
+def _points(steps: int) -> Callable[[AccuracyRow], float]:
+    return lambda row: row[0].points_db[steps]
+
+
+def _cost(name: str, scale: float) -> Callable[[AccuracyRow], float]:
+    return lambda row: math.nan if row[1] is None else scale * getattr(row[1], name)
+
+
+ACCURACY_COLUMNS: tuple[Column[AccuracyRow], ...] = (
+    Column("engine", lambda row: row[0].variant.engine),
+    Column("formulation", lambda row: row[0].variant.formulation),
+    Column("preset", lambda row: row[0].variant.preset_name),
+    *(Column(f"points_{n}_db", _points(n), f"six points, {n} [dB]", "{:.3f}") for n in ORDER_STEPS[:2]),
+    Column("map_db", lambda row: row[0].map_db, f"map, {ACCURACY_MAP_STEPS} [dB]", "{:.3f}"),
+    Column("stuck_fraction_error", lambda row: row[0].stuck_fraction, "stuck fraction", "{:.3f}"),
+    Column("median_transition_percent", lambda row: 100 * row[0].median_transition, "median [% T]", "{:.3f}"),
+    Column("largest_transition_percent", lambda row: 100 * row[0].largest_transition, "max [% T]", "{:.2f}"),
+    Column("missed", lambda row: row[0].missed),
+    Column("spurious", lambda row: row[0].spurious),
+    Column("transitions", lambda row: row[0].transitions, "of"),
+    Column("creep", lambda row: row[0].creep, "creep [ω U0]", "{:.1e}"),
+    Column("order", lambda row: row[0].order, pattern="{:.2f}"),
+    Column("certified", lambda row: f"{row[0].certified}/{row[0].points}"),
+    Column("advance_us", _cost("advance", 1e6), "µs a step", "{:.2f}"),
+    Column("times_bare", _cost("ratio", 1), "× bare", "{:.2f}"),
+)
+
+PRINTED_COLUMNS: tuple[Column[AccuracyRow], ...] = (
+    Column("variant", lambda row: str(row[0].variant), "engine:formulation:preset"),
+    *ACCURACY_COLUMNS[3:],
+)
+"""On a terminal a variant has one column."""
+
+ACCURACY_LEGEND = f"""\
+How large are the errors of each engine, formulation and preset? An error is the largest absolute difference from the
+exact, event-driven motion, over the points with a certified steady state. The columns:
+
+- *six points*: error of the transmittance at six stick–slip points, with 400 and {ORDER_STEPS[1]} steps a period;
+- *map*: the same at 4 friction ratios (0.1 … 1) × 14 frequency ratios (0.3 … 1.6), with {ACCURACY_MAP_STEPS} steps;
+- *stuck fraction*: error of a contact's stuck fraction, on the map;
+- *median*, *max*: error of the times of transitions between stick and slip, in percent of the period T, on the map;
+- *missed*, *spurious*, *of*: transitions that the engine lacks, that only the engine has, and all of the exact motion;
+- *creep*: largest velocity within a stick, over ω U0;
+- *order*: order of the error in the time step, from {", ".join(map(str, ORDER_STEPS))} steps;
+- *certified*: points whose steady state repeats to the engine's residual;
+- *µs a step*: time of a step of seven cells on one core, without a record, in the suite's batch;
+- *× bare*: that time over the time of the engine's own loop in the same run.
+"""
+
+
+def accuracy_document(rows: Sequence[AccuracyRow], command: str) -> str:
+    """Give the table as a document, with how it was made."""
+    lines = ["# Accuracy of the engines", "", ACCURACY_LEGEND, f"Made by `{command}`.", ""]
+    lines += markdown_lines(text_table(ACCURACY_COLUMNS, rows))
+    lines += ["", "Where the largest error on the map is, and what has no certified steady state:", ""]
+    lines += [f"- {text}" for row in rows if (text := remark(row[0]))]
+    lines += [
+        "",
+        f"Versions: {versions_of(row[0].variant.engine for row in rows)}; Python {platform.python_version()}.",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def csv_table(rows: Sequence[AccuracyRow]) -> str:
+    """Give the table as CSV, with full precision."""
+    return csv_text(full_table(ACCURACY_COLUMNS, rows))
+
+
+def remark(accuracy: Accuracy) -> str:
+    """Give the worst point, uncertified points and the reason of blocked ones, in words."""
+    parts = []
+    if accuracy.worst_point is not None:
+        parts.append(f"worst at ({accuracy.worst_point[0]:g}, {accuracy.worst_point[1]:g})")
+    if accuracy.certified < accuracy.points:
+        parts.append(f"{accuracy.points - accuracy.certified} of {accuracy.points} points are not certified")
+    if accuracy.blocked:
+        parts.append(f"blocked: {accuracy.blocked}")
+    return f"{accuracy.variant}: {'; '.join(parts)}" if parts else ""

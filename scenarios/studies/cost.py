@@ -9,14 +9,14 @@ import numpy as np
 
 from engines.interface.variant import Variant
 from engines.shared.step_cost import StepCost, step_cost
-from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
-from scenarios.execution.computation.batch import Batch
-from scenarios.execution.workers.local_processes import executor_here
-from scenarios.studies.limits import COST_SECONDS
+from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
+from scenarios.runs.executor import Batch
+from scenarios.runs.local_processes import executor_here
+from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.result import Result
+from scenarios.runs.task import SteadyStateTask
+from scenarios.studies import COST_SECONDS
 from scenarios.tables import Column
-from scenarios.tasks.parameters import ChainRatios
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
 
 TYPICAL_PERIODS = 35
 """Periods of a steady state from which the number of points is estimated: the mean over figure 3."""
@@ -27,25 +27,16 @@ LEAST_BATCHES, MOST_BATCHES = 4, 64
 
 @dataclass(frozen=True)
 class Cost:
-    """What one variant costs, on this machine and in this run.
-
-    Parameters
-    ----------
-    step
-        Of a step, in this process.
-    points, certified
-        Steady states that were searched for, and found.
-    periods
-        Median number of periods of the certified ones; NaN without any.
-    seconds
-        Wall-clock time of all points, by number of workers; the workers had been started and had imported the engine.
-    """
+    """What one variant costs, on this machine and in this run."""
 
     step: StepCost
     points: int
     certified: int
+    """Steady states that were searched for, and found."""
     periods: float
+    """Median number of periods of the certified ones; NaN without any."""
     seconds: dict[int, float]
+    """Wall-clock time of all points, by number of workers; the workers had been started and had imported the engine."""
 
     @property
     def cell_step(self) -> float:
@@ -64,17 +55,10 @@ class Cost:
 
 
 def cost(variant: Variant, seconds: float = COST_SECONDS) -> Cost:
-    """Measure one variant.
+    """Measure one variant that is installed.
 
     Steady states are those of the canonical chain, spread over friction ratios 0.1…1 and frequency ratios
     0.3…1.6, as many as fill about `seconds`, in the batches that the engine takes at best.
-
-    Parameters
-    ----------
-    variant
-        The variant that is measured; installed.
-    seconds
-        Length of a measurement with one worker that is aimed at, > 0.
     """
     step = step_cost(variant)
     batches = _batches(variant, step.advance * MINIMUM_STEPS_PER_PERIOD * TYPICAL_PERIODS, seconds)

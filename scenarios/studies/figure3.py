@@ -9,12 +9,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from engines.interface.variant import Variant
-from reference_lcp.chain.step_limits import MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.refusal import ParameterError
+from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray, checked_array
-from scenarios.sweeps.resonances import free_resonances, resonances
+from scenarios.runs.parameters import ChainRatios, Excitation
+from scenarios.sweeps.refinement import free_resonances, resonances
 from scenarios.sweeps.sweep import Sweep
-from scenarios.tasks.parameters import ChainRatios, Excitation
 from scenarios.verdicts.steady_case import REFERENCE
 
 FRICTION_RATIOS = (0.0, 0.1, 0.3, 0.6, 1.0, 5.0)
@@ -30,26 +30,7 @@ def figure3(
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD,
     excitation: Excitation | None = None,
 ) -> Sweep:
-    """Give the sweep of Figure 3.
-
-    Parameters
-    ----------
-    variants
-        What is compared with the reference; the reference and its converged preset always take part.
-    friction_ratios, frequency_ratios
-        The grid, ascending; without frequency ratios, `default_frequency_ratios`.
-    ratios
-        The chain but for its friction; the paper's without it.
-    steps_per_period
-        Fewest steps a period.
-    excitation
-        What drives the chain; a moving base without it.
-
-    Raises
-    ------
-    ParameterError
-        If a grid is empty, not ascending or outside its range, or a variant is unknown.
-    """
+    """Give the sweep of Figure 3 with the reference and its converged preset; grids are ascending."""
     chain = ratios or ChainRatios()
     etas = default_frequency_ratios(chain) if frequency_ratios is None else frequency_ratios
     _check_grid("friction_ratios", friction_ratios, ">= 0")

@@ -22,24 +22,16 @@ QUICK_MAP_FREQUENCY_RATIOS = tuple(float(ratio) for ratio in np.round(np.arange(
 
 @dataclass(frozen=True)
 class FrictionMap:
-    """Transmittance of the reference over a grid.
-
-    Parameters
-    ----------
-    friction_ratios, frequency_ratios
-        The grid, ascending.
-    transmittance_db
-        Transmittance [dB], shape (friction ratios, frequency ratios); NaN where there is no steady state.
-    lower, upper
-        Edges of the attenuation band at each friction ratio, between grid points by interpolation of the
-        transmittance in dB; NaN where the grid does not hold them.
-    """
+    """Transmittance of the reference over a grid."""
 
     friction_ratios: FloatArray
     frequency_ratios: FloatArray
     transmittance_db: FloatArray
+    """Transmittance [dB], shape (friction ratios, frequency ratios); NaN where there is no steady state."""
     lower: FloatArray
     upper: FloatArray
+    """Edges of the attenuation band at each friction ratio, between grid points by interpolation of the transmittance
+    in dB; NaN where the grid does not hold them."""
 
     @property
     def known(self) -> int:

@@ -9,15 +9,12 @@ import numpy as np
 
 from engines.interface.law import NotModelled
 from engines.interface.variant import Variant
-from engines.law_command import FREQUENCY_RATIOS, FRICTION_RATIOS
-from engines.shared.law_distance import allowed_distance, stepped_by
+from engines.shared.law_distance import FREQUENCY_RATIOS, FRICTION_RATIOS, allowed_distance, stepped_by
 from reference_lcp.validation import FloatArray
-from scenarios.execution.evaluator import Evaluator
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.task import LawPeriodTask, SteadyStateTask, versions_of
 from scenarios.tables import Column, csv_text, full_table, markdown_lines, text_table
-from scenarios.tasks.law_period import LawPeriodTask
-from scenarios.tasks.result import Result, ResultStatus
-from scenarios.tasks.task import SteadyStateTask
-from scenarios.tasks.versions import versions_of
 from scenarios.verdicts.steady_case import REFERENCE
 
 POINTS = tuple((friction, frequency) for friction in FRICTION_RATIOS for frequency in FREQUENCY_RATIOS)
@@ -29,32 +26,20 @@ class LawAgreement:
     """What a variant departs by from the reference at equal step, and what its law leaves of it.
 
     The law of a variant that takes the reference's own step is that step: nothing is left to predict of a departure.
-
-    Parameters
-    ----------
-    variant
-        The variant.
-    reason
-        Why its steps are not modelled; empty where they are.
-    departure, error
-        Largest difference of its transmittance from the reference's, and from its law's [dB], over the points that are
-        certified in both; NaN without any.
-    stuck_fraction
-        Largest difference of a stuck fraction from the law's.
-    period
-        Distance from the law after a period from the same state, over U0, at every point where the law claims to hold.
-    bound
-        What the law allows of it.
-    certified
-        Points that are certified in engine and law.
     """
 
     variant: Variant
     reason: str
+    """Why its steps are not modelled; empty where they are."""
     departure: float
     error: float
+    """Largest difference of its transmittance from the reference's, and from its law's [dB], over the points that are
+    certified in both; NaN without any."""
     stuck_fraction: float
+    """Largest difference of a stuck fraction from the law's."""
     period: FloatArray
+    """Distance from the law after a period from the same state, over U0, at every point where the law claims to
+    hold."""
     bound: float
     certified: int
 
@@ -106,7 +91,7 @@ def _differences(own: Sequence[Result], others: Sequence[Result]) -> tuple[float
     if not pairs:
         return np.nan, np.nan, 0
     levels = [abs(one.transmittance_db - other.transmittance_db) for one, other in pairs]
-    stuck = [np.max(np.abs(np.subtract(one.stuck_fraction, other.stuck_fraction))) for one, other in pairs]
+    stuck = [one.stuck_difference(other) for one, other in pairs]
     return float(max(levels)), float(max(stuck)), len(pairs)
 
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from statistics import median
 
 from engines.interface.variant import Variant
-from scenarios.execution.evaluator import Evaluator
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.parameters import Excitation, OperatingPoint
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
 from scenarios.studies.accuracy import ORDER_STEPS, SIX_POINTS, point_of, task_at, transmittance_error_db
-from scenarios.tasks.parameters import Excitation, OperatingPoint
-from scenarios.tasks.result import Result, ResultStatus
-from scenarios.tasks.task import DEFAULT_EXCITATION, SteadyStateTask
 from scenarios.verdicts.steady_case import EXACT
 
 FINEST_STEPS = (3200, 6400)
@@ -25,35 +25,22 @@ STILL_FALLS = 0.9
 
 @dataclass(frozen=True)
 class StepPoint:
-    """One variant at one number of steps a period, over the six stick–slip points.
-
-    Parameters
-    ----------
-    variant, steps_per_period
-        Which one, and how finely.
-    error_db
-        Largest error of transmittance against the exact motion [dB], over the certified points; NaN without any.
-    step_seconds
-        Wall-clock time of a step of one chain [s], the search for the steady state with all its work over the steps
-        that it simulated; the median of the points.
-    seconds
-        Wall-clock time to the certified steady state [s], the median of the points.
-    certified
-        Points whose steady state was found.
-    evaluated
-        Points that have a result at all, with a steady state or without.
-    reason
-        Why the first point that is blocked has no result; empty if there is none.
-    """
+    """One variant at one number of steps a period, over the six stick–slip points."""
 
     variant: Variant
     steps_per_period: int
     error_db: float
+    """Largest error of transmittance against the exact motion [dB], over the certified points; NaN without any."""
     step_seconds: float
+    """Wall-clock time of a step of one chain [s], the search for the steady state with all its work over the steps that
+    it simulated; the median of the points."""
     seconds: float
+    """Wall-clock time to the certified steady state [s], the median of the points."""
     certified: int
     evaluated: int
+    """Points that have a result at all, with a steady state or without."""
     reason: str
+    """Why the first point that is blocked has no result; empty if there is none."""
 
 
 def step_tasks(
@@ -74,23 +61,9 @@ def step_study(
     excitation: Excitation = DEFAULT_EXCITATION,
     steps: Sequence[int] = ORDER_STEPS,
 ) -> tuple[StepPoint, ...]:
-    """Compare every variant at the six points, at every number of steps, with the exact motion.
+    """Compare every variant at the six points with the exact motion, by variant and ascending numbers of steps.
 
-    Parameters
-    ----------
-    variants
-        Which ones.
-    evaluator
-        Gives the results, those of the exact motion too; a point without it has no error.
-    excitation
-        What drives the chain, here and in the exact motion.
-    steps
-        Steps a period, ascending.
-
-    Returns
-    -------
-    tuple of StepPoint
-        By variant, then by number of steps; what has no result at all is there with ``evaluated`` zero.
+    A point without an exact motion has no error; what has no result at all is there with ``evaluated`` zero.
     """
     exact_tasks = exact_step_tasks(excitation)
     tasks = {variant: step_tasks(variant, excitation, steps) for variant in variants}
@@ -107,20 +80,7 @@ def step_study(
 def thrifty_step_study(
     variants: Sequence[Variant], evaluator: Evaluator, stored: Evaluator, excitation: Excitation, steps: Sequence[int]
 ) -> list[StepPoint]:
-    """Compare as `step_study` does, at `FINEST_STEPS` only where the error still falls.
-
-    Parameters
-    ----------
-    variants, evaluator, excitation, steps
-        As of `step_study`.
-    stored
-        Gives what is known already, at any of `STUDY_STEPS`: all of it is in the study.
-
-    Returns
-    -------
-    list of StepPoint
-        By variant, then by number of steps; without those that nothing is known of.
-    """
+    """Compare as `step_study` does, at `FINEST_STEPS` only where the error still falls, and with all that is stored."""
     study: dict[tuple[Variant, int], StepPoint] = {}
 
     def add(source: Evaluator, chosen: Sequence[Variant], numbers: Sequence[int]) -> None:

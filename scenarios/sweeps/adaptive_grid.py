@@ -16,9 +16,9 @@ import numpy as np
 from pydantic import ConfigDict, Field
 from scipy.interpolate import PchipInterpolator
 
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import LARGEST_PARAMETER, FloatArray, checked_count, checked_scalar
-from scenarios.tasks.parameters import Decibel, Positive
+from scenarios.runs.parameters import Decibel, Positive
 from scenarios.verdicts.finding import FLOOR_DB
 
 START_POINTS = 17
@@ -44,32 +44,19 @@ the accuracy at 0.5 and 2 dB.
 
 @dataclass(frozen=True, kw_only=True)
 class AdaptiveAxis:
-    """Frequency ratios from the first to the last, as many as the accuracy needs.
-
-    Parameters
-    ----------
-    first, last
-        Ends of the axis in η_r, 0 < first < last.
-    accuracy_db
-        Largest error of the interpolated curve [dB], > 0, of `level` as a function of η_r.
-    least_spacing
-        Smallest distance of neighbours in η_r, > 0; what is sharper is left unresolved.
-    most_points
-        Points of a curve at which refinement ends, >= `START_POINTS`.
-
-    Raises
-    ------
-    ParameterError
-        If a number is outside its range.
-    """
+    """Frequency ratios from the first to the last, as many as the accuracy needs."""
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 
     first: Positive
     last: Positive
+    """Ends of the axis in η_r, 0 < first < last."""
     accuracy_db: Decibel
+    """Largest error of the interpolated curve [dB], > 0, of `level` as a function of η_r."""
     least_spacing: Positive = LEAST_SPACING
+    """Smallest distance of neighbours in η_r, > 0; what is sharper is left unresolved."""
     most_points: Annotated[int, Field(ge=START_POINTS, le=MOST_VALUES, strict=True)] = MOST_POINTS
+    """Points of a curve at which refinement ends, >= `START_POINTS`."""
 
     def __post_init__(self) -> None:
         for name in ("first", "last", "accuracy_db", "least_spacing"):
@@ -95,21 +82,10 @@ def level(transmittance_db: float) -> float:
 
 
 class AdaptiveCurve:
-    """The points of one curve, and those that it needs next.
+    """The points of one curve, and those that it needs next: `due`, which is empty once the curve is done.
 
-    Parameters
-    ----------
-    axis
-        Ends, accuracy and limits.
-    peaks
-        Frequencies of narrow peaks that are known beforehand.
-
-    Attributes
-    ----------
-    due
-        Frequencies to be evaluated now; none when the curve is done.
-    resolved
-        Whether no interval was left as it is for the sake of spacing or number of points.
+    `peaks` are frequencies of narrow peaks that are known beforehand. The curve is `resolved` if no interval was left
+    as it is for the sake of spacing or number of points.
     """
 
     def __init__(self, axis: AdaptiveAxis, peaks: Iterable[float] = ()):

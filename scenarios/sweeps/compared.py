@@ -10,9 +10,8 @@ import pandas as pd
 from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
 from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.edges import BandEdge, band_edges
+from scenarios.sweeps.edges import BandEdge, band_edges, largest_amplification, refined_edges
 from scenarios.sweeps.predictions import predicted, predicted_edges
-from scenarios.sweeps.refined_edges import largest_amplification, refined_edges
 from scenarios.sweeps.refinement import chosen_frequencies, decided_db, for_the_band, frequencies_of, refined
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.sweeps.table import (
@@ -40,26 +39,17 @@ Curve = tuple[FloatArray, FloatArray]
 
 @dataclass(frozen=True)
 class ComparedSweep:
-    """The results of a sweep, judged.
-
-    Parameters
-    ----------
-    sweep
-        The sweep.
-    table
-        Every point of every variant, by variant, case and frequency, judged; see `scenarios.sweeps.table`. The grid of
-        each case is that of the sweep, resolved where a curve needs more points.
-    edges
-        Both edges of every curve; empty where nothing could refine them.
-    dense_reference
-        For each case, η_r (`DENSE_FREQUENCY_RATIOS`) and transmittance [dB] of the reference at the common time step,
-        to be drawn as a line; cases without any are left out.
-    """
+    """The results of a sweep, judged."""
 
     sweep: Sweep
     table: pd.DataFrame
+    """Every point of every variant, by variant, case and frequency, judged; see `scenarios.sweeps.table`. The grid of
+    each case is that of the sweep, resolved where a curve needs more points."""
     edges: tuple[BandEdge, ...] = ()
+    """Both edges of every curve; empty where nothing could refine them."""
     dense_reference: Mapping[Case, Curve] = field(default_factory=dict)
+    """For each case, η_r (`DENSE_FREQUENCY_RATIOS`) and transmittance [dB] of the reference at the common time step, to
+    be drawn as a line; cases without any are left out."""
 
     @cached_property
     def points(self) -> list[Point]:
@@ -108,12 +98,7 @@ class ComparedSweep:
 def compare_sweep(sweep: Sweep, evaluator: GivesResults) -> ComparedSweep:
     """Evaluate the grid, resolve it, judge every point, refine the edges of every curve, and ask the laws of variants.
 
-    Parameters
-    ----------
-    sweep
-        The sweep; the converged reference is among its variants, see `Sweep.with_reference`.
-    evaluator
-        Gives the results.
+    The converged reference is among the variants, see `Sweep.with_reference`.
     """
     table = judged(sweep, with_results(sweep, resolved_grid(sweep, evaluator), evaluator))
     refined = refined_edges(sweep, table, evaluator, largest_amplification(table))

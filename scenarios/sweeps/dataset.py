@@ -3,7 +3,8 @@
 import itertools
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -11,21 +12,19 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from pydantic import TypeAdapter
+from pydantic import ConfigDict, TypeAdapter
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from reference_lcp.observables.stick_slip import Mode
 from reference_lcp.output import write_whole
 from reference_lcp.validation import FloatArray
+from scenarios.runs.result import Result, ResultStatus
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import Point, points_of, results_at
 from scenarios.tables import csv_text
-from scenarios.tasks.result import ResultStatus
-from scenarios.verdicts.finding import TRANSMITTANCE, Metric
-from scenarios.verdicts.phase import PHASE
-from scenarios.verdicts.pointwise import own_error_db, refinements
-from scenarios.verdicts.verdict import Verdict
+from scenarios.verdicts.finding import PHASE, TRANSMITTANCE, Metric, Prediction, Verdict
+from scenarios.verdicts.pointwise import own_error_db
 
 DISTRIBUTION = "multibody-xval"
 
@@ -44,6 +43,29 @@ PREDICTED = ((TRANSMITTANCE, "db", "dB"), (PHASE, "phase", "degree"))
 
 SWEEP = TypeAdapter(Sweep)
 """Reads and writes a sweep as JSON."""
+
+
+@dataclass(frozen=True)
+class StoredPoint:
+    """What is known of a point, its findings but for what judging it again gives."""
+
+    __pydantic_config__ = ConfigDict(extra="forbid", ser_json_inf_nan="constants")
+
+    result: Result
+    others: tuple[Result, ...] = ()
+    predictions: Mapping[str, Prediction] = field(default_factory=dict)
+    """What the law of the variant says, by the name of the metric."""
+
+
+STORED_POINT = TypeAdapter(StoredPoint)
+"""Reads and writes a point as JSON."""
+
+
+def stored_text(point: Point) -> str:
+    """Give a point as JSON."""
+    predictions = {own.metric.name: own.prediction for own in point.findings if own.prediction is not None}
+    return STORED_POINT.dump_json(StoredPoint(point.result, point.others, predictions)).decode()
+
 
 _AXES = {
     "friction_ratio": "friction bound over k_c U0, μ λ_N / (k_c U0)",
@@ -154,10 +176,10 @@ def sweep_dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) 
         ``law_allowed_db``, the same of the phase, and ``law_distance`` after a period; ``status`` and ``verdict``
         (numbers, see their attributes; a verdict of −1 where the sweep has no point), ``reason``, ``residual``,
         ``periods``, ``multiple``, ``steps_per_period``, ``period`` [s], ``stuck_fraction`` of each contact along
-        ``cell`` and its mean, ``creep``, ``seconds``; changes of mode along ``transition``, results with other numbers
-        of steps along ``refinement``. NaN
-        where there is no number; points that are not evaluated have the status ``missing``. Attributes: the fixed
-        ratios, the drive, versions and options of every variant, and the sweep as JSON.
+        ``cell`` and its mean, ``creep``, ``seconds``; changes of mode along ``transition``. ``stored`` has everything
+        that is known of a point, as JSON: reports are made of it. NaN where there is no number; points that are not
+        evaluated have the status ``missing``. Attributes: the fixed ratios, the drive, versions and options of every
+        variant, and the sweep as JSON.
     """
     index = {point: number for number, point in enumerate(sweep.grid_points())}
     points = points_of(table)
@@ -167,7 +189,7 @@ def sweep_dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) 
         "transmittance_error_db": ((), errors, {"units": "dB", "long_name": "error of the step, from other steps"}),
         **_of_points(points),
         **_of_contacts(points),
-        **_of_steps(sweep, points),
+        "stored": ((), np.array(list(map(stored_text, points)), dtype=object), {"long_name": "the point, as JSON"}),
     }
     grid = ("variant", *sweep.axes)
     sizes = tuple(len(values) for values in (sweep.variants, *sweep.axes.values()))
@@ -183,7 +205,7 @@ def sweep_dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) 
     return xr.Dataset(variables, coords=_coordinates(sweep, cells), attrs=_attributes(sweep, store))
 
 
-_ABSENT = {"status": STATUSES.index(ResultStatus.MISSING), "verdict": NO_POINT, "reason": ""}
+_ABSENT = {"status": STATUSES.index(ResultStatus.MISSING), "verdict": NO_POINT, "reason": "", "stored": ""}
 """Where the sweep has no point; NaN in all other variables."""
 
 
@@ -233,34 +255,6 @@ def _of_contacts(points: Sequence[Point]) -> Arrays:
     }
 
 
-def _of_steps(sweep: Sweep, points: Sequence[Point]) -> Arrays:
-    """Give results with other numbers of steps, where there are any."""
-    factors = factors_of(sweep)
-    if not factors:
-        return {}
-    level, phase, steps = (np.full((len(points), len(factors)), math.nan) for _ in range(3))
-    for number, point in enumerate(points):
-        for factor, other in zip(refinements(point.variant, sweep.tolerance), point.others, strict=True):
-            if other.converged:
-                level[number, factors.index(factor)] = other.transmittance_db
-                phase[number, factors.index(factor)] = other.phase
-                steps[number, factors.index(factor)] = other.steps_per_period
-    return {
-        "refined_transmittance_db": (
-            ("refinement",), level, {"units": "dB", "long_name": "transmittance with other numbers of steps"},
-        ),
-        "refined_phase": (("refinement",), phase, {"units": "rad", "long_name": "phase with other numbers of steps"}),
-        "refined_steps_per_period": (
-            ("refinement",), steps, {"units": "1", "long_name": "steps a period that were taken"},
-        ),
-    }  # fmt: skip
-
-
-def factors_of(sweep: Sweep) -> list[float]:
-    """Give with how many times the steps any variant is simulated too, ascending."""
-    return sorted({factor for variant in sweep.variants for factor in refinements(variant, sweep.tolerance)})
-
-
 def _padded(rows: Sequence[Sequence[float]]) -> FloatArray:
     """Give rows of unequal lengths as one array, with NaN at their ends."""
     return np.array(list(itertools.zip_longest(*rows, fillvalue=math.nan)), dtype=np.float64).reshape(-1, len(rows)).T
@@ -285,9 +279,7 @@ def _coordinates(sweep: Sweep, cells: int) -> dict[str, Any]:
         for name, (read, text) in _PARTS.items()
     }
     cell = ("cell", np.arange(1, cells + 1), {"units": "1", "long_name": "cell, from the base on"})
-    factors = factors_of(sweep)
-    steps = ("refinement", factors, {"units": "1", "long_name": "steps a period over those of the sweep"})
-    return {"variant": variant, **parts, "cell": cell, **axes, **({"refinement": steps} if factors else {})}
+    return {"variant": variant, **parts, "cell": cell, **axes}
 
 
 def _version(variant: Variant) -> str:
@@ -355,7 +347,8 @@ def write_dataset(data: xr.Dataset, file: Path) -> None:
         write_whole(file, bytes(data.to_netcdf(engine="h5netcdf")))
         return
     grid = data.status.dims
-    plain = data[[name for name, values in data.data_vars.items() if values.dims == grid]].reset_coords(drop=True)
+    columns = [name for name, values in data.data_vars.items() if values.dims == grid and name != "stored"]
+    plain = data[columns].reset_coords(drop=True)
     table = plain.to_dataframe(dim_order=list(grid)).reset_index()
     table["status"] = [str(STATUSES[number]) for number in table["status"]]
     table["verdict"] = ["" if number < 0 else str(VERDICTS[number]) for number in table["verdict"]]

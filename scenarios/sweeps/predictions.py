@@ -12,8 +12,9 @@ from dataclasses import replace
 import pandas as pd
 
 from engines.interface.variant import Variant
-from scenarios.sweeps.edges import BandEdge
-from scenarios.sweeps.refined_edges import RefinedEdges, largest_amplification, refined_edges
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.task import LawPeriodTask
+from scenarios.sweeps.edges import BandEdge, RefinedEdges, largest_amplification, refined_edges
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import (
     GivesResults,
@@ -25,12 +26,9 @@ from scenarios.sweeps.table import (
     table_of,
     with_columns,
 )
-from scenarios.tasks.law_period import LawPeriodTask
-from scenarios.tasks.result import Result, ResultStatus
-from scenarios.verdicts.finding import Finding
+from scenarios.verdicts.finding import Comparison, Finding, Verdict
 from scenarios.verdicts.pointwise import PointResults, baseline, point_findings, point_resolution
 from scenarios.verdicts.prediction import LawPeriod, needs_prediction, with_predictions
-from scenarios.verdicts.verdict import Comparison, Verdict
 
 
 def predicted(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> pd.DataFrame:
@@ -90,19 +88,7 @@ def _with_resolution(findings: Iterable[Finding], known: PointResults) -> list[F
 def predicted_edges(
     sweep: Sweep, table: pd.DataFrame, edges: Sequence[BandEdge], refined: RefinedEdges, evaluator: GivesResults
 ) -> tuple[BandEdge, ...]:
-    """Give judged edges, those that disagree with what the law of the variant says.
-
-    Parameters
-    ----------
-    sweep, table
-        The sweep and its points.
-    edges
-        The edges of the variants, as `scenarios.sweeps.edges.band_edges` judges them.
-    refined
-        Where edges are, without those of laws.
-    evaluator
-        Runs the laws' curves.
-    """
+    """Give judged edges, those that disagree with what the law of the variant says."""
     open_edges = [edge for edge in edges if edge.comparison.verdict is Verdict.DISAGREE and edge.variant.law]
     if not open_edges:
         return tuple(edges)

@@ -6,15 +6,40 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
+import scipy.linalg
 
 from engines.interface.variant import Variant
+from reference_lcp.chain.linear_response import stuck_basis
+from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import FloatArray
+from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.result import Result
 from scenarios.sweeps.adaptive_grid import AdaptiveCurve
 from scenarios.sweeps.attenuation_band import unresolved
-from scenarios.sweeps.resonances import resonances
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.sweeps.table import GivesResults, GridPoint, grid_points_of, table_of, with_columns
-from scenarios.tasks.result import Result
+
+
+def resonances(ratios: ChainRatios) -> FloatArray:
+    """Natural frequencies over ω_r of the chain with free and with stuck contacts, ascending.
+
+    Between them, the transmittance of every friction ratio is smooth; narrow peaks are at them.
+    """
+    chain = ratios.chain(0.0)
+    return np.sort(np.concatenate([free_resonances(ratios), _in_subspace(chain, stuck_basis(chain))]))
+
+
+def free_resonances(ratios: ChainRatios) -> FloatArray:
+    """Natural frequencies over ω_r of the chain without friction, ascending; shape (2n,)."""
+    chain = ratios.chain(0.0)
+    return _in_subspace(chain, np.eye(2 * chain.cells))
+
+
+def _in_subspace(chain: Chain, basis: FloatArray) -> FloatArray:
+    """Natural frequencies over ω_r in the subspace of `basis`, ascending."""
+    stiffness, mass = (basis.T @ matrix @ basis for matrix in (chain.stiffness_matrix, chain.mass_matrix))
+    return np.sqrt(scipy.linalg.eigh(stiffness, mass, eigvals_only=True)) / chain.resonator_frequency
+
 
 Propose = Callable[[pd.DataFrame], Sequence[GridPoint]]
 """Gives the points that a table still needs; none when it is done."""
@@ -71,13 +96,7 @@ def for_the_band(sweep: Sweep) -> Propose:
 
 
 class ForTheAccuracy:
-    """Proposes points until every curve can be interpolated with the accuracy of an adaptive axis.
-
-    Parameters
-    ----------
-    sweep
-        Whose curves, one a variant and case, are to be interpolated.
-    """
+    """Proposes points until every curve can be interpolated with the accuracy of an adaptive axis."""
 
     def __init__(self, sweep: Sweep):
         assert sweep.frequencies is not None

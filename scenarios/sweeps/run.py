@@ -1,20 +1,131 @@
-"""Sweeps as they are: every variant at its own points, nothing beside them."""
+"""Sweeps as they are: run with what their verdicts need, summed up, and noted in the store of their results."""
 
-from collections.abc import Iterator
-from dataclasses import replace
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
+from pydantic import ValidationError
 
-from scenarios.execution.evaluator import Evaluator, StoredResults
-from scenarios.execution.storage.store import ResultStore
+from engines.interface.variant import Variant
+from reference_lcp.errors import ParameterError
+from scenarios.runs.evaluator import Evaluator, StoredResults
+from scenarios.runs.executor import Executor
+from scenarios.runs.parameters import first_error
+from scenarios.runs.progress import CountingEvaluator, ProgressBars
+from scenarios.runs.result import ResultStatus, ResultSummary, repetition
+from scenarios.runs.store import ResultStore, existing_store
+from scenarios.runs.task import SteadyStateTask
+from scenarios.sweeps.dataset import SWEEP
 from scenarios.sweeps.predictions import predicted
 from scenarios.sweeps.refinement import ForTheAccuracy, refined
-from scenarios.sweeps.summary import SweepSummary
-from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.table import grid, judged, with_results
-from scenarios.tasks.result import ResultSummary
-from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.pointwise import refinements
+from scenarios.sweeps.sweep import Sweep, baseline_of
+from scenarios.sweeps.table import Point, grid, judged, tasks_of, with_results
+from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
+from scenarios.verdicts.pointwise import CONVERGED, refinements
+
+
+@dataclass
+class SweepSummary:
+    """Counts over all points; the points themselves are in the store."""
+
+    statuses: Counter[tuple[Variant, ResultStatus]] = field(default_factory=Counter)
+    reasons: Counter[tuple[Variant, str]] = field(default_factory=Counter)
+    """Points without a steady state by variant and reason."""
+    periods: Counter[tuple[Variant, int]] = field(default_factory=Counter)
+    """Points with a steady state by variant and number of periods."""
+    unresolved: Counter[Variant] = field(default_factory=Counter)
+    """Curves of an adaptive grid, by variant, that ended at its least spacing or at its most points."""
+
+    def add(self, variant: Variant, ended: ResultSummary) -> None:
+        """Count a point."""
+        self.statuses[variant, ended.status] += 1
+        if ended.status == ResultStatus.CONVERGED:
+            self.periods[variant, ended.periods] += 1
+        else:
+            self.reasons[variant, reason_of(ended)] += 1
+
+    def quantile_of_periods(self, variant: Variant, part: float) -> int | None:
+        """Give the fewest periods that suffice for this part of the points with a steady state; ``None`` without."""
+        counts = sorted((periods, count) for (owner, periods), count in self.periods.items() if owner == variant)
+        if not counts:
+            return None
+        reached = np.cumsum([count for _, count in counts])
+        return counts[int(np.searchsorted(reached, part * reached[-1]))][0]
+
+
+def reason_of(ended: ResultSummary) -> str:
+    """Give the reason why a point has no steady state, in words."""
+    if ended.status == ResultStatus.PERIOD_LIMIT:
+        return f"period limit{repetition(ended.multiple)}"
+    return ended.reason or ended.status
+
+
+@dataclass
+class VerdictSummary:
+    """The verdicts of one variant, counted."""
+
+    counts: Counter[Verdict] = field(default_factory=Counter)
+    """Points by verdict; those that are not evaluated, of the variant or of its baseline, are not among them."""
+    largest: Point | None = None
+    """Point of the largest difference [dB] where both have a steady state; ``None`` without any."""
+
+    def add(self, point: Point) -> None:
+        """Count a point."""
+        self.counts[point.comparison.verdict] += 1
+        size = abs(point.difference(TRANSMITTANCE))
+        if not math.isnan(size) and (self.largest is None or size > abs(self.largest.difference(TRANSMITTANCE))):
+            self.largest = point
+
+
+def verdict_summaries(sweep: Sweep, points: Iterable[Point]) -> dict[Variant, VerdictSummary]:
+    """Sum up the judged points of every variant but the baseline, where both are evaluated."""
+    baseline = baseline_of(sweep.variants)
+    if baseline is None:
+        return {}
+    every = list(points)
+    evaluated = {point[:3] for point in every if point.result.status is not ResultStatus.MISSING}
+    summaries = {variant: VerdictSummary() for variant in sweep.variants if variant != baseline}
+    for point in every:
+        if point.variant != baseline and {point[:3], (baseline, *point[1:3])} <= evaluated:
+            summaries[point.variant].add(point)
+    return summaries
+
+
+def evaluate_sweep(
+    sweep: Sweep, store: ResultStore, executor: Executor, *, verdicts: bool, retry_blocked: bool = False
+) -> SweepSummary:
+    """Run what the store lacks of a sweep, with progress bars; for its `verdicts`, what they need beside the points.
+
+    That is other numbers of steps, where the converged reference takes part, and the laws of variants that disagree.
+    Without verdicts, neither points nor results are in memory together.
+    """
+    compared = verdicts and CONVERGED in sweep.variants
+    start: list[SteadyStateTask] = []
+    if sweep.frequencies is not None:
+        start = [sweep.task(*point) for point in ForTheAccuracy(sweep).due()]
+    elif verdicts:
+        start = [*sweep.tasks(), *(refined_tasks(sweep) if compared else [])]
+    with (
+        ProgressBars(sweep.variants) as bars,
+        CountingEvaluator(store, executor, start, bars, retry_blocked=retry_blocked) as evaluator,
+    ):
+        if not start:
+            for variant in sweep.variants:
+                bars.expect(variant, sweep.points // len(sweep.variants))
+        evaluator.stage("points")
+        summary = run_sweep(sweep, evaluator)
+        if compared:
+            evaluator.stage("other numbers of steps")
+            evaluator.evaluate(tasks_of(*stored_table(sweep, store)))
+        if verdicts:
+            evaluator.stage("laws of variants that disagree")
+            predicted(*stored_table(sweep, store), evaluator)
+        return summary
 
 
 def run_sweep(sweep: Sweep, evaluator: Evaluator) -> SweepSummary:
@@ -56,3 +167,50 @@ def stored_table(sweep: Sweep, store: ResultStore) -> tuple[Sweep, pd.DataFrame]
         etas = tuple(sorted(set(table["frequency_ratio"])))
         whole = replace(sweep, axes={**sweep.axes, "frequency_ratio": etas})
     return whole, predicted(whole, judged(whole, with_results(whole, table, evaluator)), evaluator)
+
+
+def note_sweep(store: ResultStore, sweep: Sweep) -> None:
+    """Write a sweep into the store of its results, as the latest one."""
+    store.note(SWEEP.dump_json(sweep).decode())
+
+
+@dataclass(frozen=True)
+class NotedSweeps:
+    """What a store knows of the sweeps whose results it holds."""
+
+    sweep: Sweep
+    """The latest one, with the variants of all others of the same points."""
+    others: tuple[Sweep, ...] = ()
+
+
+def noted_sweeps(file: Path) -> NotedSweeps:
+    """Give the sweeps that were noted in a store."""
+    with ResultStore(existing_store(file)) as store:
+        store.check_pages()
+        texts = store.noted()
+    if not texts:
+        raise ParameterError(f"store {file} holds no sweep; allowed: a store of a sweep or of a report")
+    merged: list[Sweep] = []
+    for text in texts:
+        read = _read(file, text)
+        same = next((n for n, each in enumerate(merged) if _points(each) == _points(read)), None)
+        if same is None:
+            merged.append(read)
+        else:
+            variants = dict.fromkeys((*merged[same].variants, *read.variants))
+            merged[same] = replace(merged[same], variants=tuple(variants))
+    return NotedSweeps(merged[0], tuple(merged[1:]))
+
+
+def _read(file: Path, text: str) -> Sweep:
+    try:
+        return SWEEP.validate_json(text)
+    except ValidationError as problem:
+        error = first_error(problem, "what a sweep that was noted has")
+        raise ParameterError(f"store {file}: its sweep cannot be read: {error}") from None
+
+
+def _points(sweep: Sweep) -> dict[str, Any]:
+    """Give everything of a sweep but its variants, whatever the order of its values."""
+    content = vars(sweep.ascending())
+    return {each.name: content[each.name] for each in fields(Sweep) if each.name != "variants"}

@@ -9,22 +9,20 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
 
-from engines.interface.selection import variants_named
-from engines.interface.variant import Variant
-from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.refusal import ParameterError, checked_path
+from engines.interface.variant import Variant, variants_named
+from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.validation import LARGEST_PARAMETER, MOST_STEPS
+from scenarios.runs.parameters import DEFAULT_AMPLITUDE, ChainRatios, Decibel, Excitation, Positive, first_error
 from scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
 from scenarios.sweeps.sweep import Sweep, baseline_of
-from scenarios.tasks.parameters import DEFAULT_AMPLITUDE, ChainRatios, Decibel, Excitation, Positive
-from scenarios.tasks.validation_message import first_error
 from scenarios.verdicts.pointwise import GivenTolerance
 
 EXAMPLE = """\
 # A sweep: every combination of the values under [grid], by every engine.
 #
-#   python -m scenarios example > sweep.toml
-#   python -m scenarios sweep sweep.toml --store sweep.sqlite --out sweep.nc
+#   multibody-xval example > sweep.toml
+#   multibody-xval sweep sweep.toml --store sweep.sqlite --out sweep.nc
 
 # Engines: ENGINE[:FORMULATION[:PRESET]], joint and tuned where they are left out; all in place of a part is every one.
 # Options that are changed follow, such as "mujoco:noslip_iterations=3".
@@ -106,30 +104,14 @@ _WHOLE = ("cells", "steps_per_period")
 
 
 class SweepFile(_Table):
-    """The content of a sweep file, as `EXAMPLE` shows it.
-
-    Parameters
-    ----------
-    engines
-        Names of variants, see `variants_named`.
-    grid
-        Values by parameter.
-    chain, drive, steps_per_period
-        What is not varied.
-    tolerances
-        What counts as agreement; ``None`` for no comparison.
-
-    Raises
-    ------
-    ValidationError
-        If a value is not allowed.
-    """
+    """The content of a sweep file, as `EXAMPLE` shows it."""
 
     engines: Annotated[list[str], Field(min_length=1)]
     grid: dict[str, _Axis]
     chain: ChainRatios = ChainRatios()
     drive: _Drive = _Drive()
     tolerances: _Tolerances | None = None
+    """What counts as agreement; ``None`` for no comparison."""
     steps_per_period: Annotated[int, Field(ge=FEWEST_STEPS_PER_PERIOD, le=MOST_STEPS)] = MINIMUM_STEPS_PER_PERIOD
 
     @model_validator(mode="after")
@@ -181,19 +163,7 @@ class SweepFile(_Table):
 
 
 def read_sweep(file: Path) -> Sweep:
-    """Read a sweep.
-
-    Parameters
-    ----------
-    file
-        TOML, as `EXAMPLE` shows it.
-
-    Raises
-    ------
-    ParameterError
-        If the file cannot be read, is no TOML, or contains something that is not allowed; the message names the file,
-        the key, the value and what is allowed.
-    """
+    """Read a sweep, TOML as `EXAMPLE` shows it; a `ParameterError` names file, key, value, and what is allowed."""
     try:
         with checked_path("sweep", file).open("rb") as opened:
             text = opened.read(LARGEST_FILE + 1)
@@ -210,7 +180,7 @@ def read_sweep(file: Path) -> Sweep:
     try:
         return SweepFile.model_validate(content).sweep
     except ValidationError as problem:
-        raise ParameterError(f"{file}: {first_error(problem, 'what `python -m scenarios example` shows')}") from None
+        raise ParameterError(f"{file}: {first_error(problem, 'what `multibody-xval example` shows')}") from None
 
 
 def _values(written: list[float] | _Range | AdaptiveAxis) -> Sequence[float]:

@@ -1,7 +1,7 @@
 """Whether steady states depend on where their search began: a sample of points, searched from harmonic balance too.
 
 The search for an engine's steady state begins at that of its law, or beside the reference's, see
-`scenarios.execution.computation.law_start`. Friction under a given normal force has one steady state; an engine whose
+`scenarios.runs.steady`. Friction under a given normal force has one steady state; an engine whose
 step is not monotone may have several, and the search would find the one that the model predicts. A sample of every
 variant is therefore searched from harmonic balance as well. Where one point of it ends elsewhere, all points of the
 variant that have a steady state are searched both ways, and those that differ are undecided.
@@ -14,14 +14,13 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from engines.interface.variant import Variant
-from scenarios.execution.computation.law_start import begins_beside
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.steady import begins_beside
+from scenarios.runs.task import Start
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.table import GivesResults, Point, with_columns
-from scenarios.tasks.result import Result, ResultStatus
-from scenarios.tasks.task import Start
-from scenarios.verdicts.finding import Finding
+from scenarios.verdicts.finding import Comparison, Finding, Verdict
 from scenarios.verdicts.pointwise import PointResults, amplitude_left_open
-from scenarios.verdicts.verdict import Comparison, Verdict
 
 SHARE = 0.05
 """Part of a variant's points that are searched both ways."""
@@ -32,43 +31,21 @@ LEAST_POINTS = 20
 
 @dataclass(frozen=True)
 class StartCheck:
-    """What became of the points of one variant that were searched from harmonic balance too.
-
-    Parameters
-    ----------
-    variant
-        The variant.
-    searched
-        Points that were searched both ways, and whose both searches ended in a steady state.
-    elsewhere
-        Points of them whose steady states differ.
-    """
+    """What became of the points of one variant that were searched from harmonic balance too."""
 
     variant: Variant
     searched: int
+    """Points that were searched both ways, and whose both searches ended in a steady state."""
     elsewhere: int
 
 
 def check_starts(
     result: ComparedSweep, evaluator: GivesResults, least: int = LEAST_POINTS
 ) -> tuple[ComparedSweep, tuple[StartCheck, ...]]:
-    """Search a sample of every variant from harmonic balance too.
+    """Search a sample of every variant from harmonic balance too, `least` points of each or all that it has.
 
-    Parameters
-    ----------
-    result
-        The sweep, whose searches began at laws.
-    evaluator
-        Runs the searches.
-    least
-        Fewest points of a variant, >= 1; all where it has no more.
-
-    Returns
-    -------
-    ComparedSweep
-        The same, with points that have two steady states undecided.
-    tuple of StartCheck
-        One a variant but for the suite's own models.
+    Gives the sweep with points that have two steady states undecided, and a check of each variant but the suite's
+    models.
     """
     samples = {variant: _sample(result, variant, least) for variant in result.sweep.variants if begins_beside(variant)}
     differing = _differing(result, [row for sample in samples.values() for row in sample], evaluator)

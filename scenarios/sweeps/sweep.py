@@ -8,13 +8,14 @@ from functools import cached_property
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from reference_lcp.chain.step_limits import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
-from reference_lcp.refusal import ParameterError, shown
+from reference_lcp.defaults import FEWEST_STEPS_PER_PERIOD, MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.errors import ParameterError, shown
 from reference_lcp.validation import LARGEST_PARAMETER, MOST_CELLS, MOST_STEPS, checked_array, checked_count
+from scenarios.runs.parameters import ChainRatios, Excitation
+from scenarios.runs.task import SteadyStateTask
+from scenarios.sweeps import UNCONFIRMED_POINTS
 from scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
 from scenarios.sweeps.attenuation_band import BandDefinition
-from scenarios.tasks.parameters import ChainRatios, Excitation
-from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.pointwise import CONVERGED, GivenTolerance
 from scenarios.verdicts.steady_case import REFERENCE
 
@@ -25,20 +26,18 @@ AXES = ("friction_ratio", "frequency_ratio", *CHAIN_AXES, "steps_per_period")
 BASELINES = (CONVERGED, REFERENCE)
 """What variants are compared with: the first of these that takes part."""
 
+FASTEST_SECONDS = 1e-3
+"""Time that one point takes one worker at least [s]: the reference, the fastest engine, on the canonical chain."""
+
 _COUNTS = {"cells": (1, MOST_CELLS), "steps_per_period": (FEWEST_STEPS_PER_PERIOD, MOST_STEPS)}
 _POSITIVE = ("frequency_ratio", "mass_ratio", "stiffness_ratio")
 
 
 @dataclass(frozen=True)
 class Case:
-    """One combination of the values of all axes but the frequency ratio: a curve is one variant in one case.
+    """One combination of the values of all axes but the frequency ratio: a curve is one variant in one case."""
 
-    Parameters
-    ----------
-    values
-        Pairs of axis and value, in the order of the axes; the friction ratio is among them.
-    """
-
+    # Pairs of axis and value, in the order of the axes; the friction ratio is among them.
     values: tuple[tuple[str, float], ...]
 
     @classmethod
@@ -73,41 +72,20 @@ class Case:
 
 @dataclass(frozen=True)
 class Sweep:
-    """Every combination of values of some parameters, by some variants.
-
-    Parameters
-    ----------
-    variants
-        What is compared, at least one.
-    axes
-        Values by parameter, one of `AXES` each, in the order of the dimensions; friction and frequency ratio
-        must be among them.
-    ratios
-        The chain where it is not varied.
-    steps_per_period
-        Fewest steps a period where they are not varied.
-    excitation
-        What drives the chain.
-    frequencies
-        The adaptive axis; the frequency ratios among `axes` are then only those with which every curve begins.
-    tolerance
-        By which variants are judged, where it is given; without it, it is derived at every point.
-    band
-        Definition of the attenuation band.
-
-    Raises
-    ------
-    ParameterError
-        If a variant or a parameter is unknown, a parameter is missing or outside its range, has no value or one twice.
-    """
+    """Every combination of values of some parameters, by some variants."""
 
     variants: tuple[Variant, ...]
     axes: Mapping[str, tuple[float, ...]]
+    """Values by parameter, one of `AXES` each, in the order of the dimensions; friction and frequency ratio must be
+    among them."""
     ratios: ChainRatios = field(default_factory=ChainRatios)
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
+    """Fewest steps a period where they are not varied."""
     excitation: Excitation = field(default_factory=Excitation)
     frequencies: AdaptiveAxis | None = None
+    """The adaptive axis; the frequency ratios among `axes` are then only those with which every curve begins."""
     tolerance: GivenTolerance | None = None
+    """By which variants are judged, where it is given; without it, it is derived at every point."""
     band: BandDefinition = field(default_factory=BandDefinition)
 
     def __post_init__(self) -> None:
@@ -186,6 +164,10 @@ class Sweep:
         """Give the sweep with the converged reference and the reference in front, its values ascending."""
         return replace(self.ascending(), variants=tuple(dict.fromkeys((CONVERGED, REFERENCE, *self.variants))))
 
+    def for_verdicts(self) -> "Sweep":
+        """Give the sweep with all that its verdicts need: the reference that takes part brings its converged preset."""
+        return self.with_reference() if self.tolerance is None and REFERENCE in self.variants else self
+
     def ascending(self) -> "Sweep":
         """Give the sweep with the values of every axis ascending."""
         return replace(self, axes={name: tuple(sorted(values)) for name, values in self.axes.items()})
@@ -212,3 +194,18 @@ def check_axis(name: str, values: Sequence[float]) -> None:
 def _number(name: str, value: float) -> float:
     """Give the value of an axis of whole numbers as a whole number."""
     return int(value) if name in _COUNTS and float(value).is_integer() else value
+
+
+def check_size(sweep: Sweep, *, yes: bool = False, how: str = "") -> None:
+    """Raise a `ParameterError` if a sweep has more than `UNCONFIRMED_POINTS`, without a `yes`, said as `how` tells."""
+    if sweep.points > UNCONFIRMED_POINTS and not yes:
+        more = f", or more with {how}" if how else ""
+        raise ParameterError(f"{size_text(sweep)}; allowed: <= {UNCONFIRMED_POINTS:,} points{more}")
+
+
+def size_text(sweep: Sweep) -> str:
+    """Say how many points a sweep has, and for how long they keep a worker busy at least."""
+    least = "" if sweep.frequencies is None else "at least "
+    seconds = sweep.points * FASTEST_SECONDS
+    duration = f"{seconds:.2g} s" if seconds < 60 else f"{seconds / 3600:,.3g} h"
+    return f"the sweep has {least}{sweep.points:,} points, {duration} of one worker's time or more"

@@ -12,14 +12,13 @@ from typing import NamedTuple, Protocol
 import pandas as pd
 
 from engines.interface.variant import Variant
+from scenarios.runs.result import Result
+from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.friction_effect import FrictionEffect, friction_effect
+from scenarios.verdicts.finding import Comparison, Finding, Metric
+from scenarios.verdicts.judge import FrictionEffect, friction_effect
 from scenarios.verdicts.pointwise import CONVERGED, UNBOUNDED, PointResults, decisive, point_findings, refinements
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.verdict import Comparison
 
 GridPoint = tuple[Variant, Case, float]
 """Variant, case and frequency ratio."""
@@ -33,26 +32,16 @@ class GivesResults(Protocol):
 
 
 class Point(NamedTuple):
-    """One row of a judged table.
-
-    Parameters
-    ----------
-    variant, case, frequency_ratio
-        Its point of the grid.
-    result
-        Its result.
-    others
-        Results with other numbers of steps; empty where there are none.
-    findings
-        The comparisons of its transmittance and of its phase with those of its baseline.
-    """
+    """One row of a judged table."""
 
     variant: Variant
     case: Case
     frequency_ratio: float
     result: Result
     others: tuple[Result, ...]
+    """Results with other numbers of steps; empty where there are none."""
     findings: tuple[Finding, ...]
+    """The comparisons of its transmittance and of its phase with those of its baseline."""
 
     @property
     def finding(self) -> Finding:
@@ -94,12 +83,6 @@ def points_of(table: pd.DataFrame) -> list[Point]:
             grid_points_of(table), zip(table["result"], table["others"], table["findings"], strict=True), strict=True
         )
     ]
-
-
-def judged_table(points: Sequence[Point]) -> pd.DataFrame:
-    """Give a judged table of points; the reverse of `points_of`."""
-    columns = {name: [getattr(point, name) for point in points] for name in ("result", "others", "findings")}
-    return with_columns(table_of(point[:3] for point in points), **columns)
 
 
 def with_columns(table: pd.DataFrame, **columns: Sequence[object]) -> pd.DataFrame:

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
+from scenarios.runs.result import Result
+from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.sweeps.table import GivesResults, Point
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
 from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.pointwise import CONVERGED, PointResults
+from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import EXACT, MOST_EXACT_CELLS
 from scenarios.verdicts.truth_error import TrueTransmittance, TruthError, truth_error, truth_of
 
@@ -42,17 +42,11 @@ def exact_tasks(sweep: Sweep, points: list[tuple[Case, float]]) -> dict[tuple[Ca
 
 def truths(result: ComparedSweep, evaluator: GivesResults | None = None) -> dict[tuple[Case, float], TrueTransmittance]:
     """Give the truth at every point of a sweep; where nothing gives exact results, the converged reference's."""
-    at_points = _by_point(result)
+    at_points = {(case, eta): own for (variant, case, eta), own in result.results.items() if variant == CONVERGED}
     tasks = exact_tasks(result.sweep, list(at_points)) if evaluator is not None else {}
     results = dict(zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True)) if evaluator is not None else {}
     every = {point: truth_of(known, results.get(point, Result.missing())) for point, known in at_points.items()}
     return {point: truth for point, truth in every.items() if truth is not None}
-
-
-def _by_point(result: ComparedSweep) -> dict[tuple[Case, float], PointResults]:
-    """Give the results of the converged reference at every point, beside those of the reference."""
-    every = result.results.items()
-    return {(case, eta): results for (variant, case, eta), results in every if variant == CONVERGED}
 
 
 def truth_errors(result: ComparedSweep, every: Truths, points: Iterable[Point]) -> list[tuple[Point, TruthError]]:
@@ -105,13 +99,7 @@ def _line(truth: TrueTransmittance | None) -> tuple[float, float, float]:
 
 
 def recorded_truths(data: xr.Dataset, sweep: Sweep) -> dict[tuple[Case, float], TrueTransmittance]:
-    """Read the truth out of a dataset of this sweep; nothing where it holds none.
-
-    Raises
-    ------
-    ParameterError
-        If a variable of the truth is missing, or has other dimensions or something else than numbers.
-    """
+    """Read the truth out of a dataset of this sweep; nothing where it holds none."""
     if not set(TRUTH_VARIABLES) & set(map(str, data.data_vars)):
         return {}
     whole = data.expand_dims([name for name in sweep.axes if name not in data.dims])

@@ -2,20 +2,53 @@
 
     |difference| <= error of what is expected + larger of (own error, error of the scheme at this step) + resolution
 
-All errors of steps are those of `reference_lcp.accuracy.richardson`.
+All errors of steps are those of `reference_lcp.steady.richardson`.
 """
 
+import cmath
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from reference_lcp.accuracy.richardson import SAFETY, richardson, richardson_error
+from reference_lcp.chain.drives import PeriodicDrive
+from reference_lcp.chain.linear_response import frictionless_response, stuck_response
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.observables.transmittance import decibel
+from reference_lcp.steady.richardson import SAFETY, richardson, richardson_error
 from reference_lcp.validation import FloatArray
-from scenarios.tasks.result import Result, ResultStatus, repetition
-from scenarios.verdicts.finding import Metric
-from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
+from scenarios.runs.result import Result, ResultStatus, repetition
+from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Metric, Tolerance, Verdict
+
+
+@dataclass(frozen=True)
+class FrictionEffect:
+    """How far a steady state may be from the farther one of the two linear limits: how much friction changes it at all.
+
+    Between contacts that slide freely and contacts that never slide, a linear chain each, lies what friction can do. An
+    engine whose own step leaves open a large part of that has not been tested by a comparison that it passes.
+    """
+
+    transmittance_db: float
+    """Of the transmittance [dB]."""
+    phase: float
+    """Of its phase [°]."""
+
+
+def friction_effect(
+    chain: Chain, drive: PeriodicDrive, transmittance_db: float, phase: float, inclination: float = 0.0
+) -> FrictionEffect:
+    """Give how far a transmittance [dB] and its phase [rad] are from the linear limit that is farther from each."""
+    scale = drive.displacement_scale(chain)
+    responses = frictionless_response(chain, drive, inclination), stuck_response(chain, drive)
+    limits = [complex(response[chain.cells - 1]) / scale for response in responses]
+    level = TRANSMITTANCE.scaled(transmittance_db)
+    return FrictionEffect(
+        max(abs(TRANSMITTANCE.scaled(decibel(abs(limit))) - level) for limit in limits),
+        max(abs(math.degrees(math.remainder(cmath.phase(limit) - phase, 2 * math.pi))) for limit in limits),
+    )
+
 
 COARSE_SHARE = 0.1
 """Part of what friction changes at all that the step of a variant may leave open.
@@ -30,21 +63,14 @@ Number = float | FloatArray
 
 @dataclass(frozen=True)
 class Steps:
-    """What one simulation gives with several step sizes.
-
-    Parameters
-    ----------
-    values
-        Numbers, or arrays of one shape, by steps a period.
-    at
-        Number of steps whose value is judged; without it, the largest.
-    limit
-        What the values tend to for ever finer steps, where that is known: errors are then measured, not estimated.
-    """
+    """What one simulation gives with several step sizes."""
 
     values: Mapping[int, Number]
+    """Numbers, or arrays of one shape, by steps a period."""
     at: int | None = None
+    """Number of steps whose value is judged; without it, the largest."""
     limit: Number | None = None
+    """What the values tend to for ever finer steps, where that is known: errors are then measured, not estimated."""
 
     @property
     def judged(self) -> Number:
@@ -80,26 +106,10 @@ def judge(
     own: float = 0.0,
     effect: float = math.inf,
 ) -> Comparison:
-    """Compare what a variant gives with what is expected.
+    """Compare what a variant gives by steps, or why it gives nothing, with what is expected, which has the error `bar`.
 
-    Parameters
-    ----------
-    metric
-        What is compared.
-    values
-        Of the variant, by steps; or why there are none, which is the verdict then.
-    expected
-        What is expected, a number or an array of the values' shape.
-    bar
-        Error bar of it, >= 0.
-    scheme
-        The reference's values at the steps of the variant; without it, the variant has its own error alone.
-    resolution
-        What neither can resolve, >= 0.
-    own
-        Least error that the variant's own value has, where it is known from something else than its steps.
-    effect
-        How much friction changes the number at all, see `decide`.
+    Without the reference's values at these steps, `scheme`, the variant has its own error alone; `own` is the least
+    error of its value, where that is known from something else than its steps. For `effect` see `decide`.
     """
     if isinstance(values, Comparison):
         return values
@@ -143,14 +153,9 @@ def certified(results: Iterable[Result]) -> bool:
 
 
 def missing(source: str, results: Iterable[Result]) -> Comparison | None:
-    """Give the verdict where a result is missing; ``None`` where all steady states are certified, all motions finished.
+    """Give the verdict of the first result that is missing; ``None`` where all are certified or finished.
 
-    Parameters
-    ----------
-    source
-        Begins the reason of what is inconclusive; empty for nothing.
-    results
-        What is needed for a comparison; the first that is not there counts.
+    The `source` begins the reason of what is inconclusive.
     """
     for result in results:
         if result.status in (ResultStatus.CONVERGED, ResultStatus.FINISHED):

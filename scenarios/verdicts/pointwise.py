@@ -14,14 +14,22 @@ from dataclasses import dataclass, replace
 
 from engines.interface.variant import Variant
 from engines.reference import CONVERGED_SUBSTEPS
-from reference_lcp.accuracy.resolution import amplitude_in_db
-from scenarios.tasks.result import Result
-from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE, Finding, Metric
-from scenarios.verdicts.friction_effect import FrictionEffect
-from scenarios.verdicts.judge import Number, Steps, certified, decide, missing
-from scenarios.verdicts.phase import PHASE, amplitude_in_degrees, phase_reader
+from reference_lcp.steady.richardson import amplitude_in_db
+from scenarios.runs.result import Result
+from scenarios.verdicts.finding import (
+    FLOOR_DB,
+    PHASE,
+    TRANSMITTANCE,
+    Comparison,
+    Finding,
+    Metric,
+    Tolerance,
+    Verdict,
+    amplitude_in_degrees,
+    phase_reader,
+)
+from scenarios.verdicts.judge import FrictionEffect, Number, Steps, certified, decide, missing
 from scenarios.verdicts.steady_case import REFERENCE, amplification, is_resolved, resolution
-from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
 CONVERGED = Variant("reference", preset_name="converged")
 
@@ -34,18 +42,12 @@ UNBOUNDED = FrictionEffect(math.inf, math.inf)
 
 @dataclass(frozen=True, kw_only=True)
 class GivenTolerance:
-    """A tolerance that is given, instead of one that is derived at every point.
-
-    Parameters
-    ----------
-    transmittance_db
-        Largest difference of transmittance that counts as agreement [dB] > 0.
-    baseline
-        What variants are compared with: the reference or its converged preset.
-    """
+    """A tolerance that is given, instead of one that is derived at every point."""
 
     transmittance_db: float
+    """Largest difference of transmittance that counts as agreement [dB] > 0."""
     baseline: Variant
+    """What variants are compared with: the reference or its converged preset."""
 
     def judges(self, variant: Variant) -> bool:
         """Whether it is for this variant: for all but what others are compared with."""
@@ -73,33 +75,19 @@ def refinements(variant: Variant, given: GivenTolerance | None = None) -> tuple[
 
 @dataclass(frozen=True, kw_only=True)
 class PointResults:
-    """Results at one point of the grid.
-
-    Parameters
-    ----------
-    variant
-        The one that is compared.
-    result
-        Its result.
-    others
-        Its results with other numbers of steps, see `refinements`.
-    reference, converged
-        The reference's results at the same point, at equal step and converged.
-    refined
-        The reference's results at the same point with other numbers of steps.
-    given
-        The tolerance, where it is given; without it, it is derived.
-    effect
-        How much friction changes the point at all.
-    """
+    """Results at one point of the grid."""
 
     variant: Variant
     result: Result
     others: tuple[Result, ...]
+    """Its results with other numbers of steps, see `refinements`."""
     reference: Result
     converged: Result
+    """The reference's results at the same point, at equal step and converged."""
     refined: tuple[Result, ...] = ()
+    """The reference's results at the same point with other numbers of steps."""
     given: GivenTolerance | None = None
+    """The tolerance, where it is given; without it, it is derived."""
     effect: FrictionEffect = UNBOUNDED
 
     @property
@@ -118,15 +106,7 @@ class PointResults:
 
 
 def point_findings(known: PointResults, label: str = "") -> tuple[Finding, ...]:
-    """Compare a point with its baseline: a finding for each of `POINT_METRICS`; no phase where none is expected.
-
-    Parameters
-    ----------
-    known
-        The results.
-    label
-        The point, as tables print it.
-    """
+    """Compare a point with its baseline: a finding for each of `POINT_METRICS`; no phase where none is expected."""
     expected = known.expected(known.against)
     readers = _readers(expected)
     gap = (None if known.is_known else missing("engine", [known.result])) or missing("reference", [expected])
@@ -170,11 +150,7 @@ _SEVERITY = (Verdict.AGREE, Verdict.INCONCLUSIVE, Verdict.TOO_COARSE, Verdict.DI
 
 def decisive(findings: Sequence[Finding]) -> Finding:
     """Give the worst finding of a point: by its verdict, then by its difference over what is allowed."""
-    return max(findings, key=lambda own: (_SEVERITY.index(own.comparison.verdict), _excess(own.comparison)))
-
-
-def _excess(comparison: Comparison) -> float:
-    return -1.0 if math.isnan(comparison.excess) else comparison.excess
+    return max(findings, key=lambda own: (_SEVERITY.index(own.comparison.verdict), own.excess))
 
 
 def unless_own_error_is_unknown(known: PointResults, comparison: Comparison) -> Comparison:

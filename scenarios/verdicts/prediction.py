@@ -13,13 +13,12 @@ from typing import Self
 import numpy as np
 
 from engines.interface.law import ROUND_OFF_PERIOD
-from engines.interface.law_engine import law_of
-from reference_lcp.accuracy.resolution import amplitude_in_db
-from scenarios.tasks.law_period import LawPeriodTask
-from scenarios.tasks.result import Result, ResultStatus
-from scenarios.verdicts.finding import Finding, Prediction
+from engines.interface.registry import law_of
+from reference_lcp.steady.richardson import amplitude_in_db
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.task import LawPeriodTask
+from scenarios.verdicts.finding import Finding, Prediction, Verdict
 from scenarios.verdicts.judge import metric_difference
-from scenarios.verdicts.verdict import Verdict
 
 PERIODS_OF_ERROR = 400
 """Periods whose differences between engine and law add up at most: motions never drift apart, the longest of the
@@ -28,21 +27,13 @@ catalogue have 320 periods, and a steady state is searched for in as many."""
 
 @dataclass(frozen=True)
 class LawPeriod:
-    """How far an engine is from its law after a period from the same state, over the displacement scale.
-
-    Parameters
-    ----------
-    distance
-        Largest difference of positions; NaN, which no bound allows, where there is none.
-    bound
-        Largest one that the law allows.
-    reason
-        Why there is no distance, or one that is larger than the bound, where that is known; empty elsewhere.
-    """
+    """How far an engine is from its law after a period from the same state, over the displacement scale."""
 
     distance: float
+    """Largest difference of positions; NaN, which no bound allows, where there is none."""
     bound: float
     reason: str = ""
+    """Why there is no distance, or one that is larger than the bound, where that is known; empty elsewhere."""
 
     @classmethod
     def of(cls, task: LawPeriodTask, result: Result) -> Self:
@@ -56,18 +47,10 @@ class LawPeriod:
 def with_predictions(
     findings: Iterable[Finding], predicted: Sequence[Finding], periods: Mapping[str, LawPeriod]
 ) -> list[Finding]:
-    """Give the findings of a variant, its disagreements with what its law says of them.
+    """Give the findings of a variant, its disagreements with what its law says of them in the same cases.
 
-    What a scenario itself predicted of a finding, from what a preset states, stays.
-
-    Parameters
-    ----------
-    findings
-        Of the variant.
-    predicted
-        Of its law, in the same cases.
-    periods
-        By case, a period of engine and law from the same state; a case that has none of its own takes the worst.
+    A case without a period of its own takes the worst. What a scenario itself predicted of a finding, from what a
+    preset states, stays.
     """
     laws = {(finding.case, finding.metric): finding for finding in predicted}
     worst = max(periods.values(), key=_badness, default=LawPeriod(0.0, ROUND_OFF_PERIOD))

@@ -9,24 +9,43 @@ from pathlib import Path
 
 import numpy as np
 
-from reference_lcp.observables.transition_matching import TransitionMatch, match_transitions
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
-from scenarios.tasks.result import Result, ResultStatus
-from scenarios.verdicts.finding import TRANSMITTANCE
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.verdicts.finding import TRANSMITTANCE, phase_reader
 from scenarios.verdicts.judge import metric_difference
-from scenarios.verdicts.stored_results import StoredResult, read_all
-from scenarios.verdicts.stored_truth import Compute, StoredTruth, truths_of
+from scenarios.verdicts.stored import Compute, StoredResult, StoredTruth, read_all, truths_of
 from scenarios.verdicts.thresholds import Thresholds
 
-NUMBERS = ("transmittance_db", "residual", "period", "stuck_fraction", "creep", "open_fraction", "largest_gap")
-"""Numbers of a result, one or one a contact, that do not depend on how it was found."""
+NUMBERS = (
+    "transmittance_db", "phase", "residual", "period", "stuck_fraction", "creep", "open_fraction", "largest_gap",
+)  # fmt: skip
+"""Numbers of a result, one or one a contact, that may not be lost."""
 
 TRANSITION_TIME = "time of a transition"
 """Beside them; a transition that is gone is one without a partner."""
 
-MOTIONS = ("response", "slip", "slips", "swing", "offsets")
-"""Series of displacements over the displacement scale, see `scenarios.execution.computation.transient`."""
+MOTIONS = ("response", "slip", "slips", "swing", "offsets", "outer", "inner")
+"""Series of displacements over the displacement scale, see `scenarios.runs.transient` and `RecordedPeriod`."""
+
+LENGTHS = ("largest_gap", "highest", "distance", "reference", "travels")
+"""Other numbers over the displacement scale: gaps, distances from a law after a period, ways between transitions."""
+
+PARTS = ("creep", "open_fraction", "open", "stuck", "energy")
+"""Parts of a whole: of the drive's velocity, of the time, of the initial energy. All further series are compared over
+the largest number of either."""
+
+NOT_COMPARED = {
+    "residual": "how the steady state was found",
+    "amplification": "how the steady state was found",
+    "periods": "how the steady state was found",
+    "steps_per_period": "how the steady state was found",
+    "period": "part of the task",
+    "seconds": "not a number of the motion",
+    "friction": "jumps at transitions, whose times are compared",
+    "modes": "change at transitions, whose times are compared",
+}
+"""Numbers and series that may change, with the reason."""
 
 BEST_FIRST = (
     (ResultStatus.CONVERGED, ResultStatus.FINISHED),
@@ -60,36 +79,56 @@ class TruthDirection(StrEnum):
 
 @dataclass(frozen=True)
 class Measure:
-    """A number by which two steady states, or two motions, of one task differ.
-
-    Parameters
-    ----------
-    name
-        Its name.
-    distance
-        Gives the difference of two results; NaN where one of them lacks the number.
-    threshold
-        Largest difference that is none.
-    pattern
-        How people read a change of it, by `str.format`.
-    """
+    """A number by which two steady states, or two motions, of one task differ."""
 
     name: str
     distance: Callable[[Result, Result], float]
+    """Gives the difference of two results; NaN where one of them lacks the number."""
     threshold: float
     pattern: str
+    """How people read a change of it, by `str.format`."""
 
 
-def measures(thresholds: Thresholds, status: ResultStatus) -> tuple[Measure, ...]:
+def measures(thresholds: Thresholds, old: Result, new: Result) -> list[Measure]:
     """Give what is compared of two motions (`FINISHED`), or of two steady states."""
-    if status is ResultStatus.FINISHED:
-        return (Measure("motion", _motion_difference, thresholds.motion, "motion {:.3g} of its scale"),)
-    return (
+    either = {*old.series, *new.series, "creep", "open_fraction", "largest_gap"}
+    further = [_further(thresholds, name) for name in sorted(either - {*MOTIONS, *NOT_COMPARED})]
+    motion = Measure("motion", _motion_difference, thresholds.motion, "motion {:.3g} of its scale")
+    if new.status is ResultStatus.FINISHED:
+        return [motion, *further]
+    angle = math.degrees(10 ** (thresholds.transmittance_db / 20) - 1)
+    return [
         Measure("transmittance", transmittance_difference, thresholds.transmittance_db, "transmittance {:+.4g} dB"),
-        Measure("stuck fraction", _stuck_difference, thresholds.stuck_fraction, "stuck fraction {:.3g}"),
+        Measure("phase", _phase_difference, angle, "phase {:+.3g}°"),
+        Measure("multiple", lambda result, other: result.multiple - other.multiple, 0.0, "{:+.0f} periods to repeat"),
+        Measure("stuck fraction", Result.stuck_difference, thresholds.stuck_fraction, "stuck fraction {:.3g}"),
         Measure("transition", _lateness, thresholds.transition, "a transition {:.2g} periods away"),
         Measure("unmatched", _unmatched, 0.0, "{:.0f} transitions without a partner"),
-    )
+        motion,
+        *further,
+    ]
+
+
+def _further(thresholds: Thresholds, name: str) -> Measure:
+    """Give how a series, or a number a contact, is compared that has no measure of its own."""
+    relative = name not in (*LENGTHS, *PARTS)
+
+    def distance(result: Result, other: Result) -> float:
+        one, two = _numbers(result).get(name, np.empty(0)), _numbers(other).get(name, np.empty(0))
+        largest = _largest_difference(one, two)
+        return largest / float(np.nanmax(np.abs([*one, *two]))) if relative and largest > 0 else largest
+
+    unit = " of its scale" if name in LENGTHS else " of its largest" if relative else ""
+    limit = thresholds.stuck_fraction if name in PARTS else thresholds.motion
+    return Measure(name.replace("_", " "), distance, limit, f"{name.replace('_', ' ')} {{:.3g}}{unit}")
+
+
+def _largest_difference(one: FloatArray, two: FloatArray) -> float:
+    """Give the largest difference of numbers that both have; NaN where their lengths differ."""
+    if len(one) != len(two):
+        return math.nan
+    both = np.isfinite(one) & np.isfinite(two)
+    return float(np.max(np.abs(one[both] - two[both]), initial=0.0))
 
 
 def transmittance_difference(result: Result, other: Result) -> float:
@@ -97,55 +136,39 @@ def transmittance_difference(result: Result, other: Result) -> float:
     return metric_difference(TRANSMITTANCE, result.transmittance_db, other.transmittance_db)
 
 
-def _stuck_difference(result: Result, other: Result) -> float:
-    """Give the largest difference of a contact."""
-    if len(result.stuck_fraction) != len(other.stuck_fraction):
-        return math.nan
-    pairs = zip(result.stuck_fraction, other.stuck_fraction, strict=True)
-    return max((abs(one - two) for one, two in pairs), default=0.0)
+def _phase_difference(result: Result, other: Result) -> float:
+    """Give the difference [°], which counts less below the floor of `TRANSMITTANCE`."""
+    read = phase_reader(other.phase, other.transmittance_db)
+    return read(result) - read(other)
 
 
 def _lateness(result: Result, other: Result) -> float:
     """Give the largest difference of the times of matched transitions, over the period; zero without any."""
-    return max(map(abs, _match(result, other).time_errors), default=0.0)
+    return max(map(abs, result.matched(other).time_errors), default=0.0)
 
 
 def _unmatched(result: Result, other: Result) -> float:
     """Give the number of transitions of either that the other one does not have."""
-    match = _match(result, other)
+    match = result.matched(other)
     return len(match.missed) + len(match.spurious)
 
 
 def _motion_difference(result: Result, other: Result) -> float:
     """Give the largest difference of `MOTIONS` at any time; NaN where one of them has none of the other's."""
-    both = [(result.series[name], other.series[name]) for name in MOTIONS if name in {*result.series} & {*other.series}]
-    if not both or any(len(one) != len(two) for one, two in both):
-        return math.nan
-    return max(float(np.max(np.abs(np.subtract(one, two)), initial=0.0)) for one, two in both)
-
-
-def _match(result: Result, other: Result) -> TransitionMatch:
-    return match_transitions(result.transitions, other.transitions, other.period)
+    names = [name for name in MOTIONS if name in {*result.series} & {*other.series}]
+    both = [_largest_difference(np.array(result.series[name]), np.array(other.series[name])) for name in names]
+    return float(np.max(both)) if both else math.nan
 
 
 @dataclass(frozen=True)
 class Shift:
-    """A number that has changed by more than its threshold.
-
-    Parameters
-    ----------
-    measure
-        Which.
-    change
-        By how much, in its unit.
-    before, now
-        Its difference from the truth; NaN where that is not known.
-    """
+    """A number that has changed by more than its threshold."""
 
     measure: Measure
     change: float
     before: float = math.nan
     now: float = math.nan
+    """Its difference from the truth; NaN where that is not known."""
 
     @property
     def direction(self) -> TruthDirection:
@@ -163,31 +186,19 @@ class Shift:
 
 @dataclass(frozen=True)
 class Change:
-    """One task of the first store.
-
-    Parameters
-    ----------
-    first, second
-        The results; a lost one is ``missing``.
-    differences
-        Second less first by the name of a `Measure`; empty unless both have numbers.
-    shifts
-        Those of them that pass their threshold.
-    lost
-        What is no longer there, in words.
-    gained
-        How the result says more than before, in words; empty where it does not.
-    truth
-        What the numbers are held to; ``None`` where it is not known, or nothing has shifted.
-    """
+    """One task of the first store."""
 
     first: StoredResult
     second: StoredResult
+    """The results; a lost one is ``missing``."""
     differences: Mapping[str, float]
+    """Second less first by the name of a `Measure`; empty unless both have numbers."""
     shifts: tuple[Shift, ...] = ()
     lost: tuple[str, ...] = ()
     gained: str = ""
+    """How the result says more than before, in words; empty where it does not."""
     truth: StoredTruth | None = None
+    """What the numbers are held to; ``None`` where it is not known, or nothing has shifted."""
 
     @property
     def variant(self) -> str:
@@ -213,6 +224,12 @@ class Change:
     def fails(self, *, strict: bool = False) -> bool:
         """Whether the point is a failure; a strict comparison takes every change for one."""
         return self.direction is not None and (strict or self.direction.fails)
+
+    @property
+    def uncertified(self) -> bool:
+        """Whether the search for a steady state gave up before and now, so that no number is compared."""
+        statuses = {self.first.result.status, self.second.result.status}
+        return not self.differences and statuses <= {ResultStatus.PERIOD_LIMIT, ResultStatus.DIVERGED}
 
     @property
     def transmittance_db(self) -> float:
@@ -241,18 +258,12 @@ class Change:
 
 @dataclass(frozen=True)
 class StoreComparison:
-    """The differences of two stores.
-
-    Parameters
-    ----------
-    changes
-        Tasks whose results both hold, and those that the second store has lost, in the order of the first.
-    only_second
-        Number of tasks whose results only the second store holds, by variant.
-    """
+    """The differences of two stores."""
 
     changes: tuple[Change, ...]
+    """Tasks whose results both hold, and those that the second store has lost, in the order of the first."""
     only_second: Mapping[str, int]
+    """Number of tasks whose results only the second store holds, by variant."""
 
     @property
     def beyond(self) -> list[Change]:
@@ -274,30 +285,17 @@ def _by_severity(change: Change) -> tuple[int, float]:
 def compare_stores(
     first: Path, second: Path, thresholds: Thresholds | None = None, compute: Compute | None = None
 ) -> StoreComparison:
-    """Compare two stores, task by task.
+    """Compare two stores, task by task; `compute` gives exact motions where neither has them.
 
     A version in the name of an engine, ``NAME@VERSION``, belongs to the result and not to the task, where each store
-    has one version of this engine only.
-
-    Parameters
-    ----------
-    first, second
-        The stores.
-    thresholds
-        What counts as no change.
-    compute
-        Computes the exact motion where neither store has it; without it, the stores alone say what is true.
-
-    Raises
-    ------
-    ParameterError
-        If one of them cannot be read, they hold the same task in different formats, or have no task in common.
+    has one version of this engine only. Stores without a common task, or of different formats, are refused.
     """
     stores = read_all(first), read_all(second)
     a, b = (_rekeyed(own, other) for own, other in (stores, stores[::-1]))
     _refuse(first, second, a, b)
     limits = thresholds or Thresholds()
-    changes = [change(a[task], b.get(task) or _lost(a[task]), limits) for task in a]
+    missing = Result.missing()
+    changes = [change(a[task], b.get(task) or replace(a[task], result=missing), limits) for task in a]
     truths = truths_of([own.first.task for own in changes if own.shifts], [*a.values(), *b.values()], compute)
     return StoreComparison(
         changes=tuple(own.judged(truths.get(own.first.key())) for own in changes),
@@ -323,11 +321,6 @@ def _refuse(first: Path, second: Path, a: Mapping[str, StoredResult], b: Mapping
             raise ParameterError(f"{formats}: their numbers mean different things; allowed: stores of one format")
 
 
-def _lost(stored: StoredResult) -> StoredResult:
-    """Give what the second store has of a task that it does not know."""
-    return replace(stored, result=Result.missing())
-
-
 def change(first: StoredResult, second: StoredResult, thresholds: Thresholds) -> Change:
     """Compare two results of the same task; a blocked one has nothing to lose."""
     old, new = first.result, second.result
@@ -341,13 +334,13 @@ def change(first: StoredResult, second: StoredResult, thresholds: Thresholds) ->
     lost = _lost_numbers(old, new)
     if lost or not _comparable(old, new):
         return Change(first, second, {}, lost=lost, gained=status)
-    distances = [(measure, measure.distance(new, old)) for measure in measures(thresholds, new.status)]
+    distances = [(measure, measure.distance(new, old)) for measure in measures(thresholds, old, new)]
     return Change(
         first,
         second,
         {measure.name: distance for measure, distance in distances},
         tuple(Shift(measure, distance) for measure, distance in distances if abs(distance) > measure.threshold),
-        gained=status,
+        gained=status or _gained_numbers(old, new),
     )
 
 
@@ -369,11 +362,23 @@ def _lost_numbers(old: Result, new: Result) -> tuple[str, ...]:
     after = _numbers(new)
     for name, before in _numbers(old).items():
         now = after.get(name, np.empty(0))
-        if np.sum(~np.isfinite(now)) > np.sum(~np.isfinite(before)):
+        both = min(len(before), len(now))
+        if np.any(np.isfinite(before[:both]) & ~np.isfinite(now[:both])):
             lost.append(f"{name.replace('_', ' ')} is no longer finite")
-        elif len(now) == 0 < len(before) and name != TRANSITION_TIME:
+        elif len(now) < len(before) and (len(now) == 0 or name != "travels") and name != TRANSITION_TIME:
             lost.append(f"{name.replace('_', ' ')} is no longer complete")
     return tuple(lost)
+
+
+def _gained_numbers(old: Result, new: Result) -> str:
+    """Say which numbers are there that were not, or not as many."""
+    before = _numbers(old)
+    longer = [
+        name.replace("_", " ")
+        for name, now in _numbers(new).items()
+        if len(now) > len(before.get(name, ())) and name not in (TRANSITION_TIME, "travels")
+    ]
+    return f"more of {', '.join(longer)}" if longer else ""
 
 
 def _numbers(result: Result) -> dict[str, FloatArray]:

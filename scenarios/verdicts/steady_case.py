@@ -7,17 +7,16 @@ from functools import cached_property
 
 from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.resolution import amplitude_in_db, unresolved_amplitude
-from reference_lcp.chain.harmonic import PeriodicDrive
+from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import steps_per_period_for
-from reference_lcp.observables.transition_matching import TimedTransition
-from scenarios.tasks.parameters import ChainRatios, Modulation, Ratio
-from scenarios.tasks.result import Result, ResultStatus
-from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.friction_effect import FrictionEffect, friction_effect
-from scenarios.verdicts.judge import Number, Steps, certified, missing
-from scenarios.verdicts.verdict import Comparison, Verdict
+from reference_lcp.observables.stick_slip import TimedTransition
+from reference_lcp.steady.richardson import amplitude_in_db, unresolved_amplitude
+from scenarios.runs.parameters import ChainRatios, Modulation, Ratio
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.task import SteadyStateTask
+from scenarios.verdicts.finding import Comparison, Verdict
+from scenarios.verdicts.judge import FrictionEffect, Number, Steps, certified, friction_effect, missing
 
 REFERENCE = Variant("reference")
 
@@ -56,30 +55,19 @@ That is a hundredth of a percent of the amplitude, and less than the step of any
 
 @dataclass(frozen=True, kw_only=True)
 class SteadyCase:
-    """A chain under a harmonic base motion.
-
-    Parameters
-    ----------
-    label
-        Name that distinguishes it from the other cases of its scenario.
-    friction_ratio
-        μ λ_N / (k_c U0), a number or one a cell.
-    frequency_ratio
-        ω / ω_r, with ω_r of the first cell.
-    ratios
-        The chain but for its friction.
-    inclination
-        α of the contact faces to the row [rad]; other than zero, it needs a `modulation`, be it of zero.
-    modulation
-        How the normal force changes over the period; ``None`` where it is constant.
-    """
+    """A chain under a harmonic base motion."""
 
     label: str
+    """Name that distinguishes it from the other cases of its scenario."""
     friction_ratio: Ratio
+    """μ λ_N / (k_c U0), a number or one a cell."""
     frequency_ratio: float
+    """ω / ω_r, with ω_r of the first cell."""
     ratios: ChainRatios = field(default_factory=ChainRatios)
     inclination: float = 0.0
+    """α of the contact faces to the row [rad]; other than zero, it needs a `modulation`, be it of zero."""
     modulation: Modulation | None = None
+    """How the normal force changes over the period; ``None`` where it is constant."""
 
     def setting(self) -> tuple[Chain, PeriodicDrive]:
         """Build the chain and its drive."""
@@ -101,36 +89,24 @@ class SteadyCase:
 
 @dataclass(frozen=True, kw_only=True)
 class Expected:
-    """What the steady state of a case is.
-
-    Parameters
-    ----------
-    transmittance_db
-        20 log10 |U_n| / U0.
-    phase
-        Of the last outer mass's fundamental [rad]; NaN where it is not compared.
-    bar_db
-        Error bar of the transmittance [dB]; zero where it is exact.
-    phase_bar
-        Error bar of the phase [°]; likewise.
-    transitions
-        Changes between stick and slip over a period; empty where they are not compared.
-    stuck_fraction
-        Part of the period that each contact sticks; empty where it is not compared.
-    travels
-        Distance, over U0, that the contact slips in the phase that each transition begins; without it, far.
-    missing
-        Why it is not known; ``None`` where it is.
-    """
+    """What the steady state of a case is."""
 
     transmittance_db: float
+    """20 log10 |U_n| / U0."""
     phase: float = math.nan
+    """Of the last outer mass's fundamental [rad]; NaN where it is not compared."""
     bar_db: float = 0.0
+    """Error bar of the transmittance [dB]; zero where it is exact."""
     phase_bar: float = 0.0
+    """Error bar of the phase [°]; likewise."""
     transitions: tuple[TimedTransition, ...] = ()
+    """Changes between stick and slip over a period; empty where they are not compared."""
     stuck_fraction: tuple[float, ...] = ()
+    """Part of the period that each contact sticks; empty where it is not compared."""
     travels: tuple[float, ...] = ()
+    """Distance, over U0, that the contact slips in the phase that each transition begins; without it, far."""
     missing: Comparison | None = None
+    """Why it is not known; ``None`` where it is."""
 
 
 def exact_expected(result: Result) -> Expected:
@@ -149,32 +125,20 @@ def exact_expected(result: Result) -> Expected:
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
-    """The results of one variant in one case, and what is expected.
-
-    Parameters
-    ----------
-    variant, case
-        Variant and case.
-    coarse, fine
-        Its results with the fewest steps and with twice as many; the second is judged.
-    scheme
-        The reference's results with `SCHEME` times the fewest steps.
-    expected
-        What the result should be.
-    finest
-        Its result with four times the fewest steps; ``None`` where two show its error.
-    skip_reason
-        Why the variant was not simulated; ``None`` if it was.
-    """
+    """The results of one variant in one case, and what is expected."""
 
     variant: Variant
     case: SteadyCase
     coarse: Result
     fine: Result
+    """Its results with the fewest steps and with twice as many; the second is judged."""
     scheme: tuple[Result, ...]
+    """The reference's results with `SCHEME` times the fewest steps."""
     expected: Expected
     finest: Result | None = None
+    """Its result with four times the fewest steps; ``None`` where two show its error."""
     skip_reason: Comparison | None = None
+    """Why the variant was not simulated; ``None`` if it was."""
 
     @property
     def certified(self) -> bool:
@@ -230,15 +194,7 @@ class Evidence:
 
 
 def is_resolved(result: Result, amplified: float) -> bool:
-    """Whether a motion that is not certified repeats well enough for its transmittance: to `RESOLVED_DB`.
-
-    Parameters
-    ----------
-    result
-        Of a search for a steady state.
-    amplified
-        How many times farther from its steady state the motion may be than its residual, see `amplification`.
-    """
+    """Whether a motion that is not certified repeats well enough for its transmittance: to `RESOLVED_DB`."""
     if result.status is not ResultStatus.PERIOD_LIMIT:
         return False
     return amplitude_in_db(result.residual * amplified, result.transmittance_db) <= RESOLVED_DB

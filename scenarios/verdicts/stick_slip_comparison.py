@@ -36,13 +36,11 @@ from functools import partial
 import numpy as np
 
 from engines.interface.tolerances import CREEP
-from reference_lcp.observables.stick_slip import UNREPEATED_SLIP, Mode
-from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
-from scenarios.tasks.result import Result
-from scenarios.verdicts.finding import Finding, Metric
+from reference_lcp.observables.stick_slip import UNREPEATED_SLIP, Mode, TimedTransition, match_transitions
+from scenarios.runs.result import Result
+from scenarios.verdicts.finding import Comparison, Finding, Metric, Tolerance, Verdict
 from scenarios.verdicts.judge import Steps, decide, judge
 from scenarios.verdicts.steady_case import Evidence, Expected
-from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
 _STICK = str(Mode.STICK)
 

@@ -3,36 +3,23 @@
 from dataclasses import dataclass
 
 from engines.interface.tolerances import SCHEME_TOLERANCE_DB
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 
 
 @dataclass(frozen=True)
 class Thresholds:
-    """What counts as no change.
-
-    Parameters
-    ----------
-    transmittance_db
-        Largest difference of transmittance [dB] > 0, on the scale of `TRANSMITTANCE`; two engines that solve the same
-        equations differ by less than the default.
-    stuck_fraction
-        Largest difference of a contact's stuck fraction, in (0, 1]; by default two steps of 400.
-    transition
-        Largest difference of the time of a transition, over the period, in (0, 1]; by default two steps of 400.
-    motion
-        Largest difference of a displacement of a transient motion, over its displacement scale, in (0, 1]; by default
-        what single precision adds up to over forty periods, 2.3e-5 (`TRAJECTORY_TOLERANCE`), and a little more.
-
-    Raises
-    ------
-    ParameterError
-        If a threshold is outside its range.
-    """
+    """What counts as no change."""
 
     transmittance_db: float = SCHEME_TOLERANCE_DB
+    """Largest difference of transmittance [dB] > 0, on the scale of `TRANSMITTANCE`; two engines that solve the same
+    equations differ by less than the default."""
     stuck_fraction: float = 0.005
+    """Largest difference of a contact's stuck fraction, in (0, 1]; by default two steps of 400."""
     transition: float = 0.005
+    """Largest difference of the time of a transition, over the period, in (0, 1]; by default two steps of 400."""
     motion: float = 2.5e-5
+    """Largest difference of a displacement of a transient motion, over its displacement scale, in (0, 1]; by default
+    what single precision adds up to over forty periods, 2.3e-5 (`TRAJECTORY_TOLERANCE`), and a little more."""
 
     def __post_init__(self) -> None:
         from reference_lcp.validation import (  # NumPy is imported once numbers are compared

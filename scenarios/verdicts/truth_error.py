@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from reference_lcp.accuracy.resolution import amplitude_in_db, unresolved_amplitude
-from scenarios.tasks.result import Result
+from reference_lcp.steady.richardson import amplitude_in_db, unresolved_amplitude
+from scenarios.runs.result import Result
 from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE
 from scenarios.verdicts.judge import Steps, metric_difference
 from scenarios.verdicts.pointwise import CONVERGED, PointResults, point_resolution, scheme_by_steps
@@ -33,21 +33,14 @@ class ErrorClass(StrEnum):
 
 @dataclass(frozen=True)
 class TrueTransmittance:
-    """The true transmittance of a point.
-
-    Parameters
-    ----------
-    transmittance_db
-        20 log10 |U_n| / U0 [dB].
-    error_db
-        Its own error bar [dB].
-    exact
-        Whether it is that of the exact motion, and not that of the converged reference.
-    """
+    """The true transmittance of a point."""
 
     transmittance_db: float
+    """20 log10 |U_n| / U0 [dB]."""
     error_db: float
+    """Its own error bar [dB]."""
     exact: bool
+    """Whether it is that of the exact motion, and not that of the converged reference."""
 
     @property
     def above_floor(self) -> bool:
@@ -57,19 +50,13 @@ class TrueTransmittance:
 
 @dataclass(frozen=True)
 class TruthError:
-    """How far a variant is from the truth at a point.
-
-    Parameters
-    ----------
-    error_db
-        Transmittance less the true one [dB], on the scale of `TRANSMITTANCE`.
-    step_db
-        What the scheme errs by with as many steps, and what neither the variant nor the truth resolves [dB]; NaN where
-        the reference has no steady state.
-    """
+    """How far a variant is from the truth at a point."""
 
     error_db: float
+    """Transmittance less the true one [dB], on the scale of `TRANSMITTANCE`."""
     step_db: float
+    """What the scheme errs by with as many steps, and what neither the variant nor the truth resolves [dB]; NaN where
+    the reference has no steady state."""
 
     @property
     def within_step(self) -> bool:
@@ -78,15 +65,7 @@ class TruthError:
 
 
 def truth_of(known: PointResults, exact: Result) -> TrueTransmittance | None:
-    """Give the truth at a point; ``None`` where neither the exact motion nor the converged reference is certified.
-
-    Parameters
-    ----------
-    known
-        Results at the point; those of the reference count.
-    exact
-        The exact motion's.
-    """
+    """Give the truth at a point; ``None`` where neither the exact motion nor the converged reference is certified."""
     if exact.converged:
         steps = max(exact.periods, 1) * exact.steps_per_period
         left_open = unresolved_amplitude(exact.residual, amplification(known.reference), steps, exact.transmittance_db)

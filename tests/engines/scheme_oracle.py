@@ -7,7 +7,7 @@ import numpy as np
 from engines.interface.engine import Engine
 from engines.interface.presets import Formulation, Option, Preset
 from engines.interface.tolerances import SINGLE
-from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.chain.trajectory import State, Trajectory

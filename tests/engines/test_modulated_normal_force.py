@@ -8,26 +8,26 @@ import pytest
 
 from engines.interface.presets import NormalForce
 from engines.interface.registry import engine, engine_names
-from engines.interface.selection import variants_of
 from engines.interface.tolerances import CREEP, TRAJECTORY_TOLERANCE
-from engines.interface.variant import Variant
-from reference_lcp.chain.harmonic import HarmonicBase
+from engines.interface.variant import Variant, variants_of
+from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Flight, Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, random_state, uneven_lane
+from tests.installed import each_variant
 
-INSTALLED = [
+SHARING = [
     variant
     for name in engine_names()
-    if name != "reference" and engine(name).unavailable_reason() is None
+    if name != "reference"
     for variant in variants_of(name)
     if variant.preset_name == "tuned" and variant.preset.shares_scheme
 ]
-FOLLOWING = [one for one in INSTALLED if one.preset.represents(NormalForce.MODULATED)]
-LIFTING = [one for one in INSTALLED if one.preset.represents(NormalForce.LIFTING)]
+FOLLOWING = each_variant(one for one in SHARING if one.preset.represents(NormalForce.MODULATED))
+LIFTING = each_variant(one for one in SHARING if one.preset.represents(NormalForce.LIFTING))
 
 
 def modulated(lane: Lane, modulation: float, multiple: int = 1, phase: float = 0.0) -> Lane:
@@ -42,7 +42,7 @@ def allowed(variant: Variant) -> float:
     )
 
 
-@pytest.mark.parametrize("variant", FOLLOWING, ids=str)
+@pytest.mark.parametrize("variant", FOLLOWING)
 def test_uneven_cells_each_follow_their_own_normal_force(variant: Variant) -> None:
     lanes = [modulated(uneven_lane(), 0.8, 2, phase=0.7), uneven_lane(), modulated(uneven_lane(), 0.5)]
     state = random_state(3, size=0.3)
@@ -52,7 +52,7 @@ def test_uneven_cells_each_follow_their_own_normal_force(variant: Variant) -> No
         assert motion.normal_force == pytest.approx(expected.normal_force, rel=1e-3)
 
 
-@pytest.mark.parametrize("variant", LIFTING, ids=str)
+@pytest.mark.parametrize("variant", LIFTING)
 def test_gap_of_masses_that_differ_is_that_over_a_guided_outer_mass(variant: Variant) -> None:
     """Where nothing guides the outer mass it flies away too: the gap is another, its time in the air is not."""
     chain = Chain.from_ratios(friction_ratio=0.3, mass_ratio=0.4, base_amplitude=AMPLITUDE)
@@ -67,7 +67,7 @@ def test_gap_of_masses_that_differ_is_that_over_a_guided_outer_mass(variant: Var
     assert in_air == pytest.approx(np.full(7, flight.open_fraction), abs=2 / STEPS)
 
 
-@pytest.mark.parametrize("variant", LIFTING, ids=str)
+@pytest.mark.parametrize("variant", LIFTING)
 def test_lane_in_flight_keeps_its_gap_beside_one_that_stays_closed(variant: Variant) -> None:
     chain = Chain.from_ratios(friction_ratio=0.3, base_amplitude=AMPLITUDE)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.5, AMPLITUDE), STEPS)
@@ -80,7 +80,7 @@ def test_lane_in_flight_keeps_its_gap_beside_one_that_stays_closed(variant: Vari
     assert np.array_equal(end.positions[1], expected.positions[0])
 
 
-@pytest.mark.parametrize("variant", LIFTING, ids=str)
+@pytest.mark.parametrize("variant", LIFTING)
 def test_landing_is_inelastic(variant: Variant) -> None:
     """A mass that has landed stays on its face until the actuator pulls it off again.
 
@@ -94,7 +94,7 @@ def test_landing_is_inelastic(variant: Variant) -> None:
     assert np.all(np.sum(takes_off, axis=0) == 2), "once in each of two cycles"
 
 
-@pytest.mark.skipif(engine("pybullet").unavailable_reason() is not None, reason="PyBullet is not installed")
+@pytest.mark.needs("pybullet")
 def test_motor_that_may_do_nothing_reports_nothing() -> None:
     """Bullet keeps the last force of a motor whose bound is zero; at N = 0 the adapter does not believe it."""
     lane = modulated(uneven_lane(), 1.0)
@@ -105,7 +105,7 @@ def test_motor_that_may_do_nothing_reports_nothing() -> None:
     assert np.all(run.friction[3 * STEPS // 4] == 0)
 
 
-@pytest.mark.skipif(engine("mujoco").unavailable_reason() is not None, reason="MuJoCo is not installed")
+@pytest.mark.needs("mujoco")
 def test_sphere_sinks_into_its_plate_by_less_and_less_with_finer_steps() -> None:
     """Its contact is as stiff as a step allows, and no stiffer: the static depth is in proportion to N dt² / m."""
     chain = Chain.from_ratios(friction_ratio=0.3, base_amplitude=AMPLITUDE)

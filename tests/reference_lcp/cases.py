@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference_lcp import Chain
+from reference_lcp import Chain, HarmonicBase
 
 EXACT_DB = {
     (0.1, 0.6): 7.865,
@@ -18,6 +18,12 @@ STANDING = np.asarray(1e14)
 """A mass [kg] so heavy that it stands still: it moves by 1e-14 of what the other one does."""
 
 
+def driven(frequency_ratio: float, **ratios) -> tuple[Chain, HarmonicBase]:
+    """A chain of these ratios, and a base that drives it at its default amplitude."""
+    chain = Chain.from_ratios(**ratios)
+    return chain, HarmonicBase.from_ratio(chain, frequency_ratio)
+
+
 def random_chain(rng: np.random.Generator, cells: int) -> Chain:
     """A chain whose cells all differ, damped or nearly not, with friction from none to strong."""
     return Chain(
@@ -31,3 +37,8 @@ def random_chain(rng: np.random.Generator, cells: int) -> Chain:
         normal_force=rng.uniform(0, 10, cells),
         friction_coefficient=rng.uniform(0, 1, cells),
     )
+
+
+def natural_residual(M, q, z) -> float:
+    """‖min(z, M z + q)‖∞: zero if and only if z solves LCP(q, M)."""
+    return float(np.max(np.abs(np.minimum(z, np.asarray(M) @ z + np.asarray(q))), initial=0.0))

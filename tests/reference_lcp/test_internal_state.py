@@ -15,9 +15,9 @@ from reference_lcp import (
     Trajectory,
     periodic_orbits,
 )
+from reference_lcp.chain.simulation import OrbitStatus
 from reference_lcp.observables.transmittance import decibel, transmittance
-from reference_lcp.steady.orbits import OrbitStatus
-from reference_lcp.steady.state_scales import StateScales
+from reference_lcp.steady.anderson import StateScales
 
 STEPS = 400
 

@@ -10,22 +10,22 @@ import pytest
 from engines.interface.variant import Variant
 from reports.data.report import Report
 from reports.export.files import files_of
+from scenarios.runs.recorded import RecordedPeriod
+from scenarios.runs.result import Result
+from scenarios.runs.task import SteadyStateTask
 from scenarios.studies.figure3 import figure3
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
-from scenarios.sweeps.attenuation_band import Edge
+from scenarios.sweeps.attenuation_band import Crossing, Edge, compare_edge
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.table import Point, judged_table
+from scenarios.sweeps.table import Point
 from scenarios.sweeps.truths import truths
-from scenarios.tasks.recorded import RecordedPeriod
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.band_edge import Crossing, compare_edge
 from scenarios.verdicts.finding import Finding
 from scenarios.verdicts.pointwise import CONVERGED, PointResults, point_findings, refinements
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
+from tests.judged import judged_table
 
 RUNS = Variant("mujoco")
 MISSING = Variant("pybullet")
@@ -172,7 +172,7 @@ def report(result: ComparedSweep) -> Report:
     )
     return Report(
         result,
-        "python -m reports --quick --engine '<b>'",
+        "multibody-xval report --quick --engine '<b>'",
         {
             (Case.of(friction_ratio=0.3), 0.9): {
                 REFERENCE: motion(),

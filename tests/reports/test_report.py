@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 import xarray as xr
@@ -9,23 +10,22 @@ import xarray as xr
 from reference_lcp import ParameterError
 from reports import report
 from reports.data.collect import Scope, collect, collect_dataset
+from reports.data.points import NAMES, POINT_COLUMNS
+from reports.data.report import Report
 from reports.export.files import files_of, report_dataset
-from reports.export.tables import transmittance_table
-from scenarios.execution.computation.batch import run_batch
-from scenarios.execution.evaluator import Evaluator, StoredResults
-from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.storage.store import ResultStore
+from scenarios.runs.evaluator import Evaluator, StoredResults
+from scenarios.runs.executor import InProcessExecutor, run_batch
+from scenarios.runs.store import ResultStore
 from scenarios.studies.figure3 import figure3
 from scenarios.studies.work_precision import exact_step_tasks, step_tasks
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.dataset import sweep_dataset
-from scenarios.sweeps.dataset_results import DatasetResults
-from scenarios.sweeps.noted import note_sweep, noted_sweeps
-from scenarios.sweeps.run import stored_table
+from scenarios.sweeps.dataset_reader import DatasetResults
+from scenarios.sweeps.run import note_sweep, noted_sweeps, stored_table
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Case, Sweep
 from scenarios.sweeps.table import grid, tasks_of
-from scenarios.tables import records
+from scenarios.tables import json_text, records
 from scenarios.verdicts.steady_case import REFERENCE
 
 CONTENT = """\
@@ -113,11 +113,15 @@ def test_results_out_of_a_file_are_those_of_the_store(
 
 def test_report_of_a_dataset_has_the_verdicts_of_the_store(data: xr.Dataset, result: ComparedSweep) -> None:
     read = collect_dataset(data, "")
-    found = records(transmittance_table(read.result, read.truths))
+
+    def rows(report: Report) -> list[dict[str, Any]]:
+        return json.loads(json_text(records(report.points[[*NAMES, *result.sweep.case_axes, *POINT_COLUMNS]])))
+
+    found = rows(read)
     places = {
         (row["engine"], row["preset"], row["mass_ratio"], row["cells"], row["frequency_ratio"]): row for row in found
     }
-    expected = [row for row in records(transmittance_table(result, read.truths)) if row["verdict"] != "inconclusive"]
+    expected = [row for row in rows(Report(result, "", truths=read.truths)) if row["verdict"] != "inconclusive"]
     assert len(expected) > 12
     for row in expected:
         assert places[row["engine"], row["preset"], row["mass_ratio"], row["cells"], row["frequency_ratio"]] == row

@@ -6,8 +6,8 @@ import itertools
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution.computation.batch import run_batch
-from scenarios.tasks.task import SteadyStateTask
+from scenarios.runs.executor import run_batch
+from scenarios.runs.task import SteadyStateTask
 
 WRONG = Variant("mujoco")
 """Whose answers are falsified: any variant that shares the scheme, for the reference answers in its place."""

@@ -5,11 +5,10 @@ from collections.abc import Mapping
 
 from engines.interface.variant import Variant
 from reference_lcp import Chain, CompiledSimulation
-from reference_lcp.stepping.euler import euler_simulation
-from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.executor import InProcessExecutor
-from scenarios.verdicts.finding import Finding
-from scenarios.verdicts.verdict import Verdict
+from reference_lcp.schemes.euler import euler_simulation
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.executor import InProcessExecutor
+from scenarios.verdicts.finding import Finding, Verdict
 
 
 def evaluator(store) -> Evaluator:

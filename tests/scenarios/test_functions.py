@@ -10,8 +10,8 @@ import xarray as xr
 
 from reference_lcp import Chain, HarmonicBase, HarmonicForce, ParameterError, steady_state
 from scenarios import check, functions, sweep
-from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.executor import InProcessExecutor
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.executor import InProcessExecutor
 
 MASSES = [1.0, 0.8, 1.2]
 

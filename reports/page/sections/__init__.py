@@ -1,19 +1,9 @@
-"""Sections of reports: one module, one class and one template each."""
+"""Sections of reports, one class and one template each."""
 
-from reports.page.sections.band_edges import BandEdges
-from reports.page.sections.catalogue import Catalogue
-from reports.page.sections.departures import DeparturesSection
-from reports.page.sections.error_map import ErrorMaps
-from reports.page.sections.friction_map import FrictionMapSection
-from reports.page.sections.open_points import OpenPoints
-from reports.page.sections.option_curves import OptionCurves
-from reports.page.sections.provenance import Provenance
-from reports.page.sections.stick_slip import StickSlip
-from reports.page.sections.summary import Summary
-from reports.page.sections.transmittance import Transmittance
-from reports.page.sections.verdicts import Verdicts
-from reports.page.sections.versions import Versions
-from reports.page.sections.work_precision import WorkPrecision
+from reports.page.sections.errors import ErrorMaps, OptionCurves, WorkPrecision
+from reports.page.sections.motion import BandEdges, FrictionMapSection, StickSlip, Transmittance
+from reports.page.sections.summary import Provenance, Summary
+from reports.page.sections.verdicts import Catalogue, DeparturesSection, OpenPoints, Verdicts, Versions
 
 __all__ = [
     "BandEdges",

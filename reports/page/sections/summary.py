@@ -1,15 +1,14 @@
-"""Summary: what is compared, and how far every variant is from the truth."""
+"""Summary: what is compared and how far every variant is from the truth; and how the numbers were made."""
 
 import math
 from typing import Any
 
 from reports.data.descriptions import axis_name, drive_description
-from reports.data.errors import VariantErrors
-from reports.data.installed import Installed, by_engine
-from reports.data.single_options import SingleOption
+from reports.data.options import Installed, SingleOption, by_engine
+from reports.data.variants import VariantErrors
 from reports.drawing.figure import Figure
 from reports.figures.chain_drawing import chain_drawing
-from reports.figures.installed import installed_figure
+from reports.figures.errors import installed_figure
 from reports.formatting import ratio
 from reports.page.section import Section
 from scenarios.verdicts.finding import FLOOR_DB
@@ -67,17 +66,7 @@ class Summary(Section):
 
 
 def sentence(name: str, own: list[Installed], points: int) -> dict[str, Any]:
-    """Say of an engine how far it is off as installed, and how far with which options.
-
-    Parameters
-    ----------
-    name
-        Title of the engine.
-    own
-        Its formulations.
-    points
-        Of the whole grid; of a variant that is compared at fewer, it is said at how many.
-    """
+    """Say of an engine how far it is off as installed, and how far with which options."""
     options = list(dict.fromkeys(option for pair in own for option in pair.options))
     return {
         "engine": name,
@@ -106,3 +95,17 @@ def _tuned(every: list[VariantErrors], points: int) -> str:
     """Give the largest errors of the formulations; once where all are equal as printed."""
     sizes = {f"{own.size:.4g} dB" for own in every}
     return sizes.pop() if len(sizes) == 1 else " and ".join(_off(own, points, several=True) for own in every)
+
+
+class Provenance(Section):
+    """Versions, options, steps, tolerances, grid."""
+
+    title = "How these numbers were made"
+    template = "provenance"
+
+    def context(self) -> dict[str, Any]:
+        """The data, as they are, but for the values of the grid: their number and their ends."""
+        grids = self.report.provenance["frequency_ratios"].values()
+        every = [eta for grid in grids for eta in grid]
+        ends = {"first": min(every, default=math.nan), "last": max(every, default=math.nan)}
+        return {**self.report.provenance, "grid": {"points": [len(grid) for grid in grids], **ends}}

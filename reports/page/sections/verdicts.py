@@ -1,16 +1,24 @@
-"""Verdicts: how many points of every variant agree with what it should equal."""
+"""What comparisons come to: verdicts, versions, departures and laws, the catalogue, and points that do not agree."""
 
 import math
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
+from reports.data.catalogue import SIGNS, Outcome, cell_of
 from reports.data.descriptions import axis_name, compared_with
+from reports.data.points import outcome
+from reports.drawing.style import compared_variants
 from reports.page.section import Section
-from scenarios.verdicts.finding import FLOOR_DB
+from reports.reproducers.script import has_reproducer
+from scenarios.catalogue import CATALOGUE
+from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.table import Point
+from scenarios.verdicts.finding import FLOOR_DB, Finding, Prediction, Verdict
 from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.verdict import Verdict
 
 
 class Verdicts(Section):
@@ -27,7 +35,9 @@ class Verdicts(Section):
         verdicts = [str(verdict) for verdict in Verdict]
         return {
             "rows": rows,
-            "headline": {verdict: sum(row["findings"].verdicts[verdict] for row in compared) for verdict in verdicts},
+            "headline": {
+                verdict: sum(row["findings"]["verdicts"][verdict] for row in compared) for verdict in verdicts
+            },
             "failures": self.report.failures,
             "missing": sum(row["missing"] for row in rows),
             "sentences": self._sentences(compared),
@@ -37,13 +47,16 @@ class Verdicts(Section):
         }
 
     def _row(self, variant: Variant) -> dict[str, Any]:
-        findings, points = self.report.findings[variant], len(self.result.points_of(variant))
+        findings, points = self.report.verdicts[variant], len(self.result.points_of(variant))
+        worst = findings["worst_edge"]
         return {
             "variant": variant,
             "findings": findings,
+            "worst_at": ", ".join(f"{worst.get(axis, math.nan):.6g}" for axis in self.result.sweep.case_axes),
             "points": points,
-            "seconds": findings.seconds / points if points else math.nan,
+            "seconds": findings["seconds"] / points if points else math.nan,
             "missing": self.report.missing.get(variant, 0),
+            "blocked": variant in self.report.blocked,
             "friction_law": str(engine(variant.engine).capabilities.friction_law),
             "compared_with": compared_with(variant, self.result.sweep.tolerance),
             "is_baseline": variant == CONVERGED,
@@ -54,11 +67,169 @@ class Verdicts(Section):
         """Group variants: all points agree, some do, or there is nothing that could be compared."""
         sorted_rows: dict[str, list[str]] = {"all": [], "some": [], "nothing": []}
         for row in rows:
-            title, agreed, points = row["variant"].title, row["findings"].verdicts["agree"], row["points"]
-            if row["findings"].blocked is not None or points == row["missing"]:
+            title, agreed, points = row["variant"].title, row["findings"]["verdicts"]["agree"], row["points"]
+            if row["blocked"] or points == row["missing"]:
                 sorted_rows["nothing"].append(title)
             elif agreed == points:
                 sorted_rows["all"].append(title)
             else:
                 sorted_rows["some"].append(f"{title} ({agreed} of {points})")
         return sorted_rows
+
+
+class Versions(Section):
+    """A row for every two versions of an engine."""
+
+    title = "Versions side by side"
+    template = "versions"
+
+    @property
+    def shown(self) -> bool:
+        """Whether two versions of an engine take part."""
+        return bool(self.report.versions)
+
+    def context(self) -> dict[str, Any]:
+        """Rows."""
+        return {"rows": self.report.versions}
+
+
+POINT = "figure3"
+"""Scenario that shows a transmittance."""
+
+
+class DeparturesSection(Section):
+    """A row a variant that departs."""
+
+    title = "Departures and laws"
+    template = "departures"
+
+    @property
+    def shown(self) -> bool:
+        """Whether anything departs."""
+        return bool(self.report.departures)
+
+    def context(self) -> dict[str, Any]:
+        """Rows, what fails, and the command that shows a variant's number without the suite, where there is one."""
+        variants = [row["variant"] for row in self.report.departures]
+        commands = {own: f"multibody-xval reproduce {own} {POINT}" for own in variants if has_reproducer(own)}
+        return {"rows": self.report.departures, "failures": self.report.failures, "commands": commands}
+
+
+class Catalogue(Section):
+    """A heat map: a row a variant, a column a scenario."""
+
+    title = "Other scenarios"
+    template = "catalogue"
+    numbers = "catalogue.csv"
+
+    @property
+    def shown(self) -> bool:
+        """Whether any scenario is known."""
+        return bool(self.report.catalogue)
+
+    def context(self) -> dict[str, Any]:
+        """Names and questions of the scenarios, and the cells of each variant."""
+        known = self.report.catalogue
+        variants = [variant for variant in self.report.errors if any(variant in own for own in known.values())]
+        return {
+            "scenarios": {name: CATALOGUE[name].question for name in known},
+            "rows": [(variant, [_cell(own.get(variant)) for own in known.values()]) for variant in variants],
+            "signs": {str(outcome): sign for outcome, sign in SIGNS.items()},
+            "numbers": self.numbers,
+        }
+
+
+def _cell(counts: Mapping[Outcome, int] | None) -> dict[str, str]:
+    return cell_of(counts) if counts else {"outcome": "", "text": "", "words": "not known"}
+
+
+LONGEST = 10
+"""Rows of one variant that the page shows, the largest differences first; files hold all of them."""
+
+
+class OpenPoints(Section):
+    """Everything that does not agree, by variant; points with the same verdict and reason in one row."""
+
+    title = "Points that do not agree"
+    template = "open_points"
+
+    def context(self) -> dict[str, Any]:
+        """Variants with their open rows."""
+        shown = []
+        for variant in self.result.sweep.variants:
+            rows = self._rows(variant)
+            if rows:
+                of = engine(variant.engine)
+                known_deviation = of.preset(variant.formulation, variant.preset_name).known_deviation
+                departs = f"Departs from Coulomb's law: {known_deviation}." if known_deviation else ""
+                notes = " ".join(note for note in (of.capabilities.notes, departs) if note)
+                left_out = max(len(rows) - LONGEST, 0)
+                shown.append({"title": variant.title, "notes": notes, "rows": rows[:LONGEST], "left_out": left_out})
+        return {"variants": shown, "compared": [variant.title for variant in compared_variants(self.result.sweep)]}
+
+    def _rows(self, variant: Variant) -> list[dict[str, Any]]:
+        reason = self.report.blocked.get(variant)
+        if not self.result.points_of(variant):
+            reason = "the dataset holds none of its points"
+        if reason is not None:
+            everywhere = "every point and every edge"
+            blocked = {"verdict": str(Verdict.BLOCKED), "outcome": "", "law": "", "size": math.nan, "reason": reason}
+            blocked |= {"difference": math.nan, "unit": ""}
+            return [{"places": everywhere} | blocked]
+        rows = [*self._edges(variant), *self._points(variant)]
+        return sorted(rows, key=_order)
+
+    def _points(self, variant: Variant) -> list[dict[str, Any]]:
+        groups: dict[tuple[Case, Verdict, str], list[Point]] = defaultdict(list)
+        for point in self.result.points_of(variant):
+            verdict = point.comparison.verdict
+            if verdict is not Verdict.AGREE:
+                groups[point.case, verdict, point.comparison.reason].append(point)
+        return [
+            {
+                "places": f"{case}, η_r = {', '.join(f'{point.frequency_ratio:g}' for point in points)}",
+                **_judged(points[0].finding, points[0].findings),
+            }
+            for (case, _, _), points in groups.items()
+        ]
+
+    def _edges(self, variant: Variant) -> list[dict[str, Any]]:
+        return [
+            {
+                "places": f"{edge.case}, {edge.edge} edge",
+                **_judged(edge.finding, (edge.finding,)),
+            }
+            for edge in self.result.edges
+            if edge.variant == variant and edge.comparison.verdict is not Verdict.AGREE
+        ]
+
+
+def _order(row: dict[str, Any]) -> tuple[bool, float]:
+    """Differences in dB first, the largest of them on top; edges and what has no number after them."""
+    return row["unit"] != "dB", 0.0 if math.isnan(row["difference"]) else -abs(row["difference"])
+
+
+def _judged(finding: Finding, findings: Sequence[Finding]) -> dict[str, Any]:
+    """Give the verdict, what the law says of it, and the reason; `findings` are all of the point."""
+    comparison, prediction = finding.comparison, finding.prediction
+    return {
+        "verdict": str(comparison.verdict),
+        "outcome": outcome(findings),
+        "law": "" if prediction is None else _law(finding, prediction),
+        "size": comparison.excess,
+        "difference": comparison.difference,
+        "unit": finding.metric.unit,
+        "reason": comparison.reason,
+    }
+
+
+def _law(finding: Finding, prediction: Prediction) -> str:
+    """Give departure, prediction and what is left; of a law without a steady state, that."""
+    if not prediction.certified:
+        return str(prediction)
+    departure, left, unit = finding.comparison.difference, prediction.difference, finding.metric.unit
+    text = (
+        f"departure {departure:+.4g}, prediction {departure - left:+.4g}, left {left:+.2g} {unit}, "
+        f"allowed {prediction.allowed:.2g}; period {prediction.distance:.2g} U0, allowed {prediction.period_bound:.2g}"
+    )
+    return text.replace("-", "−")

@@ -13,15 +13,13 @@ import numpy as np
 
 from engines.interface.tolerances import SINGLE
 from engines.interface.variant import Variant
-from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.transient.law_motion import motion_distance
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.block import Block, BlockTask
-from scenarios.verdicts.finding import Finding, Metric
+from scenarios.catalogue.base import Scenario, motion_distance
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.transient_task import Block, BlockTask
+from scenarios.verdicts.finding import Comparison, Finding, Metric
 from scenarios.verdicts.judge import Steps, judge
 from scenarios.verdicts.prediction import LawPeriod
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.verdict import Comparison
 
 STANDARD_GRAVITY = 9.80665
 """g [m/s²]."""
@@ -38,20 +36,11 @@ ROUNDINGS = 8
 
 @dataclass(frozen=True)
 class Scale:
-    """Mass and force of a block.
-
-    Parameters
-    ----------
-    title
-        As tables print it.
-    mass
-        Of the block [kg].
-    weights
-        λ_N over m g.
-    """
+    """Mass and force of a block."""
 
     title: str
     mass: float
+    """Of the block [kg]."""
     weights: float = 1.0
 
     @property

@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from engines.interface.variant import Variant
-from reference_lcp.chain.shaken_table import GrowingAcceleration
+from reference_lcp.chain.drives import GrowingAcceleration
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, round_off
 from scenarios.catalogue.descriptions import DESCRIPTIONS, REFERENCE_REFINEMENT
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.block import BlockTask
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.transient_task import BlockTask
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.judge import Steps, judge, missing
 from scenarios.verdicts.steady_case import REFERENCE

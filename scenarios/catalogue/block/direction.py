@@ -9,18 +9,17 @@ import numpy as np
 
 from engines.interface.presets import Formulation
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.error_bar import REFINEMENTS
-from reference_lcp.chain.harmonic import StillBase
+from reference_lcp.chain.drives import StillBase
+from reference_lcp.steady.error_bar import REFINEMENTS
 from scenarios.catalogue.block.base import ROUND_OFF, ROUNDINGS, SCALES, TIME_STEP, BlockScenario, Scale
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import read_refined, with_refined_steps
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.block import BlockTask
-from scenarios.tasks.result import NamedNumbers
-from scenarios.verdicts.finding import Finding, Metric, Prediction
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.result import NamedNumbers
+from scenarios.runs.transient_task import BlockTask
+from scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Verdict
 from scenarios.verdicts.judge import Steps, judge
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from scenarios.verdicts.verdict import Comparison, Verdict
 
 ANGLES = (0, 15, 30, 45, 60, 75, 90)
 """By which the row is turned [°]: pyramids of four faces are seen at their edges and at their faces."""

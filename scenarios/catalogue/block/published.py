@@ -21,21 +21,19 @@ from typing import NamedTuple
 import numpy as np
 
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.error_bar import REFINEMENTS
-from reference_lcp.chain.canonical import FRICTION_COEFFICIENT
-from reference_lcp.chain.harmonic import StillBase
-from reference_lcp.chain.shaken_table import ShakingForce
+from reference_lcp.chain.drives import ShakingForce, StillBase
+from reference_lcp.defaults import FRICTION_COEFFICIENT
+from reference_lcp.steady.error_bar import REFINEMENTS
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.block.base import ROUND_OFF, ROUNDINGS, BlockScenario, round_off
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import read_refined, with_refined_steps
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.block import CARRIER_MASSES, Block, BlockTask
-from scenarios.tasks.result import NamedNumbers
-from scenarios.verdicts.finding import Finding, Metric
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.result import NamedNumbers
+from scenarios.runs.transient_task import CARRIER_MASSES, Block, BlockTask
+from scenarios.verdicts.finding import Comparison, Finding, Metric
 from scenarios.verdicts.judge import Number, judge
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from scenarios.verdicts.verdict import Comparison
 
 CARRIER_PHASE = 1e-3
 """ω_c times the length of a motion [rad]: the carrier's spring changes what it does by 5e-7 of its way."""
@@ -47,21 +45,14 @@ VALUE = Metric("value", "", "Number over the published one; where that is 0, ove
 
 
 class Target(NamedTuple):
-    """A published number.
-
-    Parameters
-    ----------
-    quantity, unit, source
-        As tables print them.
-    value, uncertainty
-        The number, and half of its last printed digit, or what else it is known to be off by.
-    """
+    """A published number."""
 
     quantity: str
     unit: str
     source: str
     value: float
     uncertainty: float
+    """The number, and half of its last printed digit, or what else it is known to be off by."""
 
 
 @cache
@@ -82,33 +73,24 @@ class Motion(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """A published problem.
-
-    Parameters
-    ----------
-    mass, bound, stiffness
-        m [kg], μ λ_N [N] and k [N/m] of the one mass.
-    time_step, steps, every
-        Coarsest step [s], how many, and one row in how many is kept.
-    scale
-        Size of the slip [m].
-    slip, slip_velocity
-        At first [m] and [m/s].
-    acceleration, angular_frequency
-        A [m/s²] and ω [rad/s] of the table's acceleration A sin ωt.
-    """
+    """A published problem."""
 
     mass: float
     bound: float
     time_step: float
     steps: int
     scale: float
+    """Size of the slip [m]."""
     every: int = 1
+    """Coarsest step [s], how many, and one row in how many is kept."""
     stiffness: float = 0.0
+    """m [kg], μ λ_N [N] and k [N/m] of the one mass."""
     slip: float = 0.0
     slip_velocity: float = 0.0
+    """At first [m] and [m/s]."""
     acceleration: float = 0.0
     angular_frequency: float = 0.0
+    """A [m/s²] and ω [rad/s] of the table's acceleration A sin ωt."""
 
     def task(self, variant: Variant) -> BlockTask:
         """Give the task of a variant, with its coarsest step; the carrier begins as the table goes on."""
@@ -138,26 +120,13 @@ class Problem(NamedTuple):
 
 
 class Case(NamedTuple):
-    """A number that is read of a problem.
-
-    Parameters
-    ----------
-    problem
-        What moves.
-    read
-        The number, of a motion.
-    round_off
-        By how much roundings change it.
-    per_length
-        By how much it changes at most with each metre that a slip is off.
-    unit
-        What it is divided by.
-    """
+    """A number that is read of a problem."""
 
     problem: Problem
     read: Callable[[Motion], float]
     round_off: Callable[[BlockTask], float]
     per_length: float
+    """By how much it changes at most with each metre that a slip is off."""
     unit: float
 
     def value(self, series: NamedNumbers) -> float:

@@ -17,18 +17,17 @@ from typing import NamedTuple
 import numpy as np
 
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.error_bar import REFINEMENTS
-from reference_lcp.chain.shaken_table import ShakingForce
+from reference_lcp.chain.drives import ShakingForce
+from reference_lcp.steady.error_bar import REFINEMENTS
 from scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, round_off
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import read_refined, with_refined_steps
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.block import CARRIER_MASSES, Block, BlockTask
-from scenarios.tasks.result import NamedNumbers
-from scenarios.verdicts.finding import Finding, Metric
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.result import NamedNumbers
+from scenarios.runs.transient_task import CARRIER_MASSES, Block, BlockTask
+from scenarios.verdicts.finding import Comparison, Finding, Metric
 from scenarios.verdicts.judge import Number, judge, missing
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from scenarios.verdicts.verdict import Comparison
 
 STATIC_RATIOS = (1.2, 1.5)
 """μ_s / μ_k: a little above one, and as for dry steel."""

@@ -7,12 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from engines.interface.variant import Variant
-from reference_lcp.chain.harmonic import StillBase
-from reference_lcp.chain.shaken_table import Vibration
+from reference_lcp.chain.drives import StillBase, Vibration
 from scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, judged_at_one_step
 from scenarios.catalogue.descriptions import DESCRIPTIONS
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.block import BlockTask
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.transient_task import BlockTask
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.judge import missing
 

@@ -6,19 +6,18 @@ from typing import NamedTuple
 import numpy as np
 
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.error_bar import REFINEMENTS
-from reference_lcp.chain.harmonic import StillBase
+from reference_lcp.chain.drives import StillBase
+from reference_lcp.steady.error_bar import REFINEMENTS
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, judged_at_one_step, round_off
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import read_refined, with_refined_steps
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.block import BlockTask
-from scenarios.tasks.result import NamedNumbers
-from scenarios.verdicts.finding import Finding, Metric
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.result import NamedNumbers
+from scenarios.runs.transient_task import BlockTask
+from scenarios.verdicts.finding import Comparison, Finding, Metric
 from scenarios.verdicts.judge import Number, judge
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from scenarios.verdicts.verdict import Comparison
 
 STOPPING_TIMES = (0.25, 1.0)
 """T = v m / (μ λ_N) [s], which gives v."""

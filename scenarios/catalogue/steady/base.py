@@ -7,16 +7,25 @@ from dataclasses import replace
 from typing import ClassVar
 
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.resolution import amplitude_in_db
+from reference_lcp.steady.richardson import amplitude_in_db
 from scenarios.catalogue.base import Scenario
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.law_period import LawPeriodTask
-from scenarios.tasks.parameters import ChainRatios, Ratio
-from scenarios.tasks.result import Result, ResultStatus
-from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE, Finding, Metric
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.parameters import ChainRatios, Ratio
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.task import LawPeriodTask, SteadyStateTask
+from scenarios.verdicts.finding import (
+    FLOOR_DB,
+    PHASE,
+    TRANSMITTANCE,
+    Comparison,
+    Finding,
+    Metric,
+    Tolerance,
+    Verdict,
+    amplitude_in_degrees,
+    phase_reader,
+)
 from scenarios.verdicts.judge import decide, judge
-from scenarios.verdicts.phase import PHASE, amplitude_in_degrees, phase_reader
 from scenarios.verdicts.steady_case import (
     EXACT,
     REFERENCE,
@@ -29,7 +38,6 @@ from scenarios.verdicts.steady_case import (
     third_task,
 )
 from scenarios.verdicts.stick_slip_comparison import STICK_SLIP_METRICS, stick_slip_findings
-from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
 SAME_STEP = Metric(
     "same step",

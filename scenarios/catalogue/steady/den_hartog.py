@@ -8,9 +8,9 @@ from reference_lcp.exact.den_hartog import SlidingMotion
 from reference_lcp.observables.stick_slip import Mode
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import ClosedForm
-from scenarios.tasks.parameters import ChainRatios
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
+from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.result import Result
+from scenarios.runs.task import SteadyStateTask
 from scenarios.verdicts.steady_case import Expected, SteadyCase
 
 STANDING_RATIO = 1e6

@@ -6,12 +6,11 @@ from collections.abc import Mapping
 
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import SAME_STEP, SteadyScenario, point_case
+from scenarios.runs.result import Result
 from scenarios.sweeps.attenuation_band import BandDefinition
-from scenarios.tasks.result import Result
-from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Metric
+from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Metric, Verdict
 from scenarios.verdicts.judge import Steps, judge
 from scenarios.verdicts.steady_case import Evidence, Expected, SteadyCase
-from scenarios.verdicts.verdict import Comparison, Verdict
 
 LOWER_EDGE = Metric(
     "lower edge",

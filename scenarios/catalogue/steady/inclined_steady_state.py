@@ -9,11 +9,10 @@ from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import SteadyScenario, phase_findings, transmittance_finding
 from scenarios.catalogue.steady.linear_limits import linear_expected
 from scenarios.catalogue.steady.long_chain import expected_of
-from scenarios.tasks.parameters import Modulation
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.finding import TRANSMITTANCE, Finding
-from scenarios.verdicts.phase import PHASE
+from scenarios.runs.parameters import Modulation
+from scenarios.runs.result import Result
+from scenarios.runs.task import SteadyStateTask
+from scenarios.verdicts.finding import PHASE, TRANSMITTANCE, Finding
 from scenarios.verdicts.steady_case import REFERENCE, Evidence, Expected, SteadyCase
 
 BASELINE = (4, 8, 16)

@@ -6,15 +6,15 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from reference_lcp.chain.harmonic import PeriodicDrive
+from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.observables.transmittance import decibel
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import ClosedForm, cases_over
-from scenarios.tasks.parameters import ChainRatios
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
+from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.result import Result
+from scenarios.runs.task import SteadyStateTask
 from scenarios.verdicts.steady_case import Expected, SteadyCase
 
 THREE_CELLS = ChainRatios(cells=3)

@@ -5,12 +5,11 @@ from collections.abc import Mapping, Sequence
 
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import SteadyScenario
-from scenarios.tasks.parameters import ChainRatios
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.finding import TRANSMITTANCE
+from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.result import Result
+from scenarios.runs.task import SteadyStateTask
+from scenarios.verdicts.finding import PHASE, TRANSMITTANCE, phase_reader
 from scenarios.verdicts.judge import Steps
-from scenarios.verdicts.phase import PHASE, phase_reader
 from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import COARSE, FINE, FINEST, Expected, SteadyCase
 

@@ -12,28 +12,34 @@ from itertools import pairwise
 from typing import ClassVar
 
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.resolution import amplitude_in_db
 from reference_lcp.chain.preload import Flight
-from reference_lcp.observables.transition_matching import TimedTransition, match_transitions
+from reference_lcp.observables.stick_slip import TimedTransition
+from reference_lcp.steady.richardson import amplitude_in_db
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.descriptions import DESCRIPTIONS
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.law_period import LawPeriodTask
-from scenarios.tasks.parameters import Modulation
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Metric
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.parameters import Modulation
+from scenarios.runs.result import Result
+from scenarios.runs.task import LawPeriodTask, SteadyStateTask
+from scenarios.verdicts.finding import (
+    PHASE,
+    TRANSMITTANCE,
+    Comparison,
+    Finding,
+    Metric,
+    Tolerance,
+    amplitude_in_degrees,
+    phase_reader,
+)
 from scenarios.verdicts.judge import Steps, decide, judge, missing
-from scenarios.verdicts.phase import PHASE, amplitude_in_degrees, phase_reader
 from scenarios.verdicts.steady_case import amplification
 from scenarios.verdicts.stick_slip_comparison import matched_errors
-from scenarios.verdicts.verdict import Comparison, Tolerance
 
 CASE_STEPS = (400, 800, 1600)
 """Steps a period of the three results of every case; those with 800 are compared.
 
 An impact falls anywhere in a step, so that the difference of two steps may vanish where the error does not: it takes
-a third one, see `reference_lcp.accuracy.richardson`.
+a third one, see `reference_lcp.steady.richardson`.
 """
 
 FRICTION_RATIO = 0.3
@@ -50,19 +56,13 @@ LARGEST_GAP = Metric("largest gap", "U0", "highest point of an inner mass's flig
 
 @dataclass(frozen=True)
 class ModulatedCase:
-    """A preload and a drive.
-
-    Parameters
-    ----------
-    modulation, multiple
-        a and Ω / ω.
-    frequency_ratio
-        ω / ω_r.
-    """
+    """A preload and a drive."""
 
     modulation: float
     multiple: int
+    """a and Ω / ω."""
     frequency_ratio: float
+    """ω / ω_r."""
 
     def __str__(self) -> str:
         return f"a = {self.modulation:g}, Ω = {self.multiple} ω, η_r = {self.frequency_ratio:g}"
@@ -206,7 +206,7 @@ def _unmatched(own: list[Result], expected: list[Result]) -> Judged:
 
 def _apart(first: Result, second: Result) -> int:
     """Count the transitions that only one of two results has."""
-    match = match_transitions(first.transitions, second.transitions, second.period)
+    match = first.matched(second)
     return len(match.missed) + len(match.spurious)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import SteadyScenario, cases_over
-from scenarios.tasks.parameters import ChainRatios, Ratio
+from scenarios.runs.parameters import ChainRatios, Ratio
 from scenarios.verdicts.steady_case import SteadyCase
 
 DISORDER_SEED = 3

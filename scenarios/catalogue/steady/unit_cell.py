@@ -2,7 +2,7 @@
 
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import SteadyScenario, point_case
-from scenarios.tasks.parameters import ChainRatios
+from scenarios.runs.parameters import ChainRatios
 
 ONE_CELL = ChainRatios(cells=1)
 

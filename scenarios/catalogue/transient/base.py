@@ -13,24 +13,22 @@ from typing import ClassVar, TypeVar
 
 import numpy as np
 
-from engines.interface.law_engine import law_of
+from engines.interface.registry import law_of
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.error_bar import REFINEMENTS
-from reference_lcp.chain.harmonic import MovingBase
-from reference_lcp.observables.transmissibility import Transmissibility, transient_transmissibility
-from reference_lcp.observables.transmittance import decibel
+from reference_lcp.chain.drives import MovingBase
+from reference_lcp.observables.transmittance import Transmissibility, decibel, transient_transmissibility
+from reference_lcp.steady.error_bar import REFINEMENTS
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT, TRANSIENT_EXPECTS
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.law_period import LawPeriodTask
-from scenarios.tasks.parameters import ChainRatios
-from scenarios.tasks.result import NamedNumbers
-from scenarios.tasks.transient import TransientTask
-from scenarios.verdicts.finding import Finding, Metric
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.result import NamedNumbers
+from scenarios.runs.task import LawPeriodTask
+from scenarios.runs.transient_task import TransientTask
+from scenarios.verdicts.finding import Comparison, Finding, Metric, Verdict
 from scenarios.verdicts.judge import Number, Steps, judge, missing
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.verdict import Comparison, Verdict
 
 RATIOS = ChainRatios(damping_ratio=0.05, inner_damping_ratio=0.02)
 """The canonical chain with dashpots that let a transient die out: to 1 % of its peak in 300 periods 2π / ω_r."""
@@ -83,24 +81,15 @@ DIFFERENCE = Metric(
 
 @dataclass(frozen=True)
 class TransientCase:
-    """One base motion under one friction.
-
-    Parameters
-    ----------
-    friction_ratio
-        μ λ_N / (k_c U0): friction for this amplitude, or one over the amplitude for a given friction.
-    base
-        How the base moves.
-    periods
-        Length of the motion in periods 2π / ω_r of the resonator.
-    steps_per_period
-        Coarsest steps to such a period, a multiple of `ROWS_PER_PERIOD`.
-    """
+    """One base motion under one friction."""
 
     friction_ratio: float
+    """μ λ_N / (k_c U0): friction for this amplitude, or one over the amplitude for a given friction."""
     base: MovingBase
     periods: int
+    """Length of the motion in periods 2π / ω_r of the resonator."""
     steps_per_period: int = BROADBAND_STEPS
+    """Coarsest steps to such a period, a multiple of `ROWS_PER_PERIOD`."""
 
     def task(self, variant: Variant) -> TransientTask:
         """Give the task of a variant, with its coarsest step."""

@@ -1,8 +1,8 @@
 """Band-limited noise of the base: a stationary motion without a period."""
 
-from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.transient import FilteredNoise
-from reference_lcp.observables.transmissibility import Transmissibility, stationary_transmissibility
+from reference_lcp.defaults import BASE_AMPLITUDE
+from reference_lcp.observables.transmittance import Transmissibility, stationary_transmissibility
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import PERIOD, RESONATOR_FREQUENCY, ROWS_PER_PERIOD, Broadband, TransientCase

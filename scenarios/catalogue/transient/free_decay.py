@@ -8,22 +8,21 @@ from functools import partial
 import numpy as np
 
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.error_bar import REFINEMENTS
-from reference_lcp.chain.harmonic import StillBase
+from reference_lcp.chain.drives import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.steady.error_bar import REFINEMENTS
 from reference_lcp.validation import FloatArray
 from scenarios.catalogue.base import Scenario
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import Readings, harmonic_period, read_refined, with_refined_steps
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.law_period import LawPeriodTask
-from scenarios.tasks.parameters import ChainRatios
-from scenarios.tasks.result import NamedNumbers, Result
-from scenarios.tasks.transient import TransientTask
-from scenarios.verdicts.finding import Finding, Metric
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.result import NamedNumbers, Result
+from scenarios.runs.task import LawPeriodTask
+from scenarios.runs.transient_task import TransientTask
+from scenarios.verdicts.finding import Comparison, Finding, Metric
 from scenarios.verdicts.judge import Number, judge, missing
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from scenarios.verdicts.verdict import Comparison
 
 DECAY_STEPS = 100
 """Coarsest steps to a period 2π / ω_r; the finest of the three step sizes takes four times as many."""
@@ -49,25 +48,15 @@ LOSS = Metric("loss a cycle", "", "Amplitude that the friction oscillator loses 
 
 @dataclass(frozen=True)
 class Decay:
-    """One chain that is let go.
-
-    Parameters
-    ----------
-    title
-        As tables print it.
-    ratios, friction_ratio
-        The chain.
-    shape
-        Where it starts, one of `scenarios.tasks.transient.SHAPES`.
-    periods
-        Length of the motion in periods 2π / ω_r.
-    """
+    """One chain that is let go."""
 
     title: str
     ratios: ChainRatios
     friction_ratio: float
     shape: str
+    """Where it starts, one of `scenarios.runs.transient_task.SHAPES`."""
     periods: int
+    """Length of the motion in periods 2π / ω_r."""
 
     @property
     def chain(self) -> Chain:
@@ -228,13 +217,7 @@ _ROUND_OFF = 1e-6
 
 
 def loss_a_cycle(swing: FloatArray) -> float:
-    """Amplitude that an oscillation loses from one turn to the next but one, on average while it swings.
-
-    Parameters
-    ----------
-    swing
-        Displacement at even times, shape (times,), let go from its first turn, where it was 1.
-    """
+    """Amplitude that an oscillation from 1 loses from one turn to the next but one, on average while it swings."""
     turns = [1.0]
     sides = np.sign(swing)
     starts = np.flatnonzero(np.diff(sides, prepend=sides[0]) != 0)

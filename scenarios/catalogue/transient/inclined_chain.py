@@ -7,23 +7,21 @@ from typing import NamedTuple
 import numpy as np
 
 from engines.interface.variant import Variant
-from reference_lcp.accuracy.error_bar import REFINEMENTS
-from reference_lcp.chain.canonical import BASE_AMPLITUDE
-from reference_lcp.chain.harmonic import HarmonicBase
-from scenarios.catalogue.base import Scenario
+from reference_lcp.chain.drives import HarmonicBase
+from reference_lcp.defaults import BASE_AMPLITUDE
+from reference_lcp.steady.error_bar import REFINEMENTS
+from scenarios.catalogue.base import Scenario, motion_distance
 from scenarios.catalogue.descriptions import DESCRIPTIONS, INCLINED_REFINEMENT
 from scenarios.catalogue.transient.base import PERIOD, RATIOS, Readings, read_refined, with_refined_steps
-from scenarios.catalogue.transient.law_motion import motion_distance
-from scenarios.execution.computation.transient import OPEN_GAP
-from scenarios.execution.evaluator import Evaluator
-from scenarios.tasks.inclined import InclinedTask
-from scenarios.tasks.parameters import Modulation
-from scenarios.tasks.result import NamedNumbers
-from scenarios.verdicts.finding import Finding, Metric
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.parameters import Modulation
+from scenarios.runs.result import NamedNumbers
+from scenarios.runs.transient import OPEN_GAP
+from scenarios.runs.transient_task import InclinedTask
+from scenarios.verdicts.finding import Comparison, Finding, Metric
 from scenarios.verdicts.judge import Number, judge
 from scenarios.verdicts.prediction import LawPeriod
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.verdict import Comparison
 
 STEPS_PER_PERIOD = 200
 """Coarsest steps to a period of the base."""

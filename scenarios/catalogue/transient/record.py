@@ -4,8 +4,8 @@ import math
 from functools import cached_property
 from pathlib import Path
 
-from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.record import RecordedBase
+from reference_lcp.defaults import BASE_AMPLITUDE
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import (
     BANDS,
@@ -16,7 +16,11 @@ from scenarios.catalogue.transient.base import (
     Broadband,
     TransientCase,
 )
-from scenarios.catalogue.transient.example_record import FILE
+
+FILE = Path(__file__).with_name("example_record.csv")
+"""Synthetic and earthquake-like, 600 samples in 12 s: noise with the spectrum of Kanai and Tajimi (H. Tajimi, Proc. 2nd
+World Conf. Earthquake Eng., 1960) between 2 and 12 Hz, under an envelope; `tests.scenarios.catalogue.example_record`
+makes it."""
 
 REST = 200
 """Periods 2π / ω_r after the record in which the chain dies out."""
@@ -25,13 +29,9 @@ REST = 200
 class Record(Broadband):
     """The largest displacement of the record counts as U0: its friction ratios are those of the others.
 
-    Without friction the band 0.65–0.82 of the example lets −1.1 dB pass; at 0.03 it is −3.5 dB, at 0.3 +1.8 dB.
-
-    Parameters
-    ----------
-    file
-        Table of time [s] and displacement [m]; displacements are scaled so that the largest is U0 = 0.01 m,
-        times are taken as they are, and ω_r is 31.6 rad/s.
+    The file is a table of time [s] and displacement [m]; displacements are scaled so that the largest is U0 = 0.01 m,
+    times are taken as they are, and ω_r is 31.6 rad/s. Without friction the band 0.65–0.82 of the example lets −1.1 dB
+    pass; at 0.03 it is −3.5 dB, at 0.3 +1.8 dB.
     """
 
     name = "record"
@@ -43,26 +43,14 @@ class Record(Broadband):
 
     @cached_property
     def base(self) -> RecordedBase:
-        """The record, scaled.
-
-        Raises
-        ------
-        ParameterError
-            If it cannot be read, or is too coarse for the bands that are read.
-        """
+        """The record, scaled."""
         raw = RecordedBase.from_csv(self.file)
         base = RecordedBase.from_csv(self.file, BASE_AMPLITUDE / raw.amplitude)
         base.check_resolves(RESONATOR_FREQUENCY * max(highest for _, highest in BANDS.values()))
         return base
 
     def check(self) -> None:
-        """Read the record, before anything is run.
-
-        Raises
-        ------
-        ParameterError
-            If it cannot be used; see `base`.
-        """
+        """Read the record, before anything is run."""
         _ = self.base
 
     def case(self, friction_ratio: float) -> TransientCase:

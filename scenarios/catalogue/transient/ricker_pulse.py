@@ -1,7 +1,7 @@
 """A Ricker pulse of the base: a transient that holds all frequencies around ω_r at once."""
 
-from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.transient import QUIET, RickerPulse
+from reference_lcp.defaults import BASE_AMPLITUDE
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import RESONATOR_FREQUENCY, Broadband, TransientCase
 

@@ -2,8 +2,8 @@
 
 import math
 
-from reference_lcp.chain.canonical import BASE_AMPLITUDE
 from reference_lcp.chain.transient import SweptSine
+from reference_lcp.defaults import BASE_AMPLITUDE
 from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import RESONATOR_FREQUENCY, Broadband, TransientCase
 

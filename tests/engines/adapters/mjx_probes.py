@@ -8,11 +8,10 @@ import numpy as np
 
 from engines.interface.presets import Formulation, Option, Preset
 from engines.mjx import MJX
-from engines.mjx.joint import JOINT_TUNED
+from engines.mjx.presets import JOINT_TUNED
 from engines.mjx.worlds import MJXWorlds
-from engines.mujoco.contact import contact_model
-from engines.mujoco.pressed_contact import light_units, pressed_harder
-from engines.mujoco_warp.contact import CONTACT_TUNED
+from engines.mujoco.contact import compiled_contacts, light_units
+from engines.mujoco_warp.presets import CONTACT_TUNED
 from engines.shared.worlds import Rows
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
@@ -72,9 +71,8 @@ class Probed:
 
 def _contact_model(lane: Lane) -> tuple[Any, float]:
     """Compile the lane with contacts; gives its unit of force too."""
-    pressed = pressed_harder(lane, CONTACT)
-    units = light_units(pressed, CONTACT)
-    return contact_model(pressed, units, CONTACT), units.force
+    compiled = compiled_contacts(lane, CONTACT, units_of=light_units)
+    return compiled.model, compiled.units.force
 
 
 def _friction_by_mjx(model: Any, *before: FloatArray) -> FloatArray:

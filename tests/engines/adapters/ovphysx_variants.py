@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, Option, Preset
 from engines.ovphysx import Ovphysx
-from engines.ovphysx.joint import JOINT_DEFAULT, JOINT_TUNED
+from engines.ovphysx.presets import JOINT_DEFAULT, JOINT_TUNED
 
 SUBSTEPS = ((1, 0), (1, 1), (4, 0), (4, 1), (32, 1))
 """Position and velocity iterations of the temporal solver."""

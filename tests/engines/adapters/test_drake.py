@@ -11,9 +11,9 @@ import pytest
 
 from engines.drake import Drake
 from engines.interface.engine import NativeStepping
-from engines.interface.law_engine import law_of
+from engines.interface.registry import law_of
 from engines.interface.variant import Variant
-from reference_lcp.chain.harmonic import HarmonicBase, StillBase
+from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
@@ -29,7 +29,7 @@ from tests.engines.scheme_oracle import (
     with_coefficients,
 )
 
-pytestmark = pytest.mark.skipif(Drake().unavailable_reason() is not None, reason="drake is not installed")
+pytestmark = pytest.mark.needs("drake")
 
 
 both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
@@ -151,20 +151,6 @@ def test_units_do_not_matter(mass: float, stiffness: float, length: float, formu
     np.testing.assert_allclose(motion / length, expected / AMPLITUDE, rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("variant", ["joint:tuned", "contact:tuned", "contact:sap"])
-def test_nothing_is_remembered_between_runs(variant: str) -> None:
-    simulation = Drake().build([lane_of(), uneven_lane()], *variant.split(":"))
-    first = simulation.run(random_state(2), 0, STEPS)
-    simulation.advance(State.at_rest(2, 7), 50, 77)
-    again = simulation.run(random_state(2), 0, STEPS)
-    simulation.close()
-    reopened = simulation.run(random_state(2), 0, STEPS)
-    for one, two, three in zip(first, again, reopened, strict=True):
-        for name in ("positions", "velocities", "friction"):
-            assert np.array_equal(getattr(one, name), getattr(two, name))
-            assert np.array_equal(getattr(one, name), getattr(three, name))
-
-
 @both_formulations
 def test_bare_steps_leave_nothing_behind(formulation: str) -> None:
     model = Drake().build([lane_of()], formulation).models[0]  # type: ignore[attr-defined]
@@ -204,7 +190,7 @@ def test_it_is_silent_imports_late_and_writes_nothing(tmp_path: Path) -> None:
 
 
 def test_the_reason_for_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("engines.shared.wheel_engine.importlib.util.find_spec", lambda _: None)
+    monkeypatch.setattr("engines.shared.pip_engine.importlib.util.find_spec", lambda _: None)
     assert (
         Drake().unavailable_reason() == "the package drake is not installed; multibody-xval engines install drake, "
         "or pip install '.[engines]' in the suite's folder"

@@ -12,12 +12,12 @@ from engines.interface.engine import Engine
 from engines.interface.law import Law
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from engines.mujoco.model import LEAST_COEFFICIENT as MUJOCOS_LEAST
-from reference_lcp.chain.harmonic import StillBase
+from engines.mujoco.step_model import LEAST_COEFFICIENT as MUJOCOS_LEAST
+from reference_lcp.chain.drives import StillBase
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
     STEPS,
@@ -31,9 +31,7 @@ from tests.engines.scheme_oracle import (
 
 ENGINE = engine("genesis")
 
-in_its_environment = pytest.mark.skipif(
-    ENGINE.unavailable_reason() is not None, reason="Genesis has no environment here"
-)
+in_its_environment = pytest.mark.needs("genesis")
 every_preset = pytest.mark.parametrize(
     ("formulation", "preset"),
     [("joint", "tuned"), ("joint", "default"), ("contact", "tuned"), ("contact", "default")],
@@ -248,7 +246,7 @@ print("\\n" + json.dumps({
 @pytest.mark.slow
 def test_traps_of_genesis_are_still_there() -> None:
     """What the adapter goes round: once one of these is gone, so can be what goes round it."""
-    from engines.environments.environment import Environment
+    from engines.isolated.environment import Environment
 
     done = subprocess.run(
         [str(Environment("genesis").interpreter), "-c", TRAPS], capture_output=True, text=True, check=True

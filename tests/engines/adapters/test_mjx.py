@@ -9,16 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from engines.environments.engine import EnvironmentEngine
-from engines.environments.requirement import Requirement
 from engines.interface.engine import EngineNotInstalled
 from engines.interface.tolerances import CREEP
+from engines.isolated.versioned_engine import EnvironmentEngine, Requirement
 from engines.mjx import MJX
-from engines.mjx.model import SIZES
+from engines.mjx.worlds import SIZES
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from tests.engines.adapters.mjx_probes import ProbedMJX
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
@@ -33,7 +32,7 @@ from tests.engines.scheme_oracle import (
 
 OWN, PROBED = (EnvironmentEngine(Requirement(adapter())) for adapter in (MJX, ProbedMJX))
 
-in_its_environment = pytest.mark.skipif(OWN.unavailable_reason() is not None, reason=f"mjx: {OWN.unavailable_reason()}")
+in_its_environment = pytest.mark.needs("mjx")
 
 SOFTNESS = MJX().preset("joint", "tuned").residual_slip_compliance
 

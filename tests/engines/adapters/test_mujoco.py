@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from engines.mujoco import MuJoCo
-from reference_lcp.chain.harmonic import HarmonicBase, StillBase
+from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
     STEPS,
@@ -20,7 +20,7 @@ from tests.engines.scheme_oracle import (
     with_coefficients,
 )
 
-pytestmark = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="mujoco is not installed")
+pytestmark = pytest.mark.needs("mujoco")
 
 
 both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])

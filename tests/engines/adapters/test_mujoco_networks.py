@@ -12,10 +12,10 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from engines.environments.installation import Plan, install
-from engines.environments.requirement import Requirement
+from engines.isolated.installation import Plan, install
+from engines.isolated.versioned_engine import Requirement
 from engines.mujoco import MuJoCo
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 
 NETWORKS = Path(__file__).with_name("random_networks.py")
 

@@ -6,21 +6,19 @@ import numpy as np
 import pytest
 
 from engines.interface.engine import EngineNotInstalled
-from engines.interface.law_engine import law_of
 from engines.interface.presets import Formulation
-from engines.interface.registry import engine
+from engines.interface.registry import engine, law_of
 from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
-from engines.mujoco.yielding_law import YieldingLane
-from engines.mujoco.yielding_state import yield_stiffness
-from reference_lcp.chain.harmonic import StillBase
+from engines.mujoco.yielding import YieldingLane, yield_stiffness
+from reference_lcp.chain.drives import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.simulation import Lane, PeriodicOrbit
 from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.errors import ParameterError
 from reference_lcp.observables.transmittance import decibel, transmittance
-from reference_lcp.refusal import ParameterError
-from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
-from reference_lcp.stepping.sequential import SequentialSimulation
+from reference_lcp.schemes.sequential import SequentialSimulation
+from reference_lcp.steady.orbits import periodic_orbits
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, built_with, lane_of, random_state
 
 YIELD = MuJoCo().capabilities.presets[Formulation.JOINT]["yield"]

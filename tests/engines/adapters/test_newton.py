@@ -2,28 +2,24 @@
 
 import dataclasses
 import functools
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from engines.interface.law import Law
-from engines.interface.law_engine import law_of
-from engines.interface.presets import Formulation
+from engines.interface.registry import law_of
 from engines.interface.tolerances import ROUND_OFF, SINGLE
 from engines.newton import Newton
-from engines.newton.joint import JointWorlds
-from engines.newton.law import ANCHORED_PERIOD
-from engines.newton.simulation import NewtonSimulation
-from engines.newton.worlds import NewtonWorlds, import_newton
+from engines.newton.step_model import ANCHORED_PERIOD
+from engines.newton.worlds import JointWorlds, NewtonWorlds, import_newton
 from engines.shared.warp_worlds import import_warp
-from reference_lcp.chain.harmonic import HarmonicBase, StillBase
+from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
     ROUNDINGS,
@@ -32,16 +28,12 @@ from tests.engines.scheme_oracle import (
     built_with,
     distance,
     lane_of,
-    lanes_of_all_kinds,
     random_state,
     scheme,
     uneven_lane,
-    unstable_lane,
-    with_coefficients,
 )
-from tests.quiet_python import python_in
 
-pytestmark = pytest.mark.skipif(Newton().unavailable_reason() is not None, reason="Newton is not installed")
+pytestmark = pytest.mark.needs("newton")
 
 both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
 every_preset = pytest.mark.parametrize(
@@ -69,35 +61,6 @@ def from_law(lane: Lane, law: Law, motion: Trajectory) -> float:
     """Largest distance of a motion from rest from the law's, over the displacement scale."""
     predicted = law.build([lane]).run(State.at_rest(1, 7), 0, motion.steps)[0].positions
     return float(np.max(np.abs(motion.positions - predicted))) / lane.drive.displacement_scale(lane.chain)
-
-
-@every_preset
-def test_the_graph_of_a_step_computes_what_its_kernels_compute_one_by_one(formulation: str, preset: str) -> None:
-    """A graph leaves Python out, and nothing else."""
-    simulation = NewtonSimulation([uneven_lane()], Formulation(formulation), Newton().preset(formulation, preset))
-    (graph,) = simulation.run(random_state(), 0, 50)
-    simulation._worlds.launch = simulation._worlds.eager_step
-    (eager,) = simulation.run(random_state(), 0, 50)
-    assert_same_bits(graph, eager)
-
-
-@every_preset
-def test_worlds_of_other_time_steps_and_chains_move_as_each_alone(formulation: str, preset: str) -> None:
-    """More steps than are recorded at once, too."""
-    lanes, states = lanes_of_all_kinds(), random_state(6)
-    together = Newton().build(lanes, formulation, preset).run(states, 7, 200)
-    for index, lane in enumerate(lanes):
-        alone = Newton().build([lane], formulation, preset).run(states.subset([index]), 7, 200)[0]
-        assert_same_bits(alone, together[index])
-
-
-@both_formulations
-def test_worlds_of_other_time_steps_and_chains_equal_the_scheme_to_single_precision(formulation: str) -> None:
-    lanes, states = lanes_of_all_kinds(), random_state(6)
-    for index, motion in enumerate(Newton().build(lanes, formulation).run(states, 0, STEPS)):
-        apart = distance(lanes[index], states.subset([index]), motion)
-        # more than single precision cannot be: a finer result would be another engine's
-        assert SINGLE / 10 < apart < ROUNDINGS, f"lane {index} is off by {apart:.1g}"
 
 
 @both_formulations
@@ -159,7 +122,7 @@ class AugmentedWorlds(JointWorlds):
 
 def test_a_drive_that_is_no_row_locks_its_joint_whatever_its_effort_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     """SolverSteel's own mode of drives: it bounds the part of the damping that is not in the mass matrix."""
-    monkeypatch.setattr("engines.newton.simulation.JointWorlds", AugmentedWorlds)
+    monkeypatch.setattr("engines.newton.worlds.JointWorlds", AugmentedWorlds)
     lane, state = lane_of(), State.at_rest(1, 7)
     rows, locked = (run(lane, state, drive_mode=mode) for mode in ("rows", "augmented"))
     assert distance(lane, state, rows) < ROUNDINGS
@@ -203,7 +166,7 @@ class KaminoWorlds(JointWorlds):
 @pytest.mark.slow
 def test_kamino_takes_the_step_of_the_scheme_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its step takes 48 ms on a processor, and so a tenth of a period of one cell is all that is asked here."""
-    monkeypatch.setattr("engines.newton.simulation.JointWorlds", KaminoWorlds)
+    monkeypatch.setattr("engines.newton.worlds.JointWorlds", KaminoWorlds)
     chain = Chain.from_ratios(cells=1, friction_ratio=0.3, base_amplitude=AMPLITUDE)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, AMPLITUDE), STEPS)
     state = State(AMPLITUDE * np.array([[1.0, -0.5]]), AMPLITUDE * np.array([[20.0, -30.0]]))
@@ -232,29 +195,6 @@ def test_a_world_whose_bounds_change_in_time_leaves_those_of_the_others_alone() 
     bound = lane_of().chain.friction_coefficient * modulated.preloads(0, 200)
     round_off = ROUND_OFF["single"] * lane_of().chain.friction_bound
     assert np.all(np.abs(together[0].friction) <= bound + round_off)
-
-
-@both_formulations
-def test_a_stuck_contact_does_not_creep(formulation: str) -> None:
-    lane = lane_of(5.0, 0.3)
-    motion = Newton().build([lane], formulation).run(State.at_rest(1, 7), 0, 3 * STEPS)[0]
-    assert np.max(np.abs(motion.relative_velocity)) <= 4 * SINGLE * np.max(np.abs(motion.velocities))
-
-
-@pytest.mark.parametrize("coefficient", [0.001, 0.1, 3.0, [0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]])
-def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: object) -> None:
-    lane, state = with_coefficients(coefficient), random_state()
-    motion = run(lane, state, formulation="contact")
-    assert distance(lane, state, motion) < ROUNDINGS
-    given = np.broadcast_to(lane.chain.normal_force, (STEPS, 7))
-    np.testing.assert_allclose(motion.normal_force, given, rtol=ROUND_OFF["single"])
-
-
-@both_formulations
-@pytest.mark.parametrize(("mass", "stiffness", "length"), [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)])
-def test_units_do_not_matter(mass: float, stiffness: float, length: float, formulation: str) -> None:
-    lane, state = chain_of(mass, stiffness, length, 0.6), State.at_rest(1, 7)
-    assert distance(lane, state, run(lane, state, formulation=formulation)) < ROUNDINGS
 
 
 @pytest.mark.parametrize(("symbol", "factor"), [("β", 1.01), ("ε", 1.1), ("s", 1.1)])
@@ -308,53 +248,3 @@ def test_contacts_of_heavy_masses_sink_in_and_the_law_does_not_claim_them() -> N
     assert anchored().unmodelled_reason(lane) == "contacts of 1e+07 kg sink in; allowed: at most 100000 kg"
     motion = Newton().build([lane], "contact", "default").run(State.at_rest(1, 7), 0, STEPS)[0]
     assert np.max(np.abs(motion.normal_force / lane.chain.normal_force - 1)) > 0.1
-
-
-@both_formulations
-def test_a_state_is_rounded_once_and_then_passed_on_to_the_bit(formulation: str) -> None:
-    """What comes out is in single precision, and goes in again as it is."""
-    simulation = Newton().build([lane_of()], formulation)
-    whole = simulation.run(random_state(), 0, STEPS)[0]
-    state = random_state()
-    for step in range(0, STEPS, 10):
-        state = simulation.advance(state, step, 10)
-    assert np.array_equal(state.positions[0], whole.positions[-1])
-    assert np.array_equal(state.velocities[0], whole.velocities[-1])
-
-
-@every_preset
-def test_a_chain_at_rest_without_a_drive_stays_there(formulation: str, preset: str) -> None:
-    """Drives, contacts and anchors push nothing by themselves."""
-    lane = dataclasses.replace(lane_of(), drive=StillBase(AMPLITUDE))
-    end = Newton().build([lane], formulation, preset).advance(State.at_rest(1, 7), 0, STEPS)
-    assert np.all(end.positions == 0)
-    assert np.all(end.velocities == 0)
-
-
-@every_preset
-def test_a_diverged_world_stays_finite_and_leaves_the_others_and_later_runs_alone(
-    formulation: str, preset: str
-) -> None:
-    simulation = Newton().build([unstable_lane(), lane_of()], formulation, preset)
-    before = simulation.run(random_state(2), 0, 30)
-    diverged, calm = simulation.run(random_state(2), 0, 1000)
-    assert np.max(np.abs(diverged.positions)) > 1e6 * AMPLITUDE
-    assert np.all(np.isfinite(diverged.positions))
-    alone = Newton().build([lane_of()], formulation, preset).run(random_state(2).subset([1]), 0, 1000)[0]
-    assert_same_bits(calm, alone)
-    for first, second in zip(before, simulation.run(random_state(2), 0, 30), strict=True):
-        assert_same_bits(first, second)
-
-
-def test_it_is_silent_and_writes_nothing_where_it_runs(tmp_path: Path) -> None:
-    """Warp tells what it loads on standard output, and on standard error that there is no graphics card."""
-    program = (
-        "import sys; from engines.newton import Newton; assert 'warp' not in sys.modules\n"
-        "from tests.engines.scheme_oracle import unstable_lane; from reference_lcp.chain.trajectory import State\n"
-        "for formulation in ('joint', 'contact'):\n"
-        "    for preset in ('tuned', 'default'):\n"
-        "        Newton().build([unstable_lane()], formulation, preset).advance(State.at_rest(1, 7), 0, 400)\n"
-    )
-    done = python_in(tmp_path, program)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert list(tmp_path.iterdir()) == []

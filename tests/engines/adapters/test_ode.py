@@ -5,12 +5,10 @@ import sys
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant
+from engines.interface.variant import Variant, variants_named
 from engines.ode import INSTALLATION, ODE
-from engines.ode.contact import BOUNCE
-from engines.out_of_process.process import EngineProcessError
-from engines.siconos import Siconos
-from reference_lcp.chain.harmonic import HarmonicBase, StillBase
+from engines.ode.presets import BOUNCE
+from reference_lcp.chain.drives import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
@@ -25,11 +23,10 @@ from tests.engines.scheme_oracle import (
     random_state,
     scheme,
     uneven_lane,
-    unstable_lane,
-    with_coefficients,
 )
+from tests.installed import each_variant
 
-pytestmark = pytest.mark.skipif(ODE().unavailable_reason() is not None, reason="ODE is not installed")
+pytestmark = pytest.mark.needs("ode")
 
 both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
 
@@ -71,16 +68,6 @@ def test_motion_equals_the_scheme_from_frictionless_to_locked(friction_ratio: fl
 def test_uneven_cells_and_inner_dashpots_equal_the_scheme(formulation: str) -> None:
     lane = uneven_lane()
     assert_equals_scheme(lane, random_state(), run(lane, random_state(), 2 * STEPS, formulation))
-
-
-@both_formulations
-def test_nothing_is_remembered_between_runs(formulation: str) -> None:
-    simulation = ODE().build([lane_of(), uneven_lane()], formulation)
-    first = simulation.run(random_state(2), 0, STEPS)
-    simulation.run(State.at_rest(2, 7), 50, 77)
-    for one, two in zip(first, simulation.run(random_state(2), 0, STEPS), strict=True):
-        assert np.array_equal(one.positions, two.positions)
-        assert np.array_equal(one.friction, two.friction)
 
 
 def test_the_binding_names_another_parameter_for_the_largest_force() -> None:
@@ -139,14 +126,6 @@ def test_in_a_contact_mu_is_a_force_unless_the_mode_says_otherwise(mode: int) ->
     assert np.max(motion.normal_force) == pytest.approx(6.0, rel=1e-6)
 
 
-@pytest.mark.parametrize("coefficient", [0.001, 0.1, 3.0, [0.5, 0.05, 0.3, 1.0, 0.02, 2.0, 0.7]])
-def test_only_the_bound_enters_the_motion_whatever_the_coefficient(coefficient: object) -> None:
-    lane, state = with_coefficients(coefficient), random_state()
-    motion = run(lane, state, formulation="contact")
-    assert_equals_scheme(lane, state, motion)
-    assert motion.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-9)
-
-
 @pytest.mark.parametrize("inertia", [2.0**20, 2.0**60])
 def test_redundant_points_of_a_hard_contact_give_a_wrong_motion_without_a_word(inertia: float) -> None:
     lane, state = lane_of(0.3, 0.9), State.at_rest(1, 7)
@@ -164,40 +143,16 @@ def test_a_contact_outside_the_surface_layer_is_pushed_out() -> None:
     assert np.max(np.abs(left - 1)) < 1e-12
 
 
-def test_a_mass_that_leaves_its_plate_is_reported() -> None:
-    state = State(np.concatenate([np.zeros(7), np.full(7, 1e7 * AMPLITUDE)])[None], np.zeros((1, 14)))
-    with pytest.raises(EngineProcessError, match="left the plate"):
-        run(lane_of(), state, 1, "contact")
-
-
-@both_formulations
-@pytest.mark.parametrize(("mass", "stiffness", "length"), [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)])
-def test_units_do_not_matter(mass: float, stiffness: float, length: float, formulation: str) -> None:
-    chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
-    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS)
-    motion = run(lane, State.at_rest(1, 7), formulation=formulation)
-    expected = scheme(lane, State.at_rest(1, 7), STEPS)[0]
-    np.testing.assert_allclose(motion.positions, expected, rtol=0, atol=ROUND_OFF * length)
-
-
 @both_formulations
 def test_motion_far_above_the_displacement_scale_is_not_cut_off(formulation: str) -> None:
     lane, state = lane_of(), random_state(size=1e4)
     assert_equals_scheme(lane, state, run(lane, state, formulation=formulation), scale=1e4 * AMPLITUDE)
 
 
-def test_a_motion_that_diverges_comes_back_as_numbers() -> None:
-    simulation = ODE().build([unstable_lane()])
-    before = simulation.advance(State.at_rest(1, 7), 0, 3)
-    assert np.max(np.abs(simulation.advance(State.at_rest(1, 7), 0, 400).positions)) > 1e6 * AMPLITUDE
-    assert np.array_equal(simulation.advance(State.at_rest(1, 7), 0, 3).positions, before.positions)
-
-
-@pytest.mark.parametrize("variant", ["ode", "ode:joint:stops", "ode:contact", "siconos", "siconos:contact"])
-def test_the_bare_engine_steps_in_every_formulation(variant: str) -> None:
-    one = Variant.parse(variant)
-    if one.engine == "siconos" and Siconos().unavailable_reason() is not None:
-        pytest.skip("Siconos is not installed")
+@pytest.mark.parametrize(
+    "one", each_variant(variants_named(["ode", "ode:joint:stops", "ode:contact", "siconos", "siconos:contact"]))
+)
+def test_the_bare_engine_steps_in_every_formulation(one: Variant) -> None:
     simulation = one.build([lane_of()])
     before = simulation.advance(random_state(), 0, 10)
     simulation.models[0].native_steps(20)

@@ -5,16 +5,14 @@ import dataclasses
 import numpy as np
 import pytest
 
-from engines.environments.engine import EnvironmentEngine
-from engines.environments.requirement import Requirement
 from engines.interface.law import Law
-from engines.interface.law_engine import law_of
+from engines.interface.registry import law_of
 from engines.interface.tolerances import FRICTION_TOLERANCE, ROUND_OFF, SINGLE
+from engines.isolated.versioned_engine import EnvironmentEngine, Requirement
 from engines.ovphysx import Ovphysx
-from engines.ovphysx.law import SINGLE_PRECISION_PERIOD
+from engines.ovphysx.step_model import SINGLE_PRECISION_PERIOD
 from engines.shared.units import Units
-from reference_lcp.chain.harmonic import HarmonicBase, StillBase
-from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.drives import StillBase
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.adapters.ovphysx_variants import SUBSTEPS, OvphysxVariants
@@ -33,7 +31,7 @@ from tests.engines.scheme_oracle import (
 
 ENGINE = EnvironmentEngine(Requirement(OvphysxVariants()))
 
-needs_ovphysx = pytest.mark.skipif(ENGINE.unavailable_reason() is not None, reason="ovphysx is not installed")
+needs_ovphysx = pytest.mark.needs("ovphysx")
 
 SUBSTEP_PERIOD = SINGLE_PRECISION_PERIOD / 32
 """Of U0: what the roundings of one substep a step add up to in a period."""
@@ -210,14 +208,6 @@ def test_cells_of_a_long_chain_are_in_order() -> None:
 
 
 @needs_ovphysx
-@pytest.mark.parametrize(("mass", "stiffness", "length"), [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)])
-def test_units_do_not_matter(mass: float, stiffness: float, length: float) -> None:
-    chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
-    lane, state = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS), State.at_rest(1, 7)
-    assert distance(lane, state, run(lane, state)) < ROUNDINGS
-
-
-@needs_ovphysx
 @pytest.mark.parametrize("size", [1e-6, 100.0])
 def test_motion_far_from_the_displacement_scale_is_neither_put_to_sleep_nor_cut_off(size: float) -> None:
     lane = dataclasses.replace(lane_of(0.0), drive=StillBase(AMPLITUDE))
@@ -233,15 +223,6 @@ def test_no_joint_is_faster_than_100_units_of_length_in_one_of_time() -> None:
     slow, fast = (State(np.zeros((1, 14)), np.full((1, 14), speed * unit)) for speed in (99.0, 1e6))
     assert distance(lane, slow, run(lane, slow, 1)) < ROUNDINGS
     assert np.max(np.abs(run(lane, fast, 1).velocities)) < 0.01 * 1e6 * unit
-
-
-@needs_ovphysx
-@pytest.mark.parametrize("preset", ["tuned", "default"])
-def test_a_chain_at_rest_without_a_drive_stays_there(preset: str) -> None:
-    lane = dataclasses.replace(lane_of(), drive=StillBase(AMPLITUDE))
-    end = ENGINE.build([lane], "joint", preset).advance(State.at_rest(1, 7), 0, STEPS)
-    assert np.all(end.positions == 0)
-    assert np.all(end.velocities == 0)
 
 
 def test_the_terms_of_its_licence_are_known() -> None:

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from engines.pinocchio import Pinocchio
-from reference_lcp.chain.harmonic import HarmonicBase
+from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import AMPLITUDE, STEPS, built_with, lane_of, random_state, scheme, uneven_lane
 
-pytestmark = pytest.mark.skipif(Pinocchio().unavailable_reason() is not None, reason="pin is not installed")
+pytestmark = pytest.mark.needs("pinocchio")
 
 
 def run(lane: Lane, state: State, preset: str, steps: int = STEPS, **options: object) -> Trajectory:
@@ -57,14 +57,3 @@ def test_admm_with_a_finer_tolerance_comes_nearer_to_the_scheme() -> None:
         for tolerance in (1e-6, 1e-10)
     )
     assert fine < 1e-3 * coarse < 1e-6 * AMPLITUDE
-
-
-@pytest.mark.parametrize("preset", ["tuned", "default", "admm"])
-def test_the_rounding_of_a_state_is_not_passed_on(preset: str) -> None:
-    """Joint coordinates are differences: a state that goes out and in again is rounded, and no more."""
-    simulation = Pinocchio().build([lane_of()], preset=preset)
-    whole = simulation.run(random_state(), 0, STEPS)[0]
-    state = random_state()
-    for step in range(0, STEPS, 10):
-        state = simulation.advance(state, step, 10)
-    np.testing.assert_allclose(state.positions[0], whole.positions[-1], rtol=0, atol=1e-12 * AMPLITUDE)

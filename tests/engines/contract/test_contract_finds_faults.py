@@ -17,14 +17,17 @@ class Fault:
     case: str = "-joint-tuned"
 
 
-STATE, FORCE, MOTION = "test_state_in_trajectory_out", "test_friction_force", "test_laws_of_motion"
-AGREEMENT, DECLARED, MODULATED = "test_agreement", "test_declarations", "test_modulated_normal_force"
+INTERFACE, FORCE, MOTION = "test_interface", "test_friction_force", "test_laws_of_motion"
+INVARIANT = "test_invariance"
+AGREEMENT, MODULATED = "test_agreement", "test_modulated_normal_force"
 FAULTS = [
-    Fault("forgets", STATE, "test_split_run_equals_whole_run", "the second half starts elsewhere"),
-    Fault("remembers", STATE, "test_repeated_run_is_bitwise_equal", "a repeated run differs"),
-    Fault("crosstalk", STATE, "test_batch_equals_its_lanes_alone_and_subset_keeps_them", "differs from the lane alone"),
-    Fault("short", STATE, "test_advance_ends_where_run_ends", "advance ends at other positions"),
-    Fault("nan", STATE, "test_trajectory_has_one_finite_row_a_step_in_si_units", "numbers that are not finite"),
+    Fault("forgets", INTERFACE, "test_split_run_equals_whole_run", "the second half starts elsewhere"),
+    Fault("remembers", INTERFACE, "test_repeated_run_is_bitwise_equal", "a repeated run differs"),
+    Fault(
+        "crosstalk", INTERFACE, "test_batch_equals_its_lanes_alone_and_subset_keeps_them", "differs from the lane alone"
+    ),
+    Fault("short", INTERFACE, "test_advance_ends_where_run_ends", "advance ends at other positions"),
+    Fault("nan", INTERFACE, "test_trajectory_has_one_finite_row_a_step_in_si_units", "numbers that are not finite"),
     Fault("presses", FORCE, "test_normal_force_is_the_one_that_is_given", "Mismatched elements"),
     Fault("rubs", FORCE, "test_cells_without_friction_feel_none", "a cell without friction reports some"),
     Fault("bound", FORCE, "test_friction_stays_within_its_bound", "friction passes its bound"),
@@ -50,11 +53,11 @@ FAULTS = [
         "this is another chain",
         "-joint-default",
     ),
-    Fault("silent", DECLARED, "test_capabilities_name_the_engine_and_every_option_has_a_reason", "all(", ""),
-    Fault("takes", DECLARED, "test_unknown_formulation_and_preset_are_refused", "DID NOT RAISE", ""),
+    Fault("silent", INTERFACE, "test_capabilities_name_the_engine_and_every_option_has_a_reason", "all(", ""),
+    Fault("takes", INTERFACE, "test_unknown_formulation_and_preset_are_refused", "DID NOT RAISE", ""),
     Fault(
         "shapes",
-        DECLARED,
+        INTERFACE,
         "test_chains_of_different_lengths_and_states_of_another_shape_are_refused",
         "DID NOT RAISE",
         "",
@@ -69,6 +72,18 @@ FAULTS = [
     ),
     Fault("lands", MODULATED, "test_run_that_is_split_in_a_flight_equals_the_whole_one", "starts elsewhere"),
     Fault("takes", MODULATED, "test_normal_force_that_cannot_be_represented_is_refused", "DID NOT RAISE", ""),
+    Fault("units", INVARIANT, "test_units_do_not_matter", "units matter", "-joint-tuned-nanometres"),
+    Fault(
+        "slippery",
+        INVARIANT,
+        "test_only_the_bound_enters_whatever_the_coefficient",
+        "the coefficient matters",
+        "-joint-tuned-tiny",
+    ),
+    Fault("cuts", INVARIANT, "test_motion_far_above_the_displacement_scale_is_not_cut_off", "is cut off"),
+    Fault("pushes", INVARIANT, "test_chain_at_rest_without_a_drive_stays_there", "a chain at rest has moved"),
+    Fault("creep", INVARIANT, "test_stuck_contact_does_not_creep", "a stuck contact creeps"),
+    Fault("rounds", INVARIANT, "test_state_is_rounded_once_and_not_with_every_run", "U0 after 40 runs"),
 ]
 
 
@@ -84,7 +99,7 @@ def outcomes(install, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str
     nodes = [node(fault, name) for fault in FAULTS for name in (f"faulty-{fault.engine}", "faulty-sound")]
     options = [part for name in names for part in ("--xval-engine", name)]
     command = ["-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", f"--junitxml={file}", *options, *nodes]
-    install("faulty").run(*command, code=1)
+    install("mutations").run(*command, code=1)
     messages: dict[str, str | None] = {}
     for case in ElementTree.parse(file).getroot().iter("testcase"):
         failure = case.find("failure")
@@ -106,7 +121,7 @@ def test_every_clause_of_the_contract_has_its_fault() -> None:
 
     clauses = {
         name
-        for file in (STATE, FORCE, MOTION, AGREEMENT, DECLARED, MODULATED)
+        for file in (INTERFACE, FORCE, MOTION, AGREEMENT, MODULATED, INVARIANT)
         for name in vars(import_module(f"engines.contract.{file}"))
         if name.startswith("test_")
     }
@@ -115,4 +130,4 @@ def test_every_clause_of_the_contract_has_its_fault() -> None:
 
 def test_a_sound_engine_passes_whatever_its_name(install) -> None:
     command = "-m pytest -q -n 0 -p no:cacheprovider --xval-engine mine+fast"
-    install("faulty").run(*command.split(), f"engines/contract/{DECLARED}.py", f"engines/contract/{MODULATED}.py")
+    install("mutations").run(*command.split(), f"engines/contract/{INTERFACE}.py", f"engines/contract/{MODULATED}.py")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def test_installed_engine_is_listed(install) -> None:
-    rows = {row["engine"]: row for row in json.loads(install("plugin").run("-m", "engines", "--json"))}
+    rows = {row["engine"]: row for row in json.loads(install("plugin").run("-m", "reports", "engines", "--json"))}
     assert rows["tiny"]["version"] == "1.2.3"
     assert rows["tiny"]["missing"] is None
 
@@ -54,12 +54,12 @@ def test_a_session_that_does_not_use_the_option_imports_nothing_of_the_suite(tmp
 def test_installed_engine_is_compared_in_the_report(install, tmp_path: Path) -> None:
     script = (
         "from pathlib import Path\n"
-        "from scenarios.execution.evaluator import Evaluator\n"
-        "from scenarios.execution.workers.local_processes import LocalExecutor\n"
+        "from scenarios.runs.evaluator import Evaluator\n"
+        "from scenarios.runs.local_processes import LocalExecutor\n"
         "from scenarios.studies.figure3 import figure3\n"
         "from scenarios.sweeps.compared import compare_sweep\n"
         "from engines.interface.variant import Variant\n"
-        "from scenarios.execution.storage.store import ResultStore\n"
+        "from scenarios.runs.store import ResultStore\n"
         "if __name__ == '__main__':\n"
         "    sweep = figure3((Variant('tiny'),), (0.3,), (0.9, 1.3))\n"
         f"    file = Path({str(tmp_path / 'store.sqlite')!r})\n"

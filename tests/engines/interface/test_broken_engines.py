@@ -26,13 +26,13 @@ REASONS = {
 
 
 def test_broken_engines_are_rows_with_the_reason_and_the_others_are_as_before(install) -> None:
-    rows = {row["engine"]: row for row in json.loads(install("broken").run("-m", "engines", "--json"))}
+    rows = {row["engine"]: row for row in json.loads(install("broken").run("-m", "reports", "engines", "--json"))}
     assert set(rows) == {*engine_names(), *REASONS}
     for name, reason in REASONS.items():
         assert rows[name]["version"] is None
         assert rows[name]["missing"].startswith(reason)
     assert rows["reference"]["missing"] is None
-    printed = install("broken").run("-m", "engines")
+    printed = install("broken").run("-m", "reports", "engines")
     assert "broken-function: OSError: no licence server" in printed
 
 
@@ -45,7 +45,7 @@ def test_broken_engines_take_no_part_where_none_is_named(install) -> None:
 
 @pytest.mark.parametrize("name", ["broken-import", "broken-exit", "broken-class", "broken-version"])
 def test_broken_engine_that_is_named_is_one_line_and_exit_code_2(install, name) -> None:
-    command = [sys.executable, "-m", "scenarios", "run", "unit-cell", "--engine", name]
+    command = [sys.executable, "-m", "reports", "run", "unit-cell", "--engine", name]
     done = subprocess.run(command, env=install("broken").environment, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == f"error: engine = {name!r} cannot be used: {REASONS[name]}{os.linesep}"
@@ -53,5 +53,5 @@ def test_broken_engine_that_is_named_is_one_line_and_exit_code_2(install, name) 
 
 def test_run_of_another_engine_goes_on_beside_them(install, tmp_path) -> None:
     out = tmp_path / "out.csv"
-    install("broken").run("-m", "scenarios", "run", "unit-cell", "--engine", "reference:joint:tuned", "--out", str(out))
+    install("broken").run("-m", "reports", "run", "unit-cell", "--engine", "reference:joint:tuned", "--out", str(out))
     assert "agree" in out.read_text()

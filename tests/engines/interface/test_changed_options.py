@@ -5,27 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engines.environments.engine import EnvironmentEngine
 from engines.interface.changed_options import _ReadOptions, changed_preset
+from engines.interface.engine import sample_lane
 from engines.interface.law import Law, NotModelled
-from engines.interface.preparation import sample_lane
 from engines.interface.presets import Formulation, Option, Preset
 from engines.interface.registry import engine
-from engines.interface.selection import EVERY_VARIANT, variants_named
 from engines.interface.variant import Variant
 from reference_lcp.chain.trajectory import State
-from reference_lcp.refusal import ParameterError
-from scenarios.tasks.task import SteadyStateTask
-
-INSTALLED = [
-    variant
-    for variant in variants_named([EVERY_VARIANT])
-    if variant.unavailable_reason is None and not isinstance(engine(variant.engine), EnvironmentEngine)
-]
-"""Those that read their options in this process."""
+from reference_lcp.errors import ParameterError
+from scenarios.runs.task import SteadyStateTask
+from tests.installed import each_variant, variants_of_all
 
 
-@pytest.mark.parametrize("variant", INSTALLED, ids=str)
+@pytest.mark.parametrize("variant", each_variant(variants_of_all()))
 def test_an_adapter_reads_every_option_that_may_be_set(variant: Variant) -> None:
     own, options = engine(variant.engine), _ReadOptions(variant.preset.options)
     simulation = own._build(

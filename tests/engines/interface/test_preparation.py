@@ -1,7 +1,6 @@
 """What an engine does before its first run."""
 
-from engines.interface.preparation import Preparation
-from engines.interface.presets import Formulation, Preset
+from engines.interface.presets import Formulation, Preparation, Preset
 from engines.mujoco import MuJoCo
 from reference_lcp.chain.simulation import Lane, Simulation
 

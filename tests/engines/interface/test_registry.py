@@ -9,7 +9,7 @@ import pytest
 from engines import engine, engine_names
 from engines.interface.registry import default_engine_names, registered_engine
 from engines.interface.variant import Variant
-from engines.out_of_process import interpreter
+from engines.isolated import out_of_process
 from reference_lcp import ParameterError
 
 WITHOUT_WHEEL = {"pybullet"} if sys.version_info >= (3, 12) else set()
@@ -38,7 +38,7 @@ def test_further_engine_that_is_missing_says_how_to_install_it(name, monkeypatch
     Those that need environments of their own say so of the suite's, whether or not they have them.
     """
     monkeypatch.setattr(importlib.util, "find_spec", lambda _package: None)
-    monkeypatch.setattr(interpreter, "system_python", lambda: "/nowhere/python3")
+    monkeypatch.setattr(out_of_process, "system_python", lambda: "/nowhere/python3")
     for variable in ("MULTIBODY_XVAL_SICONOS_PYTHON", "MULTIBODY_XVAL_ODE_PYTHON"):
         monkeypatch.delenv(variable, raising=False)
     assert re.search(r"\b(pip|apt|conda|engines) install\b", registered_engine(name).unavailable_reason())

@@ -4,9 +4,9 @@ import pytest
 
 from engines.interface.engine import Engine
 from engines.interface.registry import engine
-from engines.interface.selection import variants_named
+from engines.interface.variant import variants_named
 from engines.mujoco import MuJoCo
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 
 
 @pytest.mark.parametrize(

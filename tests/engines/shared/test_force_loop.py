@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from engines.interface.registry import engine
-from engines.interface.selection import variants_of
-from engines.shared.carried_coordinates import CarriedCoordinates
-from engines.shared.coordinates import ChainCoordinates
+from engines.interface.variant import variants_of
+from engines.shared.coordinates import CarriedCoordinates, ChainCoordinates
 from engines.shared.force_loop import LARGEST_MOTION, ExplicitForcesLane, Step
 from engines.shared.step_cost import native_stepping
 from engines.shared.units import Units
@@ -20,12 +18,9 @@ from tests.engines.scheme_oracle import (
     uneven_lane,
     unstable_lane,
 )
+from tests.installed import each_engine
 
-NAMES = [
-    name
-    for name in ("dart", "pymunk", "box2d", "pinocchio", "rapier", "sapien")
-    if engine(name).unavailable_reason() is None
-]
+NAMES = each_engine(["dart", "pymunk", "box2d", "pinocchio", "rapier", "sapien"])
 
 Coordinates = ChainCoordinates | CarriedCoordinates
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from engines import Capabilities, Engine, Formulation, FrictionLaw, Preset
 from reference_lcp import State, Trajectory
-from reference_lcp.stepping.sequential import LaneModel, SequentialSimulation
+from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 
 
 class Tiny(Engine):

@@ -7,6 +7,7 @@ from scipy.optimize import brentq
 from reference_lcp import Chain, HarmonicBase, HarmonicForce, frictionless_transmittance
 from reference_lcp import stuck_transmittance as stuck
 from reference_lcp.chain.linear_response import frictionless_response
+from tests.reference_lcp.cases import driven
 
 UNDAMPED = {"damping_ratio": 0.0}
 
@@ -29,16 +30,14 @@ def closed_form(chain, omega, *, locked=False):
 @pytest.mark.parametrize("ratio", [0.2, 0.55, 0.83, 0.95, 1.05, 1.3, 1.5, 1.9, 2.4])
 def test_finite_chain_has_the_transmittance_of_its_closed_form(cells, ratio) -> None:
     """In pass bands and in gaps; the transfer matrix of the finite chain (Al Ba'ba'a, Nouh, Singh 2017)."""
-    chain = Chain.from_ratios(cells=cells, mass_ratio=0.7, stiffness_ratio=0.6, **UNDAMPED)
-    drive = HarmonicBase.from_ratio(chain, ratio)
+    chain, drive = driven(ratio, cells=cells, mass_ratio=0.7, stiffness_ratio=0.6, **UNDAMPED)
     exact = closed_form(chain, drive.angular_frequency)
     assert frictionless_transmittance(chain, drive) == pytest.approx(exact, rel=1e-9)
 
 
 @pytest.mark.parametrize("ratio", [0.2, 0.55, 0.95, 1.3, 1.9])
 def test_chain_of_locked_cells_is_a_chain_of_single_masses(ratio) -> None:
-    chain = Chain.from_ratios(**UNDAMPED)
-    drive = HarmonicBase.from_ratio(chain, ratio)
+    chain, drive = driven(ratio, **UNDAMPED)
     assert stuck(chain, drive) == pytest.approx(closed_form(chain, drive.angular_frequency, locked=True), rel=1e-9)
 
 

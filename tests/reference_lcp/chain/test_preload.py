@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from reference_lcp import (
-    Chain,
     CompiledSimulation,
-    HarmonicBase,
     Lane,
     ParameterError,
     Preload,
@@ -18,12 +16,13 @@ from reference_lcp import (
     stuck_fraction,
     transitions,
 )
+from reference_lcp.chain.mass_in_mass import mechanical_energy
 from reference_lcp.chain.preload import Flight
 from reference_lcp.exact.event_driven import EventDrivenSimulation
-from reference_lcp.lcp.inclined_chain import InclinedChain
-from reference_lcp.observables.energy import mechanical_energy
 from reference_lcp.observables.stick_slip import contact_modes, largest_gap, open_fraction
-from reference_lcp.stepping.euler_lemke import LemkeSimulation
+from reference_lcp.schemes.euler import LemkeSimulation
+from tests.reference_lcp.cases import driven
+from tests.reference_lcp.resolved_lane import ResolvedLane
 
 AMPLITUDE = 0.01
 STEPS = 400
@@ -32,20 +31,15 @@ ROUND_OFF = 1e-12
 
 
 def lane_of(modulation, multiple=1, *, phase=0.0, friction=0.3, frequency=0.9, steps=STEPS):
-    chain = Chain.from_ratios(friction_ratio=friction, base_amplitude=AMPLITUDE)
-    drive = HarmonicBase.from_ratio(chain, frequency, AMPLITUDE)
+    chain, drive = driven(frequency, friction_ratio=friction, base_amplitude=AMPLITUDE)
     return Lane.periodic(chain, drive, steps, Preload.at_multiple(drive, modulation, multiple, phase))
 
 
 def equation_7(lane, steps):
-    """The same lane as a `InclinedChain`, every step solved by Lemke's method in both directions at once."""
-    preloaded = InclinedChain(
-        chain=lane.chain, drive=lane.drive, modulation=lane.preload.modulation,
-        modulation_frequency=lane.preload.angular_frequency, modulation_phase=lane.preload.phase,
-    )  # fmt: skip
+    """The same lane, every step solved by Lemke's method in both directions at once."""
     return simulate_system(
-        preloaded, position=np.zeros(21), velocity=np.zeros(21), time_step=lane.time_step, steps=steps
-    )  # fmt: skip
+        ResolvedLane(lane), position=np.zeros(21), velocity=np.zeros(21), time_step=lane.time_step, steps=steps
+    )
 
 
 @pytest.mark.parametrize(

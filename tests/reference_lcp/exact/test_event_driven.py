@@ -1,6 +1,7 @@
 """Event-driven motion: closed-form oscillators, linear limits, energy, and the Euler scheme's limit."""
 
 import cmath
+import dataclasses
 
 import numpy as np
 import pytest
@@ -22,14 +23,13 @@ from reference_lcp import (
     transmittance,
 )
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
+from reference_lcp.chain.mass_in_mass import mechanical_energy
+from reference_lcp.chain.simulation import OrbitStatus
 from reference_lcp.exact import event_driven
 from reference_lcp.exact.event_driven import EventDrivenChain, EventDrivenSimulation, EventsAccumulate
-from reference_lcp.exact.exact_orbit import ExactPeriod
-from reference_lcp.exact.monodromy import monodromy_matrix
-from reference_lcp.lcp.time_step import solve_step_given_normal_force
-from reference_lcp.observables.energy import mechanical_energy
-from reference_lcp.steady.orbits import OrbitStatus
-from reference_lcp.stepping.euler_lemke import chain_step
+from reference_lcp.exact.exact_orbit import ExactPeriod, monodromy_matrix
+from reference_lcp.lcp.time_step import solve_step
+from reference_lcp.schemes.euler import chain_step
 from tests.reference_lcp.cases import EXACT_DB, STANDING, random_chain
 
 ROUND_OFF = 1e-11
@@ -158,7 +158,8 @@ def test_modes_at_rest_solve_the_lcp_on_the_level_of_accelerations(seed) -> None
     position = state.positions[0]
     segment = next(EventDrivenChain(Lane(chain, drive, 1.0)).segments(State(position[None], velocity), 0.0, 1.0))
     load = float(drive.load(chain, np.asarray(0.0)))
-    lemke = solve_step_given_normal_force(chain_step(chain, position, velocity[0], load, 1.0), chain.normal_force)
+    step = chain_step(chain, position, velocity[0], load, 1.0)
+    lemke = solve_step(dataclasses.replace(step, normal_force=chain.normal_force))
     assert segment.friction[0] == pytest.approx(lemke.tangential, abs=1e-12 * np.max(chain.friction_bound) + 1e-12)
     acceleration = lemke.relative_velocity
     still = np.abs(acceleration) < 1e-9 * np.max(np.abs(acceleration))

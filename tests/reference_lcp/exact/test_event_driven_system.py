@@ -19,9 +19,9 @@ from reference_lcp import (
     Spring,
     State,
 )
+from reference_lcp.errors import ParameterError
 from reference_lcp.exact.event_driven import EventDrivenSimulation
-from reference_lcp.exact.stick_slip_lane import StickSlipLane, system_of
-from reference_lcp.refusal import ParameterError
+from reference_lcp.exact.event_driven_system import StickSlipLane, system_of
 
 
 @pytest.mark.parametrize("friction_ratio", [0.05, 0.2])

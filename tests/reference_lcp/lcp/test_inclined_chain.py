@@ -11,12 +11,13 @@ from reference_lcp import (
     CompiledSimulation,
     HarmonicBase,
     Lane,
-    ParameterError,
+    Preload,
     State,
     StillBase,
     simulate_system,
 )
-from reference_lcp.lcp.inclined_chain import InclinedChain
+from tests.reference_lcp.cases import driven
+from tests.reference_lcp.resolved_lane import ResolvedLane
 
 AMPLITUDE = 0.01
 ROUND_OFF = 1e-12
@@ -37,7 +38,7 @@ def test_flat_contacts_under_constant_preload_move_as_the_chain_with_given_norma
     lane, steps = Lane.periodic(chain, drive, 400), 3 * 400
     fast = CompiledSimulation([lane]).run(State.at_rest(1, 7), 0, steps)[0]
     full = simulate_system(
-        InclinedChain(chain=chain, drive=drive),
+        ResolvedLane(lane),
         position=np.zeros(21), velocity=np.zeros(21), time_step=lane.time_step, steps=steps,
     )  # fmt: skip
     velocity_scale = AMPLITUDE * drive.angular_frequency
@@ -164,18 +165,15 @@ class EventDriven:
 
 def inclined_cell(alpha, friction_ratio, frequency_ratio, modulation, multiple):
     """One cell, its preload modulated at a multiple of the drive's frequency; and its event-driven solution."""
-    chain = Chain.from_ratios(cells=1, friction_ratio=friction_ratio, base_amplitude=AMPLITUDE, damping_ratio=0.05)
-    drive = HarmonicBase.from_ratio(chain, frequency_ratio, AMPLITUDE)
+    chain, drive = driven(frequency_ratio, cells=1, friction_ratio=friction_ratio, damping_ratio=0.05)
     frequency = multiple * drive.angular_frequency
     mean, mu = chain.normal_force[0], chain.friction_coefficient[0]
     exact = EventDriven(
         chain.chain_stiffness[0], chain.chain_damping[0], chain.inner_stiffness[0], AMPLITUDE,
         drive.angular_frequency, lambda t: mean * (1 + modulation * math.sin(frequency * t)), alpha, mu,
     )  # fmt: skip
-    cell = InclinedChain(
-        chain=chain, drive=drive, inclination=alpha, modulation=modulation, modulation_frequency=frequency
-    )
-    return cell, exact
+    preload = Preload(modulation=modulation, angular_frequency=frequency)
+    return Lane(chain, drive, 1.0, preload, inclination=alpha), exact
 
 
 def positions_of(pieces, time):
@@ -186,7 +184,7 @@ def positions_of(pieces, time):
 
 def run_inclined(cell, steps_per_period):
     return simulate_system(
-        cell, position=np.zeros(3), velocity=np.zeros(3), time_step=cell.drive.period / steps_per_period,
+        ResolvedLane(cell), position=np.zeros(3), velocity=np.zeros(3), time_step=cell.drive.period / steps_per_period,
         steps=PERIODS * steps_per_period,
     )  # fmt: skip
 
@@ -220,11 +218,9 @@ def test_cell_that_lifts_off_lands_sticks_and_slips_agrees_with_its_events_at_fi
 
 def test_seven_inclined_cells_share_their_loads_and_keep_every_contact_law() -> None:
     chain, drive = flat_chain(friction_ratio=0.6, frequency_ratio=0.8)
-    row = InclinedChain(
-        chain=chain, drive=drive, inclination=0.3, modulation=1.5, modulation_frequency=2 * drive.angular_frequency
-    )
+    row = Lane.periodic(chain, drive, 800, Preload.at_multiple(drive, 1.5, 2), 0.3)
     motion = simulate_system(
-        row, position=np.zeros(21), velocity=np.zeros(21), time_step=drive.period / 800, steps=1600
+        ResolvedLane(row), position=np.zeros(21), velocity=np.zeros(21), time_step=drive.period / 800, steps=1600
     )
     normal, bound = motion.normal_force, 0.5 * motion.normal_force
     scale = chain.normal_force[0]
@@ -242,24 +238,7 @@ def test_seven_inclined_cells_share_their_loads_and_keep_every_contact_law() -> 
 def test_preload_alone_leaves_the_chain_at_rest() -> None:
     """The actuator presses along the normal: no force along the face, whatever its inclination."""
     chain, _ = flat_chain(cells=2)
-    still = InclinedChain(chain=chain, drive=StillBase(), inclination=-0.6)
-    motion = simulate_system(still, position=np.zeros(6), velocity=np.zeros(6), time_step=1e-3, steps=50)
+    still = Lane(chain, StillBase(), 1e-3, Preload(modulation=0.0, angular_frequency=1.0), inclination=-0.6)
+    motion = simulate_system(ResolvedLane(still), position=np.zeros(6), velocity=np.zeros(6), time_step=1e-3, steps=50)
     assert np.max(np.abs(motion.positions)) <= ROUND_OFF * AMPLITUDE
     assert np.allclose(motion.normal_force, chain.normal_force)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
-        ({"inclination": 1.6}, "inclination = 1.6"),
-        ({"inclination": float("nan")}, "inclination = nan"),
-        ({"modulation": -0.1}, "modulation = -0.1"),
-        ({"modulation": [0.1, 0.2]}, r"modulation has shape \(2,\); allowed: one number or \(7,\)"),
-        ({"modulation_frequency": 0.0}, "modulation_frequency = 0"),
-        ({"modulation_phase": float("inf")}, "modulation_phase = inf"),
-    ],
-)
-def test_impossible_preload_is_refused_with_its_value(wrong, message) -> None:
-    chain, drive = flat_chain()
-    with pytest.raises(ParameterError, match=message):
-        InclinedChain(chain=chain, drive=drive, **wrong)

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from quantecon.optimize import lcp_lemke
 
 from reference_lcp import ParameterError, lemke
-from reference_lcp.lcp.lemke import LemkeStatus, natural_residual
+from reference_lcp.lcp.lemke import LemkeStatus
+from tests.reference_lcp.cases import natural_residual
 
 RESIDUAL = 1e-10
 """Natural residual of a solved problem of order one: round-off of a few pivots is below 1e-13."""

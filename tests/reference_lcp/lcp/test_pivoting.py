@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from reference_lcp.lcp import pivoting
-from reference_lcp.lcp.lemke import LemkeStatus, lemke, natural_residual
+from reference_lcp.lcp.lemke import LemkeStatus, lemke
+from tests.reference_lcp.cases import natural_residual
 from tests.reference_lcp.lcp.interpreted import solved_collection
 
 DATA = Path(__file__).parent / "data"

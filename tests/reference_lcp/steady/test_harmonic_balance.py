@@ -7,9 +7,10 @@ from reference_lcp import Chain, HarmonicBase, HarmonicForce
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.exact.event_driven import EventDrivenSimulation
+from reference_lcp.schemes.euler import CompiledSimulation
 from reference_lcp.steady.harmonic_balance import LEAST_SLIP, LOSS_FACTOR, harmonic_balance_start
 from reference_lcp.steady.orbits import periodic_orbits
-from reference_lcp.stepping.euler_compiled import CompiledSimulation
+from tests.reference_lcp.cases import driven
 
 STEPS = 400
 
@@ -61,8 +62,7 @@ def test_under_strong_friction_it_is_the_response_of_single_masses_but_for_the_l
 @pytest.mark.parametrize("frequency_ratio", [0.45, 0.7, 0.9, 1.6])
 def test_first_harmonic_of_a_sliding_cell_is_that_of_its_exact_motion_within_a_ninth(frequency_ratio) -> None:
     """What is left out: friction's third harmonic, a third of the first, and as much less again by acting back."""
-    chain = Chain.from_ratios(cells=1, friction_ratio=0.1)
-    drive = HarmonicBase.from_ratio(chain, frequency_ratio)
+    chain, drive = driven(frequency_ratio, cells=1, friction_ratio=0.1)
     (orbit,) = periodic_orbits(EventDrivenSimulation([Lane.periodic(chain, drive, STEPS)]), STEPS)
     positions, velocities = start(chain, drive)
     phases = np.exp(-2j * np.pi * (np.arange(STEPS) + 1) / STEPS)

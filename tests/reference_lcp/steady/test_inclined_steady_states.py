@@ -10,11 +10,13 @@ import pytest
 
 from reference_lcp import Chain, HarmonicBase, Lane, Preload, State
 from reference_lcp.chain.linear_response import frictionless_response, sliding_mass, stuck_basis, stuck_response
+from reference_lcp.chain.simulation import PeriodicOrbit
 from reference_lcp.observables.stick_slip import largest_gap, open_fraction
 from reference_lcp.one_call import SteadyState
-from reference_lcp.steady.multipliers import largest_multiplier
-from reference_lcp.steady.orbits import PeriodicOrbit, periodic_orbits
-from reference_lcp.stepping.euler import euler_simulation
+from reference_lcp.schemes.euler import euler_simulation
+from reference_lcp.steady.orbits import periodic_orbits
+from tests.reference_lcp.cases import driven
+from tests.reference_lcp.steady.multipliers import largest_multiplier
 
 AMPLITUDE, STEPS, CELLS = 0.01, 400, 7
 INCLINATION = math.radians(12)
@@ -86,8 +88,7 @@ def test_contacts_that_stay_stuck_are_the_closed_form_of_the_linear_scheme() -> 
 
 @pytest.mark.parametrize("free", [True, False], ids=["without friction", "stuck"])
 def test_the_linear_scheme_tends_to_the_closed_form_at_first_order(free) -> None:
-    chain = Chain.from_ratios(friction_ratio=50.0, base_amplitude=AMPLITUDE)
-    drive = HarmonicBase.from_ratio(chain, 0.5, AMPLITUDE)
+    chain, drive = driven(0.5, friction_ratio=50.0, base_amplitude=AMPLITUDE)
     preload = Preload.at_multiple(drive, 0.0, 2)
     exact = frictionless_response(chain, drive, INCLINATION) if free else stuck_response(chain, drive)
     basis = np.eye(2 * CELLS) if free else stuck_basis(chain)

@@ -23,11 +23,9 @@ from reference_lcp import (
     transmittance,
 )
 from reference_lcp.chain.linear_response import stuck_response
-from reference_lcp.chain.simulation import steps_per_period_for
-from reference_lcp.observables.transmittance import rms_transmittance
-from reference_lcp.steady.limits import DEFAULT_PERIODS
-from reference_lcp.steady.orbits import OrbitStatus
-from tests.reference_lcp.cases import EXACT_DB
+from reference_lcp.chain.simulation import OrbitStatus, steps_per_period_for
+from reference_lcp.defaults import DEFAULT_PERIODS
+from tests.reference_lcp.cases import EXACT_DB, driven
 
 
 def orbit_of(chain, frequency_ratio, steps=400, **options):
@@ -44,8 +42,7 @@ def test_transmittance_at_400_steps_is_within_two_hundredths_of_a_decibel_of_the
 
 
 def test_lemke_finds_the_same_steady_state_as_the_closed_form() -> None:
-    chain = Chain.from_ratios(cells=2, friction_ratio=0.3)
-    drive = HarmonicBase.from_ratio(chain, 0.6)
+    chain, drive = driven(0.6, cells=2, friction_ratio=0.3)
     answers = [steady_state(chain, drive, solver=solver) for solver in ("lemke", "compiled")]
     assert answers[0].transmittance_db == pytest.approx(answers[1].transmittance_db, abs=1e-9)
     assert answers[0].orbit.converged
@@ -64,8 +61,7 @@ def test_frictionless_limit_converges_to_the_linear_response_at_first_order(rati
 @pytest.mark.parametrize("ratio", [0.3, 0.9, 1.1, 1.6])
 def test_stuck_limit_is_the_chain_of_locked_masses(ratio) -> None:
     """A friction ratio of 100 never slips; the cells are single masses m_o + m_i."""
-    chain = Chain.from_ratios(friction_ratio=100.0)
-    drive = HarmonicBase.from_ratio(chain, ratio)
+    chain, drive = driven(ratio, friction_ratio=100.0)
     steady = steady_state(chain, drive, steps_per_period=6400)
     assert np.all(steady.stuck_fraction == 1.0)
     assert steady.transitions == []
@@ -151,7 +147,8 @@ def test_time_step_follows_the_highest_natural_frequency() -> None:
 
 def test_rms_equals_the_fundamental_where_the_motion_is_harmonic() -> None:
     orbit = orbit_of(Chain.from_ratios(), 0.9)
-    assert rms_transmittance(orbit) == pytest.approx(transmittance(orbit), rel=1e-6)
+    rms = np.sqrt(np.mean(orbit.trajectory.outer_positions[:, -1] ** 2))
+    assert np.sqrt(2) * rms / orbit.lane.drive.amplitude == pytest.approx(transmittance(orbit), rel=1e-6)
 
 
 def test_force_drive_is_measured_over_its_static_elongation() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from reference_lcp import Chain, CompiledSimulation, HarmonicBase, Lane, State, periodic_orbits
-from reference_lcp.steady.orbits import OrbitStatus
+from reference_lcp.chain.simulation import OrbitStatus
 
 STEPS = 400
 

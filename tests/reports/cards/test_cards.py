@@ -9,20 +9,19 @@ import pytest
 
 from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from reports.cards import card as cards
 from reports.cards.card import Card, ChangedOption, Row, VariantCard, card, card_variants
 from reports.cards.write import check_card_files, html, markdown, write_card
 from reports.export.files import cards_beside
-from scenarios.execution.storage.store import opened_store
+from scenarios.runs.store import opened_store
 from scenarios.studies.work_precision import StepPoint
-from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.verdict import Comparison, Verdict
+from scenarios.verdicts.finding import Comparison, Finding, Metric, Verdict
 from tests.scenarios.in_process import evaluator, rub_harder
 
 SOFT = Variant("mujoco", "joint", "default")
 
-needs_mujoco = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
+needs_mujoco = pytest.mark.needs("mujoco")
 
 
 def step_point(steps: int, error_db: float) -> StepPoint:
@@ -39,7 +38,7 @@ def made_up() -> Card:
         certified=70,
         points=74,
         rows=(
-            Row("creep", "µm/s", 5165.95, 0.0, "1 kg, load 0.99", command="python -m reports reproduce mujoco"),
+            Row("creep", "µm/s", 5165.95, 0.0, "1 kg, load 0.99", command="multibody-xval reproduce mujoco"),
             Row("breakaway", "", 0.8738, 1.0, "1 kg, 2 ms"),
             Row("lower band edge", "η_r", math.nan, 0.637, "friction 0.3", "no edge | nearby"),
         ),

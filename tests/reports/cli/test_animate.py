@@ -1,4 +1,4 @@
-"""``python -m reports animate``: as many pictures as asked, cells where they are, colours of their modes."""
+"""``multibody-xval animate``: as many pictures as asked, cells where they are, colours of their modes."""
 
 from pathlib import Path
 
@@ -10,13 +10,13 @@ from PIL import Image
 from engines.interface.variant import Variant
 from reference_lcp.console import run_command
 from reference_lcp.observables.stick_slip import Mode
-from reports.__main__ import app
-from reports.cli import animation as module
+from reports.cli import shown as module
+from reports.cli.console_script import app
 from reports.figures.animation import ChainDrawing, write_animation
 from reports.figures.stick_slip import MODE_COLOURS
-from scenarios.tasks.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation
-from scenarios.tasks.recorded import RecordedPeriod
-from scenarios.tasks.task import SteadyStateTask
+from scenarios.runs.parameters import DEFAULT_AMPLITUDE, ChainRatios, Excitation
+from scenarios.runs.recorded import RecordedPeriod
+from scenarios.runs.task import SteadyStateTask
 from tests.reports.conftest import motion
 
 QUESTION = SteadyStateTask(

@@ -1,4 +1,4 @@
-"""``python -m reports compare``: a changed option is found, with its points; equal stores are no change."""
+"""``multibody-xval compare``: a changed option is found, with its points; equal stores are no change."""
 
 import csv
 import dataclasses
@@ -14,23 +14,23 @@ from engines.interface import variant
 from engines.interface.engine import Engine
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Option, Preset
 from engines.interface.variant import Variant
-from reference_lcp.chain.harmonic import HarmonicBase, StillBase
+from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.console import run_command
-from reference_lcp.exit_code import ExitCode
+from reference_lcp.errors import ExitCode
 from reference_lcp.one_call import exact_steady_state
-from reports.__main__ import app
+from reports.cli.console_script import app
 from reports.export.changes import Regression, changes_markdown
-from scenarios.execution.computation.steady import run_steady_states
-from scenarios.execution.storage.store import ResultStore, digest_of
-from scenarios.tasks import task
-from scenarios.tasks.block import Block, BlockTask
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import RESULT_FORMAT, SteadyStateTask, key_of
+from scenarios.runs import task
+from scenarios.runs.result import Result
+from scenarios.runs.steady import run_steady_states
+from scenarios.runs.store import ResultStore, digest_of
+from scenarios.runs.task import RESULT_FORMAT, SteadyStateTask, key_of
+from scenarios.runs.transient_task import Block, BlockTask
 from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.regression import StoreComparison, TruthDirection, change, compare_stores
 from scenarios.verdicts.steady_case import EXACT
-from scenarios.verdicts.stored_results import StoredResult
+from scenarios.verdicts.stored import StoredResult
 from scenarios.verdicts.thresholds import Thresholds
 from tests.junit import checked_junit
 

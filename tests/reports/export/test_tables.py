@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from reports.data.report import Report
 from reports.export.files import report_dataset, write_all
 from scenarios.sweeps.compared import ComparedSweep
@@ -93,7 +93,7 @@ def test_json_writes_null_where_there_is_no_number(texts: dict[str, str]) -> Non
 
 def test_json_says_where_the_numbers_come_from(texts: dict[str, str]) -> None:
     origin = json.loads(texts["report.json"])["provenance"]
-    assert origin["command"] == "python -m reports --quick --engine '<b>'"
+    assert origin["command"] == "multibody-xval report --quick --engine '<b>'"
     assert origin["tolerances"]["residual"] == 1e-8
     assert origin["band"]["depth_db"] == -10.0
     mujoco = next(variant for variant in origin["variants"] if variant["engine"] == "mujoco")

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from reports.data.report import Report
-from reports.drawing import drawn, matplotlib_backend
-from reports.drawing.drawn import INDEX, DrawnFigures, described
+from reports.drawing import matplotlib_backend, printing
 from reports.drawing.figure import Figure
+from reports.drawing.printing import INDEX, DrawnFigures, described
 from reports.export.files import files_of, write_all
 from reports.page.render import FIGURES, sections
 
@@ -52,10 +52,10 @@ def test_a_file_that_was_changed_or_taken_away_is_drawn_again(report, folder) ->
 
 
 def test_other_versions_of_what_draws_draw_again(report, folder, monkeypatch) -> None:
-    drawn._backend.cache_clear()
-    monkeypatch.setattr(drawn, "version", lambda package: f"another {package}")
+    printing._backend.cache_clear()
+    monkeypatch.setattr(printing, "version", lambda package: f"another {package}")
     assert to_be_drawn(report, folder) == [figure.name for figure in figures_of(report)]
-    drawn._backend.cache_clear()
+    printing._backend.cache_clear()
 
 
 def test_every_part_of_a_description_counts(report) -> None:

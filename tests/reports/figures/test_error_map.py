@@ -6,16 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reports.data.error_maps import error_maps
 from reports.data.report import Report
 from reports.drawing.matplotlib_backend import drawn
 from reports.drawing.plotly_backend import plot
-from reports.figures.error_map import HIGHEST_DB, LOWEST_DB, error_map_figure
+from reports.figures.errors import HIGHEST_DB, LOWEST_DB, error_map_figure, error_maps
 from reports.page.sections import ErrorMaps
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.table import judged_table
 from scenarios.verdicts.steady_case import REFERENCE
+from tests.judged import judged_table
 from tests.reports.conftest import CONVERGED_ERROR, GRID, OFF, RUNS, STEP_ERROR
 
 ERROR = STEP_ERROR + CONVERGED_ERROR
@@ -23,7 +22,7 @@ ERROR = STEP_ERROR + CONVERGED_ERROR
 
 
 def test_a_variant_is_off_where_it_is_wrong_and_by_the_step_elsewhere(report: Report) -> None:
-    maps = {own.variant: own for own in error_maps(report.result, report.truths, list(report.errors))}
+    maps = {own.variant: own for own in error_maps(report.points, report.result.cases, report.errors)}
     assert list(maps) == [REFERENCE, RUNS], "neither the converged reference nor what is not installed"
     assert maps[REFERENCE].error_db == pytest.approx(np.full((2, 4), ERROR), abs=1e-9)
     own = maps[RUNS]
@@ -40,7 +39,7 @@ def test_a_case_with_fewer_frequencies_shows_the_nearest_of_its_own(report: Repo
     coarse = Case.of(friction_ratio=0.3)
     points = [p for p in report.result.points if p.case != coarse or p.frequency_ratio in (0.3, 0.9)]
     result = replace(report.result, table=judged_table(points), edges=())
-    own = next(m for m in error_maps(result, report.truths, [RUNS]))
+    (own,) = error_maps(replace(report, result=result, beside=()).points, result.cases, [RUNS])
     wrong = result.curve(RUNS, Case.of(friction_ratio=0.0))[2]
     assert own.frequency_ratios.tolist() == list(GRID)
     assert own.error_db[0, 2] == pytest.approx(ERROR + 0.03)
@@ -53,14 +52,14 @@ def test_where_the_truth_is_too_small_a_map_is_blank_and_complains_of_nothing(re
         (case, eta): replace(truth, transmittance_db=-100.0) if eta == 1.3 else truth
         for (case, eta), truth in report.truths.items()
     }
-    own = next(m for m in error_maps(report.result, truths, [RUNS]))
+    (own,) = error_maps(replace(report, truths=truths).points, report.result.cases, [RUNS])
     assert np.isnan(own.error_db[:, 3]).all()
     assert np.isfinite(own.error_db[:, :3]).all()
     assert own.unsteady == ()
 
 
 def test_colours_are_of_the_logarithm_and_common_to_all_maps_with_one_scale(report: Report) -> None:
-    figure = error_map_figure(error_maps(report.result, report.truths, list(report.errors)), "friction ratio")
+    figure = error_map_figure(error_maps(report.points, report.result.cases, report.errors), "friction ratio")
     maps = [trace for trace in plot(figure)["data"] if trace["type"] == "heatmap"]
     assert [(trace["zmin"], trace["zmax"]) for trace in maps] == [(-3.0, 1.0)] * 2
     assert ["colorbar" in trace for trace in maps] == [True, False]

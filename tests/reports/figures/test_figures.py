@@ -14,13 +14,12 @@ from reports.drawing.figure import Axis, Figure, Panel, Rule, Series, difference
 from reports.drawing.matplotlib_backend import drawn, mathtext
 from reports.drawing.plotly_backend import plot
 from reports.drawing.style import PALETTE, Style, style_of
-from reports.figures.hysteresis import CORNER, corners
-from reports.figures.stick_slip import MODE_COLOURS, phases
+from reports.figures.stick_slip import CORNER, MODE_COLOURS, corners, phases
 from reports.page.render import sections
 from reports.page.sections import StickSlip
+from scenarios.runs.result import Result
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Sweep
-from scenarios.tasks.result import Result
 
 RGB = tuple[float, float, float]
 

@@ -1,25 +1,27 @@
 """One option at a time: variants that differ in one number alone are a curve, and no others are."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
+import pandas as pd
 import pytest
 
 from engines.interface.presets import Option
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from reports.data.errors import VariantErrors
-from reports.data.findings import Extreme
-from reports.data.option_curves import option_curves
+from reports.data.options import option_curves
+from reports.data.points import point_table
 from reports.data.report import Report
+from reports.data.variants import VariantErrors
 from reports.drawing.matplotlib_backend import drawn
 from reports.drawing.plotly_backend import plot
 from reports.export.tables import option_table
-from reports.figures.option_curves import SMALLEST_CREEP, option_figure
+from reports.figures.errors import SMALLEST_CREEP, option_figure
 from reports.page.render import sections
+from scenarios.runs.result import Result
 from scenarios.sweeps.sweep import Case
 from scenarios.sweeps.table import Point
-from scenarios.tasks.result import Result
 
 SWEEPS = {"zero": 0, "three": 3, "fifty": 50}
 ERRORS = {"zero": 4.0, "three": 0.3, "fifty": 0.2}
@@ -45,49 +47,50 @@ def presets(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def errors_of(*names: str) -> dict[Variant, VariantErrors]:
     variants = [Variant("mujoco", "joint", name) for name in names]
-    return {v: VariantErrors(v, 6, 6, Extreme(-ERRORS.get(v.preset_name, 1.0), CASE, 0.9), 1e-3) for v in variants}
+    return {v: VariantErrors(v, 6, 6, -ERRORS.get(v.preset_name, 1.0), CASE, 0.9, 1e-3) for v in variants}
 
 
-def points() -> list[Point]:
-    return [
+def points(report: Report, creeps: Mapping[str, float] = CREEPS) -> pd.DataFrame:
+    every = [
         Point(Variant("mujoco", "joint", name), CASE, 0.9, Result(status="converged", creep=(0.0, creep)), (), ())
-        for name, creep in CREEPS.items()
+        for name, creep in creeps.items()
     ]
+    return point_table(report.result, {}, every)
 
 
 @pytest.mark.usefixtures("presets")
-def test_variants_that_differ_in_one_number_are_a_curve_by_its_value() -> None:
-    (curve,) = option_curves(errors_of("fifty", "zero", "three", "default"), points())
+def test_variants_that_differ_in_one_number_are_a_curve_by_its_value(report: Report) -> None:
+    (curve,) = option_curves(errors_of("fifty", "zero", "three", "default"), points(report))
     assert (curve.option, curve.title) == ("noslip_iterations", "MuJoCo")
-    assert [point.value for point in curve.points] == [0, 3, 50]
-    assert [point.errors.size for point in curve.points] == [4.0, 0.3, 0.2]
-    assert [point.creep for point in curve.points] == [2e-2, 1e-4, 0.0]
+    assert list(curve.errors) == [0, 3, 50]
+    assert [own.size for own in curve.errors.values()] == [4.0, 0.3, 0.2]
+    assert list(curve.creep) == [2e-2, 1e-4, 0.0]
 
 
 @pytest.mark.usefixtures("presets")
-def test_two_values_are_no_curve_and_neither_are_variants_that_differ_in_more() -> None:
-    assert option_curves(errors_of("zero", "three"), []) == []
+def test_two_values_are_no_curve_and_neither_are_variants_that_differ_in_more(report: Report) -> None:
+    assert option_curves(errors_of("zero", "three"), points(report, {})) == []
     with_option("other", "impratio", 7.0)
-    assert option_curves(errors_of("zero", "three", "other"), []) == []
+    assert option_curves(errors_of("zero", "three", "other"), points(report, {})) == []
     with_option("fast", "cone", "elliptic of another kind")
-    assert option_curves(errors_of("zero", "three", "fast"), []) == [], "that is no number"
+    assert option_curves(errors_of("zero", "three", "fast"), points(report, {})) == [], "that is no number"
 
 
 @pytest.mark.usefixtures("presets")
-def test_an_option_that_a_preset_does_not_set_has_the_value_of_the_engine() -> None:
+def test_an_option_that_a_preset_does_not_set_has_the_value_of_the_engine(report: Report) -> None:
     every = engine("mujoco").capabilities.presets["joint"]
     tuned = every["tuned"]
     own = tuned.options["noslip_iterations"]
     every["unset"] = replace(tuned, options={n: o for n, o in tuned.options.items() if o is not own})
-    (curve,) = option_curves(errors_of("unset", "three", "fifty"), [])
-    assert [(p.value, p.errors.variant.preset_name) for p in curve.points] == [
+    (curve,) = option_curves(errors_of("unset", "three", "fifty"), points(report, {}))
+    assert [(value, own.variant.preset_name) for value, own in curve.errors.items()] == [
         (own.default, "unset"), (3, "three"), (50, "fifty"),
     ]  # fmt: skip
 
 
 @pytest.mark.usefixtures("presets")
-def test_a_curve_is_drawn_with_its_zero_and_its_creep_and_written_in_full() -> None:
-    (curve,) = option_curves(errors_of(*SWEEPS), points())
+def test_a_curve_is_drawn_with_its_zero_and_its_creep_and_written_in_full(report: Report) -> None:
+    (curve,) = option_curves(errors_of(*SWEEPS), points(report))
     figure = option_figure(1, curve)
     data, layout = plot(figure)["data"], plot(figure)["layout"]
     assert [trace["name"] for trace in data] == ["largest error", "median error", "largest creep"]

@@ -12,10 +12,10 @@ from reports.export.tables import catalogue_table
 from reports.page.render import page, sections
 from reports.page.sections import Catalogue
 from scenarios.catalogue import CATALOGUE
-from scenarios.catalogue.predicted import run_with_predictions
-from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.storage.store import ResultStore
+from scenarios.catalogue.base import run_with_predictions
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.executor import InProcessExecutor
+from scenarios.runs.store import ResultStore
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.reports.conftest import MISSING, RUNS
 

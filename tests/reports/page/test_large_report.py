@@ -10,15 +10,14 @@ from pathlib import Path
 import pytest
 
 from engines.interface.registry import engine, engine_names
-from engines.interface.selection import variants_of
-from engines.interface.variant import Variant
+from engines.interface.variant import Variant, variants_of
 from reports.page.render import LARGEST_PAGE
-from scenarios.execution.evaluator import StoredResults
-from scenarios.execution.storage.store import ResultStore
+from scenarios.runs.evaluator import StoredResults
+from scenarios.runs.result import Result
+from scenarios.runs.store import ResultStore
+from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.compared import compare_sweep
 from scenarios.sweeps.spec_file import read_sweep
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
 
 POINTS = 20_000
 SECONDS = 120.0
@@ -74,7 +73,7 @@ def test_twenty_thousand_points_are_a_page_of_less_than_five_mebibytes(tmp_path:
     variants = [variant for name in installed for variant in variants_of(name)]
     sweep, store = tmp_path / "sweep.toml", tmp_path / "results.sqlite"
     sweep.write_text(sweep_text(variants))
-    from reports.cli.report import planned_report
+    from reports.plan import planned_report
 
     asked = planned_report([], sweep, quick=False, stored_in=None).sweep
     assert len(read_sweep(sweep).variants) == len(variants)
@@ -89,7 +88,7 @@ def test_twenty_thousand_points_are_a_page_of_less_than_five_mebibytes(tmp_path:
         str(sweep),
         "--store",
         str(store),
-        "--no-ask",
+        "--no-run",
         "--out",
         str(tmp_path / "out"),
     ]

@@ -11,30 +11,28 @@ import pytest
 
 from engines.interface.variant import Variant
 from reports.data.descriptions import band_definition, compared_with
-from reports.data.errors import VariantErrors
-from reports.data.findings import Extreme, findings
-from reports.data.installed import by_engine, installed
+from reports.data.options import by_engine, installed
 from reports.data.report import Report
 from reports.data.stick_slip import stick_slip_rows
+from reports.data.variants import VariantErrors
 from reports.export.files import FILES, files_of
 from reports.page.render import LARGEST_PAGE, sections
 from reports.page.sections import OpenPoints, Verdicts
-from reports.page.sections.band_edges import absent_edge
+from reports.page.sections.motion import absent_edge
 from reports.page.sections.summary import sentence
+from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.result import Result
 from scenarios.studies.figure3 import figure3
-from scenarios.sweeps.attenuation_band import Edge
+from scenarios.sweeps.attenuation_band import Edge, compare_edge
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.table import Point, judged_table
-from scenarios.tasks.parameters import ChainRatios
-from scenarios.tasks.result import Result
-from scenarios.verdicts.band_edge import compare_edge
-from scenarios.verdicts.finding import TRANSMITTANCE, Finding
+from scenarios.sweeps.table import Point
+from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Verdict
 from scenarios.verdicts.judge import missing
 from scenarios.verdicts.pointwise import CONVERGED, refinements
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.verdict import Comparison, Verdict
+from tests.judged import judged_table
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
 
@@ -222,24 +220,24 @@ def test_disagreements_in_db_come_first_and_the_largest_on_top(result: ComparedS
 
 
 def test_departures_stand_beside_what_laws_leave_of_them_and_fail_the_comparison(report: Report, page: str) -> None:
-    own = next(row for row in report.departures if row.variant == RUNS)
-    assert (own.variant, own.points, own.edges, own.unexplained) == (RUNS, 1, 3, 4)
-    assert own.worst.departure == pytest.approx(0.03, abs=1e-12)
-    assert math.isnan(own.worst.left)
-    assert own.note == "claims the reference's step"
+    own = next(row for row in report.departures if row["variant"] == RUNS)
+    assert (own["points"], own["edges"], own["unexplained"]) == (1, 3, 4)
+    assert own["worst"]["departure"] == pytest.approx(0.03, abs=1e-12)
+    assert math.isnan(own["worst"]["left"])
+    assert own["note"] == "claims the reference's step"
     assert report.failures[0].startswith("unexplained: ")
     assert "The comparison fails:" in page
     assert report.failures[0] in page
 
 
 def test_findings_count_verdicts_and_name_the_worst_place(result: ComparedSweep) -> None:
-    found = findings(result, RUNS)
-    assert found.verdicts == {
+    found = Report(result, "").verdicts[RUNS]
+    assert found["verdicts"] == {
         "agree": 6, "disagree": 1, "own step too coarse": 0, "inconclusive": 1, "blocked": 0,
     }  # fmt: skip
-    assert found.worst_edge.difference == pytest.approx(0.01)
-    assert found.median_periods == 30
-    assert found.seconds == pytest.approx(3.5)
+    assert found["worst_edge"]["difference"] == pytest.approx(0.01)
+    assert found["median_periods"] == 30
+    assert found["seconds"] == pytest.approx(3.5)
 
 
 def test_what_shares_the_scheme_is_compared_at_equal_step() -> None:
@@ -303,14 +301,14 @@ def test_page_holds_no_text_of_an_object_of_the_program(markup: str) -> None:
 
 
 def test_a_disagreement_has_the_command_that_shows_it_without_the_suite(page: str) -> None:
-    assert f"<code>python -m reports reproduce {RUNS} figure3</code>" in page
+    assert f"<code>multibody-xval reproduce {RUNS} figure3</code>" in page
 
 
 def test_page_links_the_cards_that_lie_beside_it(report: Report, page: str) -> None:
     linked = files_of(report, cards={"mujoco": "card-mujoco.html"})["index.html"].decode()
     assert '<a href="card-mujoco.html">mujoco</a>' in linked
     assert "card-mujoco.html" not in page
-    assert "python -m reports card NAME" in page
+    assert "multibody-xval card NAME" in page
 
 
 def test_tiles_do_not_count_the_reference_beside_itself(report: Report) -> None:
@@ -356,10 +354,10 @@ def test_a_page_does_not_say_that_all_agree_where_an_engine_is_missing(result: C
 
 def test_the_page_says_of_each_engine_what_it_does_as_installed_and_with_which_options() -> None:
     case = Case.of(friction_ratio=0.1)
-    default = VariantErrors(Variant("mujoco", "joint", "default"), 4, 4, Extreme(14.734, case, 1.6))
-    tuned = VariantErrors(Variant("mujoco"), 4, 4, Extreme(-0.12449, case, 1.5))
+    default = VariantErrors(Variant("mujoco", "joint", "default"), 4, 4, 14.734, case, 1.6)
+    tuned = VariantErrors(Variant("mujoco"), 4, 4, -0.12449, case, 1.5)
     contact = [replace(own, variant=replace(own.variant, formulation="contact")) for own in (default, tuned)]
-    contact[0] = replace(contact[0], worst=Extreme(-42.851, case, 1.6))
+    contact[0] = replace(contact[0], worst_db=-42.851)
     pairs = installed({own.variant: own for own in (tuned, default, *contact)})
     assert [pair.default.size for pair in pairs] == [42.851, 14.734]
     ((name, own),) = by_engine(pairs).items()

@@ -9,8 +9,8 @@ from reports.data.report import Report
 from reports.page.render import page, sections
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.table import judged_table
 from scenarios.verdicts.steady_case import REFERENCE
+from tests.judged import judged_table
 
 NEW, OLD = Variant("mujoco"), Variant("mujoco@3.3.7")
 
@@ -40,9 +40,19 @@ def test_one_version_has_no_section(report: Report) -> None:
 @pytest.mark.parametrize(("off_db", "differing"), [(0.0, 0), (1e-9, 0), (1e-4, 1)])
 def test_only_more_than_both_leave_open_is_a_difference(report: Report, off_db: float, differing: int) -> None:
     (pair,) = with_old_version(report, off_db).versions
-    assert (pair.points, pair.one_sided, pair.differing) == (7, 0, differing)
-    assert pair.largest_db == pytest.approx(off_db, abs=1e-12)
-    assert pair.where == ("friction 0.3, η_r = 0.6" if off_db else "")
+    assert (pair["points"], pair["one_sided"], pair["differing"]) == (7, 0, differing)
+    assert pair["largest_db"] == pytest.approx(off_db, abs=1e-12)
+    assert pair["where"] == ("friction 0.3, η_r = 0.6" if off_db else "")
+
+
+@pytest.mark.parametrize(("off_db", "differing"), [(0.0, 0), (1e-9, 1)])
+def test_without_the_reference_every_difference_counts(report: Report, off_db: float, differing: int) -> None:
+    """What residuals leave open is not known then."""
+    result = with_old_version(report, off_db).result
+    alone = dataclasses.replace(result.sweep, variants=(NEW, OLD))
+    rows = judged_table([point for point in result.points if point.variant in alone.variants])
+    (pair,) = dataclasses.replace(report, result=ComparedSweep(alone, rows)).versions
+    assert (pair["points"], pair["differing"]) == (7, differing)
 
 
 def test_both_versions_are_named_on_the_page(report: Report) -> None:

@@ -13,23 +13,22 @@ from engines.exudyn.reproducer import zone_numbers
 from engines.interface.presets import Formulation
 from engines.interface.registry import engine, engine_names
 from engines.interface.reproducer import Reproducer
-from engines.interface.selection import variants_of
 from engines.interface.tolerances import SINGLE
-from engines.interface.variant import Variant
+from engines.interface.variant import Variant, variants_of
+from engines.isolated.out_of_process import OutOfProcessEngine
 from engines.mujoco import MuJoCo
 from engines.mujoco.reproducer import joint_numbers
 from engines.ode import ODE
-from engines.out_of_process.engine import OutOfProcessEngine
 from engines.sapien import Sapien
-from engines.sapien.reproducer import contact_numbers
-from reference_lcp.refusal import ParameterError
+from engines.shared.script_units import script_in_si
+from reference_lcp.errors import ParameterError
 from reports.reproducers.questions import QUESTIONS
 from reports.reproducers.script import LONGEST_LINE, MOST_LINES, checked, script
-from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.storage.store import opened_store
-from scenarios.tasks.task import Task
-from scenarios.tasks.transient import TransientTask
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.executor import InProcessExecutor
+from scenarios.runs.store import opened_store
+from scenarios.runs.task import Task
+from scenarios.runs.transient_task import TransientTask
 from tests.scenarios.in_process import evaluator
 
 ALONE = """
@@ -75,7 +74,7 @@ WITH_TEMPLATE = [
     if Formulation(variant.formulation) in engine(name).reproducers
 ]  # fmt: skip
 
-needs_mujoco = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
+needs_mujoco = pytest.mark.needs("mujoco")
 
 
 def python_of(variant: Variant) -> str:
@@ -153,7 +152,7 @@ def test_script_without_the_no_slip_sweep_of_its_preset_prints_another_creep(tmp
         check_number(Variant("mujoco"), "static-hold", tmp_path)
 
 
-@pytest.mark.skipif(ExudynRegularised().unavailable_reason() is not None, reason="Exudyn is not installed")
+@pytest.mark.needs("exudyn-regularised")
 def test_script_whose_zone_is_a_hundredth_too_wide_prints_another_creep(tmp_path, monkeypatch) -> None:
     def wider(lane, preset, start):
         numbers = zone_numbers(lane, preset, start)
@@ -165,18 +164,20 @@ def test_script_whose_zone_is_a_hundredth_too_wide_prints_another_creep(tmp_path
         check_number(Variant("exudyn-regularised", "joint", "default"), "static-hold", tmp_path)
 
 
-@pytest.mark.skipif(ODE().unavailable_reason() is not None, reason="ODE is not installed")
+@pytest.mark.needs("ode")
 def test_script_with_the_softness_that_its_preset_takes_away_prints_another_creep(tmp_path, monkeypatch) -> None:
-    spoilt = Reproducer("reproducer_joint.py.jinja", lambda *_: {"cfm": None, "stops": False})
+    spoilt = script_in_si("reproducer_joint.py.jinja", lambda *_: {"changed": lambda _name: False})
     monkeypatch.setattr(ODE, "reproducers", {Formulation.JOINT: spoilt})
     with pytest.raises(AssertionError, match="comparison failed"):
         check_number(Variant("ode"), "static-hold", tmp_path)
 
 
-@pytest.mark.skipif(Sapien().unavailable_reason() is not None, reason="SAPIEN is not installed")
+@pytest.mark.needs("sapien")
 def test_script_with_the_other_solver_of_contacts_prints_another_creep(tmp_path, monkeypatch) -> None:
+    written = Sapien.reproducers[Formulation.CONTACT].numbers
+
     def projected(lane, preset, start):
-        return {**contact_numbers(lane, preset, start), "tgs": False}
+        return written(lane, Sapien().preset("contact", "default:enable_tgs=false"), start)
 
     spoilt = Reproducer("reproducer_contact.py.jinja", projected, own_units=True)
     monkeypatch.setattr(Sapien, "reproducers", {Formulation.CONTACT: spoilt})
@@ -241,4 +242,4 @@ def test_what_cannot_be_shown_is_named_with_what_can(arguments, message) -> None
 
 def test_command_of_another_case_names_it() -> None:
     shown = checked("mujoco:joint:default", "static-hold", "1 kg, load 0.5")
-    assert shown.command == 'python -m reports reproduce mujoco:joint:default static-hold "1 kg, load 0.5"'
+    assert shown.command == 'multibody-xval reproduce mujoco:joint:default static-hold "1 kg, load 0.5"'

@@ -8,22 +8,20 @@ import numpy as np
 import pytest
 
 from engines.interface.variant import Variant
-from engines.mujoco import MuJoCo
-from reference_lcp.chain.canonical import FRICTION_COEFFICIENT
-from reference_lcp.refusal import ParameterError
+from reference_lcp.defaults import FRICTION_COEFFICIENT
+from reference_lcp.errors import ParameterError
+from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.block import breakaway, published, static_hold, stopping_distance
 from scenarios.catalogue.block.base import STANDARD_GRAVITY, BlockScenario
 from scenarios.catalogue.block.breakaway import PULLS, Breakaway
 from scenarios.catalogue.block.published import CASES, Published, targets
 from scenarios.catalogue.block.static_hold import CREEP, HOLDS, StaticHold
 from scenarios.catalogue.block.stopping_distance import DISTANCE, THROWS, TIME, StoppingDistance
-from scenarios.catalogue.predicted import run_with_predictions
-from scenarios.execution.computation.transient import run_transients
-from scenarios.execution.storage.store import opened_store
-from scenarios.tasks.block import Block
-from scenarios.verdicts.finding import Finding
+from scenarios.runs.store import opened_store
+from scenarios.runs.transient import run_transients
+from scenarios.runs.transient_task import Block
+from scenarios.verdicts.finding import Finding, Verdict
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from scenarios.verdicts.verdict import Verdict
 from tests.scenarios.in_process import evaluator, misread_the_chain, press_harder, rub_harder
 
 MUJOCO, SOFT = Variant("mujoco"), Variant("mujoco", "joint", "default")
@@ -31,7 +29,7 @@ GRAM, KILOGRAM = "1 g", "1 kg"
 
 SCENARIOS = (StaticHold(), Breakaway(), StoppingDistance(), Published())
 
-needs_mujoco = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
+needs_mujoco = pytest.mark.needs("mujoco")
 
 
 def findings(scenario: BlockScenario, *variants: Variant) -> list[Finding]:

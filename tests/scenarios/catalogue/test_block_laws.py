@@ -6,24 +6,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from engines.drake import Drake
 from engines.interface.law import Law
-from engines.interface.law_engine import law_of
+from engines.interface.registry import law_of
 from engines.interface.variant import Variant
-from engines.mujoco import MuJoCo
-from engines.ode import ODE
 from reference_lcp.chain.trajectory import Trajectory
+from scenarios.catalogue import base
 from scenarios.catalogue.block.breakaway import PULLS
 from scenarios.catalogue.block.direction import SLIDES
 from scenarios.catalogue.block.static_hold import HOLDS
 from scenarios.catalogue.block.stopping_distance import THROWS
-from scenarios.catalogue.transient import law_motion
 from scenarios.catalogue.transient.inclined_chain import CASES
-from scenarios.execution.storage.store import opened_store
-from scenarios.tasks.block import BlockTask
-from scenarios.tasks.law_period import LawPeriodTask
-from scenarios.tasks.task import law_identity
-from scenarios.tasks.transient import TransientTask
+from scenarios.runs.store import opened_store
+from scenarios.runs.task import LawPeriodTask, law_identity
+from scenarios.runs.transient_task import BlockTask, TransientTask
 from scenarios.verdicts.finding import Prediction
 from tests.scenarios.in_process import evaluator
 
@@ -37,7 +32,7 @@ STOPPED_SHORT = 1e-6
 
 HELD = next(hold for hold in HOLDS if str(hold) == "1 kg, load 0.5")
 
-needs_mujoco = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
+needs_mujoco = pytest.mark.needs("mujoco")
 
 
 def moved(variant: Variant, task: TransientTask, steps: int) -> Trajectory:
@@ -83,7 +78,7 @@ def test_inclined_chain_slides_lifts_off_and_lands_as_its_edges_say(case) -> Non
     assert distance(task, task.steps) <= 2e-6  # of the seven cells, one or the other stops short at times
 
 
-@pytest.mark.skipif(ODE().unavailable_reason() is not None, reason="ODE is not installed")
+@pytest.mark.needs("ode")
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_inclined_chain_of_ode_is_bounded_by_normal_forces_without_friction_to_round_off(case) -> None:
     task, model = case.task(Variant("ode", "contact")), Variant("ode", "contact").inclined_law
@@ -137,7 +132,7 @@ def test_a_block_at_rest_sinks_to_where_four_edges_carry_a_quarter_of_its_load_e
 @pytest.mark.parametrize("seed", range(20))
 def test_edges_press_or_let_go_whatever_the_load(seed) -> None:
     """0 <= p ⟂ E y + o + R p >= 0 at random loads, masses and coefficients of friction."""
-    from engines.mujoco.pyramid_kernel import edge_impulses
+    from engines.mujoco.step_model import edge_impulses
 
     rng = np.random.default_rng(seed)
     slope, softness = rng.uniform(0.05, 2.0), 10 ** rng.uniform(-6, 1)
@@ -153,10 +148,10 @@ def test_edges_press_or_let_go_whatever_the_load(seed) -> None:
 def test_a_free_block_is_not_compared_with_a_law_of_held_ones_and_the_reason_is_said(monkeypatch) -> None:
     law = law_of(FREE.preset)
     assert law is not None
-    monkeypatch.setattr(law_motion, "law_of", lambda _: replace(law, modulated=False, lifting=False))
+    monkeypatch.setattr(base, "law_of", lambda _: replace(law, modulated=False, lifting=False))
     tasks = [replace(HELD.task(variant), steps=100, every=50) for variant in (FREE, law_variant())]
     with opened_store(None) as store, evaluator(store) as running:
-        period = law_motion.motion_distance(tasks[0], tasks[1], "slip", running)
+        period = base.motion_distance(tasks[0], tasks[1], "slip", running)
     prediction = Prediction(
         value=1.0, difference=0.0, allowed=1.0, distance=period.distance, period_bound=period.bound,
         reason=period.reason,
@@ -168,7 +163,7 @@ def test_a_free_block_is_not_compared_with_a_law_of_held_ones_and_the_reason_is_
     )
 
 
-needs_drake = pytest.mark.skipif(Drake().unavailable_reason() is not None, reason="Drake is not installed")
+needs_drake = pytest.mark.needs("drake")
 
 
 @needs_drake
@@ -184,7 +179,7 @@ def test_friction_under_ten_tons_is_as_soft_as_drakes_solver_has_it_and_not_as_s
     assert distance(task, 1000) <= 2e-7  # where the solver stops, at a part of 1e-6 of the momentum
 
 
-@pytest.mark.skipif(ODE().unavailable_reason() is not None, reason="ODE is not installed")
+@pytest.mark.needs("ode")
 def test_a_box_of_ode_creeps_by_the_softness_of_its_four_points() -> None:
     """cfm / 4 times the load, to a hundredth: a box tilts by as little as its points give."""
     variant = Variant("ode", "contact", "default")
@@ -200,9 +195,9 @@ def test_a_motion_that_a_law_does_not_claim_is_compared_and_the_distance_decides
     assert law is not None
     tasks = [replace(HELD.task(law_variant()), steps=100, every=50, slip=factor * HELD.task(FREE).slip)
              for factor in (1.0, 1.0, 0.9)]  # fmt: skip
-    monkeypatch.setattr(law_motion, "law_of", lambda _: replace(law, unmodelled_reason=lambda _: "chance decides"))
+    monkeypatch.setattr(base, "law_of", lambda _: replace(law, unmodelled_reason=lambda _: "chance decides"))
     with opened_store(None) as store, evaluator(store) as running:
-        near, far = (law_motion.motion_distance(tasks[0], task, "slip", running) for task in tasks[1:])
+        near, far = (base.motion_distance(tasks[0], task, "slip", running) for task in tasks[1:])
     assert (near.distance, near.reason) == (0.0, "")
     assert far.distance > far.bound
     assert far.reason == "chance decides"
@@ -231,7 +226,7 @@ def test_results_of_a_law_are_not_taken_for_those_of_another(monkeypatch) -> Non
         return [task.content() for task in (by_law, period, by_engine)]
 
     before = contents()
-    monkeypatch.setattr("scenarios.tasks.task.law_of", lambda _: replace(law, formula=law.formula + ", otherwise"))
+    monkeypatch.setattr("scenarios.runs.task.law_of", lambda _: replace(law, formula=law.formula + ", otherwise"))
     after = contents()
     monkeypatch.undo()
     law_identity.cache_clear()

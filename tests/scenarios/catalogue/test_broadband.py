@@ -18,19 +18,19 @@ from scenarios.catalogue.transient.base import (
     RATIOS,
     ROWS_PER_PERIOD,
 )
-from scenarios.catalogue.transient.example_record import FILE, example_samples, write_example
-from scenarios.catalogue.transient.example_record import PEAK as EXAMPLE_PEAK
 from scenarios.catalogue.transient.filtered_noise import FilteredNoiseScenario
-from scenarios.catalogue.transient.record import Record
+from scenarios.catalogue.transient.record import FILE, Record
 from scenarios.catalogue.transient.ricker_pulse import RickerPulseScenario
 from scenarios.catalogue.transient.swept_sine import SweptSineScenario
-from scenarios.execution.computation.transient import run_transients
-from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.storage.store import ResultStore
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.executor import InProcessExecutor
+from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.store import ResultStore
+from scenarios.runs.transient import run_transients
 from scenarios.sweeps.attenuation_band import BandDefinition, Edge, edge_brackets
-from scenarios.tasks.parameters import ChainRatios
-from scenarios.verdicts.verdict import Verdict
+from scenarios.verdicts.finding import Verdict
+from tests.scenarios.catalogue.example_record import PEAK as EXAMPLE_PEAK
+from tests.scenarios.catalogue.example_record import example_samples, write_example
 from tests.scenarios.in_process import evaluator, rub_harder
 
 REFERENCE = Variant("reference")
@@ -173,7 +173,7 @@ def test_everything_that_is_asked_is_known_beforehand(tmp_path) -> None:
     """Progress bars count it; nothing is asked twice."""
     scenario, told = ShortPulse(), []
     with ResultStore(tmp_path / "store.sqlite") as store, evaluator(store) as counting:
-        counting.progress = lambda _variant, count: told.append(count)
+        counting.progress = lambda tasks: told.append(len(tasks))
         scenario.run([REFERENCE], counting)
     assert sum(told) == len(set(scenario.tasks([REFERENCE]))) == 6
 

@@ -8,17 +8,16 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp import Chain, HarmonicForce, steady_state
-from reference_lcp.chain.canonical import CHAIN_STIFFNESS
 from reference_lcp.chain.linear_response import stuck_response
+from reference_lcp.defaults import CHAIN_STIFFNESS
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.steady.base import LONGEST_SECONDS, SAME_STEP, SteadyScenario
 from scenarios.catalogue.steady.den_hartog import POINTS, expected_motion
 from scenarios.catalogue.steady.figure3 import LOWER_EDGE, LOWER_EDGES
 from scenarios.catalogue.steady.linear_limits import LOCKING_FRICTION
 from scenarios.catalogue.steady.unequal_cells import DISORDER_SEED
-from scenarios.tasks.result import Result
-from scenarios.verdicts.finding import TRANSMITTANCE
-from scenarios.verdicts.verdict import Verdict
+from scenarios.runs.result import Result
+from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
 from tests.reference_lcp.cases import STANDING
 
 REFERENCE = Variant("reference")

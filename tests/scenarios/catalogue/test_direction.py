@@ -8,23 +8,21 @@ import pytest
 
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from engines.mujoco import MuJoCo
-from engines.shared.tangents import tangents_of_the_world
+from engines.shared.claims import tangents_of_the_world
 from reference_lcp import Chain, CompiledSimulation, Lane, StillBase
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
+from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.block import direction
 from scenarios.catalogue.block.direction import NO_DIRECTION, PART, SLIDES, Direction
-from scenarios.catalogue.predicted import run_with_predictions
-from scenarios.execution.computation.transient import run_transients
-from scenarios.execution.storage.store import opened_store
-from scenarios.verdicts.finding import Finding
+from scenarios.runs.store import opened_store
+from scenarios.runs.transient import run_transients
+from scenarios.verdicts.finding import Finding, Verdict
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from scenarios.verdicts.verdict import Verdict
 from tests.scenarios.in_process import evaluator, press_harder
 
 MUJOCO = Variant("mujoco", "contact")
 
-needs_mujoco = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
+needs_mujoco = pytest.mark.needs("mujoco")
 
 
 def findings(*variants: Variant) -> list[Finding]:
@@ -114,6 +112,7 @@ def test_joints_have_no_direction(slow_kilogram) -> None:
     assert {finding.comparison.verdict for finding in judged} == {Verdict.BLOCKED}
 
 
+@pytest.mark.needs("pymunk")
 def test_engines_of_a_plane_say_that_they_cannot_turn_the_row(slow_kilogram) -> None:
     judged = findings(Variant("pymunk", "contact"))
     assert all("cannot turn its row" in finding.comparison.reason for finding in of_angle(judged, 45))

@@ -5,9 +5,9 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.catalogue.transient.free_decay import DECAYS, OSCILLATOR_DECAY, FreeDecay, loss_a_cycle
-from scenarios.execution.computation.batch import run_batch
-from scenarios.execution.storage.store import ResultStore
-from scenarios.verdicts.verdict import Verdict
+from scenarios.runs.executor import run_batch
+from scenarios.runs.store import ResultStore
+from scenarios.verdicts.finding import Verdict
 from tests.scenarios.in_process import evaluator, rub_harder
 
 

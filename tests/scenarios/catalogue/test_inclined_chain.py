@@ -4,16 +4,15 @@ import dataclasses
 
 import pytest
 
-from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from scenarios.catalogue.predicted import run_with_predictions
+from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.transient import inclined_chain
 from scenarios.catalogue.transient.inclined_chain import CASES, RESPONSE, SLIPS, STEPS_PER_PERIOD, InclinedChainScenario
-from scenarios.execution.computation.transient import run_transients
-from scenarios.execution.storage.store import opened_store
-from scenarios.verdicts.finding import Finding
+from scenarios.runs.store import opened_store
+from scenarios.runs.transient import run_transients
+from scenarios.verdicts.finding import Finding, Verdict
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.verdict import Verdict
+from tests.installed import each_engine
 from tests.scenarios.in_process import departing, evaluator, incline_otherwise, press_harder
 
 ALL_CASES, THREE_PERIODS = CASES, 3 * STEPS_PER_PERIOD
@@ -33,24 +32,20 @@ def findings(*variants: Variant) -> list[Finding]:
         return run_with_predictions(InclinedChainScenario(), variants, running)
 
 
-@pytest.mark.parametrize("name", ["mujoco", "dart"])
+@pytest.mark.parametrize("name", each_engine(["mujoco", "dart"]))
 def test_engines_that_solve_normal_and_tangential_direction_together_agree(name) -> None:
-    if engine(name).unavailable_reason() is not None:
-        pytest.skip(f"{name} is not installed")
     assert not departing(findings(Variant(name, "contact"), REFERENCE))
 
 
+@pytest.mark.needs("ode")
 def test_ode_bounds_friction_by_a_normal_force_that_knows_no_friction() -> None:
-    if engine("ode").unavailable_reason() is not None:
-        pytest.skip("ODE is not installed")
     judged = departing(findings(Variant("ode", "contact")))
     assert {finding.metric for finding in judged} == {RESPONSE, SLIPS}
     assert all(finding.as_predicted for finding in judged)
 
 
+@pytest.mark.needs("ode")
 def test_ode_pressed_a_hundredth_harder_is_not_as_its_law_predicts(monkeypatch) -> None:
-    if engine("ode").unavailable_reason() is not None:
-        pytest.skip("ODE is not installed")
     press_harder(monkeypatch, Variant("ode", "contact"), 1.01)
     judged = departing(findings(Variant("ode", "contact")))
     assert judged

@@ -6,10 +6,9 @@ from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from scenarios.catalogue.steady import inclined_steady_state
 from scenarios.catalogue.steady.inclined_steady_state import STUCK, InclinedSteadyState
-from scenarios.execution.storage.store import opened_store
-from scenarios.verdicts.finding import TRANSMITTANCE, Finding
+from scenarios.runs.store import opened_store
+from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Verdict
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.verdict import Verdict
 from tests.scenarios.in_process import departing, evaluator, incline_otherwise
 
 SLIDING = InclinedSteadyState.cases[0]

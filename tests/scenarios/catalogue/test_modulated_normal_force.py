@@ -6,17 +6,15 @@ import math
 import pytest
 
 from engines.interface.variant import Variant
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from scenarios.catalogue.steady.modulated_normal_force import CASES, LARGEST_GAP, OPEN_FRACTION, ModulatedNormalForce
-from scenarios.execution.computation.batch import run_batch
-from scenarios.execution.evaluator import Evaluator, StoredResults
-from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.storage.store import ResultStore
-from scenarios.tasks.parameters import Modulation
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
-from scenarios.verdicts.finding import TRANSMITTANCE
-from scenarios.verdicts.verdict import Verdict
+from scenarios.runs.evaluator import Evaluator, StoredResults
+from scenarios.runs.executor import InProcessExecutor, run_batch
+from scenarios.runs.parameters import Modulation
+from scenarios.runs.result import Result
+from scenarios.runs.store import ResultStore
+from scenarios.runs.task import SteadyStateTask
+from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
 
 REFERENCE, OTHER = Variant("reference"), Variant("mujoco", "contact")
 

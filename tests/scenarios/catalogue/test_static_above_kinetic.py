@@ -9,7 +9,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.refusal import ParameterError
+from reference_lcp.errors import ParameterError
 from scenarios.catalogue.block import static_above_kinetic
 from scenarios.catalogue.block.static_above_kinetic import (
     BREAKAWAY,
@@ -24,11 +24,10 @@ from scenarios.catalogue.block.static_above_kinetic import (
     StaticAboveKinetic,
     read,
 )
-from scenarios.execution.computation.transient import run_transients
-from scenarios.execution.storage.store import opened_store
-from scenarios.verdicts.finding import Finding
+from scenarios.runs.store import opened_store
+from scenarios.runs.transient import run_transients
+from scenarios.verdicts.finding import Finding, Verdict
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from scenarios.verdicts.verdict import Verdict
 from tests.scenarios.in_process import evaluator
 
 KILOGRAM = "1 kg, 1.5"

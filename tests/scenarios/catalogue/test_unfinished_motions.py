@@ -1,8 +1,8 @@
 """Motions that are not there: those that failed are blocked, those that nobody has asked for are inconclusive."""
 
-from scenarios.tasks.result import Result
+from scenarios.runs.result import Result
+from scenarios.verdicts.finding import Verdict
 from scenarios.verdicts.judge import missing
-from scenarios.verdicts.verdict import Verdict
 
 FINISHED = Result(status="finished")
 

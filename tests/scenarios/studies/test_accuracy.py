@@ -8,9 +8,18 @@ import math
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.studies.accuracy import ACCURACY_POINTS, Accuracy, accuracy_of, accuracy_tasks, transmittance_error_db
-from scenarios.studies.accuracy_table import ACCURACY_COLUMNS, accuracy_document, csv_table, remark
-from scenarios.tasks.result import Result
+from scenarios.runs.result import Result
+from scenarios.studies.accuracy import (
+    ACCURACY_COLUMNS,
+    ACCURACY_POINTS,
+    Accuracy,
+    accuracy_document,
+    accuracy_of,
+    accuracy_tasks,
+    csv_table,
+    remark,
+    transmittance_error_db,
+)
 
 VARIANT = Variant("mujoco")
 EXACT = Result(
@@ -84,9 +93,9 @@ def test_points_without_a_steady_state_are_counted_and_give_no_numbers() -> None
 
 def test_tables_hold_every_column_and_name_the_command_and_the_versions() -> None:
     rows = [(accuracy(transmittance_db=-3.25), None)]
-    document = accuracy_document(rows, "python -m scenarios run accuracy")
+    document = accuracy_document(rows, "multibody-xval run accuracy")
     assert "| mujoco | joint | tuned | 0.250 | 0.250 | 0.250 |" in document
-    assert "`python -m scenarios run accuracy`" in document
+    assert "`multibody-xval run accuracy`" in document
     assert "Versions: mujoco" in document
     read = list(csv.DictReader(io.StringIO(csv_table(rows))))
     assert float(read[0]["map_db"]) == pytest.approx(0.25)

@@ -6,25 +6,22 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from engines import engine
 from engines.interface.registry import default_engine_names
 from engines.interface.variant import Variant
 from reference_lcp import HarmonicBase, ParameterError, frictionless_transmittance
-from scenarios.execution.computation.batch import run_batch
-from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.storage.store import ResultStore
-from scenarios.execution.workers.local_processes import LocalExecutor
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.executor import run_batch
+from scenarios.runs.local_processes import LocalExecutor
+from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.store import ResultStore
 from scenarios.studies.figure3 import default_frequency_ratios, figure3, quick_frequency_ratios
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import compare_sweep
-from scenarios.sweeps.resonances import resonances
+from scenarios.sweeps.refinement import resonances
 from scenarios.sweeps.sweep import Case
-from scenarios.tasks.parameters import ChainRatios
+from scenarios.verdicts.finding import Verdict
 from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.verdict import Verdict
-
-INSTALLED = [name for name in default_engine_names() if engine(name).unavailable_reason() is None]
 
 CONVERGED_LOWER_EDGES = {0.1: 0.753, 0.3: 0.637, 0.6: 0.756, 1.0: 0.999, 5.0: 1.17}
 """Of the scheme for Δt → 0, to the digits given; the frictionless edge has a closed form instead."""
@@ -69,7 +66,11 @@ def edges_of(tmp_path_factory):
 
 
 every_engine = pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in INSTALLED]
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.needs(name), *([pytest.mark.slow] if name in SLOW else [])])
+        for name in default_engine_names()
+    ],
 )
 
 
@@ -191,7 +192,7 @@ def test_variant_that_there_is_not_is_refused(text, message) -> None:
         "reference",
         pytest.param(
             "mujoco",
-            marks=[pytest.mark.slow, pytest.mark.skipif("mujoco" not in INSTALLED, reason="mujoco is not installed")],
+            marks=[pytest.mark.slow, pytest.mark.needs("mujoco")],
         ),
     ],
 )

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from scenarios.execution.computation.batch import run_batch
-from scenarios.execution.evaluator import Evaluator
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.executor import run_batch
+from scenarios.runs.result import Result
+from scenarios.runs.task import SteadyStateTask
 from scenarios.studies.figure3 import figure3
 from scenarios.studies.friction_map import friction_map, map_sweep
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
 
 
 class Here(Evaluator):

@@ -5,9 +5,9 @@ import math
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution.storage.store import opened_store
+from scenarios.runs.result import Result
+from scenarios.runs.store import opened_store
 from scenarios.studies.law_agreement import LawAgreement, beside_the_reference, law_agreements, law_csv, law_document
-from scenarios.tasks.result import Result
 from tests.scenarios.in_process import evaluator
 
 SOFT, UNMODELLED = Variant("mujoco", "joint", "default"), Variant("exudyn-bristle", "joint", "default")
@@ -50,6 +50,7 @@ def test_every_preset_but_those_of_the_reference_has_a_row() -> None:
     assert beside_the_reference([Variant("reference"), Variant("mujoco"), SOFT]) == [Variant("mujoco"), SOFT]
 
 
+@pytest.mark.needs("pymunk")
 def test_preset_that_takes_the_step_of_the_reference_is_beside_it_what_others_are_beside_their_law() -> None:
     with opened_store(None) as store, evaluator(store) as running:
         (shares,) = law_agreements([Variant("pymunk")], running)
@@ -59,7 +60,7 @@ def test_preset_that_takes_the_step_of_the_reference_is_beside_it_what_others_ar
 
 
 def test_document_and_csv_hold_every_row() -> None:
-    text = law_document(rows(), "python -m scenarios run laws")
+    text = law_document(rows(), "multibody-xval run laws")
     assert "| mujoco:joint:default | a law | 3 | 2.5e-01 | 0.25 | 1.5e+00 |" in text
     assert "round-off decides" in text
     assert len(law_csv(rows()).splitlines()) == 3

@@ -5,12 +5,10 @@ from pathlib import Path
 import pytest
 
 from engines.interface.variant import Variant
-from reports.data.errors import VariantErrors
-from reports.data.findings import Extreme
-from reports.data.installed import installed
-from reports.data.single_options import single_options
+from reports.data.options import installed, single_options
+from reports.data.variants import VariantErrors
 from reports.page.sections.summary import sentence
-from scenarios.studies.one_option import one_option_variants, with_single_options
+from scenarios.studies.few_points import one_option_variants, with_single_options
 from scenarios.sweeps.sweep import Case
 
 DEFAULT, TUNED = Variant("mujoco", "joint", "default"), Variant("mujoco")
@@ -60,7 +58,7 @@ def test_varied_values_are_others_than_the_presets_own(name: str) -> None:
 
 def errors(**sizes: tuple[Variant, float]) -> dict[Variant, VariantErrors]:
     case = Case.of(friction_ratio=0.1)
-    return {variant: VariantErrors(variant, 5, 5, Extreme(size, case, 1.6), 0.1) for variant, size in sizes.values()}
+    return {variant: VariantErrors(variant, 5, 5, size, case, 1.6, 0.1) for variant, size in sizes.values()}
 
 
 def test_the_option_that_takes_off_most_of_an_error_is_named() -> None:

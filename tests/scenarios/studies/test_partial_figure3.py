@@ -5,16 +5,16 @@ from pathlib import Path
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution.computation.batch import run_batch
-from scenarios.execution.evaluator import StoredResults
-from scenarios.execution.storage.store import ResultStore
+from scenarios.runs.evaluator import StoredResults
+from scenarios.runs.executor import run_batch
+from scenarios.runs.store import ResultStore
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.sweep import Case
+from scenarios.verdicts.finding import Verdict
 from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.verdict import Verdict
 
 STOPPED = Variant("mujoco")
 ASKED = figure3((STOPPED,), (0.3,), (0.3, 0.62, 0.63, 0.64, 0.65, 0.9, 1.0))

@@ -8,11 +8,13 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp import exact_steady_state
-from reference_lcp.steady.limits import EXACT_RESIDUAL
-from scenarios.execution.computation.batch import run_batch
-from scenarios.execution.evaluator import Evaluator, StoredResults
-from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.storage.store import ResultStore
+from reference_lcp.defaults import EXACT_RESIDUAL
+from scenarios.runs.evaluator import Evaluator, StoredResults
+from scenarios.runs.executor import InProcessExecutor, run_batch
+from scenarios.runs.parameters import Excitation
+from scenarios.runs.result import Result
+from scenarios.runs.store import ResultStore
+from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask
 from scenarios.studies.accuracy import ORDER_STEPS
 from scenarios.studies.work_precision import (
     STUDY_STEPS,
@@ -21,9 +23,6 @@ from scenarios.studies.work_precision import (
     step_tasks,
     thrifty_step_study,
 )
-from scenarios.tasks.parameters import Excitation
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import DEFAULT_EXCITATION, SteadyStateTask
 
 REFERENCE = Variant("reference")
 EXACT = Result(status="converged", transmittance_db=-5.0)

@@ -9,10 +9,10 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 from reference_lcp import HarmonicBase, ParameterError, decibel, frictionless_transmittance
+from scenarios.runs.parameters import ChainRatios
 from scenarios.sweeps import adaptive_grid
 from scenarios.sweeps.adaptive_grid import START_POINTS, AdaptiveAxis, AdaptiveCurve, level
-from scenarios.sweeps.resonances import resonances
-from scenarios.tasks.parameters import ChainRatios
+from scenarios.sweeps.refinement import resonances
 
 AXIS = AdaptiveAxis(first=0.3, last=1.6, accuracy_db=0.5)
 CLOSED_FORM_MULTIPLE = 1.5

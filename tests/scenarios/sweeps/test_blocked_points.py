@@ -37,13 +37,13 @@ def printed_counts(text: str) -> Counter[tuple[str, str]]:
 def sweep(install, tmp_path: Path):
     """Run the sweep into CSV and NetCDF; gives what is printed, and the statuses in both files."""
     (tmp_path / "sweep.toml").write_text(SWEEP)
-    site = install("faulty")
-    command = ["-m", "scenarios", "sweep", str(tmp_path / "sweep.toml"), "--store", str(tmp_path / "sweep.sqlite")]
+    site = install("mutations")
+    command = ["-m", "reports", "sweep", str(tmp_path / "sweep.toml"), "--store", str(tmp_path / "sweep.sqlite")]
 
     def run(*options: str) -> tuple[str, Counter[tuple[str, str]], Counter[tuple[str, str]]]:
         out = tmp_path / "sweep.nc", tmp_path / "sweep.csv"
         printed = site.run(*command, "--out", str(out[0]), "--workers", "1", *options)
-        site.run(*command, "--out", str(out[1]), "--no-ask")
+        site.run(*command, "--out", str(out[1]), "--no-run")
         rows = list(csv.DictReader(out[1].read_text().splitlines()))
         assert {row["reason"].split(",")[0] for row in rows if row["status"] == "blocked"} == {
             SEGMENTATION_FAULT, KILLED,

@@ -5,14 +5,14 @@ import dataclasses
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution.storage.store import opened_store
+from scenarios.runs.store import opened_store
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.edges import BandEdge
+from scenarios.verdicts.finding import Verdict
 from scenarios.verdicts.pointwise import GivenTolerance
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.verdict import Verdict
 from tests.scenarios.in_process import evaluator, misread_the_chain
 
 TWIN = Variant("mujoco")

@@ -5,20 +5,17 @@ import dataclasses
 import pytest
 
 from engines.interface.variant import Variant
-from engines.mujoco import MuJoCo
-from scenarios.execution.evaluator import StoredResults
-from scenarios.execution.storage.store import ResultStore, opened_store
+from scenarios.runs.evaluator import StoredResults
+from scenarios.runs.result import Result
+from scenarios.runs.store import ResultStore, opened_store
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
 from scenarios.sweeps.dataset import sweep_dataset
-from scenarios.sweeps.dataset_results import DatasetResults
+from scenarios.sweeps.dataset_reader import DatasetResults
 from scenarios.sweeps.sweep import Sweep
-from scenarios.tasks.result import Result
-from scenarios.verdicts.failure import failures, unexplained
-from scenarios.verdicts.finding import Finding
+from scenarios.verdicts.finding import Finding, Verdict, failures, unexplained
 from scenarios.verdicts.pointwise import GivenTolerance
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.verdict import Verdict
 from tests.scenarios.in_process import be_late, evaluator, press_harder
 
 LAWFUL = Variant("mujoco", "joint", "default")
@@ -27,7 +24,7 @@ LAWFUL = Variant("mujoco", "joint", "default")
 GRID = (0.55, 0.62, 0.67, 0.9, 1.1)
 """With the lower edge of the band at friction ratio 0.3; at 0.67 a residual grows by more than in the linear limits."""
 
-needs_mujoco = pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
+needs_mujoco = pytest.mark.needs("mujoco")
 
 
 def planned(variant: Variant = LAWFUL) -> Sweep:

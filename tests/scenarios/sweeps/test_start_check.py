@@ -6,16 +6,15 @@ import math
 import pytest
 
 from engines.interface.variant import Variant
-from engines.pymunk import Pymunk
-from scenarios.execution.storage.store import opened_store
+from scenarios.runs.store import opened_store
+from scenarios.runs.task import Start
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.start_check import StartCheck, check_starts
-from scenarios.tasks.task import Start
-from scenarios.verdicts.verdict import Verdict
+from scenarios.verdicts.finding import Verdict
 from tests.scenarios.in_process import evaluator
 
-pytestmark = pytest.mark.skipif(Pymunk().unavailable_reason() is not None, reason="not installed")
+pytestmark = pytest.mark.needs("pymunk")
 
 SHARES = Variant("pymunk")
 SWEEP = figure3((SHARES,), (0.3,), (0.5, 0.62, 0.9, 1.1))

@@ -11,22 +11,22 @@ from scipy.interpolate import PchipInterpolator
 from engines.interface.variant import Variant
 from reference_lcp import ParameterError, decibel, frictionless_transmittance
 from reference_lcp.console import run_command
-from scenarios.__main__ import app
-from scenarios.cli.sweep import evaluate_sweep
-from scenarios.execution.evaluator import Evaluator
-from scenarios.execution.executor import InProcessExecutor
-from scenarios.execution.storage.store import ResultStore, digest_of
-from scenarios.execution.workers import dask_cluster
+from reports.cli.console_script import app
+from scenarios import functions
+from scenarios.runs import dask_cluster
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.executor import InProcessExecutor
+from scenarios.runs.parameters import ChainRatios, Excitation
+from scenarios.runs.result import Result, ResultSummary
+from scenarios.runs.store import ResultStore, digest_of
+from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.adaptive_grid import level
 from scenarios.sweeps.dataset import STATUSES, sweep_dataset
+from scenarios.sweeps.dataset_reader import read_dataset
 from scenarios.sweeps.refinement import ForTheAccuracy
-from scenarios.sweeps.run import stored_table
+from scenarios.sweeps.run import SweepSummary, evaluate_sweep, stored_table, verdict_summaries
 from scenarios.sweeps.spec_file import read_sweep
-from scenarios.sweeps.summary import SweepSummary, verdict_summaries
 from scenarios.sweeps.table import points_of
-from scenarios.tasks.parameters import ChainRatios, Excitation
-from scenarios.tasks.result import Result, ResultSummary
-from scenarios.tasks.task import SteadyStateTask
 
 CONTENT = """\
 engines = ["reference:joint", "mujoco:joint"]
@@ -87,7 +87,7 @@ def test_each_curve_has_points_of_its_own_and_interruption_changes_none(file: Pa
         assert sweep_dataset(*stored_table(asked, store)).sizes["frequency_ratio"] > 0
         with Evaluator(store, InProcessExecutor()) as evaluator:
             evaluator.evaluate([asked.task(*place) for place in ForTheAccuracy(asked).due()])
-        summary = evaluate_sweep(asked, store, InProcessExecutor())
+        summary = evaluate_sweep(asked, store, InProcessExecutor(), verdicts=False)
         whole, table = stored_table(asked, store)
         found = sweep_dataset(whole, table)
     free, rubbing = (sorted(table["frequency_ratio"][[one == case for one in table["case"]]]) for case in asked.cases)
@@ -96,6 +96,20 @@ def test_each_curve_has_points_of_its_own_and_interruption_changes_none(file: Pa
     assert int((found.status == STATUSES.index("missing")).sum()) == 2 * len({*free, *rubbing}) - len(free) - len(
         rubbing
     )
+
+
+def test_command_and_function_say_the_same_of_a_sweep(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A variant whose law predicts a disagreement, beside the reference: step errors, predictions and verdicts."""
+    monkeypatch.setattr(functions, "executor_for", lambda *_: InProcessExecutor())
+    engines, out = ["reference", "exudyn-regularised:joint:default"], file.with_suffix(".nc")
+    content = f"engines = {engines}\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]\n[chain]\ncells = 2\n"
+    assert run_command(app, ["sweep", str(written(file.parent, content)), "--store", str(file.with_suffix(".db")),
+                             "--out", str(out)]) == 0  # fmt: skip
+    by_command, by_function = read_dataset(out), functions.sweep(engines, 0.3, 0.9, chain={"cells": 2})
+    assert list(by_command.variant.values) == list(by_function.variant.values)
+    for name in ("transmittance_db", "transmittance_error_db", "law_value_db", "verdict"):
+        assert not by_function[name].sel(variant=engines[1]).isnull().any(), name
+        np.testing.assert_array_equal(by_command[name], by_function[name])
 
 
 def test_force_and_base_of_equal_friction_ratio_are_different_questions_and_amplitude_changes_no_answer() -> None:

@@ -6,12 +6,19 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.catalogue import CATALOGUE
-from scenarios.tasks.result import Result
-from scenarios.verdicts.failure import failures, silent, unexplained
-from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Prediction
+from scenarios.runs.result import Result
+from scenarios.verdicts.finding import (
+    TRANSMITTANCE,
+    Comparison,
+    Finding,
+    Prediction,
+    Verdict,
+    failures,
+    silent,
+    unexplained,
+)
 from scenarios.verdicts.prediction import LawPeriod, with_predictions
 from scenarios.verdicts.steady_case import RESOLVED_DB, is_resolved
-from scenarios.verdicts.verdict import Comparison, Verdict
 from tests.scenarios.conftest import WRONG, InProcess
 
 OWN_SCHEME = Variant("drake")

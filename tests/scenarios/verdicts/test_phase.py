@@ -9,10 +9,16 @@ from engines.interface.variant import Variant
 from reference_lcp.chain.linear_response import frictionless_response
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.steady.base import SAME_STEP
-from scenarios.tasks.result import Result
-from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE, Finding
-from scenarios.verdicts.phase import PHASE, amplitude_in_degrees, phase_reader
-from scenarios.verdicts.verdict import Verdict
+from scenarios.runs.result import Result
+from scenarios.verdicts.finding import (
+    FLOOR_DB,
+    PHASE,
+    TRANSMITTANCE,
+    Finding,
+    Verdict,
+    amplitude_in_degrees,
+    phase_reader,
+)
 from tests.scenarios.conftest import WRONG, InProcess
 
 SCENARIO = CATALOGUE["frictionless-limit"]

@@ -6,9 +6,9 @@ import math
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.tasks.result import Result
-from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.friction_effect import FrictionEffect
+from scenarios.runs.result import Result
+from scenarios.verdicts.finding import FLOOR_DB, Verdict
+from scenarios.verdicts.judge import FrictionEffect
 from scenarios.verdicts.pointwise import (
     CONVERGED,
     REFERENCE,
@@ -21,7 +21,6 @@ from scenarios.verdicts.pointwise import (
     refinements,
 )
 from scenarios.verdicts.steady_case import AMPLIFICATION_MARGIN
-from scenarios.verdicts.verdict import Verdict
 
 SHARES, OWN = Variant("mujoco"), Variant("exudyn-regularised")
 

@@ -5,18 +5,16 @@ from dataclasses import replace
 
 import pytest
 
-from engines.interface.law_engine import law_of
+from engines.interface.registry import law_of
 from engines.interface.tolerances import STEPS
 from engines.interface.variant import Variant
-from engines.mujoco import MuJoCo
-from scenarios.catalogue.predicted import run_with_predictions
+from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.steady.unit_cell import UnitCell
-from scenarios.execution.storage.store import opened_store
-from scenarios.tasks.law_period import LawPeriodTask
-from scenarios.tasks.result import Result
-from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Prediction
+from scenarios.runs.result import Result
+from scenarios.runs.store import opened_store
+from scenarios.runs.task import LawPeriodTask
+from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Prediction, Verdict
 from scenarios.verdicts.prediction import PERIODS_OF_ERROR, LawPeriod, with_predictions
-from scenarios.verdicts.verdict import Comparison, Verdict
 from tests.scenarios.in_process import evaluator, press_harder
 
 LAWFUL = Variant("mujoco", "joint", "default")
@@ -33,7 +31,7 @@ def wrong_findings(scenario=None) -> list[Finding]:
     return [finding for finding in findings if finding.comparison.verdict is Verdict.DISAGREE]
 
 
-@pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
+@pytest.mark.needs("mujoco")
 def test_the_soft_friction_of_mujoco_is_as_its_law_predicts_number_by_number() -> None:
     wrong = wrong_findings()
     assert wrong
@@ -42,7 +40,7 @@ def test_the_soft_friction_of_mujoco_is_as_its_law_predicts_number_by_number() -
     assert largest < 1e-6 * max(abs(finding.comparison.difference) for finding in wrong)
 
 
-@pytest.mark.skipif(MuJoCo().unavailable_reason() is not None, reason="MuJoCo is not installed")
+@pytest.mark.needs("mujoco")
 @pytest.mark.parametrize("factor", [0.99, 1.01, 10.0])
 def test_an_engine_that_does_not_obey_its_law_is_not_excused_by_it(monkeypatch, factor) -> None:
     """The preset has a law and a text; friction that is a hundredth off is found out by both parts of the check."""

@@ -6,14 +6,13 @@ from pathlib import Path
 import pytest
 
 from engines.interface.variant import Variant
-from reference_lcp.chain.harmonic import StillBase
-from reference_lcp.refusal import ParameterError
-from scenarios.execution.storage.store import ResultStore
-from scenarios.tasks.block import Block, BlockTask
-from scenarios.tasks.result import Result
-from scenarios.verdicts.regression import Change, TruthDirection, change, compare_stores
-from scenarios.verdicts.stored_results import StoredResult
-from scenarios.verdicts.stored_truth import StoredTruth
+from reference_lcp.chain.drives import StillBase
+from reference_lcp.errors import ParameterError
+from scenarios.runs.result import Result
+from scenarios.runs.store import ResultStore
+from scenarios.runs.transient_task import Block, BlockTask
+from scenarios.verdicts.regression import NOT_COMPARED, Change, TruthDirection, change, compare_stores
+from scenarios.verdicts.stored import StoredResult, StoredTruth
 from scenarios.verdicts.thresholds import Thresholds
 
 STEADY = Result(
@@ -60,6 +59,57 @@ def test_numbers_that_are_lost_or_no_longer_finite_pass_every_threshold(status, 
     assert beyond in change(*stored, Thresholds(1e3, 1.0, 1.0)).beyond
     if "transitions" not in now:  # NaN has no partner
         assert change(stored[1], stored[1], Thresholds()).beyond == ()
+
+
+def of_status(status: str, *changed: dict[str, object]) -> list[StoredResult]:
+    """Two results that differ from `STEADY`."""
+    return [StoredResult({}, 4, "1", {}, dataclasses.replace(STEADY, status=status, **own)) for own in changed]
+
+
+def test_a_motion_that_is_cut_short_is_lost_and_one_that_is_longer_is_named() -> None:
+    whole, short = {"series": {"slip": (0.0,) * 10}}, {"series": {"slip": (0.0,) * 5}}
+    cut = change(*of_status("finished", whole, short), Thresholds())
+    assert (cut.beyond, cut.fails()) == (("slip is no longer complete",), True)
+    assert change(*of_status("finished", short, whole), Thresholds()).beyond == ("more of slip",)
+
+
+@pytest.mark.parametrize("status", ["converged", "finished"])
+@pytest.mark.parametrize(
+    ("old", "new", "beyond"),
+    [
+        ({"distance": (0.0,)}, {"distance": (5.0,)}, "distance 5 of its scale"),
+        ({"energy": (0.1, 0.2)}, {"energy": (99.1, 0.2)}, "energy 99"),
+        ({"rest": (2.0,)}, {"rest": (1.0,)}, "rest 0.5 of its largest"),
+        ({"slip_velocity": (0.0, 2e-9)}, {"slip_velocity": (0.0, -2e-9)}, "slip velocity 2 of its largest"),
+        ({"of_a_plugin": (0.0,)}, {"of_a_plugin": (3.0,)}, "of a plugin 1 of its largest"),
+    ],
+)
+def test_every_series_is_compared(status: str, old: dict, new: dict, beyond: str) -> None:
+    stored = of_status(status, {"series": old}, {"series": new})
+    assert change(*stored, Thresholds()).beyond == (f"{beyond}, unknown",)
+
+
+def test_every_number_of_a_steady_state_is_compared_or_named_as_not_compared() -> None:
+    numbers = {
+        each.name for each in dataclasses.fields(Result) if each.name not in ("status", "reason", "by_engine", "series")
+    }
+    changed = {name: _other(getattr(STEADY, name)) for name in sorted(numbers - NOT_COMPARED.keys())}
+    known = {"phase": 0.0, "creep": (0.0,), "open_fraction": (0.0,), "largest_gap": (0.0,)}
+    for name, value in changed.items():
+        assert change(*of_status("converged", known, {**known, name: value}), Thresholds()).shifts, name
+
+
+def _other(value: object) -> object:
+    """Give another value of a number of `STEADY`."""
+    if isinstance(value, tuple):
+        return {0: (0.1,), 1: (), 2: (0.2, 0.3)}[len(value)]
+    return 3 if isinstance(value, int) else 0.5
+
+
+def test_points_that_were_never_certified_are_not_compared() -> None:
+    stored = of_status("period limit", {}, {"transmittance_db": -50.0})
+    unknown = change(*stored, Thresholds())
+    assert (unknown.beyond, unknown.uncertified) == ((), True)
 
 
 def test_thresholds_name_what_is_wrong() -> None:

@@ -6,8 +6,9 @@ import math
 import pytest
 
 from engines.interface.variant import Variant
-from reference_lcp.observables.transition_matching import MATCHING_WINDOW
-from scenarios.tasks.result import Result
+from reference_lcp.observables.stick_slip import MATCHING_WINDOW
+from scenarios.runs.result import Result
+from scenarios.verdicts.finding import Verdict
 from scenarios.verdicts.steady_case import Evidence, Expected, SteadyCase
 from scenarios.verdicts.stick_slip_comparison import (
     CREEP_VELOCITY,
@@ -20,7 +21,6 @@ from scenarios.verdicts.stick_slip_comparison import (
     as_resolved,
     stick_slip_findings,
 )
-from scenarios.verdicts.verdict import Verdict
 
 TRANSITIONS = ((1, 0.1, "stick"), (1, 0.3, "forward slip"), (1, 0.6, "stick"), (1, 0.8, "backward slip"))
 SHORT = ((1, 0.45, "stick"), (1, 0.455, "forward slip"))

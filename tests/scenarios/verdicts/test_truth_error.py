@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.execution.computation.steady import run_steady_states
-from scenarios.tasks.result import Result
-from scenarios.tasks.task import SteadyStateTask
+from scenarios.runs.result import Result
+from scenarios.runs.steady import run_steady_states
+from scenarios.runs.task import SteadyStateTask
 from scenarios.verdicts.pointwise import CONVERGED, PointResults
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from scenarios.verdicts.truth_error import WRONG_DB, ErrorClass, TruthError, error_class, truth_error, truth_of

@@ -5,10 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from scenarios.tasks.result import Result
-from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE, Metric
+from scenarios.runs.result import Result
+from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE, Comparison, Metric, Tolerance, Verdict
 from scenarios.verdicts.judge import Steps, decide, judge, metric_difference, missing
-from scenarios.verdicts.verdict import Comparison, Tolerance, Verdict
 
 NUMBER = Metric("number", "dB", "made up")
 

@@ -1,0 +1,166 @@
+"""What a preset states that it can: turn a row, incline contacts, hold more at rest; the others refuse it."""
+
+import dataclasses
+import math
+import re
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from engines.contract.lanes import lane_of, modulated_lane, run_of, tolerance_of
+from engines.interface.tolerances import STEPS
+from engines.interface.variant import Variant, variants_of
+from reference_lcp.chain.drives import HarmonicBase, ShakingForce
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.defaults import BASE_AMPLITUDE
+from reference_lcp.errors import ParameterError
+
+SHORT_SLIDE = 20
+"""Steps in which a slip that begins with some U0 ω does not come to rest."""
+
+SAME_MOTION = {"double": 1e-9, "single": 1e-4}
+"""Of positions, over U0: directions of x and y are rounded alike but for the last places of their cosines."""
+
+MOMENTUM = 0.03
+"""Of the bound, between the friction that is reported and what it does to the momentum: what finer steps inside of a
+step, or damping, change. Friction that is read along another axis lacks a tenth and more."""
+
+
+def one_cell() -> Lane:
+    """Give a lane of one cell, whose row may be turned."""
+    chain = Chain.from_ratios(friction_ratio=0.3, cells=1)
+    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, BASE_AMPLITUDE), STEPS)
+
+
+def slide(variant: Variant, direction: float) -> tuple[Lane, State, Trajectory]:
+    """Let the inner mass slide on the outer one, some U0 ω fast."""
+    lane = one_cell()
+    state = State(np.zeros((1, 2)), np.array([[0.0, 20 * BASE_AMPLITUDE]]))
+    simulation = variant.build([dataclasses.replace(lane, direction=direction)])
+    try:
+        return lane, state, simulation.run(state, 0, SHORT_SLIDE)[0]
+    finally:
+        simulation.close()
+
+
+def test_row_along_the_other_tangent_moves_alike(turning: Variant) -> None:
+    """Nothing distinguishes the two tangents of a contact, whatever its cone."""
+    (*_, along), (*_, aside) = (slide(turning, direction) for direction in (0.0, math.pi / 2))
+    difference = np.max(np.abs(along.positions - aside.positions)) / BASE_AMPLITUDE
+    assert difference <= tolerance_of(turning, SAME_MOTION), f"off by {difference:.2g} U0"
+
+
+def test_friction_of_a_turned_row_is_read_along_it(turning: Variant) -> None:
+    """The reported friction is what the momentum of the inner mass along the row loses beside that to its spring."""
+    lane, state, run = slide(turning, math.pi / 6)
+    chain, positions = lane.chain, np.vstack([state.positions, run.positions[:-1]])
+    velocities = np.vstack([state.velocities, run.velocities])
+    slip, rate = positions[:, 1] - positions[:, 0], velocities[:-1, 1] - velocities[:-1, 0]
+    spring = -chain.inner_stiffness * slip - chain.inner_damping * rate
+    lost = chain.inner_mass * np.diff(velocities[:, 1]) / lane.time_step - spring
+    missing = np.abs(np.mean(run.friction[:, 0] - lost)) / float(chain.friction_bound[0])
+    assert missing <= MOMENTUM, f"{missing:.2g} of the bound is missing"
+
+
+SHORT_MOTION = 20
+"""Steps in which the base pulls the first outer mass one way; a contact may part for one of the first, and land."""
+
+
+def test_contacts_that_face_one_way_are_loaded_and_those_that_face_the_other_unloaded(inclining: Variant) -> None:
+    """The base takes the outer mass from under the inner one: a face moves towards it, or away from it."""
+    changes = []
+    for inclination in (-0.2, 0.2):
+        lane = dataclasses.replace(modulated_lane(0.0), inclination=inclination)
+        simulation = inclining.build([lane])
+        run = simulation.run(State.at_rest(1, lane.chain.cells), 0, SHORT_MOTION)[0]
+        simulation.close()
+        changes.append(run.normal_force[1:, 0].mean() / lane.chain.normal_force[0] - 1)
+    assert changes[0] > 0 > changes[1], f"the normal force changes by {changes}"
+
+
+STATIC_RATIO = 1.5
+"""μ_s / μ_k."""
+
+BLOCK, CARRIER, BOUND = 1.0, 20.0, 5.0
+"""Masses [kg], and μ_k λ_N [N]."""
+
+TIME_STEP, STEPS_PULLED, STEPS_OF_JUMP = 2e-3, 200, 40
+"""Step [s], steps in which the load grows to its largest, and those of a jump, of half a swing of block and spring."""
+
+STIFFNESS = BLOCK * (np.pi / (STEPS_OF_JUMP * TIME_STEP)) ** 2
+"""Of the spring that the block jumps against [N/m]."""
+
+JUMP = 2 * (STATIC_RATIO - 1) * BOUND / STIFFNESS
+"""2 (μ_s − μ_k) λ_N / k [m], the jump under a load that stays."""
+
+HELD, BREAKS = 0.85, 1.2
+"""Loads over μ_s λ_N: above μ_k λ_N by a quarter, and above what holds."""
+
+CREEP = 0.1
+"""Of a jump: what a contact may creep that holds."""
+
+HOLDS_LEAST, SLIDES = 0.95, 0.01
+"""Of μ_s λ_N: what is held at the end of some step, if not of the last. And of μ_k λ_N: what decays of static friction
+with the velocity of a slip."""
+
+
+def pulled(variant: Variant, load: float) -> Trajectory:
+    """Pull the carrier of a block, free but for a weak spring; the load on the block grows as a sine to its crest."""
+    numbers = {
+        "outer_mass": CARRIER,
+        "inner_mass": BLOCK,
+        "chain_stiffness": 1e-6,
+        "inner_stiffness": STIFFNESS,
+        "normal_force": 2 * BOUND,
+        "friction_coefficient": 0.5,
+    }
+    chain = Chain(cells=1, **{name: np.asarray(value) for name, value in numbers.items()})
+    amplitude = (1 + CARRIER / BLOCK) * load * STATIC_RATIO * BOUND
+    force = ShakingForce(amplitude, np.pi / 2 / (STEPS_PULLED * TIME_STEP), JUMP)
+    lane = Lane(chain, force, TIME_STEP, static_ratio=STATIC_RATIO)
+    return run_of(variant, lane, State.at_rest(1, 1), STEPS_PULLED)
+
+
+def slips(run: Trajectory) -> np.ndarray:
+    """Slip in all steps, over the jump."""
+    return np.abs(run.positions[:, 1] - run.positions[:, 0]) / JUMP
+
+
+def test_contact_at_rest_holds_more_than_it_slides_with(holding: Variant) -> None:
+    """A load between both bounds does not move the block."""
+    run = pulled(holding, HELD)
+    assert slips(run)[-1] < CREEP, f"slips by {slips(run)[-1]:.2g} of a jump under {HELD} of what it should hold"
+    assert np.abs(run.friction[-1, 0]) == pytest.approx(HELD * STATIC_RATIO * BOUND, rel=CREEP)
+
+
+def test_contact_that_lets_go_jumps_under_kinetic_friction(holding: Variant) -> None:
+    """The friction that is reported passes μ_k λ_N up to μ_s λ_N before, and is μ_k λ_N while the block is fast."""
+    run = pulled(holding, BREAKS)
+    assert slips(run)[-1] > 1, f"jumps by {slips(run)[-1]:.2g} of 2 (μ_s − μ_k) λ_N / k"
+    friction = np.abs(run.friction[:, 0]) / BOUND
+    assert HOLDS_LEAST * STATIC_RATIO < np.max(friction) < STATIC_RATIO * (1 + SLIDES)
+    speed = np.abs(run.relative_velocity[:, 0])
+    sliding = friction[speed > np.max(speed) / 2]
+    assert sliding == pytest.approx(np.ones_like(sliding), abs=SLIDES), "slides with another friction"
+
+
+LACKING: dict[str, tuple[str, Callable[[], Lane]]] = {
+    "turns": ("direction = 0.5", lambda: dataclasses.replace(one_cell(), direction=0.5)),
+    "inclines": ("inclination = 0.2", lambda: dataclasses.replace(modulated_lane(0.0), inclination=0.2)),
+    "static_friction": ("static_ratio = 1.5", lambda: dataclasses.replace(lane_of(0.3, 0.6), static_ratio=1.5)),
+}
+"""Lanes that a preset without an ability refuses, and the number that its message names."""
+
+
+@pytest.mark.parametrize("ability", LACKING)
+def test_what_a_preset_does_not_state_is_refused(installed: str, ability: str) -> None:
+    """With the number, and the formulation that lacks it."""
+    named, lane = LACKING[ability]
+    for variant in variants_of(installed):
+        if not getattr(variant.preset, ability):
+            refusal = rf"{re.escape(named)}: .*{re.escape(variant.formulation)}.* cannot"
+            with pytest.raises(ParameterError, match=refusal):
+                variant.build([lane()])

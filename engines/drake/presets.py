@@ -1,0 +1,139 @@
+"""Options and presets of Drake."""
+
+from dataclasses import replace
+
+from engines.drake.step_model import actuator, lagged_contact, near_rigid_actuator, sap_contact, similar_contact
+from engines.interface.presets import Option, Preset
+
+SMOOTH_LAW_MARGIN = 1e-3
+"""Drake's friction is μ λ_N v / √(v² + v_s²): at 22 v_s it has come to within a thousandth of its bound, never nearer
+than (v_s / v)² / 2. Read with the margin of laws that reach the bound, a contact would stick up to 700 v_s."""
+
+OPTIONS = {
+    "units": Option.own("SI", "The chain in SI units."),
+    "gravity": Option(0.0, 9.81, "Needed: the chain has no weight."),
+    "output ports": Option.own("sampled", "Drake's own."),
+}
+
+TUNED = {
+    "units": ("lane", "No number comes near Drake's built-in smallest and largest ones."),
+    "gravity": (0.0, "The chain has no weight."),
+    "output ports": ("live", "The same forces, without keeping them in every step: a tenth faster."),
+}
+"""What the tuned presets of both formulations change alike."""
+
+JOINT_TUNED = Preset(
+    "Actuators whose gain of velocity is beyond what Drake resolves in a step: then it takes the largest that it does.",
+    {
+        **OPTIONS,
+        "d": Option(
+            1e6,
+            0.0,
+            "Gain of velocity over m_red / δt. A stuck contact creeps with λ_T / d; Drake cuts d off above "
+            "4e3 m_i / δt, so that every larger one acts alike.",
+        ),
+    },
+    TUNED,
+    known_deviation=(
+        "dashpots act with the velocity at the end of a step; a stuck contact is a damper as strong as Drake's "
+        "near-rigid limit lets it be, and creeps with λ_T / d, a thousandth of that"
+    ),
+    law=near_rigid_actuator,
+    split_tolerance=1e-12,
+)
+
+JOINT_DEFAULT = Preset(
+    "Actuators with a gain that a newcomer would write, in SI units.",
+    {
+        **OPTIONS,
+        "PdControllerGains.d": Option(1e3, 0.0, "[N s/m] Needed: a joint of Drake has no dry friction of its own."),
+    },
+    known_deviation="a stuck contact is a damper of 1e3 N s/m and creeps with λ_T / d, whatever the time step",
+    law=actuator,
+    split_tolerance=1e-12,
+)
+
+CONTACT_OPTIONS = {
+    **OPTIONS,
+    "contact_model": Option.own("kHydroelasticWithFallback", "Drake's own."),
+    "approximation": Option.own("kLagged", "Drake's own."),
+    "hunt_crossley_dissipation": Option.own(50.0, "[s/m] Drake's own; nothing moves across the plane."),
+}
+
+CONTACT_TUNED = Preset(
+    "Friction bounded by the normal force at the start of the step: nothing moves across the plane.",
+    {
+        **CONTACT_OPTIONS,
+        "stiction": Option(
+            3e-5, 1e-3, "v_stiction over s ω_r, with s the displacement scale of the drive, instead of in m/s. At 1e-7 "
+            "Drake's solver, which stops at a part of 1e-6, leaves so much that orbits of nearly stuck cells stall.",
+        ),
+        "depth": Option(
+            2.0**-3, 0.0, "Of the sphere at rest, over the displacement scale; sets point_stiffness, 1e6 N/m without "
+            "it. It has no effect with kLagged; with the others a sliding sphere would leave a stiffer plane.",
+        ),
+    },
+    {
+        **TUNED,
+        "contact_model": ("kPoint", "The same points; the shapes need no more."),
+        "approximation": ("kLagged", "The others press and lift a sliding sphere; see their presets."),
+        "hunt_crossley_dissipation": (
+            0.0, "[s/m] Nothing moves across the plane; the other approximations are compared without it."
+        ),
+    },
+    known_deviation=(
+        "friction is μ λ_N v / √(v² + v_s²) with the stiction velocity v_s = 3e-5 s ω_r: a stuck contact creeps, "
+        "and none reaches its bound, whatever the time step"
+    ),
+    law=lagged_contact,
+    split_tolerance=1e-12,
+    stick_margin=SMOOTH_LAW_MARGIN,
+    turns=True,
+)  # fmt: skip
+
+CONTACT_SIMILAR = replace(
+    CONTACT_TUNED,
+    description="As tuned, with the approximation that Drake advises for strong transients.",
+    changes={
+        "approximation": (
+            "kSimilar",
+            "A sliding sphere glides: friction lifts it by μ |ġ_T| δt, and moves it when it turns.",
+        ),
+    },
+    known_deviation=(
+        "friction lifts a sliding sphere by μ |ġ_T| dt: it bounces, and its normal force, which bounds friction, swings"
+    ),
+    law=similar_contact,
+)
+
+CONTACT_SAP = replace(
+    CONTACT_SIMILAR,
+    description="As tuned, with the approximation of Drake's solver itself, the convex one of Castro et al., 2022.",
+    options={
+        **CONTACT_TUNED.options,
+        "relaxation_time": Option(
+            0.0, 0.1, "[s] Dissipation of kSap; at 0.1 s a sliding sphere would leave its plane."
+        ),
+    },
+    changes={
+        "approximation": ("kSap", "A sliding sphere glides as with kSimilar, and higher still with a relaxation time."),
+    },
+    law=sap_contact,
+)
+
+CONTACT_DEFAULT = Preset(
+    "A sphere on a plane with a coefficient of friction, in SI units, and Drake's own options elsewhere.",
+    {
+        **CONTACT_OPTIONS,
+        "v_stiction": Option.own(1e-3, "[m/s] Drake's own: a stuck contact may creep this fast, at any time step."),
+        "point_stiffness": Option.own(1e6, "[N/m] Drake's own, of each of the two bodies."),
+    },
+    known_deviation=(
+        "friction is μ λ_N v / √(v² + v_s²) with the stiction velocity v_s = 1e-3 m/s: a stuck contact creeps, "
+        "and none reaches its bound, whatever the time step"
+    ),
+    law=lagged_contact,
+    split_tolerance=1e-12,
+    stick_margin=SMOOTH_LAW_MARGIN,
+    turns=True,
+)

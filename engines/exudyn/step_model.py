@@ -1,0 +1,303 @@
+"""Exudyn's steps as models: a zone, a disc or a bristle in every contact, in the substeps of its implicit integrator.
+
+A substep of length h begins with positions q, velocities v, accelerations a and the algorithmic accelerations ã, and
+ends with
+
+    b = −α_m/(1−α_m) ã + α_f/(1−α_m) a,
+    q⁺ = q + h v + h² ((½−β) ã + β (b + c a⁺)),   v⁺ = v + h ((1−γ) ã + γ (b + c a⁺)),   ã⁺ = b + c a⁺,
+    M a⁺ + C v⁺ + K q⁺ + W φ⁺ = f(t+h) e_1,
+
+with c = (1−α_f)/(1−α_m) and φ = −λ the forces of the connectors. A run begins with ã = a, those of its first state.
+
+The end of a substep has elongations x = v_i − u_i and slip velocities w, of which the forces φ of the contacts take
+their part: x = x_free − P φ, w = w_free − V φ. What contacts keep from one substep to the next, shape (2, n), is
+nothing for a zone; for a disc the slip velocity of the last correction; for a bristle the force of its slip, 0 in
+stick, and the place of its foot.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from engines.interface.law import Constant, Law, NotModelled
+from engines.interface.presets import Preset
+from engines.shared.kernel_lane import KernelLane
+from engines.shared.units import Units
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import FloatArray
+
+ZONE, DISC, BRISTLE = 0, 1, 2
+"""Kinds of contacts."""
+
+DISC_CORRECTIONS = 5
+"""Exudyn's own discontinuous.maxIterations: the fifth correction is taken, whatever its error."""
+
+SPECTRAL_RADIUS = 0.9
+"""Of generalised alpha at infinite frequency: Exudyn's own, which no preset sets."""
+
+TRAPEZOIDAL = (0.0, 0.0, 1.0, 0.25, 0.5)
+"""−α_m/(1−α_m), α_f/(1−α_m), c, β and γ of Newmark's rule."""
+
+ACCELERATED = 10.0
+"""Displacement scales that the accelerations of a period make, every one taken in one direction: a substep whose Newton
+iteration stops at a part of its first residual errs by at most that part of them."""
+
+STOPS = "Newton's iteration stops at the relative tolerance"
+
+FAILS = (
+    "the kick F h / m_red of a step is wider than two zones: Newton's iteration may run in a circle between both sides "
+    "of the zone, and where it fails Exudyn halves its steps, up to 0.03 displacement scales aside within a period"
+)
+
+
+def zone(preset: Preset) -> Law:
+    """Give the law of connectors with a zone."""
+
+    def model(lane: Lane, constants: Mapping[str, float]) -> "GeneralisedAlphaLane":
+        return GeneralisedAlphaLane(lane, preset, _rule(constants), ZONE, zone_widths(lane, preset, constants))
+
+    return Law(
+        formula=f"φ = F clip(w / z, ±1), w at the end of a substep; {_terms(preset)}",
+        constants=_constants(preset),
+        model=model,
+        period_bound=ACCELERATED * preset["relative_tolerance"],
+        bound_reason=STOPS,
+        unmodelled_reason=lambda lane: _failure_of_newton(lane, preset),
+    )
+
+
+def disc(preset: Preset) -> Law | NotModelled:
+    """Give the law of discs whose zone is linear."""
+    if not preset["useLinearProportionalZone"]:
+        return NotModelled(
+            "friction s (2 − s) falls again beyond the zone, until the next correction cuts it off: the equations of a "
+            "step have several roots, and the path of Newton's iteration decides between them"
+        )
+
+    def model(lane: Lane, constants: Mapping[str, float]) -> "GeneralisedAlphaLane":
+        tolerance = preset["discontinuous_tolerance"] * Units.in_steps(preset["units"], lane).force
+        widths = zone_widths(lane, preset, constants)
+        return GeneralisedAlphaLane(lane, preset, _rule(constants), DISC, widths, tolerance=tolerance)
+
+    return Law(
+        formula=(
+            "φ = F w / z if |w_d| ≤ z, else F sgn w_d, w_d the slip velocity of the last of up to five corrections; "
+            f"{_terms(preset)}"
+        ),
+        constants=_constants(preset),
+        model=model,
+        period_bound=ACCELERATED * preset["relative_tolerance"],
+        bound_reason=STOPS,
+    )
+
+
+def bristle(preset: Preset) -> Law | NotModelled:
+    """Give the law of bristles that are corrected once a step."""
+    if preset["discontinuous_iterations"] != 1:
+        return NotModelled(
+            "a reversal is repeated in stick with the force at exactly its bound, and round-off decides whether that "
+            "is slip: in up to half of the steps"
+        )
+
+    def model(lane: Lane, constants: Mapping[str, float]) -> "BristleModelLane":
+        phase_and_damping = constants["θ"], constants["ζ"]
+        springs = bristle_numbers(lane.chain, lane.time_step, preset["substeps"], *phase_and_damping)
+        return BristleModelLane(lane, preset, TRAPEZOIDAL, BRISTLE, *springs)
+
+    return Law(
+        formula=(
+            "stick: φ = k_s (x − foot) + d_s w, k_s = m_red (θ / h)², d_s = 2 ζ √(k_s m_red), until |φ| > F after a "
+            f"substep; slip: φ = F sgn w, until w has reversed after a substep; {_steps(preset)}"
+        ),
+        constants={
+            "θ": Constant(preset["bristle_phase"], "", "bristle_phase, and so stickingStiffness"),
+            "ζ": Constant(preset["bristle_damping"], "", "bristle_damping, and so stickingDamping"),
+        },
+        model=model,
+        period_bound=ACCELERATED * preset["relative_tolerance"],
+        bound_reason=STOPS,
+    )
+
+
+def zone_widths(lane: Lane, preset: Preset, constants: Mapping[str, float] | None = None) -> FloatArray:
+    """Give the zones [m/s], shape (n,): as given, or so wide that friction neither creeps nor rings.
+
+    Their constants are those of the preset where no others are given.
+    """
+    if constants is None:
+        constants = {symbol: constant.value for symbol, constant in _constants(preset).items()}
+    if "z" in constants:
+        return np.full(lane.chain.cells, constants["z"])
+    speed = lane.drive.displacement_scale(lane.chain) * lane.chain.resonator_frequency
+    return np.maximum(constants["z_s"] * speed, constants["z_k"] * _kick(lane, preset))
+
+
+def reduced_mass(chain: Chain) -> FloatArray:
+    """Give m_red of every cell, shape (n,)."""
+    mass: FloatArray = 1 / (1 / chain.outer_mass + 1 / chain.inner_mass)
+    return mass
+
+
+def bristle_numbers(
+    chain: Chain, time_step: float, substeps: int, phase: float, damping: float
+) -> tuple[FloatArray, FloatArray]:
+    """Give k_s and d_s of bristles whose oscillation has this phase in a substep, and this damping ratio."""
+    mass = reduced_mass(chain)
+    stiffness = mass * (phase * substeps / time_step) ** 2
+    return stiffness, 2 * damping * np.sqrt(stiffness * mass)
+
+
+def bristles_at(
+    state: State, lane: Lane, load: float, stiffness: FloatArray, damping: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Give slip forces, 0 in stick, and deflections of the bristles of a state, shape (n,) each.
+
+    Without an internal state a bristle holds the load that it meets: one that started unloaded would let go of a stuck
+    contact and ring. A search of periodic orbits mixes slip forces of several periods: the nearest of 0 and ±μN is
+    meant.
+    """
+    chain = lane.chain
+    if state.internal_state is not None:
+        slip, deflection = np.split(state.internal_state[0], 2)
+        slips = np.abs(slip) > chain.friction_bound / 2
+        return np.where(slips, np.copysign(chain.friction_bound, slip), 0.0), deflection
+    position, velocity = state.positions[0], state.velocities[0]
+    pull = -chain.stiffness_matrix @ position - chain.damping_matrix @ velocity
+    pull[0] += load
+    outer, inner = np.split(pull / np.diag(chain.mass_matrix), 2)
+    holding = (inner - outer) / (1 / chain.outer_mass + 1 / chain.inner_mass)
+    force = holding + damping * (chain.contact_directions.T @ velocity)
+    slips = np.abs(force) >= lane.static_ratio * chain.friction_bound
+    return np.where(slips, np.copysign(chain.friction_bound, force), 0.0), np.where(slips, 0.0, holding / stiffness)
+
+
+class GeneralisedAlphaLane(KernelLane):
+    """One chain under one drive, advanced as Exudyn does; contacts keep no more than their slip velocity.
+
+    `rule` is as `TRAPEZOIDAL`. `first`, shape (n,), is the width of the zone [m/s] or the stiffness of the bristles
+    [N/m], `second` their dashpots [N s/m]; `tolerance` the error of the force [N] at which a disc is corrected no more.
+    """
+
+    def __init__(
+        self,
+        lane: Lane,
+        preset: Preset,
+        rule: tuple[float, ...],
+        kind: int,
+        first: FloatArray,
+        second: FloatArray | float = 0.0,
+        tolerance: float = 0.0,
+    ):
+        super().__init__(lane)
+        chain, substeps = lane.chain, preset["substeps"]
+        h = lane.time_step / substeps
+        self._numbers = np.vstack([chain.friction_bound, first, np.broadcast_to(second, first.shape)])
+        self._kind, self._tolerance, self._rule = kind, tolerance, (h, substeps, *rule)
+        place, speed = rule[2] * h * h * rule[3], rule[2] * h * rule[4]
+        inverse = np.linalg.inv(chain.mass_matrix + speed * chain.damping_matrix + place * chain.stiffness_matrix)
+        response = inverse @ chain.contact_directions
+        self._inverse_mass = np.linalg.inv(chain.mass_matrix)
+        self._matrices = (
+            np.ascontiguousarray(-(inverse @ chain.stiffness_matrix).T),
+            np.ascontiguousarray(-(inverse @ chain.damping_matrix).T),
+            np.ascontiguousarray(inverse[:, 0]),
+            np.ascontiguousarray(response.T),
+            chain.contact_directions.T @ response,
+        )
+
+    def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
+        """Run the kernel; a run begins with new accelerations, as Exudyn's do."""
+        from engines.exudyn.step_kernel import advance, forces  # numba is imported once something moves
+
+        lane, (length, parts) = self.lane, self._rule[:2]
+        times = length * np.arange(start * parts, (start + steps) * parts + 1, dtype=np.float64)
+        loads = lane.drive.load(lane.chain, times)
+        motion = np.vstack([state.positions[0], state.velocities[0]])
+        contacts = self._contacts_at(state, float(loads[0]))
+        first = self._accelerations(motion, forces(motion, contacts, self._kind, self._numbers), float(loads[0]))
+        rules = self._matrices, self._rule, self._kind, self._numbers, self._tolerance
+        advance(motion, contacts, first, loads, *rules, record)
+        return State(motion[:1], motion[1:], self._internal_state(motion[0], contacts))
+
+    def _accelerations(self, motion: FloatArray, forces: FloatArray, load: float) -> FloatArray:
+        """Give the accelerations of a state, whose contacts have forces φ."""
+        chain = self.lane.chain
+        elastic = chain.stiffness_matrix @ motion[0] + chain.damping_matrix @ motion[1]
+        rest = -(elastic + chain.contact_directions @ forces)
+        rest[0] += load
+        accelerations: FloatArray = self._inverse_mass @ rest
+        return accelerations
+
+    def _contacts_at(self, state: State, load: float) -> FloatArray:
+        """Give what contacts keep at the start of a run, shape (2, n), with `load` [N] on cell 1."""
+        slip = self.lane.chain.contact_directions.T @ state.velocities[0]
+        return np.vstack([slip, np.zeros_like(slip)])
+
+    def _internal_state(self, positions: FloatArray, contacts: FloatArray) -> FloatArray | None:
+        """Give the internal state at the end of a run, shape (1, k)."""
+        return None
+
+
+class BristleModelLane(GeneralisedAlphaLane):
+    """Contacts keep the force of their slip and the place of their foot; states hold the deflection instead."""
+
+    def _contacts_at(self, state: State, load: float) -> FloatArray:
+        slip, deflection = bristles_at(state, self.lane, load, *self._numbers[1:])
+        return np.vstack([slip, self._elongation(state.positions[0]) - deflection])
+
+    def _internal_state(self, positions: FloatArray, contacts: FloatArray) -> FloatArray:
+        return np.concatenate([contacts[0], self._elongation(positions) - contacts[1]])[None]
+
+    def _elongation(self, positions: FloatArray) -> FloatArray:
+        elongation: FloatArray = self.lane.chain.contact_directions.T @ positions
+        return elongation
+
+
+def _terms(preset: Preset) -> str:
+    """Say what makes the zone and the steps."""
+    width = "" if "frictionProportionalZone" in preset.options else "z = max(z_s s ω_r, z_k F h / m_red); "
+    return width + _steps(preset)
+
+
+def _steps(preset: Preset) -> str:
+    rule = "trapezoidal rule" if preset["solver"] == "Newmark" else "generalised alpha of spectral radius ρ"
+    return f"{rule}, substeps h = dt / {preset['substeps']}"
+
+
+def _constants(preset: Preset) -> dict[str, Constant]:
+    """Give the constants of a zone and of the integrator."""
+    if "frictionProportionalZone" in preset.options:
+        constants = {"z": Constant(preset["frictionProportionalZone"], "m/s", "frictionProportionalZone")}
+    else:
+        constants = {
+            "z_s": Constant(preset["zone"], "", "zone, and so frictionProportionalZone"),
+            "z_k": Constant(preset["zone_per_kick"], "", "zone_per_kick, and so frictionProportionalZone"),
+        }
+    if preset["solver"] != "Newmark":
+        constants["ρ"] = Constant(SPECTRAL_RADIUS, "", "generalizedAlpha.spectralRadius, Exudyn's own")
+    return constants
+
+
+def _rule(constants: Mapping[str, float]) -> tuple[float, ...]:
+    """Give the trapezoidal rule, or generalised alpha of spectral radius ρ (Chung and Hulbert, 1993)."""
+    if "ρ" not in constants:
+        return TRAPEZOIDAL
+    radius = constants["ρ"]
+    mass, force = (2 * radius - 1) / (radius + 1), radius / (radius + 1)
+    gamma = 0.5 + force - mass
+    rest = 1 - mass
+    return -mass / rest, force / rest, (1 - force) / rest, 0.25 * (gamma + 0.5) ** 2, gamma
+
+
+def _kick(lane: Lane, preset: Preset) -> FloatArray:
+    """Slip velocity [m/s] that the bound of friction at rest makes in a substep, shape (n,)."""
+    chain = lane.chain
+    kick: FloatArray = lane.static_ratio * chain.friction_bound * (1 / chain.outer_mass + 1 / chain.inner_mass)
+    return kick * lane.time_step / preset["substeps"]
+
+
+def _failure_of_newton(lane: Lane, preset: Preset) -> str | None:
+    """Say where Newton's iteration may fail: half a kick then leads from one side of the zone beyond the other."""
+    return FAILS if np.any(_kick(lane, preset) > 2 * zone_widths(lane, preset)) else None

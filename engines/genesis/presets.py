@@ -1,0 +1,113 @@
+"""Genesis's own settings, and the presets that change them."""
+
+from engines.genesis.step_model import joint_friction, pyramidal_contact
+from engines.interface.presets import NormalForce, Option, Preset
+from engines.mujoco.presets import SOFT_EDGES, SOLIMP
+
+OPTIONS = {
+    "precision": Option("64", "32", "In single precision a stuck contact would be no better than MuJoCo Warp's."),
+    "units": Option.own("SI", "The chain in SI units."),
+    "integrator": Option.own("approximate_implicitfast", "Genesis's own."),
+    "iterations": Option.own(25, "Genesis's own."),
+}
+
+JOINT_OPTIONS = {**OPTIONS, "noslip_iterations": Option.own(0, "Genesis's own: a stuck contact creeps.")}
+
+CONTACT_OPTIONS = {
+    **OPTIONS,
+    # Without these there are no contacts, and no message says so.
+    "enable_adjacent_collision": Option(True, False, "Genesis lets a body through the one that carries it."),
+    "enable_neutral_collision": Option(True, False, "And bodies through each other that touch from the start."),
+    "friction_cone": Option.own("pyramidal", "Genesis's own."),
+    "impedance": Option.own(SOLIMP, "Genesis's own."),
+}
+
+TIME_CONSTANT = 0.01
+"""Of `solref` [s]: Genesis's own."""
+
+VELOCITIES_FIRST = ("Euler", "Velocities first, then positions.")
+
+JOINT_TUNED = Preset(
+    "One step of Newton, then one sweep without softness: friction stops a contact within a step, as in equation (5).",
+    {
+        **JOINT_OPTIONS,
+        "time constant in steps": Option(
+            2 / SOLIMP[1], None, "Of solref: the reference acceleration is -ġ_T / dt, and stops a stuck contact."
+        ),
+    },
+    {
+        "units": ("lane", "Numbers near one, and time steps for the unit of time: a scene has one step."),
+        "integrator": VELOCITIES_FIRST,
+        "iterations": (1, "The sweep after it decides what friction is."),
+        "noslip_iterations": (
+            1,
+            "One sweep without softness: frictions do not touch each other's masses, so that it is exact.",
+        ),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
+)
+
+JOINT_DEFAULT = Preset(
+    "A joint's frictionloss, and Genesis's own options.",
+    {
+        **JOINT_OPTIONS,
+        "time constant": Option.own(TIME_CONSTANT, "Genesis's own, of solref [s], whatever the time step."),
+    },
+    {
+        "units": (
+            "steps",
+            "A scene has one time step: masses, forces and accelerations keep their numbers in SI units.",
+        ),
+    },
+    known_deviation=(
+        "friction is a soft constraint with a time constant, whatever the time step: a stuck contact comes to rest "
+        "with one of 5.3 ms and creeps, and a finer step does not help"
+    ),
+    law=joint_friction,
+    split_tolerance=1e-9,
+    normal_force=NormalForce.MODULATED,
+)
+
+CONTACT_TUNED = Preset(
+    "The elliptic cone by Signorini's law: friction is bounded by the normal force, and leaves that as it is.",
+    {
+        **CONTACT_OPTIONS,
+        "contact_resolution": Option("signorini", None, "Friction does not press; with the pyramid it would."),
+        "tolerance": Option(1e-12, 1e-8, "Of the energy that a step of Newton gains, in units near one."),
+        "impratio": Option(
+            1e4,
+            1.0,
+            "Friction is harder than the normal force by this factor; above it, rounding costs more than it gains.",
+        ),
+        "time constant in steps": Option(
+            2 / 0.9999, None, "Of solref: the reference acceleration is -ġ_T / dt, and stops a stuck contact."
+        ),
+    },
+    {
+        "units": ("lane", "Time steps for the unit of time: a scene has one step."),
+        "integrator": VELOCITIES_FIRST,
+        "friction_cone": ("elliptic", "The edges of the pyramid change the normal force."),
+        "iterations": (100, "Newton goes on to its tolerance."),
+        "impedance": ((0.9999, 0.9999), "Of solimp, Genesis's hardest: with it, contacts creep less."),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-7,
+    # (1 - d) / d over impratio.
+    residual_slip_compliance=1e-8,
+)
+
+CONTACT_DEFAULT = Preset(
+    "The same sphere and plate in SI units, with Genesis's own cone, solver and time constant.",
+    {
+        **CONTACT_OPTIONS,
+        "time constant": Option.own(
+            TIME_CONSTANT, "Genesis's own, of solref [s]; the damping ratio beside it is chosen to make N = λ_N."
+        ),
+    },
+    known_deviation=SOFT_EDGES,
+    law=pyramidal_contact,
+    split_tolerance=1e-9,
+    batch_lanes=4,
+)

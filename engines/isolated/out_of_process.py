@@ -1,0 +1,205 @@
+"""Engines of a distribution, in its own Python: where that is, one chain there, and the engine."""
+
+import functools
+import os
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from engines.interface.engine import Engine
+from engines.interface.presets import Formulation, Preset
+from engines.isolated.process import REQUEST_LIMIT, STEP_LIMIT, Built, EngineProcess, EngineProcessError
+from engines.isolated.worker import Message
+from engines.shared.units import Units
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
+from reference_lcp.validation import FloatArray, checked_array, checked_count
+
+START_LIMIT = 60.0
+"""Seconds that a worker may take to start and to import its engine, on a machine that is busy."""
+
+
+def system_python() -> str:
+    """Give the Python that the packages of a distribution are for; a virtual environment's own comes first in PATH."""
+    search = os.pathsep.join([os.defpath, os.environ.get("PATH", "")])
+    return shutil.which("python3", path=search) or "python3"
+
+
+@dataclass(frozen=True)
+class Installation:
+    """An engine that runs in another Python."""
+
+    name: str
+    """Under which the engine is registered."""
+    server: Path
+    """File that serves it there; see `engines.isolated.worker`."""
+    variable: str
+    """Environment variable that names its Python; the system's is taken without it."""
+    remedy: str
+    """What to do where it is missing, as the end of a sentence."""
+
+    @property
+    def interpreter(self) -> str:
+        """The Python that is chosen, as a path or as a command."""
+        return os.environ.get(self.variable) or system_python()
+
+    def process(self) -> EngineProcess:
+        """Give the worker process that all lanes of this engine share."""
+        return _process(self, self.interpreter)
+
+    def versions(self) -> dict[str, str]:
+        """Give versions as the server states them; the engine's own is under ``"engine"``."""
+        versions = _versions_or_reason(self, self.interpreter)
+        if isinstance(versions, str):
+            raise EngineProcessError(versions)
+        return dict(versions)
+
+    def unavailable_reason(self) -> str | None:
+        """Reason why the engine cannot be used, and what to do; ``None`` if it can. Each Python is tried once."""
+        try:
+            self.versions()
+        except EngineProcessError as problem:
+            return f"{problem}; {self.remedy}, or let {self.variable} name a Python that has it"
+        return None
+
+
+@functools.cache
+def _process(engine: Installation, interpreter: str) -> EngineProcess:
+    return EngineProcess(engine.name, shutil.which(interpreter) or interpreter, engine.server)
+
+
+@functools.cache
+def _versions_or_reason(engine: Installation, interpreter: str) -> dict[str, str] | str:
+    """Give the versions, or the reason why the engine cannot be used in this Python."""
+    try:
+        stated = _process(engine, interpreter).request("versions", START_LIMIT)
+    except EngineProcessError as problem:
+        return str(problem)
+    return {name: str(value) for name, value in stated.items()}
+
+
+class OutOfProcessLane(LaneModel):
+    """One chain; the worker builds it on first use, and a fresh worker builds it again."""
+
+    sizes: ClassVar[Mapping[str, float]] = {}
+    """What its server needs of sizes over the displacement scale, by name."""
+
+    def __init__(self, process: EngineProcess, lane: Lane, preset: Preset, formulation: str):
+        preset = preset if lane.preload is None else preset.modulated()
+        self.lane = lane
+        self._preset = preset
+        self._units = Units.named(preset["units"], lane)
+        options = {name: option.value for name, option in preset.options.items()}
+        given = self._chain_parameters() | options | {"formulation": formulation, **self.sizes}
+        self._built = Built(process, given)
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state`, in one request; see `LaneModel.run`."""
+        units, rows = self._units, self._rows(state, start, steps, record=True)
+        given = self.lane.preloads(start, steps)
+        return Trajectory(
+            self.lane.times(start, steps),
+            rows["position"] * units.length,
+            rows["velocity"] * units.velocity,
+            # Of a motor that may do nothing in a step an engine may report what it did in an earlier one.
+            np.where(given == 0, 0.0, rows["friction"] * units.force),
+            rows["normal"] * units.force if "normal" in rows else given,
+            self._internal_state(rows),
+            rows["gap"] * units.length if self.lane.opens else None,
+        )
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does; only the end is sent back."""
+        rows = self._rows(state, start, steps, record=False)
+        return self._units.state(rows["position"], rows["velocity"], self._internal_state(rows))
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone, in one request; see `engines.interface.engine.NativeStepping`."""
+        self._request("native_steps", checked_count("steps", steps), steps=steps)
+
+    def close(self) -> None:
+        """Let the worker drop the chain; another use builds it again."""
+        self._built.close()
+
+    def _loads(self, start: int, steps: int) -> FloatArray:
+        """Force on cell 1 in each step [N], shape (steps,): the one at its start, as equation (5) takes it."""
+        return self.lane.loads(start, steps)
+
+    def _chain_parameters(self) -> dict[str, Any]:
+        """Give a server's parameters of the chain, in the units of the lane."""
+        chain = self._units.scaled(self.lane.chain)
+        scale = self.lane.drive.displacement_scale(self.lane.chain) / self._units.length
+        return {
+            "mass": np.diag(chain.mass_matrix),
+            "stiffness": chain.stiffness_matrix,
+            "damping": chain.damping_matrix,
+            "chain_stiffness": chain.chain_stiffness,
+            "chain_damping": chain.chain_damping,
+            "inner_stiffness": chain.inner_stiffness,
+            "inner_damping": chain.inner_damping,
+            "normal": chain.normal_force,
+            "coefficient": chain.friction_coefficient,
+            "time_step": self.lane.time_step / self._units.time,
+            "length": scale,
+            "axis": np.array(self.lane.axis),
+            "inclination": self.lane.inclination,
+        }
+
+    def _rows(self, state: State, start: int, steps: int, record: bool) -> Message:
+        checked_count("steps", steps)
+        # An engine that meets numbers which are not finite may loop for ever.
+        return self._request(
+            "run",
+            steps,
+            position=checked_array("initial positions", state.positions[0]) / self._units.length,
+            velocity=checked_array("initial velocities", state.velocities[0]) / self._units.velocity,
+            loads=self._loads(start, steps) / self._units.force,
+            record=record,
+            **self._normal_load(state, start, steps),
+        )
+
+    def _normal_load(self, state: State, start: int, steps: int) -> Message:
+        """Give the normal loads if they change in time, and the gaps and their rates where contacts open."""
+        if self.lane.preload is None:
+            return {}
+        normal_load = {"normal_load": self.lane.preloads(start, steps) / self._units.force}
+        return normal_load | ({"across": self._units.gaps(self.lane, state)} if self.lane.opens else {})
+
+    def _internal_state(self, rows: Message) -> FloatArray | None:
+        """Give gaps and their rates, the internal state of a lane; ``None`` where none opens."""
+        return self._units.normal_state(rows["gap"][-1], rows["gap_rate"][-1]) if self.lane.opens else None
+
+    def _request(self, request: str, steps: int, /, **values: Any) -> Message:
+        try:
+            return self._built.request(request, REQUEST_LIMIT + STEP_LIMIT * steps, **values)
+        except EngineProcessError as problem:
+            problem.add_note(f"lane: {self.lane.chain.cells} cells, time step {self.lane.time_step:g} s")
+            raise
+
+
+class OutOfProcessEngine(Engine):
+    """An engine whose lanes live in a worker process; an adapter adds name, capabilities and installation."""
+
+    installation: ClassVar[Installation]
+    lane_model: ClassVar[type[OutOfProcessLane]] = OutOfProcessLane
+
+    def version(self) -> str:
+        """Version of the engine, as its server states it."""
+        return self.installation.versions()["engine"]
+
+    def python(self) -> str:
+        """Version of the Python that it runs in."""
+        return self.installation.versions()["python"]
+
+    def unavailable_reason(self) -> str | None:
+        """Reason why the engine cannot be used here; another Python is tried once."""
+        return self.installation.unavailable_reason()
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        process = self.installation.process()
+        return SequentialSimulation([self.lane_model(process, lane, preset, str(formulation)) for lane in lanes])

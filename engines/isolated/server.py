@@ -1,0 +1,67 @@
+"""What runs in an environment: the suite's own adapter, for the engine that is installed there.
+
+It is loaded by `engines.isolated.worker`. The environment holds nothing of the suite, and nothing else of the
+suite's own environment must be found: the packages of the adapter, and no others, are taken from where the suite has
+them.
+"""
+
+import importlib
+import json
+import pickle
+import sys
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.machinery import ModuleSpec, PathFinder
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+SERVED: dict[str, Any] = json.loads(sys.argv[2])
+"""``module`` and ``class`` of the adapter, and ``folders`` of the packages that it is made of, by name."""
+
+
+class PackagesOfTheSuite:
+    """Finds the packages of the adapter where the suite has them."""
+
+    @staticmethod
+    def find_spec(name: str, _path: Sequence[str] | None = None, target: ModuleType | None = None) -> ModuleSpec | None:
+        """Give the specification of a package of `SERVED`; ``None`` for any other, and for what lies within one."""
+        folder = SERVED["folders"].get(name)
+        return None if folder is None else PathFinder.find_spec(name, [folder], target)
+
+
+sys.meta_path.insert(0, PackagesOfTheSuite)
+
+
+@cache
+def _adapter() -> Any:
+    adapter = getattr(importlib.import_module(SERVED["module"]), SERVED["class"])()
+    adapter.served = True
+    return adapter
+
+
+def versions() -> dict[str, str]:
+    """Give the engine's version, once its package has been imported."""
+    adapter = _adapter()
+    importlib.import_module(adapter.module)
+    return {"engine": adapter.version()}
+
+
+class EngineLane:
+    """Lanes of one simulation, from the pickled arguments of `Engine.build`."""
+
+    def __init__(self, parameters: Mapping[str, Any]):
+        self._simulation = _adapter().build(*pickle.loads(parameters["pickled"].tobytes()))
+
+    def call(self, pickled: Any) -> dict[str, Any]:
+        """Call a method of the simulation, of a pickled name and arguments; gives what it gives."""
+        name, *arguments = pickle.loads(pickled.tobytes())
+        called = self._native_steps if name == "native_steps" else getattr(self._simulation, name)
+        value = called(*arguments)
+        return {"pickled": np.frombuffer(pickle.dumps(value), np.uint8)}
+
+    def _native_steps(self, steps: int) -> None:
+        """Take steps of the engine alone: of the simulation, or of the model of each lane where these step alone."""
+        for each in getattr(self._simulation, "models", [self._simulation]):
+            each.native_steps(steps)

@@ -1,0 +1,176 @@
+"""The other end of the pipe: a loop that runs in another Python and serves one engine.
+
+It is started as ``python3 -I worker.py SERVER``, where SERVER is a file that defines
+
+- ``versions()``: a dictionary of versions, with the engine's own under ``"engine"``;
+- ``EngineLane(parameters)``: one chain, with ``run(position, velocity, loads, record)``, which gives a dictionary of
+  arrays with one row a step (position and velocity alone where nothing is recorded), and ``native_steps(steps)``.
+  Where the normal force changes in time, ``run`` gets ``normal_load``, a row a step; where contacts open, also
+  ``across``, gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not. One that
+  runs an adapter of the suite has ``call(pickled)`` instead, see `engines.isolated.server`.
+
+A message is two numbers of eight bytes, its length and that of its head; the head, a JSON list of name, data type
+and shape of every array; and what the arrays hold, one after the other. An ``npz`` file holds the same, and takes as
+long as a hundred steps of a fast engine. This file runs in Pythons whose packages are older than the suite's: it needs
+NumPy only, and never imports the suite.
+"""
+
+import faulthandler
+import json
+import os
+import platform
+import signal
+import struct
+import sys
+import traceback
+from collections.abc import Callable, Mapping
+from importlib.machinery import SourceFileLoader
+from importlib.util import module_from_spec, spec_from_loader
+from typing import Any, BinaryIO
+
+import numpy as np
+
+Message = dict[str, Any]
+"""Arrays by name."""
+
+LARGEST_MESSAGE = 1 << 32
+"""Bytes; a length beyond this is not a length."""
+
+MOTION = ("position", "velocity")
+"""What is left of the rows of a run of which only the end is requested."""
+
+NORMAL_LOAD, GAPS = ("normal_load", "across"), ("gap", "gap_rate")
+"""What a run is given, and what it gives, of a normal force that changes in time."""
+
+
+class NotAMessage(ValueError):
+    """What arrived is no message: something else writes to the pipe."""
+
+
+def write_message(stream: BinaryIO, message: Mapping[str, Any]) -> None:
+    """Write arrays, numbers and texts by name."""
+    arrays = [(name, np.asarray(value)) for name, value in message.items()]
+    head = json.dumps([(name, array.dtype.str, array.shape) for name, array in arrays]).encode()
+    body = b"".join([head, *(array.tobytes() for _, array in arrays)])
+    stream.write(struct.pack("<QQ", len(body), len(head)) + body)
+    stream.flush()
+
+
+def read_message(stream: BinaryIO) -> Message:
+    """Read arrays by name; raises `EOFError` at the end of the stream, and `NotAMessage` for anything else."""
+    length, place = struct.unpack("<QQ", _exactly(stream, 16))
+    if length > LARGEST_MESSAGE:
+        raise NotAMessage(f"a message announces {length} bytes; allowed: at most {LARGEST_MESSAGE}")
+    body, arrays = _exactly(stream, length), {}
+    try:
+        for name, text, shape in json.loads(body[:place].decode()):
+            # Their places count bytes: copies are aligned, and may be written to.
+            arrays[str(name)] = array = np.ndarray(tuple(shape), _plain(text), body, place).copy()
+            place += array.nbytes
+    except (ValueError, TypeError, OverflowError) as problem:
+        raise NotAMessage(f"a message of {length} bytes holds no arrays: {problem}") from problem
+    if place != length:
+        raise NotAMessage(f"a message of {length} bytes holds arrays of {place}")
+    return arrays
+
+
+def _plain(name: str) -> Any:
+    """Give a data type by name; one of Python's objects would be addresses in another process."""
+    kind = np.dtype(name)
+    if kind.hasobject:
+        raise TypeError("Python's objects are among them")
+    return kind
+
+
+def _exactly(stream: BinaryIO, length: int) -> bytes:
+    body = stream.read(length)
+    if len(body) != length:
+        raise EOFError(f"the stream ends after {len(body)} of {length} bytes")
+    return body
+
+
+class Service:
+    """Handles the requests for one engine; lanes are known by the numbers that the other side gives them."""
+
+    def __init__(self, load: Callable[[], Any]):
+        self._load = load
+        self._lanes: dict[int, Any] = {}
+
+    def reply_to(self, request: Message) -> Message:
+        """Handle a request; an exception becomes a reply, and the worker lives on."""
+        _end_at(float(request["limit"]))
+        try:
+            for number in request["release"].tolist():
+                self._lanes.pop(number, None)
+            handler = getattr(self, "_" + str(request["request"]))
+            return handler(request)
+        except Exception as problem:  # whatever it is, the other side has to get it
+            return {"error": str(problem), "kind": type(problem).__name__, "traceback": traceback.format_exc()}
+        finally:
+            sys.stdout.flush()
+            _end_at(0.0)
+
+    def _versions(self, _request: Message) -> Message:
+        return {"python": platform.python_version(), **self._load().versions()}
+
+    def _build(self, request: Message) -> Message:
+        self._lanes[int(request["number"])] = self._load().EngineLane(request)
+        return {}
+
+    def _run(self, request: Message) -> Message:
+        lane = self._lanes[int(request["number"])]
+        record = bool(request["record"])
+        normal_load = {name: request[name] for name in NORMAL_LOAD if name in request}
+        rows = lane.run(request["position"], request["velocity"], request["loads"], record, **normal_load)
+        if record:
+            return dict(rows)
+        return {name: rows[name][-1:] for name in (*MOTION, *GAPS) if name in rows}
+
+    def _call(self, request: Message) -> Message:
+        return dict(self._lanes[int(request["number"])].call(request["pickled"]))
+
+    def _native_steps(self, request: Message) -> Message:
+        self._lanes[int(request["number"])].native_steps(int(request["steps"]))
+        return {}
+
+
+def _end_at(seconds: float) -> None:
+    """Let the kernel end this process so late from now, even inside compiled code; never, for 0.
+
+    The other side keeps the limit itself; this one is for a worker whose parent is gone.
+    """
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+
+
+def _server(path: str) -> Any:
+    """Load the file of the server, under a name that hides no package."""
+    name = "engine_server"
+    if name not in sys.modules:
+        spec = spec_from_loader(name, SourceFileLoader(name, path))
+        assert spec is not None
+        assert spec.loader is not None
+        module = module_from_spec(spec)
+        sys.dont_write_bytecode = True
+        spec.loader.exec_module(module)
+        sys.modules[name] = module
+    return sys.modules[name]
+
+
+def main() -> None:
+    """Serve until the other side closes the pipe, or dies; a crash leaves on the error stream where it was."""
+    faulthandler.enable(all_threads=False)
+    requests, replies = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    # What an engine prints goes to the error stream, and it reads nothing: the pipes are the protocol's.
+    os.dup2(2, 1)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    service = Service(lambda: _server(sys.argv[1]))
+    while True:
+        try:
+            request = read_message(requests)
+        except EOFError:
+            return
+        write_message(replies, service.reply_to(request))
+
+
+if __name__ == "__main__":
+    main()

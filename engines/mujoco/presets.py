@@ -1,0 +1,175 @@
+"""MuJoCo's own settings, and the presets that change them."""
+
+from engines.interface.presets import NormalForce, Option, Preset
+from engines.mujoco.step_model import LARGEST_IMPEDANCE, LEAST_IMPEDANCE, joint_friction, pyramidal_contact
+from engines.mujoco.yielding import yielding_spring
+
+SOLIMP = (LEAST_IMPEDANCE, LARGEST_IMPEDANCE)
+"""d_0 and d_max: MuJoCo's own."""
+
+SOLREF = (0.02, 1.0)
+"""Time constant [s] and damping ratio: MuJoCo's own."""
+
+OPTIONS = {
+    "units": Option.own("SI", "The chain in SI units."),
+    "solver": Option.own("Newton", "MuJoCo's own."),
+    "iterations": Option.own(100, "MuJoCo's own."),
+    "noslip_iterations": Option.own(0, "MuJoCo's own: a stuck contact creeps."),
+    "cone": Option.own("pyramidal", "MuJoCo's own."),
+    "jacobian": Option.own("auto", "MuJoCo's own."),
+    "integrator": Option.own("Euler", "MuJoCo's own."),
+    "disable": Option.own((), "MuJoCo's own."),
+}
+
+JOINT_OPTIONS = {
+    **OPTIONS,
+    "solref_friction": Option.own(SOLREF, "MuJoCo's own: a time constant of 0.02 s, whatever the time step."),
+}
+
+CONTACT_OPTIONS = {
+    **OPTIONS,
+    "solreffriction": Option.own((0.0, 0.0), "MuJoCo's own: the damping of solref, for friction too."),
+    "normal time constant": Option.own(
+        SOLREF[0], "MuJoCo's own damping 2 / 0.02 s; the stiffness beside it is needed to make N = λ_N."
+    ),
+}
+
+TUNED = {
+    "iterations": (1, "Frictions do not touch each other's masses, so that the first sweep is exact."),
+    "noslip_iterations": (1, "One sweep without the regularisation R; with it, stuck contacts creep."),
+    "jacobian": ("dense", "The matrices are small."),
+    "integrator": ("Euler", "Velocities first, then positions, as equation (5)."),
+    "disable": (
+        ("eulerdamp", "warmstart", "island", "autoreset"),
+        "Damping at the start of the step; no warm start; no search for islands; no silent reset.",
+    ),
+}
+"""What the tuned presets of both formulations change alike."""
+
+NO_CONTACTS = ("pyramidal", "There are no contacts.")
+STOPS_IN_ONE_STEP = ((-1.0, -1.0), "Direct form, in units of d_width / dt: a stuck contact stops in one step.")
+CHOSEN_STIFFNESS = (SOLREF[0], "Of solref [s]; its stiffness is chosen so that N = λ_N.")
+ELLIPTIC = ("elliptic", "The pyramid's edges change the normal force with friction.")
+
+PRESSED_HARDER = {
+    "solimp": Option((1e-4, 1e-4), SOLIMP, "MuJoCo's softest: friction hardly raises the normal force."),
+    "coefficient": Option(
+        0.01, None, "Contacts are pressed with F / 0.01: what friction adds to the normal force goes with μ²."
+    ),
+}
+"""Of contacts solved by Newton."""
+
+JOINT_TUNED = Preset(
+    "The dual solver without its softness: friction stops a contact at the end of the step, as equation (5) does.",
+    JOINT_OPTIONS,
+    {
+        **TUNED,
+        "units": ("lane", "No number comes near MuJoCo's built-in smallest and largest ones."),
+        "solver": ("PGS", "The friction forces are the unknowns, and each solves its own equation."),
+        "cone": NO_CONTACTS,
+        "solref_friction": STOPS_IN_ONE_STEP,
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
+    varied={"noslip_iterations": (0, 2)},
+)
+
+JOINT_DEFAULT = Preset(
+    "A joint's frictionloss in SI units, and MuJoCo's own options.",
+    JOINT_OPTIONS,
+    known_deviation=(
+        "friction is a soft constraint with a time constant, whatever the time step: a stuck contact comes to rest "
+        "with one of 10.6 ms and creeps, and a finer step does not help"
+    ),
+    law=joint_friction,
+    split_tolerance=1e-9,
+    normal_force=NormalForce.MODULATED,
+)
+
+YIELD = Preset(
+    "A spring parallel to the inner one that yields at the friction bound, as stiff as the step resolves.",
+    {
+        **OPTIONS,
+        "spring_phase": Option(
+            1.0,
+            0.0,
+            "h √(k_s / m_red), and so stiffness k_s and springyield F / k_s: half of Euler's limit of stability.",
+        ),
+    },
+    {
+        "units": ("lane", "No number comes near MuJoCo's built-in smallest and largest ones."),
+        "jacobian": TUNED["jacobian"],
+        "disable": TUNED["disable"],
+    },
+    known_deviation=(
+        "a stuck contact is a spring that gives way by F / k_s, without a dashpot: it rings, at velocities up to "
+        "F h / (θ m_red)"
+    ),
+    law=yielding_spring,
+    split_tolerance=1e-12,
+    versions=">=4",
+    optional=True,
+)
+
+CONTACT_TUNED = Preset(
+    "The elliptic cone, solved by one dual sweep and one without its softness: it then equals equation (5).",
+    CONTACT_OPTIONS,
+    {
+        **TUNED,
+        "units": ("contact", "The sweep's fixed tolerances of 1e-10 are then far below every number."),
+        "solver": ("PGS", "The dual problem: friction does not act back on the normal force."),
+        "cone": ELLIPTIC,
+        "solreffriction": STOPS_IN_ONE_STEP,
+        "normal time constant": CHOSEN_STIFFNESS,
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+    normal_force=NormalForce.LIFTING,
+    turns=True,
+    inclines=True,
+    modulated_options={
+        "solimp": Option(
+            (0.9999, 0.9999), SOLIMP, "MuJoCo's hardest: a sphere sinks in by a thousandth of N δt² / m or so."
+        ),
+        "solref": Option(
+            (-0.1, -1.0),
+            SOLREF,
+            "Direct form, in units of d_width² / δt² and d_width / δt: a landing stops in one step, and ten take the "
+            "sphere out of the plate.",
+        ),
+    },
+    modulated_residual_slip_compliance=1e-4,
+    varied={"noslip_iterations": (0, 2)},
+)
+
+CONTACT_NEWTON = Preset(
+    "MuJoCo's own solver under a normal force that friction hardly changes, and a sweep without softness.",
+    {**CONTACT_TUNED.options, **PRESSED_HARDER},
+    {
+        "solver": ("Newton", "The sweep after it decides what friction is."),
+        "iterations": (5, "The normal forces are found in the first ones."),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+)
+
+SOFT_EDGES = (
+    "friction is a soft constraint with a time constant, whatever the time step, so that a stuck contact creeps; "
+    "the edges of the pyramidal cone let friction press, and keep it below the bound"
+)
+
+CONTACT_DEFAULT = Preset(
+    "The same sphere and plate in SI units, with MuJoCo's own cone, solver and contact damping.",
+    CONTACT_OPTIONS,
+    known_deviation=SOFT_EDGES,
+    law=pyramidal_contact,
+    split_tolerance=1e-9,
+    normal_force=NormalForce.LIFTING,
+    turns=True,
+    inclines=True,
+    modulated_options={
+        "solimp": Option.own(SOLIMP, "MuJoCo's own: contacts are soft."),
+        "solref": Option.own(SOLREF, "MuJoCo's own: a landing takes 0.02 s, whatever the time step."),
+    },
+)

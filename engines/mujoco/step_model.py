@@ -1,0 +1,311 @@
+"""The laws of MuJoCo's default friction: a constraint with a time constant, softened by a part of the inverse mass."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from engines.interface.law import Constant, Law
+from engines.interface.presets import NormalForce, Preset
+from engines.mujoco.contact import DEPTH, LEAST_COEFFICIENT, TOUCH
+from engines.shared.kernel_lane import Kernel, KernelLane
+from engines.shared.units import power_of_two
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
+from reference_lcp.schemes.sequential import LaneModel
+from reference_lcp.validation import FloatArray
+
+LEAST_IMPEDANCE, LARGEST_IMPEDANCE, WIDTH = 0.9, 0.95, 0.001
+"""d_0, d_max and width [m] of MuJoCo's `solimp`, for contacts and for frictionloss alike; no preset sets them."""
+
+NEWTON_PERIOD = 3e-5
+"""Of U0: MuJoCo's Newton stops where a step of it would lower its cost, over the inertia, by less than 1e-8 (m/s²)²
+a degree of freedom. Up to √(2 · 14 · 1e-8) = 5e-4 m/s² are then left in that time step, which make 4e-6 U0 of a motion
+with U0 ω² = 2 m/s², the gentlest that presets are held to; a period has a few such steps."""
+
+NEWTON_REASON = "MuJoCo's Newton solver stops at a tolerance of 1e-8, now and then before all is solved"
+
+HELD_FORMULA = (
+    "as the joint's, with s = a_0 + A λ + b w, b = 2 / (τ d_max), R = 2 μ² (1 + μ²) (1 − d) / d (1/m_o + 2/m_i) / 3: "
+    "λ = −2 μ² s / R while both edges press, μ |s| <= R λ_N / 4, and λ = −sgn(s) μ (R λ_N / 4 + μ |s|) / R beyond, "
+    "without a bound; d from d_0 to d_max by the depth over the width δ; the normal force is λ_N/2 + max(λ_N/2, |λ|/μ)"
+)
+"""Of a sphere held at a fixed depth: each of the two edges along the slide lets go alone. In a row that is turned all
+four edges are solved together, as those of a free sphere, with the load λ_N / 4 each instead of a depth."""
+
+FREE_FORMULA = (
+    "under a preload, with y the acceleration of the sphere on its plate in three directions and E the edges n ± μ t: "
+    "0 <= f ⟂ E y + b E ẋ − k d z + R f >= 0 at the depth z > 0, f = 0 above the plate, y = y_0 + A Eᵀ f, "
+    "b = 2 / (d_max max(τ, 2h)), k = 1 / (d_max max(τ, 2h))², R = 2 μ² (1 + μ²) (1 − d) / d (1/m_o + 3/m_i) / 3"
+)
+"""Of a sphere that is free across the row."""
+
+
+def joint_friction(preset: Preset) -> Law:
+    """Give the law of a joint's frictionloss."""
+    return Law(
+        formula=(
+            "forces at the start of the step: with a_0 = Wᵀ M⁻¹ (f(t) e_1 − C q̇ − K q), A = (Wᵀ M⁻¹ W)_ii, "
+            "b = 2 / (d_max max(τ, 2h)): λ = clip(−(a_0 + b w) / (A + R), ±μ λ_N), R = A (1 − d_0) / d_0; "
+            "dashpots of joints (c_i) then implicit, (M + h C_i) q̇⁺ = (M + h C_i − h C) q̇ − h K q + h f(t) e_1 + h W λ"
+        ),
+        constants={
+            "τ": Constant(preset["solref_friction"][0], "s", "solref_friction, time constant"),
+            "d_0": Constant(LEAST_IMPEDANCE, "", "solimp_friction, MuJoCo's own: where nothing is violated"),
+            "d_max": Constant(LARGEST_IMPEDANCE, "", "solimp_friction, MuJoCo's own; solref is scaled by it"),
+        },
+        model=_joint_friction,
+        period_bound=NEWTON_PERIOD,
+        bound_reason=NEWTON_REASON,
+        modulated=True,
+    )
+
+
+def pyramidal_contact(preset: Preset) -> Law:
+    """Give the law of a sphere with a pyramid of four edges: held at a fixed depth or, with a preload, free."""
+    lifting = preset.represents(NormalForce.LIFTING)
+    return Law(
+        formula=f"{HELD_FORMULA}; {FREE_FORMULA}" if lifting else HELD_FORMULA,
+        constants={
+            "τ": Constant(preset["normal time constant"], "s", "normal time constant; of a free sphere, solref"),
+            "d_0": Constant(LEAST_IMPEDANCE, "", "solimp, MuJoCo's own: of a contact that touches"),
+            "d_max": Constant(LARGEST_IMPEDANCE, "", "solimp, MuJoCo's own: of one deeper than the width"),
+            "δ": Constant(WIDTH, "m", "solimp, MuJoCo's own"),
+        },
+        model=_pyramidal_contact,
+        period_bound=NEWTON_PERIOD,
+        bound_reason=NEWTON_REASON,
+        modulated=lifting,
+        lifting=lifting,
+        inclines=preset.inclines,
+    )
+
+
+def _joint_friction(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
+    rate = 2 / (constants["d_max"] * max(constants["τ"], 2 * lane.time_step))
+    step = _step(lane, rate)
+    softness = (1 - constants["d_0"]) / constants["d_0"]
+    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells, softness * step.coupling.diagonal()))
+
+
+def _pyramidal_contact(lane: Lane, constants: Mapping[str, float]) -> LaneModel:
+    time_constant = constants["τ"] if lane.preload is None else max(constants["τ"], 2 * lane.time_step)
+    rate = 2 / (constants["d_max"] * time_constant)
+    step = _step(lane, rate)
+    if lane.preload is not None or lane.direction:
+        return PyramidLane(lane, step, rate, constants)
+    # MuJoCo takes the inverse mass of a body as a mean over three axes: an outer mass slides along one of them.
+    inverse_mass = (1 / lane.chain.outer_mass + 2 / lane.chain.inner_mass) / 3
+    return PyramidalContactLane(lane, step, inverse_mass, constants)
+
+
+class PyramidalContactLane(LinearImplicitLane):
+    """A step with friction of two edges, of which one lets go at half of the bound.
+
+    A contact's softness is a part of `inverse_mass` [1/kg], shape (n,).
+    """
+
+    def __init__(self, lane: Lane, step: LinearStep, inverse_mass: FloatArray, constants: Mapping[str, float]):
+        chain = lane.chain
+        depth = DEPTH * power_of_two(lane.drive.displacement_scale(chain))
+        d = float(impedance(depth, constants["d_0"], constants["d_max"], constants["δ"]))
+        self._coefficient = np.maximum(chain.friction_coefficient, LEAST_COEFFICIENT)
+        compliance = (1 + self._coefficient**2) * (1 - d) / d * inverse_mass
+        friction = ScalarFriction.coulomb(chain.cells, compliance, 1 / (2 * compliance), bound_share=0.5)
+        super().__init__(lane, step, friction)
+
+    def normal_force(self, friction: FloatArray, preload: FloatArray) -> FloatArray:
+        """Give the sum over the edges: two across the slide keep their half, those along it carry the friction."""
+        return preload / 2 + np.maximum(preload / 2, np.abs(friction) / self._coefficient)
+
+
+def _step(lane: Lane, rate: float) -> LinearStep:
+    """Give MuJoCo's step: friction knows no dashpot of a joint at the end of the step, the masses do."""
+    chain, h = lane.chain, lane.time_step
+    mass, damping, directions = chain.mass_matrix, chain.damping_matrix, chain.contact_directions
+    matrix = mass + h * (directions @ np.diag(chain.inner_damping) @ directions.T)
+    seen = LinearStep.of(chain, h, mass, mass - h * damping, (1.0, 0.0), slip_weight=h * rate - 1)
+    return LinearStep.of(chain, h, matrix, matrix - h * damping, (1.0, 0.0)).with_friction_of(seen)
+
+
+class PyramidLane(KernelLane):
+    """One chain of spheres on plates, whose edges may let friction press and lift.
+
+    A lane with a preload has spheres that are free across the row, and a state with their gaps; others are held.
+    """
+
+    columns = 7
+
+    def __init__(self, lane: Lane, step: LinearStep, rate: float, constants: Mapping[str, float]):
+        chain, free = lane.chain, lane.preload is not None
+        super().__init__(lane)
+        self._free = free
+        size = 2 * chain.cells
+        self._matrices = (step.state.copy(), step.load[:, 0].copy(), step.response[:size].copy())
+        depth = (TOUCH if free else DEPTH) * power_of_two(lane.drive.displacement_scale(chain))
+        touching = np.full(chain.cells, depth) if free else np.where(chain.friction_bound > 0, depth, 0.0)
+        self._numbers = (lane.time_step, rate, touching)
+        sine, cosine = math.sin(lane.inclination), math.cos(lane.inclination)
+        self._normal, tangent = np.array([-sine, 0.0, cosine]), np.array([cosine, 0.0, sine])
+        solimp = (constants["d_0"], constants["d_max"], constants["δ"])
+        # the critical damping of MuJoCo's default; where spheres are held, what they press with takes its place
+        constraint = (lane.time_step * rate**2 / 4 if free else 0.0, *solimp)
+        edges = _edges(lane, self._normal)
+        self._contacts = (_masses(lane), self._normal, tangent, edges, constraint)
+
+    def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
+        """Run the kernel; what moves across the row in the plane of contacts begins at rest, as in MuJoCo."""
+        lane, cells, (along, _, above) = self.lane, self.lane.chain.cells, self._normal
+        motion = np.vstack([state.positions[0], state.velocities[0]])
+        aside = np.zeros((cells, 3))
+        if self._free:
+            slips = motion[:, cells:] - motion[:, :cells]
+            gaps = np.vstack([part[0] for part in state.normal_state(cells)])
+            aside[:, 1:] = ((gaps - along * slips) / above).T
+        loads, presses = lane.loads(start, steps), np.ascontiguousarray(lane.preloads(start, steps))
+        advance(motion, aside, loads, presses, self._matrices, self._numbers, self._contacts, record)
+        if not self._free:
+            return State(motion[:1], motion[1:])
+        gaps = above * aside[:, 1:].T + along * (motion[:, cells:] - motion[:, :cells])
+        return State(motion[:1], motion[1:], gaps.reshape(1, -1))
+
+
+def _edges(lane: Lane, normal: FloatArray) -> FloatArray:
+    """Give the edges n ± μ t of every contact, shape (n, 4, 3): along the row, across it in its plane, out of that.
+
+    Tangents have the directions of the world, whatever that of the row.
+    """
+    along, aside = lane.axis
+    tangents = np.array([[along * normal[2], -aside, -normal[0]], [aside, along, 0.0]])
+    coefficient = np.maximum(lane.chain.friction_coefficient, LEAST_COEFFICIENT)
+    edges: FloatArray = normal + coefficient[:, None, None] * np.vstack([tangents, -tangents])
+    return edges
+
+
+def _masses(lane: Lane) -> FloatArray:
+    """Give the inverse masses of every contact in its three directions, and R d / (1 − d) of its edges; shape (n, 4).
+
+    MuJoCo takes the inverse mass of a body as a mean over three axes: an outer mass slides along one of them, an inner
+    one along two or, where it is free, three.
+    """
+    chain = lane.chain
+    outer, inner = 1 / chain.outer_mass, 1 / chain.inner_mass
+    above = inner if lane.preload is not None else np.zeros(chain.cells)
+    coefficient = np.maximum(chain.friction_coefficient, LEAST_COEFFICIENT)
+    softness = 2 * coefficient**2 * (1 + coefficient**2) * (outer + 2 * inner + above) / 3
+    return np.column_stack([outer + inner, inner, above, softness])
+
+
+MOST_CORRECTIONS = 20
+"""Sets of pressing edges that Newton's iteration tries; it needs two or three, and may cycle."""
+
+
+@Kernel
+def _solved(coupling: Any, aim: Any, pressing: Any) -> Any:
+    """Give p of the edges that press, (E A Eᵀ + R) p = −(E y_free + o), and (E A Eᵀ) p + E y_free + o of the others."""
+    matrix, right = coupling.copy(), -aim
+    for edge in range(aim.size):
+        if not pressing[edge]:
+            matrix[:, edge] = 0.0
+            matrix[edge, edge] = -1.0
+    return np.linalg.solve(matrix, right)
+
+
+@Kernel
+def edge_impulses(free: Any, inverse_mass: Any, edges: Any, softness: Any, offset: Any) -> Any:
+    """Give p >= 0 of every edge with E y + o + R p >= 0, one or the other zero, and y = y_free + A Eᵀ p.
+
+    Newton's iteration over the sets of edges that press; where it cycles, all sets are tried.
+    """
+    count = edges.shape[0]
+    coupling = (edges * inverse_mass) @ edges.T + softness * np.eye(count)
+    aim = edges @ free + offset
+    pressing = np.ones(count, np.bool_)
+    for _ in range(MOST_CORRECTIONS):
+        solution = _solved(coupling, aim, pressing)
+        following = np.where(solution < 0, ~pressing, pressing)
+        if np.all(following == pressing):
+            return np.where(pressing, solution, 0.0)
+        pressing = following
+    best, least = np.zeros(count), np.inf
+    for number in range(2**count):
+        for edge in range(count):
+            pressing[edge] = (number >> edge) & 1
+        solution = _solved(coupling, aim, pressing)
+        if np.max(-solution) < least:
+            best, least = np.where(pressing, np.maximum(solution, 0.0), 0.0), np.max(-solution)
+    return best
+
+
+@Kernel
+def impedance(depth: Any, least: Any, largest: Any, width: Any) -> Any:
+    """Give d at a depth [m]: `solimp` with its midpoint 0.5 and its power 2, MuJoCo's own."""
+    part = min(1.0, depth / width)
+    rise = 2 * part**2 if part <= 0.5 else 1 - 2 * (1 - part) ** 2
+    return least + (largest - least) * rise
+
+
+@Kernel
+def _contact_impulses(free: Any, press: Any, depth: Any, contact: Any, edges: Any, constraint: Any) -> Any:
+    """Give the impulses of the edges of one contact.
+
+    `free` is h (a_0 + b w) in the three directions, where no edge presses; `press` what presses a contact that is held,
+    times h; `depth` [m] that at the start of the step; `contact` the inverse masses in the three directions, and what
+    the softness of edges is in proportion to; `constraint` h k, zero where the depth is held, d_0, d_max and δ.
+    """
+    stiffness, least, largest, width = constraint
+    if depth <= 0:
+        return np.zeros(edges.shape[0])
+    part = impedance(depth, least, largest, width)
+    softness = contact[3] * (1 - part) / part
+    # what each edge aims at: to get out of the plate, or to press with its share
+    offset = -stiffness * part * depth if stiffness > 0 else -softness * press / edges.shape[0]
+    return edge_impulses(free, contact[:3], edges, softness, offset)
+
+
+@Kernel
+def advance(
+    motion: Any, aside: Any, loads: Any, presses: Any, matrices: Any, numbers: Any, contacts: Any, record: Any
+) -> None:
+    """Advance one lane in place; see `PyramidLane`.
+
+    `motion`, shape (2, 2n), are positions and velocities along the row; `aside`, shape (n, 3), of every cell the
+    velocity across the row in the plane of its contacts, the height, and its rate; `loads`, shape (steps,), the force
+    on cell 1, and `presses`, shape (steps, n), what presses contacts. `matrices` are those of the linear step;
+    `numbers` h, b and the depths at no gap; `contacts` inverse masses and softness, normal and tangent along the row,
+    edges, and numbers of the constraint. `record`, shape (steps, 7n), gets positions, velocities, friction, normal
+    force and gap of each step; it may have no rows.
+    """
+    state_matrix, load, response = matrices
+    length, rate, touch = numbers
+    contact, normal, tangent, edges, constraint = contacts
+    cells, size = contact.shape[0], motion.shape[1]
+    state = np.concatenate((motion[1], motion[0]))
+    free, seen, held = np.empty(3), np.empty(size + cells), constraint[0] == 0
+    for step in range(loads.size):
+        seen[:] = state_matrix @ state + load * loads[step]
+        for i in range(cells):
+            gap = normal[2] * aside[i, 1] + normal[0] * (state[size + cells + i] - state[size + i])
+            impulse = np.zeros(3) if held else -length * presses[step, i] * normal
+            free[0], free[1], free[2] = seen[size + i], length * rate * aside[i, 0], length * rate * aside[i, 2]
+            free += contact[i, :3] * impulse
+            parts = _contact_impulses(free, length * presses[step, i], touch[i] - gap, contact[i], edges[i], constraint)
+            pressed = parts @ edges[i]
+            impulse += pressed
+            if record.shape[0] > 0:
+                record[step, 2 * size + i] = pressed @ tangent / length
+                record[step, 2 * size + cells + i] = np.sum(parts) / length
+            aside[i, 0] += contact[i, 1] * impulse[1]
+            aside[i, 2] += contact[i, 2] * impulse[2]
+            aside[i, 1] += length * aside[i, 2]
+            seen[:size] += response[:, i] * impulse[0]
+        state[:size] = seen[:size]
+        state[size:] += length * state[:size]
+        if record.shape[0] > 0:
+            record[step, :size], record[step, size : 2 * size] = state[size:], state[:size]
+            for i in range(cells):
+                gap = normal[2] * aside[i, 1] + normal[0] * (state[size + cells + i] - state[size + i])
+                record[step, 2 * size + 2 * cells + i] = gap
+    motion[0], motion[1] = state[size:], state[:size]

@@ -1,0 +1,59 @@
+"""Lanes as the worlds of one model, whatever their formulation, in copies of MuJoCo that advance all at once."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.interface.presets import Formulation, Preset
+from engines.mujoco.contact import compiled_contacts, light_units
+from engines.mujoco.joint import CompiledLane, compiled_joints
+from engines.shared.worlds import Worlds
+from engines.shared.worlds_simulation import WorldsSimulation
+from reference_lcp.chain.simulation import Lane, common_cells
+from reference_lcp.validation import FloatArray
+
+
+class ModelsSimulation(WorldsSimulation):
+    """Lanes as the worlds of one model, each with its own numbers, time step and units.
+
+    `new_worlds` makes the worlds of models of one structure, told whether bounds of friction change from step to step.
+    """
+
+    def __init__(self, compiled: Sequence[CompiledLane], new_worlds: Callable[[Sequence[Any], bool], Worlds]):
+        self._compiled, self._new_worlds = tuple(compiled), new_worlds
+        self._models = tuple(each.model for each in compiled)
+        lanes = [each.lane for each in compiled]
+        worlds = new_worlds(self._models, any(lane.preload is not None for lane in lanes))
+        joints = self._models[0].nq // common_cells(lanes)
+        super().__init__(lanes, [each.units for each in compiled], joints, worlds)
+
+    @classmethod
+    def of(
+        cls,
+        lanes: Sequence[Lane],
+        formulation: Formulation,
+        preset: Preset,
+        new_worlds: Callable[[Sequence[Any], bool], Worlds],
+    ) -> Self:
+        """Compile MuJoCo's models of the lanes, and make worlds of them."""
+        if formulation is Formulation.JOINT:
+            return cls([compiled_joints(lane, preset) for lane in lanes], new_worlds)
+        return cls([compiled_contacts(lane, preset, units_of=light_units) for lane in lanes], new_worlds)
+
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
+        """Give the lanes of these indices; they share the models."""
+        return type(self)([self._compiled[lane] for lane in lanes], self._new_worlds)
+
+    def _friction(self, index: int, rows: FloatArray) -> FloatArray:
+        """λ_T on the inner masses; where a cell has none, Newton leaves round-off of its neighbours."""
+        rubs = self.lanes[index].chain.friction_bound > 0
+        return np.where(rubs, rows[:, 1 :: self._joints] * self._units[index].force, 0.0)
+
+    def _normal_force(self, index: int, rows: FloatArray, given: FloatArray) -> FloatArray:
+        """λ_N as the sensors of the contacts measured it; cells without friction have no contact."""
+        if rows.shape[-1] == 0:
+            return given
+        measured = rows[:, ::3] * self._units[index].force * self._compiled[index].normal_share
+        return np.where(self.lanes[index].chain.friction_bound > 0, measured, given)

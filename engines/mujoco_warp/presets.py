@@ -1,0 +1,74 @@
+"""MuJoCo Warp's presets: MuJoCo's settings, changed for single precision, and its laws, solved to another tolerance."""
+
+from dataclasses import replace
+
+from engines.interface.law import Law
+from engines.interface.presets import NormalForce, Preset
+from engines.mujoco import presets as mujoco
+from engines.mujoco import step_model
+
+NEWTON_PERIOD = 4e-5
+"""Of U0: MuJoCo Warp stops at a tolerance of 1e-6, a hundred times MuJoCo's, which leaves ten times the acceleration,
+and ten times the 4e-6 U0 that this makes of a period; roundings in single precision are some 3e-6 U0."""
+
+NEWTON_REASON = "MuJoCo Warp's Newton solver stops at a tolerance of 1e-6, and computes in single precision"
+
+
+def joint_friction(preset: Preset) -> Law:
+    """Give the law of a joint's frictionloss."""
+    return replace(step_model.joint_friction(preset), period_bound=NEWTON_PERIOD, bound_reason=NEWTON_REASON)
+
+
+def pyramidal_contact(preset: Preset) -> Law:
+    """Give the law of a sphere that is held at a fixed depth."""
+    return replace(step_model.pyramidal_contact(preset), period_bound=NEWTON_PERIOD, bound_reason=NEWTON_REASON)
+
+
+TUNED = {
+    "units": ("lane", "Numbers near one, of which single precision keeps seven digits."),
+    "solver": ("Newton", "MuJoCo Warp has no dual solver but the sweep after it."),
+    "iterations": (1, "The sweep after it decides what friction is."),
+    "noslip_iterations": (
+        1,
+        "One sweep without softness: frictions do not touch each other's masses, so that it is exact.",
+    ),
+    "jacobian": ("auto", "MuJoCo Warp takes no dense matrices above 60 degrees of freedom."),
+    "integrator": mujoco.TUNED["integrator"],
+    "disable": (
+        ("eulerdamp", "warmstart", "island"),
+        "Damping at the start of the step; no warm start; no search for islands.",
+    ),
+}
+"""What the tuned presets of both formulations change alike."""
+
+JOINT_TUNED = Preset(
+    "One step of Newton, then one sweep without softness: friction stops a contact within a step, as in equation (5).",
+    mujoco.JOINT_OPTIONS,
+    {**TUNED, "cone": mujoco.NO_CONTACTS, "solref_friction": mujoco.STOPS_IN_ONE_STEP},
+    shares_scheme=True,
+    normal_force=NormalForce.MODULATED,
+)
+
+JOINT_DEFAULT = replace(mujoco.JOINT_DEFAULT, law=joint_friction, split_tolerance=1e-6)
+
+CONTACT_TUNED = Preset(
+    "The elliptic cone under a normal force that friction hardly changes, and a sweep without softness: equation (5).",
+    {**mujoco.CONTACT_OPTIONS, **mujoco.PRESSED_HARDER},
+    {
+        **TUNED,
+        "cone": mujoco.ELLIPTIC,
+        "solreffriction": mujoco.STOPS_IN_ONE_STEP,
+        "normal time constant": mujoco.CHOSEN_STIFFNESS,
+    },
+    shares_scheme=True,
+    turns=True,
+)
+
+CONTACT_DEFAULT = replace(
+    mujoco.CONTACT_DEFAULT,
+    law=pyramidal_contact,
+    split_tolerance=1e-6,
+    normal_force=NormalForce.CONSTANT,
+    modulated_options={},
+    inclines=False,
+)

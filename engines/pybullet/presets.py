@@ -1,0 +1,129 @@
+"""Options and presets of PyBullet, and the laws of its damping, which slows every mass down against the ground."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from engines.interface.law import Constant, Law
+from engines.interface.presets import NormalForce, Option, Preset
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
+
+
+def damped_joints(preset: Preset) -> Law:
+    """Give the law of a tree of links, whose damping grows with their speed."""
+    damping = preset["linearDamping"]
+    return Law(
+        formula="equation (5) with the force −m (k v + k_2 v |v|) of the start of the step on every mass",
+        constants={
+            "k": Constant(damping, "1/s", "linearDamping"),
+            "k_2": Constant(damping, "1/m", "linearDamping: the force of a link is m v (k + k |v|), |v| in m/s"),
+        },
+        model=_damped_joints,
+        modulated=True,
+    )
+
+
+def damped_bodies(preset: Preset) -> Law:
+    """Give the law of free bodies, which lose a part of their velocity before anything else."""
+    return Law(
+        formula="equation (5) from q̇ (1 − k)^h, h in s, with springs and dashpots from q̇ itself",
+        constants={"k": Constant(preset["linearDamping"], "", "linearDamping: the part lost in a second")},
+        model=_damped_bodies,
+        modulated=True,
+    )
+
+
+def _damped_joints(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
+    chain, h = lane.chain, lane.time_step
+    mass = chain.mass_matrix
+    velocity = (1 - h * constants["k"]) * mass - h * chain.damping_matrix
+    drag = np.full(2 * chain.cells, constants["k_2"])
+    step = replace(LinearStep.of(chain, h, mass, velocity, (1.0, 0.0)), quadratic_drag=drag)
+    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(chain.cells))
+
+
+def _damped_bodies(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
+    chain, h = lane.chain, lane.time_step
+    mass = chain.mass_matrix
+    step = LinearStep.of(chain, h, mass, (1 - constants["k"]) ** h * mass - h * chain.damping_matrix, (1.0, 0.0))
+    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(chain.cells))
+
+
+UNITS = Option.own("SI", "The chain in SI units.")
+DAMPING = Option.own(0.04, "Bullet's own; it slows every body down, against the ground.")
+
+TUNED = {
+    "units": ("lane", "No number comes near Bullet's built-in smallest and largest ones."),
+    "linearDamping": (0.0, "Bullet slows every body down, against the ground."),
+}
+"""What the tuned presets of both formulations change alike."""
+
+JOINT_OPTIONS = {
+    "units": UNITS,
+    "velocityGain": Option.own(1.0, "Bullet's own."),
+    "outer motor force": Option(0.0, "large", "Needed: a new joint has a motor that locks it."),
+    "linearDamping": DAMPING,
+    "maxJointVelocity": Option.own(100.0, "Bullet's own."),
+}
+
+JOINT_TUNED = Preset(
+    "Motors that hold the relative velocity at zero with at most the friction bound, and no damping by Bullet.",
+    JOINT_OPTIONS,
+    {
+        **TUNED,
+        "velocityGain": (1.0, "The motor's share of the velocity that it removes in one step."),
+        "outer motor force": (0.0, "A new joint has a motor that locks it."),
+        "maxJointVelocity": (1e30, "Bullet cuts joint velocities off, whatever the units."),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
+)
+
+JOINT_DEFAULT = Preset(
+    "Motors as dry friction in SI units, and Bullet's default options.",
+    JOINT_OPTIONS,
+    known_deviation=(
+        "Bullet's damping, 0.04 /s of the velocity v and 0.04 /m of v |v|, slows every mass down against the ground, "
+        "whatever the time step"
+    ),
+    law=damped_joints,
+    split_tolerance=1e-12,
+    normal_force=NormalForce.MODULATED,
+    varied={"linearDamping": (0.0, 0.01, 0.02)},
+)
+
+CONTACT_OPTIONS = {
+    "units": UNITS,
+    "localInertiaDiagonal": Option((0.0, 0.0, 0.0), "of the box", "Needed: the chain moves along a line."),
+    "linearDamping": DAMPING,
+    "solverResidualThreshold": Option.own(1e-7, "Bullet's own; below it the solver stops."),
+}
+
+CONTACT_TUNED = Preset(
+    "Boxes without rotation or damping, and a contact solver that never stops early: it then equals equation (5).",
+    CONTACT_OPTIONS,
+    {
+        **TUNED,
+        "localInertiaDiagonal": ((0.0, 0.0, 0.0), "Bullet takes zero for infinite: no rotation."),
+        "solverResidualThreshold": (0.0, "The solver stops early otherwise, and stuck contacts creep."),
+    },
+    shares_scheme=True,
+    split_tolerance=1e-12,
+    normal_force=NormalForce.LIFTING,
+    turns=True,
+)
+
+CONTACT_DEFAULT = Preset(
+    "The same boxes in SI units, with Bullet's own damping and its own solver.",
+    CONTACT_OPTIONS,
+    known_deviation=(
+        "Bullet's linear damping, 0.04 a second, slows every mass down against the ground, whatever the time step"
+    ),
+    law=damped_bodies,
+    split_tolerance=1e-12,
+    normal_force=NormalForce.LIFTING,
+    turns=True,
+)

@@ -1,1 +1,0 @@
-"""What the commands of ``python -m reference_lcp`` do and print."""

@@ -1,0 +1,68 @@
+"""What ends a command: refused input, a run that cannot go on, and exit codes; imports no NumPy."""
+
+import os
+from collections.abc import Sequence
+from enum import IntEnum
+from pathlib import Path
+
+SHOWN = 80
+"""Characters of a value that a message shows."""
+
+
+class ParameterError(ValueError):
+    """A parameter outside its allowed range; the message is one line."""
+
+
+class RunError(RuntimeError):
+    """A run cannot go on, and what it has computed so far is kept; the message is one line."""
+
+
+def shortened(text: str, length: int) -> str:
+    """Give a text, its end left out if it has more than so many characters, and how many."""
+    return text if len(text) <= length else f"{text[:length]}… ({len(text) - length} characters more)"
+
+
+def shown(value: object) -> str:
+    """Give a value as a message shows it: in one line, and the beginning of a long one."""
+    try:
+        text = repr(value)
+    except ValueError:  # integers of more than 4300 digits have no text
+        return "a number of more than 4300 digits"
+    return text if len(text) <= SHOWN else f"{text[:SHOWN]}… ({len(text)} characters)"
+
+
+def checked_path(name: str, path: str | os.PathLike[str]) -> Path:
+    """Give a path that the system can name, whether or not something is there."""
+    try:
+        checked = Path(path)
+        checked.lstat()
+    except (FileNotFoundError, NotADirectoryError, PermissionError):
+        return checked
+    except (OSError, ValueError, TypeError) as problem:
+        reason = problem.strerror if isinstance(problem, OSError) else problem
+        raise ParameterError(f"{name} = {shown(str(path))} is no path: {reason}; allowed: a path") from None
+    return checked
+
+
+def checked_choice(name: str, value: str, allowed: Sequence[str]) -> str:
+    """Give `value` if it is one of `allowed`, or raise `ParameterError` with the choices."""
+    if value not in allowed:
+        raise ParameterError(f"{name} = {shown(value)} is unknown; allowed: {', '.join(allowed)}")
+    return value
+
+
+class ExitCode(IntEnum):
+    """How a command ended."""
+
+    DONE = 0
+    """The command succeeded."""
+    FAILED = 1
+    """A comparison failed: an unexplained disagreement, a preset with too few certified numbers, a regression, or no
+    steady state."""
+    WRONG_INPUT = 2
+    """The input is refused: a value, a damaged store, an output that cannot be written, an engine that is missing."""
+    RUN_FAILED = 3
+    """The run could not go on, or its outputs could not be written: a full disk, a store that is gone or stays locked,
+    a lost cluster."""
+    INTERRUPTED = 130
+    """It was stopped by Ctrl-C; shells use this number too."""

@@ -1,0 +1,258 @@
+"""Error bars: how far a steady state of the Euler scheme is from that of the continuous motion.
+
+The steady state is found with three step sizes, and `reference_lcp.steady.richardson` estimates the error from them.
+What the residuals of the steady states and round-off leave open comes on top.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from reference_lcp.chain.drives import PeriodicDrive
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane, PeriodicOrbit, common_cells
+from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL
+from reference_lcp.errors import ParameterError
+from reference_lcp.observables.stick_slip import (
+    Mode,
+    TimedTransition,
+    Transition,
+    contact_modes,
+    match_transitions,
+    timed_transitions,
+)
+from reference_lcp.observables.transmittance import decibel, transmittance
+from reference_lcp.schemes.euler import CompiledSimulation
+from reference_lcp.steady.neighbours import PeriodInverse, refined_orbits
+from reference_lcp.steady.orbits import periodic_orbits
+from reference_lcp.steady.richardson import amplitude_in_db, richardson, unresolved_amplitude
+from reference_lcp.validation import FloatArray, checked_count, checked_scalar
+
+REFINEMENTS = (1, 2, 4)
+"""Numbers of steps that are compared, over the fewest of them."""
+
+BATCH = 900
+"""Cells of orbits that are refined together: more save no time, and three recorded periods of each are in memory, and
+while Jacobians are taken a state of the chain for each component of its own."""
+
+
+@dataclass(frozen=True)
+class ErrorBar:
+    """Error of a steady state: that of the step, of the residual and of round-off."""
+
+    transmittance_db: float
+    """Largest distance of the true transmittance [dB]; inf where it is not resolved, NaN where a finer step failed."""
+    floor_db: float
+    """Where the transmittance is not resolved, the largest one that is consistent with the result [dB]; else NaN."""
+    stuck_fraction: FloatArray
+    """As `transmittance_db`, for the stuck fraction of each contact, shape (n,)."""
+    transition_time: FloatArray
+    """The same for the time of each of `transitions` [s]; NaN where it is undecided: not there with every step."""
+    missing_transitions: list[Transition]
+    """Transitions that other steps show and the judged one does not: undecided too."""
+    order: float
+    """Measured over three step sizes, see `Estimate`."""
+    extrapolated_db: float
+    """Transmittance extrapolated to Δt → 0 from the two finest steps [dB]; NaN where it is not resolved."""
+    steps_per_period: tuple[int, ...]
+    """The step numbers that were compared."""
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the transmittance is above what residual and round-off can resolve."""
+        return math.isnan(self.floor_db)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Give the numbers, ready for JSON; what is not known is ``None``."""
+        return {
+            "error_bar_db": _known(self.transmittance_db),
+            "floor_db": _known(self.floor_db),
+            "error_bar_stuck_fraction": [_known(bar) for bar in self.stuck_fraction.tolist()],
+            "missing_transitions": [change.as_dict() for change in self.missing_transitions],
+            "order": _known(self.order),
+            "extrapolated_db": _known(self.extrapolated_db),
+        }
+
+
+@dataclass(frozen=True)
+class _Reading:
+    """What is read from an orbit, once: where it is not converged, nothing is known."""
+
+    stuck_fraction: FloatArray
+    transitions: list[TimedTransition]
+
+    @classmethod
+    def of(cls, orbit: PeriodicOrbit) -> "_Reading":
+        modes = contact_modes(orbit)
+        return cls(np.mean(modes == 0, axis=0), timed_transitions(orbit, modes))
+
+
+def measured_error_bar(
+    orbit: PeriodicOrbit, *, tolerance: float = DEFAULT_RESIDUAL, max_periods: int = DEFAULT_PERIODS
+) -> ErrorBar:
+    """Measure the error of one orbit; see `measured_error_bars`."""
+    return measured_error_bars([orbit], tolerance=tolerance, max_periods=max_periods)[0]
+
+
+def measured_error_bars(
+    orbits: Sequence[PeriodicOrbit], *, tolerance: float = DEFAULT_RESIDUAL, max_periods: int = DEFAULT_PERIODS
+) -> list[ErrorBar]:
+    """Measure the errors of orbits of the Euler scheme, from their step Δt and from Δt/2 and Δt/4, together.
+
+    Parameters
+    ----------
+    orbits
+        The results whose errors are measured: of chains of one length, with one number of steps a period.
+    tolerance, max_periods
+        As for `periodic_orbits`, of the finer steps.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is outside its range, or lengths or numbers of steps differ.
+    """
+    checked_scalar("tolerance", tolerance, "> 0")
+    checked_count("max_periods", max_periods)
+    if not orbits:
+        return []
+    together = max(1, BATCH // common_cells([orbit.lane for orbit in orbits]))
+    steps = {orbit.trajectory.steps for orbit in orbits}
+    if len(steps) > 1:
+        raise ParameterError(f"a batch holds periods of {sorted(steps)} steps; allowed: one number of steps")
+    bars: list[ErrorBar] = []
+    for first in range(0, len(orbits), together):
+        some = orbits[first : first + together]
+        inverse = PeriodInverse.of(some)
+        finer = refined_orbits(some, REFINEMENTS[1:], inverse, tolerance=tolerance, max_periods=max_periods)
+        bars += _error_bars([some, *finer], 0, inverse.amplification)
+    return bars
+
+
+def error_bar(orbits: Sequence[PeriodicOrbit], place: int = 0) -> ErrorBar:
+    """Estimate the error of the orbit at `place`, of two or more of one chain by ascending numbers of steps.
+
+    A stuck fraction and the time of a transition have one step of resolution besides, and the transmittance what
+    residual and round-off leave open.
+    """
+    return _error_bars([[orbit] for orbit in orbits], place, PeriodInverse.of([orbits[place]]).amplification)[0]
+
+
+def _error_bars(ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray) -> list[ErrorBar]:
+    """Estimate the errors of the orbits in one place of a ladder: for each number of steps, one orbit a point."""
+    judged, steps = ladder[place], tuple(orbits[0].trajectory.steps for orbits in ladder)
+    readings = [[_Reading.of(orbit) for orbit in orbits] for orbits in ladder]
+    stuck = np.array([[reading.stuck_fraction for reading in row] for row in readings])
+    stuck[~np.array([[orbit.converged for orbit in orbits] for orbits in ladder])] = np.nan
+    sticks = np.array([_sticks(reading, stuck.shape[2]) for reading in readings[place]])
+    of_stuck = richardson(steps, stuck, steps[place]).error + sticks / steps[place]
+    matched = [
+        _transition_times(orbits, [reading.transitions for reading in row], place)
+        for orbits, row in zip(zip(*ladder, strict=True), zip(*readings, strict=True), strict=True)
+    ]
+    times = richardson(steps, np.hstack([times for times, _ in matched]), steps[place]).error
+    of_times = np.split(times, np.cumsum([part.shape[1] for part, _ in matched])[:-1])
+    return [
+        ErrorBar(
+            **level,
+            stuck_fraction=fraction,
+            transition_time=time + orbit.lane.time_step,
+            missing_transitions=missing,
+            steps_per_period=steps,
+        )
+        for level, fraction, time, (_, missing), orbit in zip(
+            _transmittance_bars(ladder, place, amplification), of_stuck, of_times, matched, judged, strict=True
+        )
+    ]
+
+
+def _transmittance_bars(
+    ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray
+) -> list[dict[str, float]]:
+    """Give the fields of each `ErrorBar` that the transmittance decides."""
+    steps = [orbits[0].trajectory.steps for orbits in ladder]
+    amplitudes = np.array(
+        [[transmittance(orbit) if orbit.converged else np.nan for orbit in orbits] for orbits in ladder]
+    )
+    with np.errstate(divide="ignore"):
+        levels = 20 * np.log10(amplitudes)
+    by_amplitude, by_level = (richardson(steps, values, steps[place]) for values in (amplitudes, levels))
+    bars = []
+    for k, orbit in enumerate(ladder[place]):
+        unresolved = _unresolved_amplitude(orbit, amplification[k], levels[place, k])
+        if unresolved >= amplitudes[place, k]:
+            bars.append(_floor(amplitudes[place, k] + unresolved + by_amplitude.error[k]))
+            continue
+        bars.append(
+            {
+                "transmittance_db": float(by_level.error[k]) - amplitude_in_db(-unresolved, levels[place, k]),
+                "floor_db": math.nan,
+                "order": float(by_level.order[k]),
+                "extrapolated_db": float(by_level.extrapolated[k]),
+            }
+        )
+    return bars
+
+
+def _floor(largest: float) -> dict[str, float]:
+    """Give the fields where the amplitude is not resolved, and may be this large."""
+    distance = math.nan if math.isnan(largest) else math.inf
+    return {
+        "transmittance_db": distance,
+        "floor_db": decibel(largest),
+        "order": math.nan,
+        "extrapolated_db": math.nan,
+    }
+
+
+def _unresolved_amplitude(orbit: PeriodicOrbit, amplification: float, level: float) -> float:
+    """What residual and round-off leave open of the amplitude of an orbit, over the displacement scale."""
+    steps = orbit.periods * orbit.trajectory.steps
+    return unresolved_amplitude(orbit.residual, float(amplification), steps, float(level))
+
+
+def _sticks(reading: _Reading, cells: int) -> FloatArray:
+    """Sticks of each contact in a period, at least one, shape (n,): what each of them lasts is off by up to a step."""
+    stuck = [cell - 1 for cell, _, kind in reading.transitions if kind == Mode.STICK]
+    return np.maximum(1, np.bincount(stuck, minlength=cells)).astype(np.float64)
+
+
+def _transition_times(
+    orbits: Sequence[PeriodicOrbit], observed: Sequence[list[TimedTransition]], place: int
+) -> tuple[FloatArray, list[Transition]]:
+    """Times [s] of the judged transitions with every step, NaN without a match, shape (orbits, transitions); others."""
+    judged = observed[place]
+    index = {change: k for k, change in enumerate(judged)}
+    period = orbits[place].lane.time_step * orbits[place].trajectory.steps
+    times = np.full((len(orbits), len(judged)), np.nan)
+    missing: list[TimedTransition] = []
+    for number, orbit in enumerate(orbits):
+        if not orbit.converged:
+            continue
+        if number == place:
+            times[number] = [time for _, time, _ in judged]
+            continue
+        match = match_transitions(observed[number], judged, period)
+        for (_, expected), error in zip(match.pairs, match.time_errors, strict=True):
+            times[number, index[expected]] = expected[1] + error * period
+        if match.spurious:
+            missing.extend(match_transitions(match.spurious, missing, period).spurious)
+    return times, [Transition(cell, time, Mode(kind)) for cell, time, kind in sorted(missing)]
+
+
+def euler_orbit(
+    chain: Chain,
+    drive: PeriodicDrive,
+    steps: int,
+    tolerance: float = DEFAULT_RESIDUAL,
+    max_periods: int = DEFAULT_PERIODS,
+) -> PeriodicOrbit:
+    """Find the periodic orbit of the compiled Euler scheme with so many steps a period; see `periodic_orbits`."""
+    simulation = CompiledSimulation([Lane.periodic(chain, drive, steps)])
+    return periodic_orbits(simulation, steps, tolerance=tolerance, max_periods=max_periods)[0]
+
+
+def _known(value: float) -> float | None:
+    return value if math.isfinite(value) else None

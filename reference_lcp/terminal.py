@@ -1,0 +1,286 @@
+"""What people see on a terminal: tables, progress, first compilations, and texts of others shown and not obeyed."""
+
+import math
+import re
+import sys
+import textwrap
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from threading import Event, RLock, Thread
+from time import monotonic
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+_CONTROLS = re.compile(
+    "["
+    "\x00-\x1f\x7f-\x9f"  # C0 with line feeds and escape sequences, C1
+    "\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069"  # the order in which letters are shown, and ends of lines
+    "\ud800-\udfff"  # bytes of file names that are no UTF-8
+    "\ufffe\uffff"  # no characters; XML refuses them
+    "]"
+)
+
+
+READABLE = 24
+"""Columns that a column of texts has at least, if its texts are that long: narrower ones are hard to read."""
+
+LONGEST_NAME = 44
+"""Columns of a name in the first column; a longer one, with many options, is wrapped."""
+
+LINE_SECONDS = 10.0
+"""Time after which a line is printed, whatever has happened [s]: CI services stop what is silent for long. Where the
+work has grown within it, nothing says how much is left."""
+
+LINE_PART = 0.05
+"""Part of the work after which a line is printed."""
+
+LEAST_SECONDS = 1.0
+"""Time between lines at least [s]: work of seconds needs none."""
+
+_Item = TypeVar("_Item")
+
+SUITE = ("reference_lcp", "engines", "scenarios", "reports")
+"""Packages whose functions are compiled; those of others have their own ways."""
+
+NOTICE = "compiling the solvers for this machine: this takes up to half a minute, once; they are kept for later runs"
+"""The longest that was measured for one command is a quarter of a minute, on a core that is busy with nothing else."""
+
+
+def visible(text: str) -> str:
+    r"""Give a text in one line that no terminal obeys: an escape character becomes the letters ``\x1b``."""
+    return _CONTROLS.sub(lambda control: control[0].encode("unicode_escape").decode(), text)
+
+
+def print_table(
+    headings: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    *,
+    title: str | None = None,
+    console: "Console | None" = None,
+) -> None:
+    """Print a table of texts; columns that do not fit follow in a table below, with the first column again.
+
+    Numbers and names are never wrapped, texts and headings are, at spaces; what would control a terminal is shown.
+    """
+    from rich.console import Console  # rich is imported once something is shown
+
+    console = console or Console()
+    columns = [_column(heading, [row[number] for row in rows], number) for number, heading in enumerate(headings)]
+    first, rest = columns[0], columns[1:]
+    while True:
+        fitting = [n for n in range(1, len(rest) + 1) if _width([first, *rest[:n]]) <= console.width]
+        count = max(fitting, default=min(1, len(rest)))
+        console.print(_table([first, *rest[:count]], title, console.width))
+        rest, title = rest[count:], None
+        if not rest:
+            return
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A column, with the width [characters] that it has at least, and that it has without a limit."""
+
+    heading: str
+    cells: Sequence[str]
+    least: int
+    natural: int
+
+
+def _column(heading: str, cells: Sequence[str], number: int) -> _Column:
+    """Give a column; numbers and names keep their width, texts are wrapped, and names with many options."""
+    heading, cells = visible(heading), ["\n".join(map(visible, cell.split("\n"))) for cell in cells]
+    widest = max((len(line) for cell in cells for line in cell.split("\n")), default=0)
+    word = max(map(len, heading.split()), default=1)
+    if number == 0:
+        least = min(widest, LONGEST_NAME)
+    else:
+        least = min(widest, READABLE) if any(" " in cell for cell in cells) else widest
+    return _Column(heading, cells, max(least, word), max(widest, word))
+
+
+def _width(columns: Sequence[_Column]) -> int:
+    """Give the least width of a table: each column has a blank on both sides, and one is shared."""
+    return sum(column.least + 2 for column in columns) + 1
+
+
+def _table(columns: Sequence[_Column], title: str | None, width: int) -> "Table":
+    """Give a table in which columns of texts share what is left of the width, those that need least first."""
+    from rich import box
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), title=title, title_justify="left")
+    widths = [column.least for column in columns]
+    free = width - _width(columns)
+    wrapped = sorted(
+        (n for n, each in enumerate(columns) if each.natural > each.least), key=lambda n: columns[n].natural - widths[n]
+    )
+    for place, number in enumerate(wrapped):
+        more = min(columns[number].natural - widths[number], max(free, 0) // (len(wrapped) - place))
+        widths[number] += more
+        free -= more
+    for column, own in zip(columns, widths, strict=True):
+        heading = textwrap.fill(column.heading, own, break_on_hyphens=False)
+        table.add_column(escape(heading), width=own, overflow="fold")
+    for row in zip(*(column.cells for column in columns), strict=True):
+        table.add_row(*map(escape, row))
+    return table
+
+
+class ProgressLines:
+    """Prints to standard error how many units of a work are done, while it is entered."""
+
+    def __init__(self, unit: str, clock: Callable[[], float] = monotonic):
+        self._unit, self._clock = unit, clock
+        self._computed = self._total = self._known = 0
+        self._stage, self._grew = "", -math.inf
+        self._start = self._printed = clock()
+        self._part = 0.0
+        self._end, self._lock = Event(), RLock()
+        self._thread = Thread(target=self._print_in_time, daemon=True)
+
+    def expect(self, count: int) -> None:
+        """Add to the work."""
+        with self._lock:
+            self._total += count
+            if self._computed + self._known:
+                self._grew = self._clock()
+
+    def recall(self, count: int) -> None:
+        """Add to what is done what was known already."""
+        with self._lock:
+            self._known += count
+
+    def advance(self, count: int) -> None:
+        """Add to what is done."""
+        with self._lock:
+            self._computed += count
+            if self._part_done >= self._part + LINE_PART and self._clock() >= self._printed + LEAST_SECONDS:
+                self.print_line()
+
+    def stage(self, name: str) -> None:
+        """Name what is being done."""
+        with self._lock:
+            self._stage = name
+
+    def print_line(self) -> None:
+        """Print how far it is now."""
+        with self._lock:
+            self._printed, self._part = self._clock(), self._part_done
+            print(self._text(), file=sys.stderr, flush=True)
+
+    @property
+    def _part_done(self) -> float:
+        return (self._computed + self._known) / self._total if self._total > 0 else 0.0
+
+    def _text(self) -> str:
+        done = self._computed + self._known
+        seconds = self._clock() - self._start
+        left = self._total - done
+        known = f", {self._known:,} of them known before" if self._known else ""
+        counts = f"{done:,} of {self._total:,} {self._unit} ({self._part_done:.0%}){known}"
+        if left == 0:
+            estimate = ""
+        elif not self._computed or self._clock() < self._grew + LINE_SECONDS:
+            estimate = ", left: unknown"
+        else:
+            estimate = f", left: about {_duration(seconds * left / self._computed)}"
+        return f"{self._stage}{': ' if self._stage else ''}{counts}; {_duration(seconds)} so far{estimate}"
+
+    def _print_in_time(self) -> None:
+        while not self._end.wait(max(self._printed + LINE_SECONDS - self._clock(), 0.0)):
+            with self._lock:
+                if self._clock() >= self._printed + LINE_SECONDS:
+                    self.print_line()
+
+    def __enter__(self) -> Self:
+        self._start = self._printed = self._clock()
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._end.set()
+        self._thread.join()
+
+
+def _duration(seconds: float) -> str:
+    """Give a time as people say it."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60:02d} min"
+
+
+def tracked(items: Sequence[_Item], unit: str) -> Iterator[_Item]:
+    """Give items one after the other, with a bar on a terminal and lines elsewhere."""
+    with counted(unit, len(items)) as advance:
+        for item in items:
+            yield item
+            advance()
+
+
+@contextmanager
+def counted(unit: str, total: int) -> Iterator[Callable[[], None]]:
+    """Show how many of so many are done, with a bar on a terminal and lines elsewhere; gives what counts one."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    if console.is_terminal:
+        with Progress(console=console, transient=True) as progress:
+            bar = progress.add_task(unit, total=total)
+            yield lambda: progress.advance(bar)
+        return
+    with ProgressLines(unit) as lines:
+        lines.expect(total)
+        yield lambda: lines.advance(1)
+
+
+def announce_compilation() -> None:
+    """Say it in a terminal when something has to be compiled, once a process; commands call this before they compute.
+
+    Output into files and pipes stays as it is.
+    """
+    if not sys.stderr.isatty():
+        return
+    from numba.core import event as compiler
+
+    class Notice(compiler.Listener):  # type: ignore[misc]
+        """Prints a line at the first compilation, and is silent from then on."""
+
+        def on_start(self, event: Any) -> None:
+            """Print the line, if the function is one of the suite."""
+            if _is_of_suite(event.data["dispatcher"]):
+                say_in_terminal(NOTICE)
+
+        def on_end(self, event: Any) -> None:
+            """Nothing is said at the end: results follow."""
+
+    if not _State.listening:
+        _State.listening = True
+        compiler.register("numba:compile", Notice())
+
+
+def say_in_terminal(line: str) -> None:
+    """Print a line to standard error if that is a terminal, once a process."""
+    if sys.stderr.isatty() and line not in _State.said:
+        _State.said.add(line)
+        print(line, file=sys.stderr, flush=True)
+
+
+class _State:
+    """Whether compilations are listened to, and what the user has been told."""
+
+    listening = False
+    said: ClassVar[set[str]] = set()
+
+
+def _is_of_suite(dispatcher: Any) -> bool:
+    return str(dispatcher.py_func.__module__).partition(".")[0] in SUITE

@@ -1,0 +1,180 @@
+"""Tables of a report: a row a point, a row an edge, with scalars; what it shows of variants are group-bys of them."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from engines.interface.variant import Variant
+from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.table import Point
+from scenarios.sweeps.truths import Truths, truth_errors
+from scenarios.verdicts.finding import PHASE, TRANSMITTANCE, Finding, Metric, Prediction, unexplained
+from scenarios.verdicts.judge import metric_difference
+from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.truth_error import TrueTransmittance
+
+AS_PREDICTED, UNEXPLAINED = "as its law predicts", "unexplained"
+"""Outcomes of a point or an edge that departs from what it is compared with."""
+
+NAMES = ("engine", "formulation", "preset")
+"""Of a variant, in the order of `names_of`."""
+
+POINT_COLUMNS = (
+    "frequency_ratio", "status", "transmittance_db", "truth_db", "truth_error_db", "error_db", "residual",
+    "difference_db", "phase_rad", "difference_phase_deg", "verdict", "outcome", "law_value_db", "law_left_db",
+    "law_allowed_db", "law_value_phase_deg", "law_left_phase_deg", "law_allowed_phase_deg", "law_distance",
+    "law_period_bound", "reason",
+)  # fmt: skip
+"""Columns of a point that are written, after the names of its variant and the values of its case."""
+
+MORE_COLUMNS = (
+    "variant", "case", "truth_exact", "step_db", "scheme_db", "periods", "steps_per_period", "seconds", "creep"
+)  # fmt: skip
+"""Columns that the page needs beside them: what the truth leaves open of an error, the difference from the reference at
+equal time step, and the largest slip velocity within a stick over ω U0."""
+
+EDGE_COLUMNS = (
+    "edge", "frequency_ratio", "difference", "verdict", "outcome", "law_value", "law_left", "law_allowed",
+    "law_distance", "law_period_bound", "reason",
+)  # fmt: skip
+
+
+def outcome(findings: Sequence[Finding]) -> str:
+    """Say whether what departs is as the law predicts; empty where nothing departs."""
+    if unexplained(findings):
+        return UNEXPLAINED
+    return AS_PREDICTED if any(finding.as_predicted for finding in findings) else ""
+
+
+def names_of(variant: Variant) -> dict[str, str]:
+    """Give the names of a variant, as tables have them."""
+    return dict(zip(NAMES, (variant.engine, variant.formulation, variant.preset_name), strict=True))
+
+
+def written(table: pd.DataFrame, result: ComparedSweep, columns: Iterable[str]) -> pd.DataFrame:
+    """Give the columns of a table that are written: names of the variant and the values of its case come first."""
+    return table[[*NAMES, *result.sweep.case_axes, *columns]]
+
+
+def point_table(result: ComparedSweep, truths: Truths, points: Sequence[Point]) -> pd.DataFrame:
+    """Give a row for each of the points; NaN where a number is not known."""
+    return table_of(result, point_rows(result, truths, points))
+
+
+def table_of(result: ComparedSweep, rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Give the table of `point_rows`."""
+    return pd.DataFrame(rows, columns=[*MORE_COLUMNS, *NAMES, *result.sweep.case_axes, *POINT_COLUMNS])
+
+
+def point_rows(result: ComparedSweep, truths: Truths, points: Sequence[Point]) -> list[dict[str, Any]]:
+    """Give the rows of `point_table`."""
+    compared = [point for point in points if point[1:3] in truths]
+    errors = {point[:3]: error for point, error in truth_errors(result, truths, compared)}
+    scheme = {point[1:3]: point.result for point in result.points if point.variant == REFERENCE}
+    unknown = TrueTransmittance(math.nan, math.nan, exact=False)
+    rows = []
+    for point in points:
+        own, truth, error = point.result, truths.get(point[1:3], unknown), errors.get(point[:3])
+        reference = scheme.get(point[1:3])
+        levels = None if reference is None else (own.transmittance_db, reference.transmittance_db)
+        creeps = [creep for creep in own.creep if own.converged and not math.isnan(creep)]
+        rows.append({
+            "variant": point.variant,
+            "case": point.case,
+            **names_of(point.variant),
+            **point.case.by_axis,
+            "frequency_ratio": point.frequency_ratio,
+            "status": str(own.status),
+            "transmittance_db": own.transmittance_db,
+            "truth_db": truth.transmittance_db,
+            "truth_error_db": truth.error_db,
+            "truth_exact": truth.exact,
+            "error_db": math.nan if error is None else error.error_db,
+            "step_db": math.nan if error is None else error.step_db,
+            "scheme_db": math.nan if levels is None else metric_difference(TRANSMITTANCE, *levels),
+            "residual": own.residual,
+            "periods": own.periods,
+            "steps_per_period": own.steps_per_period,
+            "seconds": own.seconds,
+            "creep": max(creeps, default=math.nan),
+            "difference_db": point.difference(TRANSMITTANCE),
+            "phase_rad": own.phase,
+            "difference_phase_deg": point.difference(PHASE),
+            **({"verdict": str(point.comparison.verdict), "reason": point.comparison.reason} if point.findings else {}),
+            "outcome": outcome(point.findings),
+            **_laws(point),
+        })  # fmt: skip
+    return rows
+
+
+def _laws(point: Point) -> dict[str, float]:
+    """Give what the law of a variant says of a point."""
+    numbers: dict[str, float] = {}
+    for metric, unit in ((TRANSMITTANCE, "_db"), (PHASE, "_phase_deg")):
+        numbers |= _law(_prediction(point, metric), unit)
+    return numbers | _motion(next((own.prediction for own in point.findings if own.prediction is not None), None))
+
+
+def _prediction(point: Point, metric: Metric) -> Prediction | None:
+    return next((own.prediction for own in point.findings if own.metric == metric and own.prediction is not None), None)
+
+
+def _law(prediction: Prediction | None, unit: str = "") -> dict[str, float]:
+    """Give the law's number, the variant's less it, and what both leave open of that; NaN without a prediction."""
+    numbers = {"value": "value", "left": "difference", "allowed": "allowed"}
+    return {f"law_{key}{unit}": getattr(prediction, name, math.nan) for key, name in numbers.items()}
+
+
+def _motion(prediction: Prediction | None) -> dict[str, float]:
+    """Give the distance of the variant and of its law after a period, over U0, with its bound; likewise."""
+    return {f"law_{name}": getattr(prediction, name, math.nan) for name in ("distance", "period_bound")}
+
+
+def edge_table(result: ComparedSweep) -> pd.DataFrame:
+    """Give both edges of every curve; NaN where the grid does not hold the edge or nothing could be compared."""
+    rows: list[dict[str, Any]] = [
+        {
+            "variant": edge.variant,
+            "case": edge.case,
+            **names_of(edge.variant),
+            **edge.case.by_axis,
+            "edge": str(edge.edge),
+            "frequency_ratio": math.nan if edge.frequency_ratio is None else edge.frequency_ratio,
+            "difference": edge.comparison.difference,
+            "verdict": str(edge.comparison.verdict),
+            "outcome": outcome((edge.finding,)),
+            **_law(edge.prediction),
+            **_motion(edge.prediction),
+            "reason": edge.comparison.reason,
+        }
+        for edge in result.edges
+    ]
+    return pd.DataFrame(rows, columns=["variant", "case", *NAMES, *result.sweep.case_axes, *EDGE_COLUMNS])
+
+
+def transition_table(result: ComparedSweep) -> pd.DataFrame:
+    """Give every change of mode at every point of every curve that has a steady state."""
+    rows = [
+        (*names_of(point.variant).values(), *point.case.by_axis.values(), point.frequency_ratio, *transition)
+        for point in result.points
+        if point.result.converged
+        for transition in point.result.transitions
+    ]
+    columns = (*NAMES, *result.sweep.case_axes, "frequency_ratio", "cell", "time_s", "kind")
+    return pd.DataFrame(rows, columns=columns)
+
+
+def by_variant(table: pd.DataFrame, variants: Iterable[Variant] | None = None) -> dict[Variant, pd.DataFrame]:
+    """Give the rows of each of these variants, of every one that a table has without them."""
+    groups: dict[Any, pd.DataFrame] = dict(iter(table.groupby("variant", sort=False)))
+    return groups if variants is None else {variant: groups.get(variant, table.iloc[:0]) for variant in variants}
+
+
+def largest(table: pd.DataFrame, column: str) -> dict[str, Any]:
+    """Give the row with the largest size in a column, the first of equal ones; NaN in it where there is none."""
+    sizes = table[column].astype(float).abs()
+    if sizes.isna().all():
+        return {column: math.nan, "case": None, "frequency_ratio": math.nan}
+    return {str(name): value for name, value in table.iloc[int(sizes.argmax())].items()}

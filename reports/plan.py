@@ -1,0 +1,136 @@
+"""What a report shows, before any work: of a sweep's file, named variants, all that is stored, or the default one."""
+
+import shlex
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from engines.interface.presets import Formulation
+from engines.interface.variant import Variant, default_variants, variants_named
+from engines.shared.law_distance import stepped_by, unclaimed_reason
+from reference_lcp.errors import ParameterError
+from reports.data.collect import QUICK, Scope
+from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.task import SteadyStateTask
+from scenarios.studies.few_points import FEW_POINTS, QUICK_POINTS, one_option_variants
+from scenarios.studies.figure3 import (
+    FRICTION_RATIOS,
+    QUICK_FRICTION_RATIOS,
+    default_frequency_ratios,
+    figure3,
+    quick_frequency_ratios,
+)
+from scenarios.sweeps.run import noted_sweeps
+from scenarios.sweeps.spec_file import read_sweep
+from scenarios.sweeps.sweep import Sweep, check_size
+from scenarios.verdicts.steady_case import REFERENCE
+
+PROGRAM = ("multibody-xval", "report")
+
+SCENARIOS = ("frictionless-limit", "locked-limit", "unit-cell", "breakaway", "stopping-distance")
+"""Scenarios of the default report: limits, transitions and thresholds; half a minute of a processor at most."""
+
+
+@dataclass(frozen=True)
+class PlannedReport:
+    """What a report shows: its sweep, the parts beside its grid, and the command that gives the same numbers."""
+
+    sweep: Sweep
+    scope: Scope
+    command: str
+
+
+def planned_report(names: Sequence[str], file: Path | None, *, quick: bool, stored_in: Path | None) -> PlannedReport:
+    """Plan a report before any work: of a sweep's file, named variants, all that is stored, or the default one."""
+    if file is not None:
+        return PlannedReport(_sweep(file, names, quick), Scope(), command_of(names, quick, file))
+    if names:
+        planned = _figure3(variants_named(names), quick)
+        scope = QUICK if quick else _scope(_predicted(planned))
+        return PlannedReport(planned, scope, command_of(names, quick, None))
+    if stored_in is not None and not quick:
+        stored = stored_sweep(stored_in)
+        scope = replace(_scope(_predicted(stored), _beside(stored)), beside_points=(*FEW_POINTS, *QUICK_POINTS))
+        return PlannedReport(stored, scope, command_of((), False, None, stored_in))
+    planned = _default_sweep(quick)
+    beside = _beside(planned)
+    scope = replace(QUICK, beside=beside) if quick else replace(_scope(planned.variants, beside), scenarios=SCENARIOS)
+    return PlannedReport(planned, scope, command_of((), quick, None))
+
+
+def _scope(settling: Sequence[Variant], beside: tuple[Variant, ...] = ()) -> Scope:
+    """Give the parts beside a sweep, with single options of defaults that settle, for a law predicts them.
+
+    A preview has none of these: at its two points errors may cancel.
+    """
+    return Scope(beside=beside, one_option=one_option_variants(settling, beside))
+
+
+def stored_sweep(store: Path) -> Sweep:
+    """Give the sweep that a store noted last, with all engines that it has of these points; others are named."""
+    noted = noted_sweeps(store)
+    for other in noted.others:
+        names = ", ".join(map(str, other.variants))
+        axes = ", ".join(f"{len(values)} of {name}" for name, values in other.axes.items())
+        print(f"not shown: the store also has {axes}, of {names}; --sweep FILE shows them", file=sys.stderr)
+    return noted.sweep.with_reference()
+
+
+def _default_sweep(quick: bool) -> Sweep:
+    """Give the sweep of Figure 3 with all joints, tuned and default, whose laws say what they do at every point.
+
+    What no law predicts is unexplained wherever it departs, and the comparison would always fail.
+    """
+    joints = [variant for variant in default_variants() if variant.formulation == Formulation.JOINT]
+    planned = _figure3(joints, quick)
+    return replace(planned, variants=_predicted(planned))
+
+
+def _beside(planned: Sweep) -> tuple[Variant, ...]:
+    """Give every other default variant: these are compared at a few points."""
+    return tuple(variant for variant in default_variants() if variant not in planned.variants)
+
+
+def _predicted(planned: Sweep) -> tuple[Variant, ...]:
+    """Give the variants but for those of engines that no law predicts at every point."""
+    engines = [variant for variant in planned.variants if variant.engine != REFERENCE.engine]
+    unpredicted = {task.variant for task in planned.tasks() if task.variant in engines and not _is_predicted(task)}
+    return tuple(variant for variant in planned.variants if variant not in unpredicted)
+
+
+def _is_predicted(task: SteadyStateTask) -> bool:
+    law = stepped_by(task.variant)
+    return law is not None and unclaimed_reason(law, task.lane()[0]) is None
+
+
+def _figure3(variants: list[Variant], quick: bool) -> Sweep:
+    """Give the sweep of Figure 3."""
+    ratios = ChainRatios()
+    return figure3(
+        variants=tuple(variants),
+        friction_ratios=QUICK_FRICTION_RATIOS if quick else FRICTION_RATIOS,
+        frequency_ratios=quick_frequency_ratios(ratios) if quick else default_frequency_ratios(ratios),
+        ratios=ratios,
+    )
+
+
+def _sweep(file: Path, chosen: Sequence[str], quick: bool) -> Sweep:
+    """Read a sweep from its file."""
+    if chosen or quick:
+        raise ParameterError("--sweep names engines and grid; allowed beside it: neither --engine nor --quick")
+    planned = read_sweep(file).with_reference()
+    check_size(planned)
+    return planned
+
+
+def command_of(chosen: Sequence[str], quick: bool, sweep: Path | None, stored: Path | None = None) -> str:
+    """Give the command that gives the same numbers, of a `stored` sweep too; the folder of the report is left out."""
+    options = ["--quick"] if quick else []
+    for name in chosen:
+        options += ["--engine", name]
+    if sweep is not None:
+        options += ["--sweep", str(sweep)]
+    if stored is not None:
+        options += ["--no-run", "--store", str(stored)]
+    return shlex.join([*PROGRAM, *options])

@@ -1,1 +1,0 @@
-"""How tasks are run: evaluator, executors, store, progress."""

@@ -1,1 +1,0 @@
-"""Where tasks are computed: worker processes of this machine, workers of a cluster."""

@@ -1,0 +1,157 @@
+"""Workers of a dask cluster that runs already, on this machine or on many."""
+
+import logging
+import threading
+import time
+from collections.abc import Collection
+from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
+from typing import Any
+
+from reference_lcp.errors import ParameterError, shown
+from scenarios.runs import TIME_LIMIT
+from scenarios.runs.executor import Batch, Executor, Run, WorkerDied, WorkerExecutor
+from scenarios.runs.failures import ExecutorError, text_of
+from scenarios.runs.local_processes import LocalExecutor, executor_here
+from scenarios.runs.result import Result
+from scenarios.runs.worker import identity_of
+
+_own = threading.local()
+"""The processes of each thread of the worker."""
+
+
+def run_on_cluster(batch: Batch, identity: str, limit: float) -> list[Result]:
+    """Run a batch as on the client's machine; see `LocalExecutor.run_for_client`."""
+    if not hasattr(_own, "executor"):
+        _own.executor = LocalExecutor(1)
+    executor: LocalExecutor = _own.executor
+    return executor.run_for_client(batch, identity, limit)
+
+
+NOISY = ("distributed", "distributed.client", "distributed.core", "distributed.utils", "tornado.application", "asyncio")
+"""Loggers that print tracebacks where a scheduler is lost, which this module says in one line."""
+
+CONNECT_SECONDS = 15
+"""How long connecting to a scheduler may take."""
+
+REPLY_SECONDS = 5
+"""How long a scheduler may take to say which workers it has."""
+
+CHECK_SECONDS = 1
+"""Interval at which it is asked while nothing ends."""
+
+LOST_SECONDS = 30
+"""How long a cluster may have no worker: a nanny starts a new one in a few seconds."""
+
+CLOSE_SECONDS = 1
+"""How long disconnecting may take, from a scheduler that does not reply either."""
+
+
+def executor_for(workers: int | None, time_limit: float, scheduler: str | None) -> Executor:
+    """Give the workers of a scheduler where one is named, or else those of this machine; both are refused."""
+    if scheduler is None:
+        return executor_here(workers, time_limit)
+    if not isinstance(scheduler, str):
+        raise ParameterError(f"scheduler = {shown(scheduler)}; allowed: an address such as 'tcp://node1:8786'")
+    if workers is not None:
+        raise ParameterError(f"workers = {workers} with scheduler = {scheduler!r}; allowed: one of the two")
+    return DaskExecutor(scheduler, time_limit)
+
+
+class DaskExecutor(WorkerExecutor):
+    """The workers of a dask scheduler: as many batches on the way as there are workers.
+
+    A worker of the cluster gives each batch to a process of its own machine, which serves one engine, and is ended at
+    the time limit, as those of `LocalExecutor` are. Workers need this suite and the engines, in the same versions; the
+    points of an engine that differs are blocked. The scheduler and its workers must be trusted: what they send is
+    unpickled, which can run anything.
+
+    Parameters
+    ----------
+    address
+        Of the scheduler, such as ``tcp://node1:8786``.
+    time_limit
+        Seconds that a batch may take, > 0.
+
+    Raises
+    ------
+    ParameterError
+        If dask.distributed is not installed, there is no scheduler at the address, or the scheduler has no workers.
+    """
+
+    def __init__(self, address: str, time_limit: float = TIME_LIMIT):
+        self._address = address
+        self._client = _connected(address)
+        workers = self._workers()
+        if workers == 0:
+            self._client.close()
+            raise ParameterError(f"scheduler = {address!r} has no workers; allowed: at least one")
+        super().__init__(workers, time_limit)
+        self._futures = self._client.get_executor(pure=False, retries=0)
+        self._last_worker = time.monotonic()
+
+    def close(self) -> None:
+        """Cancel what is not begun, and disconnect; the cluster goes on."""
+        self._futures.shutdown(wait=False)
+        self._client.close(timeout=CLOSE_SECONDS)
+
+    def _start(self, batch: Batch) -> Run:
+        identity = identity_of(batch[0].variant)
+        try:
+            run: Run = self._futures.submit(run_on_cluster, batch, identity, self._limit)
+        except Exception as problem:  # the client is closed once it has lost its scheduler
+            raise self._lost(text_of(problem)) from None
+        return run
+
+    def _wait(self, running: Collection[Run]) -> None:
+        """Wait; raise `ExecutorError` if the scheduler or its last worker stay away."""
+        while not wait(running, CHECK_SECONDS, FIRST_COMPLETED).done:
+            if self._workers() > 0:
+                self._last_worker = time.monotonic()
+            elif time.monotonic() > self._last_worker + LOST_SECONDS:
+                raise self._lost(f"no worker for {LOST_SECONDS:g} s")
+
+    def _results(self, run: Run) -> list[Result]:
+        from distributed import KilledWorker
+
+        try:
+            return run.result()
+        except WorkerDied:
+            raise
+        except KilledWorker:
+            raise WorkerDied("workers of the cluster died") from None
+        except CancelledError:
+            raise self._lost("the connection is closed") from None
+        except Exception as problem:  # such as a worker that has no suite
+            raise WorkerDied(f"the cluster's worker failed: {type(problem).__name__}: {text_of(problem)}") from None
+
+    def _abandon(self, running: Collection[Run]) -> None:
+        for run in running:
+            run.cancel()
+
+    def _workers(self) -> int:
+        """Give the number of workers; 0 if the scheduler does not say."""
+        try:
+            identity = self._client.sync(self._client.scheduler.identity, n_workers=-1, callback_timeout=REPLY_SECONDS)
+        except Exception:  # it cannot be reached, or is about to be given up by the client
+            return 0
+        return len(identity["workers"])
+
+    def _lost(self, what: str) -> ExecutorError:
+        return ExecutorError(f"scheduler = {self._address!r} is lost: {what}")
+
+
+def _connected(address: str) -> Any:
+    try:
+        from distributed import Client
+    except ImportError:
+        raise ParameterError(
+            f"scheduler = {address!r}: distributed is not installed; pip install '.[cluster]' in the suite's folder"
+        ) from None
+    for name in NOISY:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    try:
+        return Client(address, timeout=CONNECT_SECONDS)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError) as problem:
+        raise ParameterError(
+            f"scheduler = {address!r} cannot be reached: {problem}; allowed: the address of a dask scheduler"
+        ) from None

@@ -1,0 +1,217 @@
+"""Executors: what runs batches of tasks, and gives their results as they come."""
+
+import time
+from abc import abstractmethod
+from collections import defaultdict, deque
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from typing import Any
+
+from engines.interface.variant import Variant
+from engines.shared.law_distance import distance_from_law, stepped_by, unclaimed_reason
+from reference_lcp.validation import LONGEST_TIME_LIMIT, MOST_WORKERS, checked_count, checked_scalar
+from scenarios.runs.failures import CheckedSimulation, results_together
+from scenarios.runs.recorded import RecordedPeriodTask
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.scratch import Closing
+from scenarios.runs.steady import run_steady_states
+from scenarios.runs.task import LawPeriodTask, SteadyStateTask, Task
+from scenarios.runs.transient import run_transients
+from scenarios.runs.transient_task import BlockTask, InclinedTask, TransientTask
+
+
+def run_law_periods(tasks: Sequence[LawPeriodTask]) -> list[Result]:
+    """Compare a period of one variant with its law's, in order; tasks without a law are blocked.
+
+    The period is compared where the law does not claim to hold too, and the reason is noted: it may hold there.
+    """
+    return results_together(tasks, lambda some: [_result(task) for task in some])  # their steps may differ
+
+
+def _result(task: LawPeriodTask) -> Result:
+    begin = time.perf_counter()
+    law = stepped_by(task.variant)
+    if law is None:
+        return Result.blocked(f"{task.variant} has no law that is a model")
+    lane, steps = task.lane()
+    distance = distance_from_law(CheckedSimulation(task.variant.build([lane])), law, lane, steps)
+    return Result(
+        status=ResultStatus.FINISHED,
+        series={"distance": (distance.law,), "reference": (distance.reference,)},
+        reason=unclaimed_reason(law, lane) or "",
+        steps_per_period=steps,
+        seconds=time.perf_counter() - begin,
+    )
+
+
+Batch = list[Task]
+"""Tasks of one kind, for one variant, on chains of one length."""
+
+_RUN: dict[type[Task], Callable[[Any], list[Result]]] = {
+    SteadyStateTask: run_steady_states,
+    RecordedPeriodTask: run_steady_states,
+    TransientTask: run_transients,
+    BlockTask: run_transients,
+    InclinedTask: run_transients,
+    LawPeriodTask: run_law_periods,
+}
+
+
+def run_batch(batch: Sequence[Task]) -> list[Result]:
+    """Run a batch in this process; gives a result a task, in order.
+
+    An engine that is not installed, or that fails on a task, gives a blocked result with the reason.
+    """
+    return _RUN[type(batch[0])](batch)
+
+
+def batches_of(tasks: Iterable[Task]) -> Iterator[Batch]:
+    """Group tasks into batches as large as their variant takes at once; those that are not full come at the end."""
+    groups: dict[tuple[type[Task], Variant, int], Batch] = defaultdict(list)
+    for task in tasks:
+        key = type(task), task.variant, task.ratios.cells
+        groups[key].append(task)
+        if len(groups[key]) == task.variant.batch_lanes:
+            yield groups.pop(key)
+    yield from groups.values()
+
+
+MOST_FAILURES = 3
+"""Points at which an engine may end its process; after as many, its other points are not run any more."""
+
+KILLED = "the worker process was killed"
+
+
+class Executor(Closing):
+    """Runs batches of tasks."""
+
+    @abstractmethod
+    def run(self, batches: Iterable[Batch]) -> Iterator[tuple[Batch, list[Result]]]:
+        """Run batches, and give the results of each, in the order of its tasks, as soon as they are there.
+
+        Batches are taken one by one, when there is somewhere to run them. A batch may come back in parts.
+        """
+
+
+class InProcessExecutor(Executor):
+    """Runs batches in this process, one after the other; an engine that crashes or hangs takes it along."""
+
+    def run(self, batches: Iterable[Batch]) -> Iterator[tuple[Batch, list[Result]]]:
+        """Run batches; see `Executor.run`."""
+        for batch in batches:
+            yield batch, run_batch(batch)
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
+class WorkerDied(RuntimeError):
+    """A worker has ended with its batch undone: by its engine if that crashed or hung, maybe while it was prepared."""
+
+    def __init__(self, reason: str, *, by_engine: bool = False, preparing: bool = False):
+        super().__init__(reason)
+        self.by_engine, self.preparing = by_engine, preparing
+
+
+Run = Future[list[Result]]
+"""A running batch; its exception is a `WorkerDied`."""
+
+
+class WorkerExecutor(Executor):
+    """Batches in workers, as many at a time as there are slots: a worker that dies takes no other's batch along.
+
+    A batch may take `time_limit` seconds.
+    """
+
+    def __init__(self, slots: int, time_limit: float):
+        self._slots = checked_count("workers", slots, 1, MOST_WORKERS)
+        self._limit = checked_scalar("time_limit", time_limit, "> 0", LONGEST_TIME_LIMIT)
+
+    def run(self, batches: Iterable[Batch]) -> Iterator[tuple[Batch, list[Result]]]:
+        """Run batches; see `Executor.run`. One whose worker dies is run again task by task."""
+        queue = BatchQueue(batches)
+        running: dict[Run, Batch] = {}
+        try:
+            yield from self._fill(queue, running)
+            while running:
+                self._wait(running)
+                for run in [run for run in running if run.done()]:
+                    batch = running.pop(run)
+                    try:
+                        results = self._results(run)
+                    except WorkerDied as death:
+                        results = queue.died(batch, death)
+                    # the worker has its next batch before the results of this one are written
+                    yield from self._fill(queue, running)
+                    if results:
+                        yield batch, results
+        finally:
+            self._abandon(running)
+
+    def _fill(self, queue: "BatchQueue", running: dict[Run, Batch]) -> Iterator[tuple[Batch, list[Result]]]:
+        """Start batches in all free slots; gives back those that are not run any more, blocked."""
+        while len(running) < self._slots and (batch := queue.next()) is not None:
+            reason = queue.skip_reason(batch)
+            if reason is None:
+                running[self._start(batch)] = batch
+            else:
+                yield batch, [Result.blocked(reason)] * len(batch)
+
+    @abstractmethod
+    def _start(self, batch: Batch) -> Run:
+        """Give a batch to a worker."""
+
+    @abstractmethod
+    def _abandon(self, running: Collection[Run]) -> None:
+        """Stop batches whose results are not needed any more."""
+
+    def _wait(self, running: Collection[Run]) -> None:
+        """Wait until at least one has ended, somehow."""
+        wait(running, return_when=FIRST_COMPLETED)
+
+    def _results(self, run: Run) -> list[Result]:
+        """Give the results of what has ended, or raise `WorkerDied`."""
+        return run.result()
+
+
+class BatchQueue:
+    """Batches that wait to be run, taken one by one and in order, and what becomes of those whose worker died."""
+
+    def __init__(self, batches: Iterable[Batch]):
+        self._batches = iter(batches)
+        self._again: deque[Batch] = deque()
+        self._second_chance: set[Task] = set()
+        self._failures: dict[str, list[str]] = {}
+        self._unprepared: dict[str, str] = {}
+
+    def next(self) -> Batch | None:
+        """Take the next batch, those that are run again first; ``None`` without any."""
+        return self._again.popleft() if self._again else next(self._batches, None)
+
+    def skip_reason(self, batch: Batch) -> str | None:
+        """Give the reason to skip a batch; ``None`` without one.
+
+        Its variant has failed at `MOST_FAILURES` points, or could not be prepared.
+        """
+        variant = str(batch[0].variant)
+        if variant in self._unprepared:
+            return self._unprepared[variant]
+        seen = self._failures.get(variant, [])
+        return None if len(seen) < MOST_FAILURES else f"not run: {len(seen)} points before, {seen[-1]}"
+
+    def died(self, batch: Batch, death: WorkerDied) -> list[Result]:
+        """Queue the tasks of a batch one by one; one that was alone is blocked: gives its result.
+
+        A task whose process was killed, from outside or for want of memory, has a second chance. All are blocked where
+        their variant could not be prepared: on another day, or after a look at the machine, it may be.
+        """
+        alone, reason = len(batch) == 1, str(death)
+        if death.preparing:
+            self._unprepared[str(batch[0].variant)] = reason
+            return [Result.blocked(reason)] * len(batch)
+        if alone and (reason != KILLED or batch[0] in self._second_chance):
+            self._failures.setdefault(str(batch[0].variant), []).append(reason)
+            return [Result.blocked(reason, by_engine=death.by_engine)]
+        self._again.extendleft([task] for task in reversed(batch))
+        self._second_chance.update(batch if alone else ())
+        return []

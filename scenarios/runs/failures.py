@@ -1,0 +1,133 @@
+"""Failures are results: an engine that fails gives blocked results with the reason."""
+
+import os
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engines.interface.engine import EngineNotInstalled
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.errors import ParameterError, RunError
+from reference_lcp.validation import FloatArray
+from scenarios.runs.result import Result
+
+TIME_MARGIN = 1e-3
+"""Part of a step by which the time of a row may differ: a million steps that are added up one by one are off by at
+most 1e12 roundings of half a step's last digit, 1e-4 of a step; a row of another step is off by a whole one."""
+
+
+class TrajectoryFault(RuntimeError):
+    """What an engine gives is no trajectory of its lane; the message names the array, the time and the cell."""
+
+
+class CheckedSimulation:
+    """A simulation of an engine, whose trajectories are checked as it gives them."""
+
+    def __init__(self, simulation: Simulation):
+        self.lanes = simulation.lanes
+        self._simulation = simulation
+
+    def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
+        """Advance every lane, see `Simulation.run`, or raise a `TrajectoryFault`."""
+        runs = self._simulation.run(state, start, steps)
+        for lane, run in zip(self.lanes, runs, strict=True):
+            check_trajectory(run, lane, start, steps)
+        return runs
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance every lane, keep the final state, from which nothing but the next run begins."""
+        return self._simulation.advance(state, start, steps)
+
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "CheckedSimulation":
+        """Give a simulation of the lanes of these indices."""
+        return CheckedSimulation(self._simulation.subset(lanes))
+
+    def close(self) -> None:
+        """Free what the engine holds."""
+        self._simulation.close()
+
+
+def check_trajectory(run: Trajectory, lane: Lane, start: int, steps: int) -> None:
+    """Raise a `TrajectoryFault` unless `run` has the shapes and times of these steps, and is finite."""
+    times, n = lane.times(start, steps), lane.chain.cells
+    _check_array("position", run.positions, times, 2 * n, n)
+    _check_array("velocity", run.velocities, times, 2 * n, n)
+    _check_array("friction", run.friction, times, n, n)
+    _check_array("normal force", run.normal_force, times, n, n)
+    if run.normal_gap is not None:
+        _check_array("normal gap", run.normal_gap, times, n, n)
+    if run.internal_state is not None:
+        _check_array("internal state", run.internal_state[None], times[-1:], run.internal_state.size, n)
+    _check_times(run.time, times, lane.time_step)
+
+
+def _check_array(name: str, values: FloatArray, times: FloatArray, columns: int, cells: int) -> None:
+    """Refuse another shape than that of rows at these times [s], and numbers that are not finite."""
+    expected = (times.size, columns)
+    if values.shape != expected:
+        raise TrajectoryFault(f"the engine's {name} has the shape {values.shape}; allowed: {expected}")
+    finite = np.isfinite(values)
+    if not finite.all():
+        row, column = np.argwhere(~finite)[0]
+        place = f"at {times[row]:g} s in cell {int(column) % cells + 1}"
+        raise TrajectoryFault(f"the engine's {name} is not finite {place}: {values[row, column]}")
+
+
+def _check_times(times: FloatArray, expected: FloatArray, step: float) -> None:
+    """Refuse rows at other times than the ends of the steps [s]."""
+    if times.shape != expected.shape:
+        raise TrajectoryFault(f"the engine's times have the shape {times.shape}; allowed: {expected.shape}")
+    fits = np.abs(times - expected) <= TIME_MARGIN * step
+    if not fits.all():
+        row = int(np.argmin(fits))
+        raise TrajectoryFault(f"the engine's time of row {row} is {times[row]:g} s; allowed: {expected[row]:g} s")
+
+
+Item = TypeVar("Item")
+
+WORKER_MARK = "MULTIBODY_XVAL_WORKER"
+"""Variable of the environment that is set in worker processes."""
+
+CIRCUMSTANCES = (MemoryError, OSError)
+"""Errors that say more of the machine than of the engine: too little memory, too many open files, a full disk."""
+
+
+class ExecutorError(RunError):
+    """Nothing can be run any more: no process can be started, or no worker of a cluster is left."""
+
+
+def results_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]], list[Result]]) -> list[Result]:
+    """Run items at once; if that fails, one by one, in order; one that fails alone is blocked.
+
+    Whatever an engine raises is its result, an end of the program (`SystemExit`) too. An interrupt is the user's in
+    the process that the user has started, and the engine's in a worker, which no interrupt from outside reaches.
+    """
+    try:
+        return attempt(items)
+    except EngineNotInstalled as problem:
+        return [Result.blocked(text_of(problem))] * len(items)
+    except BaseException as problem:
+        if isinstance(problem, KeyboardInterrupt) and WORKER_MARK not in os.environ:
+            raise
+        if len(items) > 1:
+            return [results_together([item], attempt)[0] for item in items]
+        return [Result.blocked(reason_of(problem), by_engine=not isinstance(problem, CIRCUMSTANCES))]
+
+
+def reason_of(problem: BaseException) -> str:
+    """Give the reason that an exception is."""
+    if isinstance(problem, TrajectoryFault):
+        return str(problem)
+    kind = "cannot be represented" if isinstance(problem, ParameterError) else type(problem).__name__
+    return f"{kind}: {text_of(problem)}"
+
+
+def text_of(problem: BaseException) -> str:
+    """Give the message of an exception, also of one whose own ``__str__`` fails."""
+    try:
+        return str(problem)
+    except BaseException as failure:  # an engine's own class
+        return f"its message cannot be read ({type(failure).__name__})"

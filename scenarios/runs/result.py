@@ -1,0 +1,182 @@
+"""The result of a task, as plain data."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Annotated, Self, TypeVar
+
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
+
+from reference_lcp.chain.simulation import OrbitStatus
+from reference_lcp.errors import ParameterError, shortened
+from reference_lcp.observables.stick_slip import Mode, TransitionMatch, match_transitions
+from reference_lcp.steady.orbits import LONGEST_MULTIPLE
+from scenarios.runs.parameters import first_error
+
+LONGEST_REASON = 500
+"""Characters of a reason: an engine may put a whole state into the text of an error."""
+
+NamedNumbers = Mapping[str, tuple[float, ...]]
+"""Numbers by name."""
+
+
+class ResultStatus(StrEnum):
+    """How a task ended."""
+
+    CONVERGED = OrbitStatus.CONVERGED.value
+    """A certified steady state."""
+    PERIOD_LIMIT = OrbitStatus.PERIOD_LIMIT.value
+    """The search for a steady state gave up."""
+    DIVERGED = OrbitStatus.DIVERGED.value
+    """The search for a steady state left every bound."""
+    FINISHED = "finished"
+    """A motion was simulated to its end."""
+    BLOCKED = "blocked"
+    """The engine cannot run the task; see the reason."""
+    MISSING = "missing"
+    """There is no result so far: the task has not been run."""
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Give the status of this text."""
+        try:
+            return cls(text)
+        except ValueError:
+            raise ParameterError(f"status of a result = {text!r}; allowed: {', '.join(cls)}") from None
+
+
+_Status = Annotated[ResultStatus, BeforeValidator(ResultStatus.parse)]
+_Number = Annotated[float, BeforeValidator(lambda value: math.nan if value is None else value)]
+"""NaN is written as null."""
+_Count = Annotated[int, Field(ge=0, le=2**53)]
+"""Whole numbers that a float holds."""
+_Mode = Annotated[str, AfterValidator(lambda text: str(Mode(text)))]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result:
+    """The result of a task."""
+
+    __pydantic_config__ = ConfigDict(extra="forbid", ser_json_inf_nan="null")
+
+    status: _Status
+    reason: str = ""
+    """Why it is blocked or missing; empty otherwise."""
+    by_engine: bool = False
+    """Whether a blocked task is blocked by its engine, which failed at it, and not by its circumstances, such as a
+    worker that was killed: what is blocked by its engine is not tried again by itself.
+    """
+    transmittance_db: _Number = math.nan
+    """20 log10 |U_n| / U0; NaN where there is no number."""
+    phase: _Number = math.nan
+    """By which the fundamental of the last outer mass is ahead of the drive's sine [rad], in (−π, π]; likewise."""
+    residual: _Number = math.nan
+    """Periodicity residual of the orbit; NaN where there is none."""
+    amplification: _Number = math.nan
+    """How many times farther from the steady state than its residual the motion may be, where the reference's scheme
+    gives it; NaN elsewhere.
+    """
+    periods: _Count = 0
+    multiple: _Count = 1
+    """Periods of the drive after which the motion repeats, where repetition was searched for: more than one for a
+    subharmonic response, 0 where no repetition was found.
+    """
+    steps_per_period: _Count = 0
+    period: _Number = math.nan
+    """Period of the drive [s]."""
+    stuck_fraction: tuple[float, ...] = ()
+    """Part of the period that each contact sticks."""
+    transitions: tuple[tuple[_Count, float, _Mode], ...] = ()
+    """Changes of mode as (cell from 1, time [s], new mode)."""
+    creep: tuple[float, ...] = ()
+    """Largest |ġ_T| of each contact within a stick, over ω and the displacement scale."""
+    open_fraction: tuple[float, ...] = ()
+    """Part of the period that each contact is open; empty where the normal force is constant."""
+    largest_gap: tuple[float, ...] = ()
+    """Largest g_N of each contact over the displacement scale; likewise."""
+    seconds: _Number = math.nan
+    """Wall-clock time that the point took, an even share of its batch."""
+    series: NamedNumbers = field(default_factory=dict)
+    """Other numbers by name: what a `TransientTask` or a `RecordedPeriodTask` records; ``travels`` of an exact steady
+    state, the distance over the displacement scale that a contact slips after each transition.
+    """
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "status", ResultStatus.parse(self.status))
+
+    @property
+    def converged(self) -> bool:
+        """Whether the numbers belong to a steady state."""
+        return self.status is ResultStatus.CONVERGED
+
+    def stuck_difference(self, other: "Result") -> float:
+        """Give the largest difference of a contact's stuck fraction; NaN where the contacts are not equally many."""
+        if len(self.stuck_fraction) != len(other.stuck_fraction):
+            return math.nan
+        pairs = zip(self.stuck_fraction, other.stuck_fraction, strict=True)
+        return max((abs(one - two) for one, two in pairs), default=0.0)
+
+    def matched(self, expected: "Result") -> TransitionMatch:
+        """Match the transitions with the expected ones, see `match_transitions`."""
+        return match_transitions(self.transitions, expected.transitions, expected.period)
+
+    @classmethod
+    def blocked(cls, reason: str, *, by_engine: bool = False) -> Self:
+        """Give a result without numbers, with the reason, in one line of at most about `LONGEST_REASON` characters."""
+        short = shortened(" ".join(reason.split()), LONGEST_REASON)
+        return cls(status=ResultStatus.BLOCKED, reason=short, by_engine=by_engine)
+
+    @classmethod
+    def missing(cls) -> Self:
+        """Give the result of a task that has not been run."""
+        return cls(status=ResultStatus.MISSING, reason="not evaluated so far")
+
+    def to_json(self) -> str:
+        """Give the result as JSON; NaN becomes null."""
+        return _RESULT.dump_json(self).decode()
+
+    @staticmethod
+    def from_json(text: str | bytes) -> "Result":
+        """Read what `to_json` wrote."""
+        return _read(_RESULT, text)
+
+
+@dataclass(frozen=True)
+class ResultSummary:
+    """How a task ended: its result without the numbers, fields as there."""
+
+    status: _Status
+    periods: _Count = 0
+    multiple: _Count = 1
+    reason: str = ""
+    by_engine: bool = False
+
+    @classmethod
+    def of(cls, result: "Result | ResultSummary") -> Self:
+        """Take it from a result."""
+        return cls(result.status, result.periods, result.multiple, result.reason, result.by_engine)
+
+    @staticmethod
+    def from_json(text: str | bytes) -> "ResultSummary":
+        """Read it from what `Result.to_json` wrote."""
+        return _read(_SUMMARY, text)
+
+
+_RESULT, _SUMMARY = TypeAdapter(Result), TypeAdapter(ResultSummary)
+_Read = TypeVar("_Read")
+
+
+def _read(schema: TypeAdapter[_Read], text: str | bytes) -> _Read:
+    """Read the text of a store; an error names the first field that is wrong."""
+    try:
+        return schema.validate_json(text)
+    except ValidationError as problem:
+        raise first_error(problem, ", ".join(vars(Result.missing()))) from None
+
+
+def repetition(multiple: int) -> str:
+    """Give the number of periods after which a motion without a steady state repeats, in words; empty if unknown."""
+    if multiple == 0:
+        return f", no period up to {LONGEST_MULTIPLE}"
+    return f", period {multiple}" if multiple > 1 else ""

@@ -1,0 +1,161 @@
+"""How steady states are computed: build the chains, find their periodic orbits, read them."""
+
+import math
+import time
+from collections import defaultdict
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+from engines.interface.engine import SteadyStateSolver
+from engines.interface.law import Law
+from engines.interface.registry import LAW_SUFFIX
+from engines.interface.variant import Variant
+from engines.shared.law_distance import stepped_by, unclaimed_reason
+from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit
+from reference_lcp.chain.trajectory import State
+from reference_lcp.errors import ParameterError
+from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
+from reference_lcp.one_call import SteadyState
+from reference_lcp.steady.neighbours import orbits_beside_euler, orbits_from_balance, residual_amplification
+from reference_lcp.steady.orbits import part_of, periodic_orbits
+from scenarios.runs.failures import CheckedSimulation, check_trajectory, results_together
+from scenarios.runs.recorded import RecordedPeriod, RecordedPeriodTask
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.task import Start, SteadyStateTask
+
+LAW_RESIDUAL = 0.1
+"""Residual of the law's orbit over the one that certifies the engine's: what is left of it is the engine's own."""
+
+
+def begins_beside(variant: Variant) -> bool:
+    """Whether searches of a variant begin at steady states of models, or beside: not those of models themselves."""
+    return variant.engine != "reference" and not variant.engine.endswith(LAW_SUFFIX)
+
+
+def law_orbits(variant: Variant, lanes: Sequence[Lane], steps: int) -> list[PeriodicOrbit | None]:
+    """Search the steady state of each lane's law; ``None`` where no law says.
+
+    Those are variants of the reference and of laws themselves, presets whose steps are not modelled, and lanes that a
+    law does not claim.
+    """
+    law = stepped_by(variant) if begins_beside(variant) else None
+    found: list[PeriodicOrbit | None] = [None] * len(lanes)
+    claimed = [number for number, lane in enumerate(lanes) if law is not None and unclaimed_reason(law, lane) is None]
+    if law is None or not claimed:
+        return found
+    model, tolerance = law.build([lanes[number] for number in claimed]), LAW_RESIDUAL * variant.capabilities.residual
+    search = orbits_beside_euler if isinstance(law, Law) else periodic_orbits
+    orbits = search(model, steps, tolerance=tolerance, longest_multiple=1)
+    for number, orbit in zip(claimed, orbits, strict=True):
+        found[number] = orbit
+    return found
+
+
+EULER = Variant("reference")
+"""Whose steady states tell by how much a residual is amplified; engines at the same point have nearly the same."""
+
+
+def run_steady_states(tasks: Sequence[SteadyStateTask]) -> list[Result]:
+    """Find the steady states of tasks of one kind, for one variant, on chains of one length, in order."""
+    by_steps: dict[tuple[int, Start], list[int]] = defaultdict(list)
+    lanes: dict[int, Lane] = {}
+    results: dict[int, Result] = {}
+    for index, task in enumerate(tasks):
+        try:
+            lanes[index], steps = task.lane()
+            by_steps[steps, task.start].append(index)
+        except ParameterError as problem:
+            results[index] = Result.blocked(f"cannot be represented: {problem}")
+    for (steps, start), indices in by_steps.items():
+        recorded = isinstance(tasks[0], RecordedPeriodTask)
+        attempt = partial(_results_of_lanes, tasks[0].variant, steps=steps, start=start, recorded=recorded)
+        results.update(zip(indices, results_together([lanes[index] for index in indices], attempt), strict=True))
+    return [results[index] for index in range(len(tasks))]
+
+
+def _results_of_lanes(
+    variant: Variant, lanes: Sequence[Lane], steps: int, start: Start, recorded: bool
+) -> list[Result]:
+    """Find the steady states of lanes that share their number of steps a period, at once."""
+    begin = time.perf_counter()
+    states = _steady_states(variant, lanes, steps, start)
+    seconds = (time.perf_counter() - begin) / len(lanes)
+    return [_result(variant, state, seconds, recorded) for state in states]
+
+
+def _steady_states(variant: Variant, lanes: Sequence[Lane], steps: int, start: Start) -> list[SteadyState]:
+    """Find the steady states of lanes, by the simulation itself where it can."""
+    simulation = variant.build(lanes)
+    try:
+        if isinstance(simulation, SteadyStateSolver):
+            states = simulation.steady_states(steps)
+            for lane, state in zip(lanes, states, strict=True):
+                check_trajectory(state.orbit.trajectory, lane, 0, steps)
+            return states
+        orbits = _orbits(CheckedSimulation(simulation), variant, lanes, steps, start)
+    finally:
+        simulation.close()
+    return [SteadyState.of(orbit, variant.preset.stick_margin) for orbit in orbits]
+
+
+def _orbits(
+    simulation: CheckedSimulation, variant: Variant, lanes: Sequence[Lane], steps: int, start: Start
+) -> list[PeriodicOrbit]:
+    """Search every lane: from its law's steady state where there is one, and beside the reference's otherwise."""
+    tolerance = variant.capabilities.residual
+    if variant.engine == EULER.engine:
+        return periodic_orbits(simulation, steps, tolerance=tolerance)
+    if start is Start.HARMONIC_BALANCE:
+        return orbits_from_balance(simulation, steps, tolerance=tolerance)
+    orbits: dict[int, PeriodicOrbit] = {}
+    groups = defaultdict(list)
+    laws = law_orbits(variant, lanes, steps)
+    for lane, law in enumerate(laws):
+        groups[None if law is None else law.converged].append(lane)
+    for has_orbit, group in groups.items():
+        begin = [law.trajectory.end for lane in group if (law := laws[lane]) is not None]
+        part = part_of(simulation, group)
+        if has_orbit is None:
+            found = orbits_beside_euler(part, steps, tolerance=tolerance)
+        elif has_orbit:
+            found = periodic_orbits(part, steps, start=State.stack(begin), tolerance=tolerance)
+        else:
+            found = orbits_beside_euler(part, steps, tolerance=tolerance, start=State.stack(begin), anew=False)
+        orbits |= dict(zip(group, found, strict=True))
+    return [orbits[lane] for lane in range(len(lanes))]
+
+
+def _result(variant: Variant, state: SteadyState, seconds: float, recorded: bool) -> Result:
+    """Give the numbers of a steady state; one whose search has diverged has none."""
+    orbit, stick_margin = state.orbit, variant.preset.stick_margin
+    if not math.isfinite(orbit.residual):
+        reason = f"the engine's numbers are not finite, in period {orbit.periods} of the search"
+        return Result.blocked(reason, by_engine=True)
+    if orbit.status is OrbitStatus.DIVERGED:
+        return Result(status=ResultStatus(orbit.status), periods=orbit.periods, seconds=seconds)
+    drive: Any = orbit.lane.drive
+    length = drive.displacement_scale(orbit.lane.chain)
+    speed = drive.angular_frequency * length
+    modulated = orbit.lane.preload is not None
+    series = {} if state.travels is None else {"travels": tuple((state.travels / length).tolist())}
+    if recorded:
+        series |= RecordedPeriod.of(orbit, stick_margin).to_series()
+    return Result(
+        status=ResultStatus(orbit.status),
+        transmittance_db=state.transmittance_db,
+        phase=state.phase,
+        residual=orbit.residual,
+        amplification=residual_amplification(orbit) if variant == EULER else math.nan,
+        periods=orbit.periods,
+        multiple=orbit.multiple,
+        steps_per_period=orbit.trajectory.steps,
+        period=orbit.lane.time_step * orbit.trajectory.steps,
+        stuck_fraction=tuple(state.stuck_fraction.tolist()),
+        transitions=tuple((change.cell, change.time, str(change.kind)) for change in state.transitions),
+        creep=tuple((creep_velocity(orbit, stick_margin) / speed).tolist()),
+        open_fraction=tuple(open_fraction(orbit).tolist()) if modulated else (),
+        largest_gap=tuple((largest_gap(orbit) / length).tolist()) if modulated else (),
+        seconds=seconds,
+        series=series,
+    )

@@ -1,0 +1,365 @@
+"""Results kept in one SQLite file: what has been computed once is never computed again.
+
+Every row has a digest, checked whenever it is read: a damaged number is never believed. While another process has the
+file locked, or the disk is full, the store waits and tries again.
+"""
+
+import hashlib
+import itertools
+import math
+import sqlite3
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any, TypeVar
+
+from reference_lcp.errors import ParameterError, RunError, checked_path
+from scenarios.runs.result import Result, ResultSummary
+from scenarios.runs.scratch import Closing, ScratchFolder
+from scenarios.runs.task import Task, key_of
+
+LARGEST_TEXT = 2**28
+"""Bytes that one text of a store may have; a period of 1,000 cells, recorded in full, takes a tenth of it."""
+
+SPECIAL_NAMES = (":", "file:")
+"""How names begin that SQLite knows for something else than a file of this name."""
+
+ATTEMPT_SECONDS = 0.5
+"""How long SQLite waits for a lock; Ctrl-C is heard between such attempts."""
+
+STEPS_A_BYTE = 1
+"""Steps of SQLite that a check may take, over the bytes of the file; an intact store takes a fiftieth of one."""
+
+STEPS_A_CALL = 100_000
+"""Steps of SQLite after which it asks whether to go on: a thousandth of a second."""
+
+
+def checked_store(file: Path) -> Path:
+    """Give `file` if SQLite would keep a store under this name, and it is neither folder nor device."""
+    if str(file).startswith(SPECIAL_NAMES):
+        raise ParameterError(f"store {file} keeps nothing or means another file; allowed: the path of a file")
+    path = checked_path("store", file)
+    if path.exists() and not path.is_file():
+        raise ParameterError(f"store {file} is a folder or a device; allowed: a file")
+    return file
+
+
+def existing_store(file: Path | None) -> Path:
+    """Give `file` if it is there: a misspelt name makes no empty store."""
+    if file is None:
+        raise ParameterError("--store is missing; allowed where nothing is run: a store that is there")
+    if not checked_store(file).is_file():
+        raise ParameterError(f"store {file} does not exist; allowed where nothing is run: a store that is there")
+    return file
+
+
+def connected(file: Path, *, read_only: bool = False) -> sqlite3.Connection:
+    """Open a store; texts are read as bytes, and what else than tables stands in it is not trusted."""
+    address = f"{checked_store(file).resolve().as_uri()}?mode={'ro' if read_only else 'rwc'}"
+    connection = sqlite3.connect(address, timeout=ATTEMPT_SECONDS, uri=True, isolation_level=None)
+    connection.text_factory = bytes
+    connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_TEXT)
+    # views, triggers and generated columns, which no store has, could not call anything either
+    connection.execute("PRAGMA trusted_schema = OFF")
+    return connection
+
+
+def problems_of(connection: sqlite3.Connection, size: int) -> list[str]:
+    """Give what SQLite finds wrong with pages and indices of a file of so many bytes; nothing where it is whole."""
+    calls = itertools.count()  # pages that lead to each other never end
+    connection.set_progress_handler(lambda: next(calls) * STEPS_A_CALL > STEPS_A_BYTE * size, STEPS_A_CALL)
+    try:
+        texts = [row[0].decode(errors="replace") for row in connection.execute("PRAGMA integrity_check")]
+    except sqlite3.DatabaseError as problem:
+        texts = [str(problem)]
+    connection.set_progress_handler(None, 0)
+    return [" ".join(text.split()) for text in texts if text != "ok"]
+
+
+APPLICATION_ID = 0x4D425856
+"""Marks the file as a store of this suite ("MBXV") in SQLite's header."""
+
+LOOKUP = 500
+"""Tasks that are looked up at once."""
+
+SCHEMA_VERSION = 2
+"""Layout of the tables."""
+
+TABLES = {
+    "answers": "CREATE TABLE answers "
+    "(key TEXT PRIMARY KEY, content TEXT NOT NULL, answer TEXT NOT NULL, digest BLOB NOT NULL)",
+    "sweeps": "CREATE TABLE sweeps (number INTEGER PRIMARY KEY, sweep TEXT UNIQUE NOT NULL, digest BLOB NOT NULL)",
+}
+"""Everything that a store consists of; another table, a view or a trigger is not read."""
+
+KEEP = """
+INSERT INTO answers VALUES (?, ?, ?, ?)
+ON CONFLICT (key) DO UPDATE SET content = excluded.content, answer = excluded.answer, digest = excluded.digest
+WHERE json_extract(excluded.answer, '$.status') != 'blocked' OR json_extract(answers.answer, '$.status') = 'blocked'
+"""
+"""Keeps a result, and a blocked one only where there is no other: two processes may run the same task."""
+
+DAMAGE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_ERROR, sqlite3.SQLITE_TOOBIG)
+"""Errors of SQLite that come from what stands in the file; others come from the disk, locks and permissions."""
+
+WAITS = {sqlite3.SQLITE_BUSY: ("locked by another process", 300.0), sqlite3.SQLITE_FULL: ("on a full disk", 30.0)}
+"""What passes by itself, and how long it is waited for [s]: another process may read or write for minutes, as a report
+does; a full disk is freed by other programs at once or not at all."""
+
+PATIENCE_SECONDS = 5.0
+"""Waits that are shorter are not worth a message [s]."""
+
+_Parsed = TypeVar("_Parsed", Result, ResultSummary)
+_Value = TypeVar("_Value")
+_Row = tuple[Any, ...]
+
+
+def digest_of(*texts: bytes) -> bytes:
+    """Give the SHA-256 of the texts of a row; none of them contains a line feed, being JSON or a key."""
+    return hashlib.sha256(b"\n".join(texts)).digest()
+
+
+def intact(row: _Row) -> bool:
+    """Tell whether the digest at the end of a row is that of the texts before it, UTF-8 as bytes."""
+    *texts, digest = row
+    try:
+        for text in texts:
+            text.decode()
+    except (AttributeError, UnicodeDecodeError):  # a number, or no text
+        return False
+    return digest_of(*texts) == digest
+
+
+class ResultStore(Closing):
+    """Results by the hash of their tasks; every result is on disk when `keep` returns.
+
+    Parameters
+    ----------
+    file
+        The store; made if it is missing or empty.
+
+    Raises
+    ------
+    ParameterError
+        If `file` is not a store of this suite, is damaged or cannot be written; it is left as it is. A damaged row
+        raises it when that is read.
+    RunError
+        If it stays locked, or cannot be read or written any more: on a full disk, or because it is gone. What it holds
+        stays.
+    """
+
+    def __init__(self, file: Path):
+        self._file = checked_path("store", file)
+        with errors_of(file):
+            self._connection = connected(file)
+            try:
+                with_retries(file, self._open)
+            except BaseException:
+                self._connection.close()
+                raise
+
+    def _open(self) -> None:
+        # takes the write lock: a file that cannot be written is found out before any work
+        with self._transaction():
+            if self._file.stat().st_size == 0:
+                self._create()
+            check_layout(self._connection, self._file)
+
+    def _create(self) -> None:
+        self._connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+        self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+        for table in TABLES.values():
+            self._connection.execute(table)
+
+    def check_pages(self) -> None:
+        """Refuse a store whose tables or indices are damaged: what is in it would seem to be missing."""
+        with errors_of(self._file):
+            problems = problems_of(self._connection, self._file.stat().st_size)
+        if problems:
+            raise damaged(self._file, problems[0])
+
+    def find(self, task: Task) -> Result | None:
+        """Give the result of an equal task, or ``None``."""
+        return next(self.results([task]))
+
+    def results(self, tasks: Iterable[Task]) -> Iterator[Result | None]:
+        """Give the result of each task, in order, or ``None``."""
+        for text in self._texts(tasks):
+            yield None if text is None else self._parsed(Result.from_json, text)
+
+    def summaries(self, tasks: Iterable[Task]) -> Iterator[ResultSummary | None]:
+        """Give how each task ended, in order, or ``None``; numbers are left unread."""
+        for text in self._texts(tasks):
+            yield None if text is None else self._parsed(ResultSummary.from_json, text)
+
+    def all_results(self) -> Iterator[tuple[str, Result]]:
+        """Give every task, as `Task.text` has it, and its result, in the order of writing."""
+        query = "SELECT rowid, key, content, answer, digest FROM answers WHERE rowid > ? ORDER BY rowid LIMIT ?"
+        number, room = -1, self._size()
+        while rows := self._read(query, (number, LOOKUP), room):
+            for number, _, content, answer, digest in rows:  # noqa: B007 - the last number is where the next part begins
+                room -= len(content) + len(answer) + len(digest)
+                yield content.decode(), self._parsed(Result.from_json, answer)
+
+    def _parsed(self, parse: Callable[[bytes], _Parsed], text: bytes) -> _Parsed:
+        try:
+            return parse(text)
+        except ParameterError as problem:
+            raise ParameterError(f"store {self._file}: {problem}") from None
+
+    def _texts(self, tasks: Iterable[Task]) -> Iterator[bytes | None]:
+        """Look up the result of each task as JSON, many at a time."""
+        remaining = iter(tasks)
+        while chunk := list(itertools.islice(remaining, LOOKUP)):
+            keys = [task.key() for task in chunk]
+            query = "SELECT rowid, key, content, answer, digest FROM answers WHERE key IN (" + ",".join("?" * len(keys))
+            answers = {key: answer for _, key, _, answer, _ in self._read(query + ")", keys, self._size())}
+            yield from (answers.get(key.encode()) for key in keys)
+
+    def _read(self, query: str, parameters: Sequence[object] = (), room: float = math.inf) -> list[_Row]:
+        """Give the rows that a query finds, number first, checked; together they have so many bytes at most."""
+
+        def read() -> list[_Row]:
+            rows, length = [], 0
+            for row in self._connection.execute(query, parameters):
+                number, *columns = row
+                if not intact(tuple(columns)):
+                    raise damaged(self._file, f"the digest of row {number} does not fit")
+                rows.append(row)
+                length += sum(map(len, columns))
+                if length > room:
+                    raise damaged(self._file, "pages stand in it twice")
+            return rows
+
+        return self._use(read)
+
+    def _size(self) -> float:
+        """Give the bytes of the file, which its rows cannot pass unless pages repeat; no limit once it is gone."""
+        return self._file.stat().st_size if self._file.is_file() else math.inf
+
+    def keep(self, results: Iterable[tuple[Task, Result]]) -> None:
+        """Write results in one transaction; a blocked one does not take the place of another."""
+        texts = [(task.text(), result.to_json()) for task, result in results]
+        rows = [(key_of(task), task, result) for task, result in texts]
+        signed = [(*row, digest_of(*(text.encode() for text in row))) for row in rows]
+        self._write(KEEP, signed)
+
+    def note(self, sweep: str) -> None:
+        """Write a sweep, as JSON, as the latest one."""
+        row = sweep, digest_of(sweep.encode())
+        self._write("INSERT OR REPLACE INTO sweeps (sweep, digest) VALUES (?, ?)", [row])
+
+    def noted(self) -> list[str]:
+        """Give the sweeps that were noted, the latest first."""
+        return [row[1].decode() for row in self._read("SELECT number, sweep, digest FROM sweeps ORDER BY number DESC")]
+
+    def _write(self, statement: str, rows: Sequence[_Row]) -> None:
+        """Write rows in one transaction; where the file has been taken away, they and all others go into a copy."""
+
+        def write() -> None:
+            with self._transaction():
+                self._connection.executemany(statement, rows)
+
+        try:
+            self._use(write)
+        except _Moved as moved:
+            copy = self._recovered()
+            with closing(sqlite3.connect(copy)) as connection, connection:
+                connection.executemany(statement, rows)
+            raise RunError(f"{moved}; all its results are in {copy}") from None
+
+    def _use(self, action: Callable[[], _Value]) -> _Value:
+        with errors_of(self._file, while_running=True):
+            return with_retries(self._file, action)
+
+    def _recovered(self) -> Path:
+        """Copy the open file, whose name is gone or another file's, into a new folder beside it."""
+        folder = self._file.parent if self._file.parent.is_dir() else None
+        copy = Path(mkdtemp(prefix=f"{self._file.stem}-", dir=folder)) / self._file.name
+        with errors_of(self._file, while_running=True):
+            self._connection.execute("VACUUM INTO ?", (str(copy),))
+        return copy
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        """Hold the write lock; everything inside is written, or nothing."""
+        self._connection.execute("BEGIN IMMEDIATE")
+        with self._connection:
+            yield
+
+    def close(self) -> None:
+        """Close the file."""
+        self._connection.close()
+
+
+@contextmanager
+def opened_store(file: Path | None) -> Iterator[ResultStore]:
+    """Open a store, a temporary one if none is named."""
+    with ExitStack() as opened:
+        if file is None:
+            file = opened.enter_context(ScratchFolder()).path / "results.sqlite"
+        yield opened.enter_context(ResultStore(file))
+
+
+class _Moved(RunError):
+    """The file of an open store has been taken away."""
+
+
+def with_retries(file: Path, action: Callable[[], _Value]) -> _Value:
+    """Do something with a store, again and again while that fails for one of `WAITS`; it leaves nothing half done."""
+    begin, told = time.monotonic(), False
+    while True:
+        try:
+            return action()
+        except sqlite3.Error as problem:
+            state, limit = WAITS.get(_code(problem), ("", 0.0))
+            waited = time.monotonic() - begin
+            if waited >= limit:
+                raise
+        if waited >= PATIENCE_SECONDS and not told:
+            told = True
+            print(f"store {file} is {state}; waiting up to {limit:g} s", file=sys.stderr)
+        time.sleep(ATTEMPT_SECONDS / 5)
+
+
+@contextmanager
+def errors_of(file: Path, *, while_running: bool = False) -> Iterator[None]:
+    """Name the store in whatever SQLite raises: wrong input when it is opened, a loss while a command runs."""
+    try:
+        yield
+    except (sqlite3.Error, MemoryError, OSError) as problem:
+        if _code(problem) in DAMAGE:
+            raise damaged(file, str(problem)) from None
+        if getattr(problem, "sqlite_errorcode", sqlite3.SQLITE_OK) == sqlite3.SQLITE_READONLY_DBMOVED:
+            raise _Moved(f"store {file} was deleted, moved or replaced while the command ran") from None
+        if _code(problem) in WAITS or while_running:
+            advice = "what it holds stays, and the same command goes on from there"
+            raise RunError(f"store {file} cannot be used any more: {problem}; {advice}") from None
+        raise ParameterError(f"store {file} cannot be used: {problem}") from None
+
+
+def _code(problem: BaseException) -> int:
+    """Give SQLite's primary error code; that of success for any other error."""
+    return int(getattr(problem, "sqlite_errorcode", sqlite3.SQLITE_OK)) & 0xFF
+
+
+def damaged(file: Path, what: str) -> ParameterError:
+    """Give the error of a damaged store, with what to do."""
+    advice = f"multibody-xval store check {file} --salvage NEW.sqlite keeps the good rows"
+    return ParameterError(f"store {file} is damaged: {what}; {advice}")
+
+
+def check_layout(connection: sqlite3.Connection, file: Path) -> None:
+    """Refuse what is not exactly a store of this layout."""
+    if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
+        raise ParameterError(f"store {file} belongs to another program; allowed: a new file or a store")
+    version = connection.execute("PRAGMA user_version").fetchone()[0]
+    if version != SCHEMA_VERSION:
+        raise ParameterError(f"store {file} has layout {version}; allowed: {SCHEMA_VERSION}")
+    made = connection.execute("SELECT type, name, tbl_name, sql FROM sqlite_master WHERE sql IS NOT NULL").fetchall()
+    expected = {(b"table", name.encode(), name.encode(), sql.encode()) for name, sql in TABLES.items()}
+    if len(made) != len(expected) or set(made) != expected:
+        raise ParameterError(f"store {file} is damaged: its tables are not those of a store; allowed: intact tables")

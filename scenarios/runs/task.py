@@ -1,0 +1,187 @@
+"""Tasks that engines run, as plain data."""
+
+import hashlib
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import cache
+from typing import Annotated, Any, Self
+
+from pydantic import Field, TypeAdapter
+from pydantic_core import to_json
+
+from engines.interface.presets import Preset
+from engines.interface.registry import LAW_SUFFIX, engine, law_of
+from engines.interface.variant import Variant
+from reference_lcp.chain.drives import PeriodicDrive
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane, steps_per_period_for
+from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.observables.stick_slip import STICK_MARGIN
+from scenarios.runs.parameters import ChainRatios, Excitation, Modulation, Ratio
+
+RESULT_FORMAT = 4
+"""Increased when the meaning of a result changes: results of other formats are not taken from a store."""
+
+
+def key_of(text: str) -> str:
+    """Hash of a task's text, under which its result is stored."""
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """What all tasks have in common: the variant that runs it, and the chain."""
+
+    variant: Variant
+    friction_ratio: Ratio
+    """μ λ_N / (k_c U0), a number or one a cell."""
+    ratios: ChainRatios = field(default_factory=ChainRatios)
+
+    @property
+    def chain(self) -> Chain:
+        """Build the chain."""
+        return self.ratios.chain(self.friction_ratio)
+
+    def unsupported_reason(self) -> str | None:
+        """Give the reason why the variant cannot represent the case, as far as that is known without running it."""
+        return None
+
+    def content(self) -> dict[str, Any]:
+        """Everything that the result depends on: the task, the engine's version and its options."""
+        law = law_identity(self.variant) if self.variant.engine.endswith(LAW_SUFFIX) else {}
+        return {"format": RESULT_FORMAT, "task": self.as_data(), **_identity(self.variant), **law}
+
+    def as_data(self) -> dict[str, Any]:
+        """Give the task as plain data, ready for JSON; later parameters with their default are left out."""
+        return self._schema().dump_python(self, mode="json")
+
+    @classmethod
+    @cache
+    def _schema(cls) -> TypeAdapter[Any]:
+        return TypeAdapter(cls)
+
+    def key(self) -> str:
+        """Hash of the content: equal for equal tasks with equal engines."""
+        return key_of(self.text())
+
+    def text(self) -> str:
+        """Give the content as JSON, one text for equal contents."""
+        return to_json(self.content()).decode()
+
+
+class Start(StrEnum):
+    """Where the search for a steady state begins."""
+
+    LAW = "law"
+    """In the steady state of the law by which the variant says that it steps; where there is none, as the other."""
+    HARMONIC_BALANCE = "harmonic balance"
+    """In what harmonic balance gives, which knows no engine."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SteadyStateTask(Task):
+    """The steady state of one chain under one harmonic excitation, by one variant."""
+
+    frequency_ratio: float
+    """ω / ω_r, with ω_r of the first cell."""
+    steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
+    """Fewest steps a period; more are taken where dt ω_max <= 0.4 needs them."""
+    excitation: Annotated[Excitation, Field(exclude_if=lambda value: value == DEFAULT_EXCITATION)] = field(
+        default_factory=Excitation
+    )
+    """What drives the chain; a moving base unless something else is given."""
+    modulation: Annotated[Modulation | None, Field(exclude_if=lambda value: value is None)] = None
+    """How the normal force changes over the period; ``None`` where it is constant."""
+    inclination: Annotated[float, Field(exclude_if=lambda value: value == 0.0)] = 0.0
+    """α of the contact faces to the row [rad]; other than zero, it needs a `modulation`, be it of zero."""
+    start: Annotated[Start, Field(exclude_if=lambda value: value == Start.LAW)] = Start.LAW
+
+    @property
+    def chain(self) -> Chain:
+        """Build the chain, whose friction is referred to this excitation."""
+        return self.ratios.chain(self.friction_ratio, self.excitation.displacement)
+
+    @classmethod
+    def of(cls, task: "SteadyStateTask") -> Self:
+        """Give the task of this kind that begins as another one."""
+        return cls(**vars(task))
+
+    def setting(self) -> tuple[Chain, PeriodicDrive]:
+        """Build the chain and its drive."""
+        chain = self.chain
+        return chain, self.excitation.drive(chain, self.frequency_ratio)
+
+    def unsupported_reason(self) -> str | None:
+        """Give the reason why the variant cannot represent the contacts; ``None`` without one."""
+        if self.modulation is None:
+            return None
+        return self.variant.preset.unsupported_reason(self.lane()[0], str(self.variant))
+
+    def lane(self) -> tuple[Lane, int]:
+        """Build the lane, and give its number of steps a period."""
+        chain, drive = self.setting()
+        steps = steps_per_period_for(chain, drive, self.steps_per_period)
+        preload = None if self.modulation is None else self.modulation.preload(drive)
+        return Lane.periodic(chain, drive, steps, preload, self.inclination), steps
+
+    def content(self) -> dict[str, Any]:
+        """Everything that the result depends on: under a modulated normal force, the options for it."""
+        content = super().content()
+        if self.modulation is None:
+            return content
+        return content | {"options": options_of(self.variant.preset.modulated())}
+
+
+DEFAULT_EXCITATION = Excitation()
+
+
+@cache
+def _identity(variant: Variant) -> dict[str, Any]:
+    """Version and options that a variant's results depend on; no version where the engine is not installed."""
+    adapter = engine(variant.engine)
+    preset = adapter.preset(variant.formulation, variant.preset_name)
+    identity: dict[str, Any] = {
+        "version": None if adapter.unavailable_reason() else adapter.version(),
+        "options": options_of(preset),
+    }
+    return identity if preset.stick_margin == STICK_MARGIN else identity | {"stick_margin": preset.stick_margin}
+
+
+@cache
+def law_identity(variant: Variant) -> dict[str, Any]:
+    """Formula and constants of the law that the results of a law, and of comparisons with one, depend on."""
+    law = law_of(variant.preset)
+    if law is None:
+        return {}
+    return {"law": law.formula, "constants": {name: repr(each.value) for name, each in sorted(law.constants.items())}}
+
+
+def options_of(preset: Preset) -> dict[str, str]:
+    """Give the options of a preset as a result's content has them."""
+    return {name: repr(option.value) for name, option in sorted(preset.options.items())}
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawPeriodTask(SteadyStateTask):
+    """A period of the engine and of its law from the same state, to which the law leads from rest.
+
+    The result's series has ``distance``, the largest difference of positions, and ``reference``, that of the engine
+    from the reference, both over the displacement scale. The parameters are those of `SteadyStateTask`.
+    """
+
+    def as_data(self) -> dict[str, Any]:
+        """Give the task as plain data, distinguished from the steady state."""
+        return super().as_data() | {"recorded": "law"}
+
+    def content(self) -> dict[str, Any]:
+        """Everything that the result depends on: the law, too."""
+        return super().content() | law_identity(self.variant)
+
+
+def versions_of(names: Iterable[str]) -> str:
+    """Give name and version of every engine of these names that is installed, each once, in order."""
+    engines = [engine(name) for name in dict.fromkeys(names)]
+    return ", ".join(
+        f"{adapter.name} {adapter.version()}" for adapter in engines if adapter.unavailable_reason() is None
+    )

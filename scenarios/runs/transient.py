@@ -1,0 +1,179 @@
+"""How a motion is computed: advance the chain in the engine, stretch by stretch, and record what the task names."""
+
+import time
+from collections import defaultdict
+from collections.abc import Sequence
+
+import numpy as np
+
+from reference_lcp.chain.mass_in_mass import mechanical_energy
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.chain.trajectory import State, Trajectory
+from reference_lcp.validation import FloatArray
+from scenarios.runs.failures import CheckedSimulation, results_together
+from scenarios.runs.result import NamedNumbers, Result, ResultStatus
+from scenarios.runs.transient_task import TransientTask
+
+STRETCH = 4096
+"""Steps that are in memory at once."""
+
+AT_REST = 0.01
+"""A contact has come to rest when the two masses stay this near to where they end, over F / k_i.
+
+The creep of a stuck contact, and slip too small to matter, are below.
+"""
+
+
+OPEN_GAP = 1e-3
+"""A contact is open from this gap on, over the displacement scale: engines find a contact where masses overlap, and let
+closed ones part by some 1e-5 for a step."""
+
+
+def run_transients(tasks: Sequence[TransientTask]) -> list[Result]:
+    """Simulate motions of one variant and of chains of one length, in order; those with as many steps together."""
+    by_steps: dict[tuple[int, int], list[int]] = defaultdict(list)
+    for index, task in enumerate(tasks):
+        by_steps[task.steps, task.every].append(index)
+    results: dict[int, Result] = {}
+    for indices in by_steps.values():
+        together = results_together([tasks[index] for index in indices], _results)
+        results.update(zip(indices, together, strict=True))
+    return [results[index] for index in range(len(tasks))]
+
+
+def _results(tasks: Sequence[TransientTask]) -> list[Result]:
+    begin = time.perf_counter()
+    lanes = [task.lane() for task in tasks]
+    records = [_Record(lane, task) for lane, task in zip(lanes, tasks, strict=True)]
+    steps, every = tasks[0].steps, tasks[0].every
+    stretch = every * max(1, STRETCH // every)
+    simulation = CheckedSimulation(tasks[0].variant.build(lanes))
+    try:
+        state = State.stack([task.initial_state() for task in tasks])
+        for start in range(0, steps, stretch):
+            runs = simulation.run(state, start, min(stretch, steps - start))
+            for record, run in zip(records, runs, strict=True):
+                record.append(run)
+            state = State.stack([run.end for run in runs])
+    finally:
+        simulation.close()
+    seconds = (time.perf_counter() - begin) / len(tasks)
+    return [Result(status=ResultStatus.FINISHED, series=record.series(), seconds=seconds) for record in records]
+
+
+class _Record:
+    """Recorded rows of one motion, and what is added up over all of its steps."""
+
+    def __init__(self, lane: Lane, task: TransientTask):
+        self._lane, self._task = lane, task
+        initial = task.initial_state()
+        self._last_positions, self._last_velocities = initial.positions, initial.velocities
+        self._rows: list[FloatArray] = []
+        self._slip_velocities: list[FloatArray] = []
+        self._slid: list[FloatArray] = []
+        self._open_steps, self._highest_gap, self._stuck_steps, self._landings = 0, 0.0, 0, 0
+        self._were_open = np.zeros(lane.chain.cells, dtype=np.bool_)
+        self._heat = np.zeros(2)  # what dashpots and contacts have turned into heat so far [J]
+        self._initial_energy = float(mechanical_energy(lane.chain, initial.positions, initial.velocities)[0])
+        self._least_energy, self._growth = self._initial_energy, 0.0
+
+    def append(self, run: Trajectory) -> None:
+        """Add the next stretch."""
+        every = self._task.every
+        self._rows.append(run.positions[every - 1 :: every].copy())
+        if self._task.recorded == "decay":
+            self._add_energies(run)
+        if self._task.recorded == "slip":
+            self._slip_velocities.append(run.relative_velocity[every - 1 :: every, 0].copy())
+            self._add_sliding_distance(run)
+        if self._task.recorded == "contact modes" and run.normal_gap is not None:
+            self._count_modes(run, run.normal_gap)
+        self._last_positions, self._last_velocities = run.positions[-1:].copy(), run.velocities[-1:].copy()
+
+    def series(self) -> NamedNumbers:
+        """Give what the task names, displacements over the displacement scale and energies over the initial one.
+
+        ``response``: the last outer mass at each kept row. ``slip``: v − u of cell 1 there, and
+        ``slip_velocity`` [m/s]; ``slid``, the way ∫ |v̇ − u̇| dt until there [m]. ``contact modes``: the last outer
+        mass, v − u of every cell, row after row, the largest gap, the parts of the time in which a contact is open and
+        in which it sticks, means over all, and the number of landings. ``decay``: see `_decay`.
+        """
+        rows = np.concatenate(self._rows)
+        chain = self._lane.chain
+        rows /= self._lane.drive.displacement_scale(chain)
+        if self._task.recorded == "decay":
+            return self._decay(rows)
+        if self._task.recorded == "slip":
+            velocities = np.concatenate(self._slip_velocities)
+            return {
+                "slip": tuple((rows[:, chain.cells] - rows[:, 0]).tolist()),
+                "slip_velocity": tuple(velocities.tolist()),
+                "slid": tuple(np.concatenate(self._slid).tolist()),
+            }
+        if self._task.recorded == "contact modes":
+            scale = self._lane.drive.displacement_scale(chain)
+            return {
+                "response": tuple(rows[:, chain.cells - 1].tolist()),
+                "slips": tuple((rows[:, chain.cells :] - rows[:, : chain.cells]).ravel().tolist()),
+                "highest": (self._highest_gap / scale,),
+                "open": (self._open_steps / (self._task.steps * chain.cells),),
+                "stuck": (self._stuck_steps / (self._task.steps * chain.cells),),
+                "landings": (float(self._landings),),
+            }
+        return {"response": tuple(rows[:, chain.cells - 1].tolist())}
+
+    def _decay(self, rows: FloatArray) -> NamedNumbers:
+        """``rest`` [s]: when the last contact came to rest. ``offsets``: v − u of each cell at the end.
+
+        ``swing``: v − u of cell 1 at each kept row. ``energy``: left in the chain, taken by dashpots, taken by
+        contacts, and the largest growth of the chain's energy over the least so far.
+        """
+        chain, n = self._lane.chain, self._lane.chain.cells
+        scale = self._lane.drive.displacement_scale(chain)
+        slip = rows[:, n:] - rows[:, :n]
+        near = AT_REST * chain.friction_bound / chain.inner_stiffness / scale
+        away = np.any(np.abs(slip - slip[-1]) > near, axis=1)
+        last = int(np.flatnonzero(away)[-1]) + 1 if np.any(away) else 0
+        left = float(mechanical_energy(chain, self._last_positions, self._last_velocities)[0])
+        energies = np.array([left, *self._heat, self._growth]) / self._initial_energy
+        return {
+            "rest": (float(self._task.row_times()[min(last, slip.shape[0] - 1)]),),
+            "offsets": tuple(slip[-1].tolist()),
+            "swing": tuple(slip[:, 0].tolist()),
+            "energy": tuple(energies.tolist()),
+        }
+
+    def _count_modes(self, run: Trajectory, gap: FloatArray) -> None:
+        """Add up the steps in which contacts are open and stuck, and the landings; keep the largest gap."""
+        chain, margin = self._lane.chain, self._task.variant.preset.stick_margin
+        opened = gap > OPEN_GAP * self._lane.drive.displacement_scale(chain)
+        before = np.vstack([self._were_open, opened[:-1]])
+        holds = np.abs(run.friction) < (1 - margin) * chain.friction_coefficient * run.normal_force
+        self._open_steps += int(np.count_nonzero(opened))
+        self._stuck_steps += int(np.count_nonzero(holds & ~opened))
+        self._landings += int(np.count_nonzero(before & ~opened))
+        self._were_open = opened[-1]
+        self._highest_gap = max(self._highest_gap, float(np.max(gap)))
+
+    def _add_sliding_distance(self, run: Trajectory) -> None:
+        """Add up the way that cell 1 slides, by the trapezoidal rule over all steps, also those that are not kept."""
+        cells, every = self._lane.chain.cells, self._task.every
+        before = self._last_velocities[:1, cells] - self._last_velocities[:1, 0]
+        speed = np.abs(np.concatenate([before, run.relative_velocity[:, 0]]))
+        way = self._lane.time_step * np.cumsum((speed[1:] + speed[:-1]) / 2)
+        begun = self._slid[-1][-1] if self._slid else 0.0
+        self._slid.append(begun + way[every - 1 :: every])
+
+    def _add_energies(self, run: Trajectory) -> None:
+        """Add up heat, velocities taken as the mean of both ends of a step, and find energy that grows."""
+        chain, dt = self._lane.chain, self._lane.time_step
+        positions = np.vstack([self._last_positions, run.positions])
+        velocities = np.vstack([self._last_velocities, run.velocities])
+        mean = (velocities[1:] + velocities[:-1]) / 2
+        dashpots = dt * float(np.einsum("ti,ij,tj->", mean, chain.damping_matrix, mean))
+        contacts = -dt * float(np.sum(run.friction * (mean @ chain.contact_directions)))
+        self._heat += dashpots, contacts
+        rows = mechanical_energy(chain, positions[1:], velocities[1:])
+        least = np.minimum.accumulate(np.concatenate([[self._least_energy], rows]))
+        self._growth = max(self._growth, float(np.max(rows - least[:-1])))
+        self._least_energy = float(least[-1])

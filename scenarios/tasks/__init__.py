@@ -1,1 +1,0 @@
-"""Tasks and their results, as data."""

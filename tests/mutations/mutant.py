@@ -1,0 +1,128 @@
+"""A mutant: a copy of an engine's own steps with exactly one error, whose size is a number."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from engines.interface.engine import Engine
+from engines.interface.law import Law, NotModelled
+from engines.interface.presets import Capabilities, Formulation, NormalForce, Preset
+from engines.interface.registry import BATCH_LANES, LAW_SUFFIX, engine, law_of
+from engines.interface.variant import Variant
+from reference_lcp.chain.simulation import Lane, Simulation
+from reference_lcp.defaults import DEFAULT_RESIDUAL
+from reference_lcp.schemes.euler import CompiledSimulation
+
+FAMILY = "mutant"
+"""Name of the family of engines: mutants are ``mutant@NAME@SIZE``."""
+
+SCHEME = Variant("reference")
+"""The variant whose scheme is copied by mutants that claim to share it."""
+
+
+@dataclass(frozen=True)
+class Original:
+    """The steps without the error: those of a law, or the reference's scheme where there is none."""
+
+    law: Law | None
+
+    def build(self, lanes: Sequence[Lane]) -> Simulation:
+        """Build every lane."""
+        return CompiledSimulation(lanes) if self.law is None else self.law.build(lanes)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mutant:
+    """An engine with one error."""
+
+    name: str
+    """As it is named: lower case, hyphens."""
+    error: str
+    """What is wrong, in terms of its size s; nothing is where s = 0."""
+    build: Callable[[Original, tuple[Lane, ...], float], Simulation]
+    """Builds lanes with an error of a size."""
+    sizes: tuple[float, ...] = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+    """Those that are tried, descending."""
+    of: Variant = SCHEME
+    """The variant that it is a copy of, and whose law it claims."""
+    normal_force: NormalForce = NormalForce.LIFTING
+    """How it lets the normal force change, where that is less than the original does."""
+    excuse: str = ""
+    """A text that it states instead of a law."""
+
+    def variant(self, size: float) -> Variant:
+        """Give the mutant with an error of a size, to be run as any other variant."""
+        return replace(self.of, engine=f"{FAMILY}@{self.name}@{size:g}")
+
+
+class MutantEngine(Engine):
+    """A mutant with an error of a size, under the presets of its original; its tuned one has no error unless it is it.
+
+    Parameters
+    ----------
+    mutant
+        The mutant.
+    size
+        s >= 0, finite.
+    """
+
+    def __init__(self, mutant: Mutant, size: float):
+        self._mutant, self._size = mutant, size
+        self.name = mutant.variant(size).engine  # type: ignore[misc]
+        self._wrong = claimed_preset(mutant)
+        self.capabilities = _capabilities(mutant, size, self._wrong)  # type: ignore[misc]
+
+    def version(self) -> str:
+        """Version of the suite."""
+        return engine("reference").version()
+
+    @property
+    def host(self) -> str:
+        """The reference, which is the suite's own code as well."""
+        return SCHEME.engine
+
+    @property
+    def states_laws_of(self) -> str:
+        """Name of the original."""
+        return self._mutant.of.engine
+
+    def unavailable_reason(self) -> str | None:
+        """``None``: mutants need nothing but the suite."""
+        return None
+
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
+        original = Original(law_of(preset))
+        wrong = preset is self._wrong
+        return self._mutant.build(original, lanes, self._size) if wrong else original.build(lanes)
+
+
+def claimed_preset(mutant: Mutant) -> Preset:
+    """Give the preset that a mutant claims to be."""
+    if mutant.excuse:
+        stated = NotModelled(mutant.excuse)
+        return replace(SCHEME.preset, shares_scheme=False, known_deviation=mutant.excuse, law=lambda _: stated)
+    honest = honest_preset(mutant.of)
+    represented = mutant.normal_force if honest.represents(mutant.normal_force) else honest.normal_force
+    return replace(honest, normal_force=represented)
+
+
+def honest_preset(variant: Variant) -> Preset:
+    """Give the preset of a variant as its law has it; that of the reference, not inclined, where it states none."""
+    if law_of(variant.preset) is None:
+        return replace(SCHEME.preset, inclines=False, static_friction=False)
+    return replace(variant, engine=f"{variant.engine}{LAW_SUFFIX}").preset
+
+
+def _capabilities(mutant: Mutant, size: float, wrong: Preset) -> Capabilities:
+    """Give what the original can do, with the preset that is wrong beside a tuned one."""
+    original = mutant.of
+    tuned = honest_preset(replace(original, preset_name="tuned"))
+    return replace(
+        original.capabilities,
+        title=f"{original.capabilities.title} with {mutant.error}, s = {size:g}",
+        presets={Formulation(original.formulation): {"tuned": tuned, original.preset_name: wrong}},
+        batch_lanes=SCHEME.batch_lanes if law_of(wrong) is None else BATCH_LANES,
+        precision="double",
+        residual=DEFAULT_RESIDUAL,
+        deterministic=True,
+        optional=True,
+    )

@@ -1,0 +1,95 @@
+"""Engines with one error each: without it they are sound, with it they move or record something else."""
+
+import numpy as np
+import pytest
+
+from engines.contract.lanes import modulated_lane, random_lanes, scaled_state
+from engines.interface.presets import NormalForce
+from engines.interface.registry import default_engine_names, engine, engine_names, law_of, registered_names
+from engines.interface.tolerances import STEPS
+from reference_lcp.chain.trajectory import Trajectory
+from reference_lcp.errors import ParameterError
+from reports.cli.evaluation import chosen_variants
+from tests.mutations.catalogue import MUTANTS
+from tests.mutations.mutant import Mutant, Original, claimed_preset
+
+ROUND_OFF = 1e-7
+"""Of every number of two periods, over the largest of its kind: the friction of a stick is a difference of velocities
+over a time step, and two codes of the same steps round them differently."""
+
+
+def lanes_of(mutant: Mutant) -> list:
+    """Random lanes, and one whose contacts open or press unequally where the mutant takes it."""
+    represented = claimed_preset(mutant).normal_force
+    modulation = {NormalForce.CONSTANT: [], NormalForce.MODULATED: [0.5], NormalForce.LIFTING: [0.5, 1.5]}
+    return [*random_lanes(), *(modulated_lane(part) for part in modulation[represented])]
+
+
+def two_runs(mutant: Mutant, size: float) -> list[tuple[Trajectory, Trajectory]]:
+    """Two periods of every lane, of the original and of the mutant: in two runs, split in a flight if there is one."""
+    lanes = lanes_of(mutant)
+    original = Original(law_of(claimed_preset(mutant))).build(lanes)
+    return list(zip(split(original, lanes), split(mutant.variant(size).build(lanes), lanes), strict=True))
+
+
+def split(simulation, lanes) -> list[Trajectory]:
+    part, state = 3 * STEPS // 4, scaled_state(lanes)
+    first = simulation.run(state, 0, part)
+    ends = simulation.advance(state, 0, part)
+    second = simulation.run(ends, part, 2 * STEPS - part)
+    return [one.joined(other) for one, other in zip(first, second, strict=True)]
+
+
+def distance(pair: tuple[Trajectory, Trajectory]) -> float:
+    """Largest difference of anything that is recorded, over the largest number of its kind."""
+    own, other = pair
+    names = ("positions", "velocities", "friction", "normal_force")
+    return max(
+        float(np.max(np.abs(getattr(own, name) - getattr(other, name))) / np.max(np.abs(getattr(own, name))))
+        for name in names
+    )
+
+
+@pytest.mark.parametrize("mutant", MUTANTS.values(), ids=lambda mutant: mutant.name)
+def test_mutant_without_its_error_moves_as_its_original(mutant: Mutant) -> None:
+    assert max(map(distance, two_runs(mutant, 0.0))) <= ROUND_OFF
+
+
+@pytest.mark.parametrize("mutant", MUTANTS.values(), ids=lambda mutant: mutant.name)
+def test_mutant_with_its_error_does_not(mutant: Mutant) -> None:
+    assert max(map(distance, two_runs(mutant, min(1.0, mutant.sizes[0])))) > 10 * ROUND_OFF
+
+
+def test_mutants_are_engines_that_nobody_lists() -> None:
+    wrong = MUTANTS["bound"].variant(0.1)
+    assert engine(wrong.engine).name == "mutant@bound@0.1"
+    assert wrong.preset.shares_scheme
+    listed = [*registered_names(), *engine_names(), *default_engine_names(), *map(str, chosen_variants(["all"]))]
+    assert not [name for name in listed if "mutant@" in name]
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("mutant@bond@0.1", "mutant = 'bond' is unknown; allowed: "),
+        ("mutant@bound", "'mutant@bound'; allowed: mutant@NAME@SIZE"),
+        ("mutant@bound@much", "'mutant@bound@much'; allowed: mutant@NAME@SIZE"),
+        ("mutant@bound@-1", "size = -1"),
+        ("mutation@bound@1", "engine = 'mutation@bound@1' is unknown"),
+    ],
+)
+def test_mutant_that_is_none_is_refused(name: str, reason: str) -> None:
+    with pytest.raises(ParameterError, match=reason):
+        engine(name)
+
+
+def test_mutant_of_a_law_claims_the_honest_law() -> None:
+    wrong = MUTANTS["pybullet-damping"].variant(9)
+    assert str(wrong.law) == "pybullet@law:joint:default"
+    assert law_of(wrong.preset).constants == law_of(MUTANTS["pybullet-damping"].of.preset).constants
+
+
+def test_excused_mutant_states_a_text_and_no_law() -> None:
+    wrong = MUTANTS["excused"].variant(1)
+    assert wrong.preset.known_deviation == "bad weather"
+    assert wrong.law is None

@@ -1,0 +1,182 @@
+"""Error bars against the exact solver, and the order of the scheme that they rest on."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from reference_lcp import (
+    Chain,
+    CompiledSimulation,
+    HarmonicBase,
+    Mode,
+    ParameterError,
+    exact_steady_state,
+    periodic_orbits,
+    steady_state,
+)
+from reference_lcp.observables.stick_slip import transitions
+from reference_lcp.steady.error_bar import (
+    REFINEMENTS,
+    ErrorBar,
+    error_bar,
+    euler_orbit,
+    measured_error_bar,
+    measured_error_bars,
+)
+from reference_lcp.steady.neighbours import PeriodInverse, refined_orbits
+from reference_lcp.steady.richardson import SAFETY
+from reference_lcp.studies.against_exact import convergence
+from reference_lcp.studies.bench import canonical_lane
+from tests.reference_lcp.cases import driven
+
+DEEP = {"cells": 10, "mass_ratio": 3.0, "stiffness_ratio": 3.0, "friction_ratio": 0.3}
+"""Ratios of a chain whose transmittance is −213 dB at η_r = 2.5."""
+
+
+@pytest.mark.parametrize(
+    ("friction", "ratio"), [(0.1, 0.6), (0.3, 0.6), (0.3, 0.9), (0.6, 0.9), (0.6, 1.3), (1.0, 0.9)]
+)
+def test_scheme_is_of_first_order_in_transmittance_and_in_transition_times(friction, ratio) -> None:
+    chain = Chain.from_ratios(friction_ratio=friction)
+    study = convergence(chain, HarmonicBase.from_ratio(chain, ratio))
+    assert len(study.steps_per_period) == 7
+    assert study.transmittance_order == pytest.approx(1.0, abs=0.15)
+    assert study.transition_order == pytest.approx(1.0, abs=0.15)
+
+
+def test_error_bar_halves_with_the_step() -> None:
+    chain, drive = driven(0.9, friction_ratio=0.3)
+    bars = [measured_error_bar(euler_orbit(chain, drive, steps)) for steps in (800, 1600, 3200)]
+    ratios = [bars[k].transmittance_db / bars[k + 1].transmittance_db for k in range(2)]
+    assert ratios == pytest.approx([2.0, 2.0], rel=0.3)
+    assert bars[-1].steps_per_period == (3200, 6400, 12800)
+
+
+def test_extrapolated_value_is_closer_than_the_computed_one() -> None:
+    chain, drive = driven(1.3, friction_ratio=0.6)
+    steady = steady_state(chain, drive, with_exact_value=True)
+    plain = abs(steady.transmittance_db - steady.exact_db)
+    assert abs(steady.error_bar.extrapolated_db - steady.exact_db) < plain / 5
+    assert steady.error_bar.order == pytest.approx(1.0, abs=0.3)
+    assert plain <= steady.error_bar.transmittance_db <= 4 * SAFETY * plain
+
+
+def test_stuck_fraction_has_an_error_bar_too() -> None:
+    chain, drive = driven(0.9, friction_ratio=0.3)
+    steady, exact = steady_state(chain, drive), exact_steady_state(chain, drive)
+    assert np.all(np.abs(steady.stuck_fraction - exact.stuck_fraction) <= steady.error_bar.stuck_fraction)
+
+
+def test_error_bar_that_was_not_requested_is_absent() -> None:
+    chain, drive = driven(0.9, friction_ratio=0.3)
+    assert "error_bar_db" not in steady_state(chain, drive, with_error_bar=False).as_dict()
+    answer = steady_state(chain, drive, solver="exact", with_exact_value=True).as_dict()
+    assert answer["exact_db"] == answer["transmittance_db"]
+
+
+def test_transmittance_below_the_residual_has_a_floor_in_place_of_a_bar() -> None:
+    chain = Chain.from_ratios(**DEEP)
+    steady = steady_state(chain, HarmonicBase.from_ratio(chain, 2.5), with_exact_value=True)
+    bar = steady.error_bar
+    assert not bar.resolved
+    assert math.isinf(bar.transmittance_db)
+    assert steady.exact_db < bar.floor_db < -140
+    assert steady.transmittance_db < bar.floor_db
+    numbers = steady.as_dict()
+    assert (numbers["error_bar_db"], numbers["extrapolated_db"]) == (None, None)
+    assert numbers["floor_db"] == bar.floor_db
+
+
+def test_a_residual_that_is_loose_widens_the_bar() -> None:
+    chain, drive = driven(0.9, friction_ratio=0.3)
+    sharp = steady_state(chain, drive, tolerance=1e-10, with_exact_value=True)
+    loose = steady_state(chain, drive, tolerance=1e-2)
+    assert abs(loose.transmittance_db - sharp.exact_db) > sharp.error_bar.transmittance_db
+    assert abs(loose.transmittance_db - sharp.exact_db) < loose.error_bar.transmittance_db
+
+
+def test_times_of_transitions_have_error_bars() -> None:
+    """Of the canonical chain at (0.3, 0.9): fourteen transitions within a step and a half of the exact ones."""
+    chain, drive = driven(0.9, friction_ratio=0.3)
+    steady, exact = steady_state(chain, drive), exact_steady_state(chain, drive)
+    pairs = list(zip(steady.transitions, exact.transitions, strict=True))
+    assert [(a.cell, a.kind) for a, _ in pairs] == [(b.cell, b.kind) for _, b in pairs]
+    errors = np.array([abs(a.time - b.time) for a, b in pairs])
+    assert np.all(errors <= steady.error_bar.transition_time)
+    assert np.all(steady.error_bar.transition_time >= steady.orbit.lane.time_step)
+    assert np.all(steady.error_bar.transition_time <= 8 * steady.orbit.lane.time_step)
+    printed = [change["error_bar_s"] for change in steady.as_dict()["transitions"]]
+    assert printed == steady.error_bar.transition_time.tolist()
+
+
+def test_what_the_steps_do_not_agree_on_is_undecided() -> None:
+    """The first of three orbits is made to slide in cell 1, which sticks twice a period with the other steps."""
+    chain, drive = driven(0.9, friction_ratio=0.3)
+    orbits = [euler_orbit(chain, drive, steps) for steps in (400, 800, 1600)]
+    friction = orbits[0].trajectory.friction.copy()
+    friction[:, 0] = np.where(friction[:, 0] > 0, 1, -1) * chain.friction_bound[0]
+    trajectory = dataclasses.replace(orbits[0].trajectory, friction=friction)
+    orbits[0] = dataclasses.replace(orbits[0], trajectory=trajectory)
+    missing = error_bar(orbits).missing_transitions
+    assert {change.cell for change in missing} == {1}
+    assert [change.kind for change in missing].count(Mode.STICK) == 2
+    undecided = np.isnan(error_bar(orbits, 1).transition_time)
+    changes = transitions(orbits[1])
+    assert {change.cell for change, flag in zip(changes, undecided, strict=True) if flag} == {1}
+    assert all(
+        flag for change, flag in zip(changes, undecided, strict=True) if (change.cell, change.kind) == (1, "stick")
+    )
+
+
+def bars_are_equal(one: ErrorBar, other: ErrorBar) -> None:
+    """Up to what the residual of the finer steps leaves open, 1e-8 of the base's amplitude times some ten."""
+    assert one.transmittance_db == pytest.approx(other.transmittance_db, abs=1e-5)
+    assert one.extrapolated_db == pytest.approx(other.extrapolated_db, abs=1e-5, nan_ok=True)
+    assert one.floor_db == pytest.approx(other.floor_db, nan_ok=True)
+    assert one.stuck_fraction == pytest.approx(other.stuck_fraction, abs=1e-12)
+    assert one.transition_time == pytest.approx(other.transition_time, abs=1e-12, nan_ok=True)
+    assert one.missing_transitions == other.missing_transitions
+    assert one.steps_per_period == other.steps_per_period
+
+
+def test_points_of_a_batch_have_the_bars_that_they_have_alone() -> None:
+    lanes = [canonical_lane(friction, ratio) for friction in (0.1, 0.3, 3.0) for ratio in (0.5, 0.9, 1.4)]
+    orbits = periodic_orbits(CompiledSimulation(lanes), 400)
+    for orbit, bar in zip(orbits, measured_error_bars(orbits), strict=True):
+        bars_are_equal(bar, measured_error_bar(orbit))
+
+
+@pytest.mark.parametrize(("friction", "ratio"), [(0.1, 0.5), (0.3, 0.9), (1.0, 0.7), (3.0, 1.1)])
+def test_finer_steps_from_coarser_ones_end_where_those_from_harmonic_balance_do(friction, ratio) -> None:
+    lane = canonical_lane(friction, ratio)
+    orbits = [euler_orbit(lane.chain, lane.drive, 400 * factor) for factor in REFINEMENTS]
+    bars_are_equal(measured_error_bar(orbits[0]), error_bar(orbits))
+
+
+def test_finer_steps_take_a_third_of_the_periods_from_coarser_ones() -> None:
+    lanes = [canonical_lane(0.3, ratio) for ratio in (0.5, 0.7, 0.9, 1.1, 1.4)]
+    orbits = periodic_orbits(CompiledSimulation(lanes), 400)
+    finer = refined_orbits(orbits, (2, 4), PeriodInverse.of(orbits), tolerance=1e-8, max_periods=400)
+    for found in finer:
+        assert all(orbit.converged for orbit in found)
+        assert 3 * sum(orbit.periods for orbit in found) <= sum(orbit.periods for orbit in orbits)
+
+
+def test_a_batch_has_one_number_of_steps() -> None:
+    lane = canonical_lane(0.3, 0.9)
+    orbits = [euler_orbit(lane.chain, lane.drive, steps) for steps in (400, 500)]
+    with pytest.raises(ParameterError, match=r"periods of \[400, 500\] steps; allowed: one number of steps"):
+        measured_error_bars(orbits)
+    assert measured_error_bars([]) == []
+
+
+def test_finer_steps_without_a_steady_state_leave_every_bar_unknown() -> None:
+    chain = Chain.from_ratios(friction_ratio=0.3)
+    orbit = euler_orbit(chain, HarmonicBase.from_ratio(chain, 0.9), 400)
+    bar = measured_error_bar(orbit, max_periods=2)
+    assert math.isnan(bar.transmittance_db)
+    assert np.all(np.isnan(bar.stuck_fraction))
+    assert np.all(np.isnan(bar.transition_time))
+    assert bar.as_dict()["error_bar_stuck_fraction"] == [None] * 7

@@ -1,0 +1,84 @@
+"""The one estimate of the error of a step, on numbers whose limit is known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from reference_lcp.errors import ParameterError
+from reference_lcp.steady.richardson import SAFETY, richardson, richardson_error
+
+LIMIT = -3.0
+
+
+def values(first, second, steps):
+    """A scheme whose error has parts of the first and of the second order."""
+    return [LIMIT + first / count + second / count**2 for count in steps]
+
+
+@pytest.mark.parametrize("steps", [(1, 2), (1, 2, 4), (3, 4), (2, 5, 7), (1, 2, 4, 32)])
+def test_first_order_error_is_found_whatever_the_steps(steps) -> None:
+    for at, value in zip(steps, values(0.1, 0.0, steps), strict=True):
+        estimate = richardson(steps, values(0.1, 0.0, steps), at)
+        # nothing stands beside the finest of three, and two pairs add up
+        looks = 2 if at == steps[-1] and len(steps) > 2 else 1
+        assert estimate.value == value
+        assert estimate.error == pytest.approx(looks * SAFETY * abs(value - LIMIT))
+        assert estimate.extrapolated == pytest.approx(LIMIT)
+
+
+@pytest.mark.parametrize(("first", "second"), [(0.1, 0.0), (0.0, 0.1), (0.1, -0.1), (0.1, -0.2), (-0.1, 0.3)])
+@pytest.mark.parametrize("at", [1, 2, 4])
+def test_three_steps_cover_the_error_of_each_of_them(first, second, at) -> None:
+    """For (0.1, −0.2) the two middle values are both off by nothing or by little."""
+    estimate = richardson((1, 2, 4), values(first, second, (1, 2, 4)), at)
+    assert estimate.error >= abs(estimate.value - LIMIT)
+
+
+def test_one_difference_that_vanishes_by_chance_is_not_believed() -> None:
+    assert richardson((400, 800, 1600), [1.0, 1.0, 1.1], 400).error == pytest.approx(SAFETY * 0.4)
+    assert richardson((400, 800, 1600), [1.0, 1.1, 1.1]).error == pytest.approx(SAFETY * 0.05)
+
+
+def test_error_of_the_finest_of_three_steps() -> None:
+    """Errors 4e, 2e, e: the estimate is 2 e times the safety; of an array, every entry has its own."""
+    assert richardson((1, 2, 4), [1.4, 1.2, 1.1]).error == pytest.approx(SAFETY * 0.2)
+    series = [np.array([0.0, 4.0]), np.array([0.0, 2.0]), np.array([0.0, 1.0])]
+    assert richardson((1, 2, 4), series).error == pytest.approx([0.0, 2 * SAFETY])
+
+
+def test_order_is_read_from_steps_that_grow_by_one_factor() -> None:
+    assert richardson((100, 200, 400), values(0.1, 0.0, (100, 200, 400))).order == pytest.approx(1)
+    assert richardson((10, 30, 90), values(0.0, 5.0, (10, 30, 90))).order == pytest.approx(2)
+    assert math.isnan(richardson((10, 20, 90), values(0.1, 0.0, (10, 20, 90))).order)
+    assert math.isnan(richardson((1, 2, 4), [1.0, 1.0, 1.0]).order)
+
+
+def test_a_value_that_is_not_known_leaves_the_error_unknown() -> None:
+    assert math.isnan(richardson((1, 2, 4), [1.0, math.nan, 1.0]).error)
+
+
+@pytest.mark.parametrize(
+    ("steps", "numbers", "at", "message"),
+    [
+        ((400,), [1.0], None, r"steps = \[400\]"),
+        ((800, 400), [1.0, 2.0], None, "ascending"),
+        ((400, 800), [1.0], None, "with 1 values"),
+        ((400, 800), [1.0, 2.0], 600, "at = 600"),
+    ],
+)
+def test_what_tells_nothing_of_an_error_is_refused(steps, numbers, at, message) -> None:
+    with pytest.raises(ParameterError, match=message):
+        richardson(steps, numbers, at)
+
+
+@pytest.mark.parametrize("steps", [(100, 200), (100, 200, 400), (10, 30, 90, 91), (1, 2, 3, 4, 8)])
+def test_the_error_of_a_number_is_that_of_an_array_of_one(steps) -> None:
+    draw = np.random.default_rng(5)
+    for at in (None, *steps):
+        numbers = draw.normal(size=(len(steps), 20))
+        each = [richardson_error(steps, tuple(column), at) for column in numbers.T.tolist()]
+        assert each == pytest.approx(richardson(steps, numbers, at).error, rel=1e-12)
+    assert math.isnan(richardson_error(steps, (math.nan, *[1.0] * (len(steps) - 1)), steps[-1]))
+    with pytest.raises(ParameterError, match="at = 7"):
+        richardson_error(steps, (1.0,) * len(steps), 7)

@@ -1,0 +1,34 @@
+"""Cost and error of a point of figure 3 by several methods, harmonic balance among them."""
+
+import numpy as np
+import pytest
+
+from reference_lcp.chain.drives import HarmonicForce
+from reference_lcp.chain.linear_response import frictionless_transmittance, stuck_transmittance
+from reference_lcp.chain.mass_in_mass import Chain
+from reference_lcp.chain.simulation import Lane
+from reference_lcp.studies.bench import balanced_transmittance, bench_points, canonical_lane
+
+
+@pytest.mark.parametrize("ratio", [0.5, 0.9, 1.4])
+def test_harmonic_balance_without_friction_is_the_linear_response(ratio) -> None:
+    lane = canonical_lane(0.0, ratio)
+    expected = frictionless_transmittance(lane.chain, lane.drive)
+    assert balanced_transmittance(lane, 400) == pytest.approx(expected, rel=1e-9)
+
+
+def test_harmonic_balance_of_contacts_that_hardly_slip_is_the_response_of_stuck_ones() -> None:
+    """The smoothed law creeps where Coulomb's sticks, by a part in ten thousand of the velocity scale."""
+    chain = Chain.from_ratios(friction_ratio=100.0)
+    lane = Lane.periodic(chain, HarmonicForce(1.0, 0.5 * chain.resonator_frequency), 400)
+    assert balanced_transmittance(lane, 400) == pytest.approx(stuck_transmittance(chain, lane.drive), rel=1e-3)
+
+
+def test_the_scheme_is_nearer_to_the_exact_point_than_harmonic_balance_and_its_bar_covers_it() -> None:
+    scheme, barred, balance, exact = bench_points((0.3,), (0.5, 0.9))
+    assert scheme["largest_error_db"] < 0.01
+    assert scheme["largest_error_db"] < balance["largest_error_db"] < 0.5
+    assert barred["covered"] == 1.0
+    assert barred["median_bar_db"] >= barred["median_error_db"] == scheme["median_error_db"]
+    assert [row["failed"] for row in (scheme, barred, balance, exact)] == [0, 0, 0, 0]
+    assert all(np.isfinite(row["seconds_per_point"]) and row["seconds_per_point"] > 0 for row in (scheme, balance))

@@ -1,0 +1,112 @@
+"""Ctrl-C ends every command within two seconds with one line and exit code 130, whatever the command is doing."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+END_SECONDS = 2.0
+"""Within which a command has to end."""
+
+STILL_IMPORTING = "import time\nprint('ready', flush=True)\ntime.sleep(1000)\n"
+"""A module that takes long to import."""
+
+
+def started(*arguments: str, path: Path | None = None, ignored: bool = False) -> subprocess.Popen[str]:
+    """Start Python; gives it once it has printed that it is ready. A background job's Ctrl-C would be ignored."""
+    handler = signal.SIG_IGN if ignored else signal.SIG_DFL
+    process = subprocess.Popen(
+        [sys.executable, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ if path is None else {**os.environ, "PYTHONPATH": str(path)},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, handler),  # noqa: PLW1509 - this process has no threads
+    )
+    assert process.stdout.readline() == "ready\n"
+    return process
+
+
+def interrupted(process: subprocess.Popen[str]) -> tuple[int, str]:
+    """Send Ctrl-C; gives exit code and standard error."""
+    begin = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=60)
+    assert time.monotonic() - begin < END_SECONDS
+    return process.returncode, error
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["-m", "reference_lcp"],
+        ["-m", "reports", "engines"],
+        ["-m", "reports", "run"],
+        ["-m", "reports"],
+        ["-c", "from reports.cli.entry_point import main; main()"],
+    ],
+    ids=["reference_lcp", "engines", "run", "reports", "console script"],
+)
+def test_command_that_is_importing_ends_without_a_traceback(tmp_path, command) -> None:
+    (tmp_path / "typer.py").write_text(STILL_IMPORTING)
+    assert interrupted(started(*command, path=tmp_path)) == (130, "error: interrupted\n")
+
+
+CLOSING = """
+import time
+from reference_lcp.process import closing_on_interrupt, heed_interrupts
+heed_interrupts()
+with closing_on_interrupt():
+    try:
+        print("ready", flush=True)
+        time.sleep(1000)
+    except KeyboardInterrupt:
+        print("closing", flush=True)
+        time.sleep(1000)
+"""
+
+
+def test_command_that_does_not_close_ends_after_a_moment() -> None:
+    assert interrupted(started("-c", CLOSING)) == (130, "error: interrupted\n")
+
+
+def test_second_interrupt_ends_at_once() -> None:
+    patient = CLOSING.replace("\nwith", "\nimport reference_lcp.process as own\nown.CLOSE_SECONDS = 1000\nwith")
+    process = started("-c", patient)
+    process.send_signal(signal.SIGINT)
+    assert process.stdout.readline() == "closing\n"
+    assert interrupted(process) == (130, "error: interrupted\n")
+
+
+SWALLOWED = """
+import sys, time, typer
+from reference_lcp.process import heed_interrupts
+heed_interrupts()
+from reference_lcp.console import run_command
+app = typer.Typer()
+@app.command()
+def command():
+    try:
+        print("ready", flush=True)
+        time.sleep(1000)
+    except KeyboardInterrupt:
+        raise ImportError("half imported") from None
+sys.exit(run_command(app, []))
+"""
+
+
+def test_interrupt_that_a_module_turns_into_its_own_error_is_one() -> None:
+    assert interrupted(started("-c", SWALLOWED)) == (130, "error: interrupted\n")
+
+
+def test_background_job_that_ignores_interrupts_goes_on_ignoring_them() -> None:
+    process = started("-c", CLOSING, ignored=True)
+    process.send_signal(signal.SIGINT)
+    with pytest.raises(subprocess.TimeoutExpired):
+        process.wait(2 * END_SECONDS)
+    process.kill()
+    process.communicate()

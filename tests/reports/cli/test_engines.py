@@ -1,0 +1,117 @@
+"""``multibody-xval engines``: capabilities as data."""
+
+import json
+import re
+
+import pytest
+
+from engines.interface.registry import engine_names
+from engines.mujoco import MuJoCo
+from engines.pybullet import PyBullet
+from reference_lcp.console import run_command
+from reports.cli.engines import app
+
+
+def test_json_describes_every_registered_engine(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(app, ["--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)
+    assert [row["engine"] for row in rows] == engine_names()
+    for row in rows:
+        assert (row["version"] is None) == (row["missing"] is not None)
+        assert "tuned" in row["presets"]["joint"]
+        assert row["licence"]
+    normal_force = {row["engine"]: row["normal_force"] for row in rows}
+    assert normal_force["mujoco"]["joint"]["tuned"] == "modulated"
+    assert normal_force["mujoco"]["contact"]["tuned"] == "modulated until contacts open"
+    assert normal_force["siconos"]["joint"]["tuned"] == "constant"
+
+
+def test_missing_engine_is_listed_with_its_reason(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(PyBullet, "unavailable_reason", lambda _self: "no wheel for this Python")
+    assert run_command(app, []) == 0
+    printed = capsys.readouterr().out
+    assert "missing" in printed
+    assert "pybullet: no wheel for this Python" in printed
+
+
+def test_each_formulation_has_a_line_of_its_own(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    assert run_command(app, []) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (mujoco,) = (number for number, line in enumerate(lines) if line.startswith(" mujoco "))
+    assert "joint: tuned, yield, default" in lines[mujoco]
+    assert lines[mujoco + 1].split() == ["double", "contact:", "tuned,", "newton,", "default"]
+
+
+def test_unknown_option_is_one_line_and_exit_code_2(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(app, ["--all"]) == 2
+    assert capsys.readouterr().err.startswith("error: ")
+
+
+def test_law_is_printed_with_its_constants_and_how_near_the_engine_is(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(app, ["law", "mujoco:joint:default"]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "mujoco:joint:default: forces at the start of the step" in printed
+    assert "d_max 0.95" in printed
+    assert re.search(r"at 18 points: at most \S+ U0 from its law, 0\.1\d U0 from the reference", printed)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("mujoco", r"mujoco: the step of the reference, equation \(5\)"),
+        ("exudyn-bristle:joint:default", "is not modelled: .* round-off decides"),
+    ],
+)
+def test_preset_without_a_model_says_what_it_is_instead(
+    capsys: pytest.CaptureFixture[str], name: str, said: str
+) -> None:
+    assert run_command(app, ["law", name]) == 0
+    assert re.search(said, " ".join(capsys.readouterr().out.split()))
+
+
+def test_law_that_holds_at_no_point_is_not_measured(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command(app, ["law", "exudyn-regularised:joint:default:frictionProportionalZone=1e-9"]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "not measured: it does not claim to hold at any of 18 points: the kick F h / m_red of a step is" in printed
+
+
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        (
+            "normal time constant=0.0",
+            "not measured: engine or law fails with ZeroDivisionError: float division",
+        ),
+        ("normal time constant=1e-9", "the engine's positions are not finite"),
+    ],
+)
+def test_law_of_an_engine_that_fails_is_not_measured(
+    capsys: pytest.CaptureFixture[str], setting: str, said: str
+) -> None:
+    assert run_command(app, ["law", f"mujoco:contact:default:{setting}"]) == 0
+    assert said in " ".join(capsys.readouterr().out.split())
+
+
+def test_law_of_an_engine_that_is_missing_is_not_measured(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(PyBullet, "unavailable_reason", lambda _self: "no wheel for this Python")
+    assert run_command(app, ["law", "pybullet:joint:default"]) == 0
+    assert "not measured here, no wheel for this Python" in " ".join(capsys.readouterr().out.split())
+
+
+def test_texts_of_a_plugin_neither_colour_nor_move_the_table(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(PyBullet, "version", lambda _self: "[red]3\x1b[2J")
+    monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _self: "no\x1b[2J wheel")
+    assert run_command(app, []) == 0
+    printed = capsys.readouterr().out
+    assert "\x1b" not in printed
+    assert "[red]3" in printed
+    assert r"mujoco: no\x1b[2J wheel" in printed

@@ -1,0 +1,226 @@
+"""``multibody-xval reference`` as its users run it."""
+
+import json
+import re
+from functools import partial
+
+import pytest
+
+from reference_lcp.console import run_command
+from reference_lcp.errors import ExitCode
+from reference_lcp.studies.bench import bench_points
+from reports.cli.reference import app
+from tests.reference_lcp.cases import EXACT_DB
+
+
+def run(capsys, *arguments):
+    code = run_command(app, list(arguments))
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_json_has_the_promised_keys_and_the_steady_state(capsys) -> None:
+    code, out, _ = run(capsys, "--friction-ratio", "0.3", "--frequency-ratio", "0.9", "--json")
+    answer = json.loads(out)
+    assert code == 0
+    assert answer["transmittance_db"] == pytest.approx(-9.561, abs=0.02)
+    assert answer["residual"] <= 1e-8
+    assert len(answer["stuck_fraction"]) == 7
+    assert {"cell", "time_s", "kind"} == set(answer["transitions"][0])
+    assert {change["kind"] for change in answer["transitions"]} == {"stick", "forward slip", "backward slip"}
+
+
+def test_every_parameter_of_the_chain_is_understood(capsys) -> None:
+    code, out, _ = run(
+        capsys, "--mass-ratio", "0.3", "--stiffness-ratio", "0.075", "--damping-ratio", "0.02",
+        "--inner-damping-ratio", "0.01", "--cells", "2", "--steps-per-period", "800", "--solver", "compiled",
+        "--base-amplitude", "0.02", "--tolerance", "1e-7", "--max-periods", "300", "--json",
+    )  # fmt: skip
+    answer = json.loads(out)
+    assert code == 0
+    assert len(answer["stuck_fraction"]) == 2
+    assert answer["status"] == "converged"
+
+
+def test_units_of_the_base_motion_do_not_change_the_transmittance(capsys) -> None:
+    answers = [
+        json.loads(run(capsys, "--base-amplitude", amplitude, "--json")[1])["transmittance_db"]
+        for amplitude in ("1e-6", "0.01", "100")
+    ]
+    assert answers == pytest.approx([answers[0]] * 3, abs=1e-6)
+
+
+def test_text_shows_every_cell(capsys) -> None:
+    code, out, _ = run(capsys)
+    assert code == 0
+    assert re.search(r"transmittance\s+-9\.5602 dB", out)
+    assert all(re.search(rf"^ {cell}  ", out, re.MULTILINE) for cell in range(1, 8))
+
+
+def test_lemke_prints_the_same_transmittance_to_1e_9_db(capsys) -> None:
+    arguments = ("--cells", "1", "--friction-ratio", "0.3", "--frequency-ratio", "0.8", "--json")
+    lemke, compiled = (
+        json.loads(run(capsys, *arguments, "--solver", solver)[1])["transmittance_db"]
+        for solver in ("lemke", "compiled")
+    )
+    assert lemke == pytest.approx(compiled, abs=1e-9)
+
+
+def test_more_steps_than_requested_come_with_the_reason(capsys) -> None:
+    """ω_max of the canonical chain is 2.25 ω_r: a period at 0.9 ω_r needs 2π (2.25 / 0.9) / 0.4 = 39.3 steps."""
+    code, out, _ = run(capsys, "--steps-per-period", "16", "--json")
+    answer = json.loads(out)
+    assert code == 0
+    assert (answer["steps_per_period_requested"], answer["steps_per_period"]) == (16, 40)
+    assert "dt ω_max <= 0.4" in answer["why_more_steps"]
+    _, text, _ = run(capsys, "--steps-per-period", "16")
+    assert re.search(r"steps per period\s+40 .*\n\s+16 requested; more keep dt ω_max <= 0.4", text)
+
+
+def test_as_many_steps_as_requested_need_no_reason(capsys) -> None:
+    answer = json.loads(run(capsys, "--steps-per-period", "500", "--json")[1])
+    assert (answer["steps_per_period_requested"], answer["steps_per_period"]) == (500, 500)
+    assert answer["why_more_steps"] is None
+    assert "asked" not in run(capsys, "--steps-per-period", "500")[1]
+
+
+def test_plot_is_drawn(capsys, tmp_path) -> None:
+    file = tmp_path / "period.png"
+    code, _, _ = run(capsys, "--cells", "3", "--plot", str(file))
+    assert code == 0
+    assert file.read_bytes().startswith(b"\x89PNG")
+    assert file.stat().st_size > 20_000
+
+
+def test_no_steady_state_within_the_periods_is_exit_code_1(capsys) -> None:
+    code, out, _ = run(capsys, "--max-periods", "5", "--json")
+    assert code == 1
+    assert json.loads(out)["status"] == "period limit"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--friction-ratio", "-1"], ["friction_ratio = -1", ">= 0"]),
+        (["--friction-ratio", "nan"], ["friction_ratio = nan"]),
+        (["--frequency-ratio", "0"], ["frequency_ratio = 0", "> 0"]),
+        (["--frequency-ratio", "-0.5"], ["frequency_ratio = -0.5"]),
+        (["--mass-ratio", "-2"], ["mass_ratio = -2", "> 0"]),
+        (["--stiffness-ratio", "0"], ["stiffness_ratio = 0", "> 0"]),
+        (["--damping-ratio", "-0.01"], ["damping_ratio = -0.01", ">= 0"]),
+        (["--cells", "0"], ["cells = 0", ">= 1"]),
+        (["--cells", "seven"], ["--cells"]),
+        (["--steps-per-period", "3"], ["steps_per_period = 3 ", ">= 16"]),
+        (["--steps-per-period", "15", "--solver", "exact"], ["steps_per_period = 15 ", ">= 16"]),
+        (["--solver", "magic"], ["solver = 'magic'", "compiled, lemke, exact"]),
+        (["--tolerance", "0"], ["tolerance = 0"]),
+        (["--max-periods", "0"], ["max_periods = 0"]),
+        (["--base-amplitude", "0"], ["base_amplitude = 0"]),
+        (["--plot", "/nowhere/at/all.png"], ["/nowhere/at does not exist"]),
+        (["--plot", "period.xyz"], ["period.xyz", "png"]),
+        (["--frequency"], ["--frequency"]),
+        (["benchmark"], ["benchmark"]),
+        (["bench", "--cells", "--points"], ["--cells and --points"]),
+    ],
+)
+def test_wrong_input_is_one_clear_line_and_exit_code_2(capsys, arguments, words) -> None:
+    code, out, err = run(capsys, *arguments)
+    assert code == ExitCode.WRONG_INPUT
+    assert out == ""
+    assert err.startswith("error: ")
+    assert err.count("\n") == 1
+    for word in words:
+        assert word in err
+
+
+def test_bench_prints_its_numbers(capsys) -> None:
+    code, out, _ = run(capsys, "bench", "--json")
+    numbers = json.loads(out)
+    assert code == 0
+    assert numbers["figure3_points"] == 1314
+    assert numbers["figure3_worst_residual"] <= 1e-8
+    assert numbers["cell_steps_per_second"] > 0
+    assert numbers["figure3_seconds"] > 0
+    assert numbers["lemke_seconds"] > 0
+    assert numbers["lemke_step_seconds"] > 0
+
+
+def test_long_chains_cost_as_much_a_cell_as_short_ones(capsys) -> None:
+    """Bytes grow with the cells; what they cost is measured, and not tested here."""
+    code, out, _ = run(capsys, "bench", "--cells", "--json")
+    rows = json.loads(out)
+    assert code == 0
+    assert [row["cells"] for row in rows] == [7, 100, 1_000, 10_000, 100_000]
+    per_cell = [row["bytes"] / row["cells"] for row in rows]
+    assert max(per_cell) <= 1.05 * min(per_cell)
+    assert all(row["seconds_per_cell_step"] > 0 for row in rows)
+
+
+def test_cost_of_long_chains_is_a_table_for_people(capsys, monkeypatch) -> None:
+    monkeypatch.setattr("reference_lcp.studies.bench.CELL_STEPS_OF_A_SAMPLE", 1_000)
+    code, out, _ = run(capsys, "bench", "--cells")
+    assert code == 0
+    assert "100,000" in out
+    assert "ns per" in out
+
+
+def test_cost_of_a_point_is_a_table_of_methods(capsys, monkeypatch) -> None:
+    few = partial(bench_points, (0.3,), (0.9,))
+    monkeypatch.setattr("reference_lcp.studies.bench.bench_points", few)
+    code, out, _ = run(capsys, "bench", "--points")
+    assert code == 0
+    assert "harmonic" in out
+    code, out, _ = run(capsys, "bench", "--points", "--json")
+    assert [row["failed"] for row in json.loads(out)] == [0, 0, 0, 0]
+
+
+def test_error_bar_and_exact_value_are_printed(capsys) -> None:
+    _, out, _ = run(capsys, "--error-bar", "--exact-value", "--json")
+    answer = json.loads(out)
+    error = abs(answer["transmittance_db"] - answer["exact_db"])
+    assert error <= answer["error_bar_db"] <= 10 * error
+    assert answer["order"] == pytest.approx(1.0, abs=0.3)
+    _, text, _ = run(capsys, "--error-bar", "--exact-value")
+    assert re.search(r"error bar\s+±0\.00", text)
+    assert re.search(r"exact\s+-9\.5612 dB", text)
+
+
+def test_what_cannot_be_resolved_is_said_to_be(capsys) -> None:
+    deep = ["--cells", "10", "--mass-ratio", "3", "--stiffness-ratio", "3", "--frequency-ratio", "2.5", "--error-bar"]
+    _, out, _ = run(capsys, *deep, "--exact-value", "--json")
+    answer = json.loads(out)
+    assert answer["error_bar_db"] is None
+    assert answer["exact_db"] < answer["floor_db"] < -140
+    _, text, _ = run(capsys, *deep)
+    assert re.search(rf"error bar\s+below what can be resolved: at most {answer['floor_db']:.1f} dB", text)
+    assert "±" in text
+
+
+def test_coverage_of_error_bars_is_printed(capsys) -> None:
+    code, out, _ = run(capsys, "coverage", "--chains", "2", "--json")
+    study = json.loads(out)
+    assert (code, study["chains"], study["uncertified"]) == (0, 2, 0)
+    assert [row["refinement"] for row in study["rows"] if row["quantity"] == "transmittance"] == [1, 2, 4]
+    code, out, _ = run(capsys, "coverage", "--chains", "2")
+    assert code == 0
+    assert re.search(r"transition\s.* 100\.0 ", out)
+    assert "2 chains, 0 of them" in out
+
+
+@pytest.mark.parametrize("place", EXACT_DB)
+def test_exact_solver_prints_the_same_keys(capsys, place) -> None:
+    arguments = ("--friction-ratio", str(place[0]), "--frequency-ratio", str(place[1]), "--json")
+    _, exact, _ = run(capsys, *arguments, "--solver", "exact")
+    _, scheme, _ = run(capsys, *arguments)
+    assert json.loads(exact).keys() == json.loads(scheme).keys()
+    assert json.loads(exact)["transmittance_db"] == pytest.approx(EXACT_DB[place], abs=1e-3)
+
+
+def test_convergence_prints_orders_and_draws_them(capsys, tmp_path) -> None:
+    file = tmp_path / "convergence.png"
+    code, out, _ = run(capsys, "convergence", "--json", "--plot", str(file))
+    studies = json.loads(out)
+    assert code == 0
+    assert len(studies) == 6
+    assert all(abs(study["transmittance_order"] - 1) < 0.15 for study in studies.values())
+    assert file.stat().st_size > 20_000

@@ -1,0 +1,100 @@
+"""One wrong number in what an engine reports blocks its point, with the array, the time and the cell."""
+
+import dataclasses
+import json
+import re
+
+import numpy as np
+import pytest
+
+from reference_lcp import Chain, HarmonicBase, Lane
+from reference_lcp.chain.trajectory import State
+from reference_lcp.schemes.euler import CompiledSimulation
+from scenarios.runs.failures import TIME_MARGIN, TrajectoryFault, check_trajectory
+
+SCRIPT = """
+import json, sys
+from engines.interface.variant import Variant
+from reference_lcp import RickerPulse, StillBase
+from scenarios.runs.executor import run_batch
+from scenarios.runs.parameters import ChainRatios, Modulation
+from scenarios.runs.recorded import RecordedPeriodTask
+from scenarios.runs.task import SteadyStateTask
+from scenarios.runs.transient_task import TransientTask
+
+SMALL = ChainRatios(cells=2)
+
+def tasks(name):
+    variant, lifts = Variant(name), name in ("faulty-gap", "faulty-internal")
+    steady = SteadyStateTask(
+        variant=variant, friction_ratio=0.3, frequency_ratio=0.9, ratios=SMALL,
+        modulation=Modulation(modulation=1.5) if lifts else None,
+    )
+    usual = {"variant": variant, "ratios": SMALL, "friction_ratio": 0.1, "time_step": 1e-3, "steps": 400, "every": 4}
+    pulse = TransientTask(base=RickerPulse(0.01, 31.6, 0.35), **usual)
+    decay = TransientTask(base=StillBase(0.01), shape="stretched", recorded="decay", **usual)
+    return [steady, RecordedPeriodTask.of(steady), *([] if lifts else [pulse, decay])]
+
+rows = {name: [(str(r.status), r.reason) for t in tasks(name) for r in run_batch([t])] for name in sys.argv[1:]}
+print(json.dumps(rows))
+"""
+
+NUMBER = r" at \d\S* s in cell 2"
+FAULTS = {
+    "faulty-normal": f"normal force is not finite{NUMBER}: nan",
+    "faulty-friction": f"friction is not finite{NUMBER}: nan",
+    "faulty-position": f"position is not finite{NUMBER}: inf",
+    "faulty-velocity": f"velocity is not finite{NUMBER}: nan",
+    "faulty-gap": f"normal gap is not finite{NUMBER}: nan",
+    "faulty-internal": f"internal state is not finite{NUMBER}: nan",
+    "faulty-time": r"time of row \d+ is 7 s; allowed: \d\S* s",
+    "faulty-timeless": r"time of row \d+ is nan s; allowed: \d\S* s",
+}
+
+
+@pytest.fixture(scope="module")
+def rows(install, tmp_path_factory) -> dict[str, list[tuple[str, str]]]:
+    """Status and reason of every kind of task, by engine."""
+    script = tmp_path_factory.mktemp("checked") / "ask.py"
+    script.write_text(SCRIPT)
+    return json.loads(install("mutations").run(str(script), "faulty-sound", *FAULTS))
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_wrong_number_blocks_every_kind_of_task_and_is_named(rows, name) -> None:
+    for status, reason in rows[name]:
+        assert status == "blocked"
+        assert re.fullmatch(f"the engine's {FAULTS[name]}", reason), reason
+
+
+def test_sound_engine_passes(rows) -> None:
+    assert [status for status, _ in rows["faulty-sound"]] == ["converged", "converged", "finished", "finished"]
+
+
+@pytest.fixture
+def lane() -> Lane:
+    """Two cells, one of them without friction."""
+    chain = Chain.from_ratios(cells=2, friction_ratio=[0.3, 0.0])
+    return Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), 400)
+
+
+@pytest.mark.parametrize("start", [0, 10**6])
+@pytest.mark.parametrize("added", [False, True], ids=["multiplied", "added up"])
+def test_times_may_be_rounded(lane, start, added) -> None:
+    """Those of a million steps that were added up one by one are still the lane's."""
+    run = CompiledSimulation([lane]).run(State.at_rest(1, 2), start, 100)[0]
+    if added:
+        every = np.add.accumulate(np.full(start + 100, lane.time_step))
+        run = dataclasses.replace(run, time=every[start:])
+    check_trajectory(run, lane, start, 100)
+    late = dataclasses.replace(run, time=run.time + 2 * TIME_MARGIN * lane.time_step)
+    with pytest.raises(TrajectoryFault, match="the engine's time of row 0 is"):
+        check_trajectory(late, lane, start, 100)
+
+
+@pytest.mark.parametrize("name", ["positions", "velocities", "friction", "normal_force", "time"])
+def test_array_of_another_shape_is_refused(lane, name) -> None:
+    run = CompiledSimulation([lane]).run(State.at_rest(1, 2), 0, 100)[0]
+    short = dataclasses.replace(run, **{name: getattr(run, name)[:-1]})
+    with pytest.raises(TrajectoryFault, match=r"the shape \(99,.*; allowed: \(100,"):
+        check_trajectory(short, lane, 0, 100)

@@ -1,0 +1,165 @@
+"""The workers of a dask cluster, started by hand on a port of its own: the same answers, bit for bit."""
+
+import contextlib
+import json
+import re
+import sqlite3
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from reference_lcp import ParameterError
+from reference_lcp.errors import ExitCode
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.local_processes import LocalExecutor
+from scenarios.runs.store import ResultStore
+from tests.scenarios.runs.builders import steady
+
+pytest.importorskip("distributed")
+from scenarios.runs.dask_cluster import DaskExecutor
+
+CLIENT = """
+import json, sys
+from engines.interface.variant import Variant
+from scenarios.runs.dask_cluster import DaskExecutor
+from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.task import SteadyStateTask
+
+tasks = [
+    SteadyStateTask(variant=Variant(name), friction_ratio=0.3, frequency_ratio=0.9, ratios=ChainRatios(cells=2))
+    for name in sys.argv[2:]
+]
+with DaskExecutor(sys.argv[1], 5.0) as executor:
+    found = {b[0].variant.engine: (str(r[0].status), r[0].reason) for b, r in executor.run([task] for task in tasks)}
+print(json.dumps(found))
+"""
+
+
+@contextlib.contextmanager
+def running(module: str, *options: str, environment=None, says: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """Run a command of dask until the end of the context; gives the process, and what matched in its output."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", module, *options], stderr=subprocess.PIPE, text=True, env=environment
+    )
+    try:
+        for line in process.stderr:
+            found = re.search(says, line)
+            if found:
+                yield process, found[0]
+                break
+        else:
+            raise AssertionError(f"{module} ended without {says!r}")
+    finally:
+        process.terminate()
+        process.wait()
+        process.stderr.close()
+
+
+@contextlib.contextmanager
+def started(module: str, *options: str, environment=None, says: str) -> Iterator[str]:
+    """Run a command of dask until the end of the context; gives what matched in its output."""
+    with running(module, *options, environment=environment, says=says) as (_, text):
+        yield text
+
+
+@pytest.fixture(scope="module")
+def scheduler(install) -> Iterator[str]:
+    """Address of a scheduler with two workers, for which the faulty engines are installed."""
+    environment = {**install("mutations").environment, "FAULTY_VERSION": "9.9.9"}
+    quiet = ("--no-dashboard",)
+    with started("distributed.cli.dask_scheduler", "--port", "0", *quiet, says=r"tcp://\S+:\d+") as address:
+        options = ("--nworkers", "2", "--nthreads", "1", *quiet)
+        with started(
+            "distributed.cli.dask_worker", address, *options, environment=environment, says="Registered to|Starting"
+        ):
+            time.sleep(5)
+            yield address
+
+
+def test_cluster_and_local_processes_give_the_same_table(scheduler, tmp_path) -> None:
+    asked = [steady(eta, name) for eta in (0.4, 0.6, 0.9) for name in ("mujoco", "reference")]
+    tables = []
+    for name, executor in (("local", LocalExecutor(2)), ("cluster", DaskExecutor(scheduler))):
+        with ResultStore(tmp_path / f"{name}.sqlite") as store, Evaluator(store, executor) as evaluator:
+            tables.append([(a.transmittance_db, a.residual, a.transitions) for a in evaluator.evaluate(asked)])
+    assert tables[0] == tables[1]
+
+
+def test_engine_of_another_version_on_the_cluster_is_blocked_with_both_named(scheduler, install, tmp_path) -> None:
+    script = tmp_path / "ask.py"
+    script.write_text(CLIENT)
+    reasons = json.loads(install("mutations").run(str(script), scheduler, "faulty-sound", "faulty-version"))
+    assert reasons["faulty-sound"] == ["converged", ""]
+    status, reason = reasons["faulty-version"]
+    assert status == "blocked"
+    assert reason.startswith("not the same in the worker: faulty-version 9.9.9, Python ")
+    assert "; expected: faulty-version 1.0.0, Python " in reason
+
+
+def test_an_engine_prepares_itself_on_the_cluster_in_no_tasks_time(scheduler, install, tmp_path) -> None:
+    """One takes 6 s, where a batch may take 5; the other does not end within the 2 s that it names."""
+    script = tmp_path / "ask.py"
+    script.write_text(CLIENT)
+    reasons = json.loads(install("mutations").run(str(script), scheduler, "faulty-slowly-ready", "faulty-never-ready"))
+    assert reasons["faulty-slowly-ready"] == ["converged", ""]
+    status, reason = reasons["faulty-never-ready"]
+    assert status == "blocked"
+    assert reason.startswith("Sound compiles nothing: stopped at the time limit of 2 s, in prepare")
+
+
+def test_nobody_at_the_address_is_an_error_that_names_it(monkeypatch) -> None:
+    monkeypatch.setattr("scenarios.runs.dask_cluster.CONNECT_SECONDS", 1)
+    with pytest.raises(ParameterError, match=r"scheduler = 'tcp://127.0.0.1:9' cannot be reached"):
+        DaskExecutor("tcp://127.0.0.1:9")
+    with pytest.raises(ParameterError, match="scheduler = 'nonsense:nonsense' cannot be reached"):
+        DaskExecutor("nonsense:nonsense")
+
+
+LARGE = """
+engines = ["mujoco:joint:tuned"]
+[grid]
+friction_ratio = [0.1, 0.3, 0.6, 1.0]
+frequency_ratio = { first = 0.3, last = 1.6, points = 1000 }
+"""
+
+LOST_WITHIN = 60.0
+"""Seconds within which a command has to notice that its cluster is lost."""
+
+
+def first_result(store: Path, within: float = 120.0) -> None:
+    """Wait until a store holds a result."""
+    until = time.monotonic() + within
+    while time.monotonic() < until:
+        with contextlib.suppress(sqlite3.Error), contextlib.closing(sqlite3.connect(store)) as connection:
+            if connection.execute("SELECT count(*) FROM answers").fetchone()[0] > 0:
+                return
+        time.sleep(0.2)
+    raise AssertionError("nothing was computed")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lost", ["scheduler", "worker"])
+def test_lost_cluster_ends_a_sweep_within_a_minute_with_one_line(tmp_path, lost) -> None:
+    (tmp_path / "sweep.toml").write_text(LARGE)
+    store = tmp_path / "sweep.sqlite"
+    with running("distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard", says=r"tcp://\S+:\d+") as scheduler:
+        options = ("--nworkers", "1", "--nthreads", "1", "--no-dashboard", "--no-nanny")
+        with running("distributed.cli.dask_worker", scheduler[1], *options, says="Registered to|Starting") as worker:
+            time.sleep(5)
+            command = [sys.executable, "-m", "reports", "sweep", "sweep.toml", "--scheduler", scheduler[1]]
+            sweep = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+            first_result(store)
+            (scheduler if lost == "scheduler" else worker)[0].kill()
+            begin = time.monotonic()
+            _, error = sweep.communicate(timeout=2 * LOST_WITHIN)
+            assert time.monotonic() - begin < LOST_WITHIN
+    assert sweep.returncode == ExitCode.RUN_FAILED
+    lines = [line for line in error.splitlines() if line.startswith("error: ")]
+    assert len(lines) == 1
+    assert "is lost" in lines[0]
+    assert "Traceback" not in error
+    first_result(store, within=1.0)

@@ -1,0 +1,107 @@
+"""What engines do before their first run, such as compiling: in no task's time, and limited by itself."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from engines.interface.variant import Variant
+from reference_lcp.schemes.sequential import SequentialSimulation
+from scenarios.runs.worker import LAW_LIMIT, Preparations
+from tests.scenarios.runs.test_local_processes import LIMIT, SCRIPT
+
+BATCH_SECONDS = 5.0
+"""What a batch may take: less than `faulty-slowly-ready` takes to be ready."""
+
+RATIOS = [0.4, 0.6, 0.7, 0.8, 0.9]
+"""One more than a batch holds: both workers have one."""
+
+
+@pytest.fixture
+def run(install, tmp_path: Path):
+    """Run points of an engine on two workers; gives their status and reason, and what a terminal is told."""
+    script = tmp_path / "ask.py"
+    script.write_text(SCRIPT.replace(f"(2, {LIMIT})", f"(2, {BATCH_SECONDS})"))
+    environment = {**install("mutations").environment, "FAULTY_PREPARED": str(tmp_path / "prepared")}
+
+    def ran(engine: str, ratios=tuple(RATIOS)) -> tuple[list[tuple[str, str]], str]:
+        reader, terminal = os.openpty()
+        done = subprocess.run(
+            [sys.executable, str(script), engine, str(tmp_path / "store.sqlite"), json.dumps(ratios)],
+            env=environment, stdout=subprocess.PIPE, stderr=terminal, check=True, timeout=120,
+        )  # fmt: skip
+        os.set_blocking(reader, False)
+        os.write(terminal, b"\n")  # reading from an empty terminal fails
+        told = os.read(reader, 100_000).decode()
+        os.close(terminal)
+        os.close(reader)
+        return [(status, reason) for _, _, status, reason, _ in json.loads(done.stdout)], told
+
+    return ran
+
+
+def times_prepared(folder: Path) -> int:
+    return len((folder / "prepared").read_text().splitlines())
+
+
+def test_preparation_that_takes_longer_than_a_task_may_is_not_counted_as_its_time_and_said_once(run, tmp_path) -> None:
+    points, told = run("faulty-slowly-ready")
+    assert points == len(RATIOS) * [("converged", "")]
+    assert times_prepared(tmp_path) == 2  # each worker for itself
+    assert told.strip() == "Sound compiles its kernels: at most 60 s; what is made is kept for later runs"
+
+
+def test_preparation_that_hangs_is_ended_at_its_own_limit_once_for_all_points(run, tmp_path) -> None:
+    points, told = run("faulty-never-ready", RATIOS[:3])
+    assert [status for status, _ in points] == 3 * ["blocked"]
+    reason = "Sound compiles nothing: stopped at the time limit of 2 s, in prepare (unprepared.py:"
+    assert all(text.startswith(reason) for _, text in points)
+    assert times_prepared(tmp_path) == 1
+    assert not told.strip()
+
+
+@pytest.mark.parametrize(
+    ("engine", "reason"),
+    [
+        ("faulty-compiler", "Sound compiles its kernels: RuntimeError: no compiler"),
+        ("faulty-early", "Sound compiles its kernels: the worker process crashed: Segmentation fault, in "),
+    ],
+)
+def test_preparation_that_fails_blocks_all_points_with_its_reason(run, tmp_path, engine, reason) -> None:
+    points, _ = run(engine, RATIOS[:3])
+    assert all(status == "blocked" and text.startswith(reason) for status, text in points)
+    assert times_prepared(tmp_path) == 1
+
+
+def test_points_whose_engine_could_not_be_prepared_are_run_again(run, tmp_path) -> None:
+    """The machine is the cause, and may be another one by then; what the store holds does not keep them blocked."""
+    for attempt in (1, 2):
+        run("faulty-compiler", RATIOS[:1])
+        assert times_prepared(tmp_path) == attempt
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_the_model_of_a_law_is_compiled_once_for_each_length_and_never_blocks_a_point(fails, monkeypatch) -> None:
+    begun, compiled = [], []
+
+    def within(beginning, prepare) -> None:
+        begun.append((beginning.what, beginning.limit))
+        prepare()
+
+    def advance(self, state, start, steps):
+        compiled.append((state.positions.shape, steps))
+        if fails:
+            raise RuntimeError("no law")
+        return state
+
+    monkeypatch.setattr(SequentialSimulation, "advance", advance)
+    preparations = Preparations(within)
+    for cells in (2, 7, 2):
+        assert preparations.problem(Variant.parse("mujoco:joint:default"), cells) is None
+    assert begun == 2 * [("the law of MuJoCo is compiled", LAW_LIMIT)]
+    assert compiled == [((1, 4), 1), ((1, 14), 1)]
+    assert preparations.problem(Variant("mujoco"), 7) is None, "the reference's step is compiled already"
+    assert len(begun) == 2

@@ -1,0 +1,59 @@
+"""Recorded periods: they say the same as other results, and are run, kept and blocked as others are."""
+
+import numpy as np
+import pytest
+
+from scenarios.runs.executor import run_batch
+from scenarios.runs.recorded import RecordedPeriod, RecordedPeriodTask
+from scenarios.runs.result import Result
+from tests.scenarios.runs.builders import steady
+
+
+def recorded(frequency_ratio: float = 0.9, variant: str = "reference") -> RecordedPeriodTask:
+    return RecordedPeriodTask.of(steady(frequency_ratio, variant))
+
+
+@pytest.mark.parametrize("variant", ["reference", "reference:joint:exact"])
+def test_a_period_says_what_the_result_says(variant) -> None:
+    (result,), (full,) = run_batch([steady(variant=variant)]), run_batch([recorded(variant=variant)])
+    period = RecordedPeriod.of_result(full)
+    steps = period.phase.size
+    # the exact result knows its events between the rows: each end of a stick is one row off at most
+    apart = 4 / steps if "exact" in variant else 1e-12
+    np.testing.assert_allclose(np.mean(period.modes == 0, axis=0), result.stuck_fraction, atol=apart)
+    amplitude = 2 * np.abs(np.mean(period.outer[:, -1] * np.exp(-2j * np.pi * period.phase)))
+    sampling_db = 1e-3 if "exact" in variant else 1e-9
+    assert 20 * np.log10(amplitude) == pytest.approx(result.transmittance_db, abs=sampling_db)
+    assert full.transmittance_db == result.transmittance_db
+    assert np.all(np.abs(period.friction) <= 1 + 1e-9)
+    slips = period.modes != 0
+    np.testing.assert_allclose(period.friction[slips], -period.modes[slips], atol=1e-6)
+
+
+def test_a_period_is_kept_bit_for_bit_beside_the_result_without_one(store) -> None:
+    (full,) = run_batch([recorded()])
+    assert store.find(recorded()) is None
+    store.keep([(recorded(), full)])
+    period, again = RecordedPeriod.of_result(full), RecordedPeriod.of_result(store.find(recorded()))
+    for name in ("outer", "inner", "friction", "modes"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(period, name))
+        assert getattr(again, name).shape == (400, 2)
+    assert store.find(recorded(0.8)) is None
+    assert store.find(steady()) is None
+
+
+@pytest.mark.parametrize(
+    ("result", "reason"),
+    [
+        (Result.missing(), "not evaluated so far"),
+        (Result.blocked("RuntimeError: no such shape", by_engine=True), "RuntimeError: no such shape"),
+        (
+            Result(status="period limit", periods=400, residual=2e-3),
+            "period limit after 400 periods, residual 2.0e-03",
+        ),
+    ],
+)
+def test_a_period_that_is_not_there_has_the_reason(result, reason) -> None:
+    period = RecordedPeriod.of_result(result)
+    assert not period.known
+    assert period.reason == reason

@@ -1,0 +1,155 @@
+"""Steady states and periods beside laws: where searches begin, which does not decide where they end."""
+
+import pytest
+
+from engines.box2d import Box2D
+from engines.exudyn import ExudynBristle, ExudynRegularised
+from engines.interface.registry import law_of
+from engines.interface.variant import Variant
+from engines.mujoco import MuJoCo
+from engines.pymunk import Pymunk
+from reference_lcp.steady.neighbours import NEWTON_PERIODS
+from reference_lcp.steady.orbits import LONGEST_MULTIPLE, periodic_orbits
+from scenarios.runs.executor import run_batch, run_law_periods
+from scenarios.runs.parameters import Modulation
+from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.steady import law_orbits, run_steady_states
+from scenarios.runs.task import LawPeriodTask, Start, SteadyStateTask
+from tests.scenarios.in_process import press_harder
+from tests.scenarios.runs.builders import steady
+
+POINTS = ((0.1, 0.5), (0.3, 0.9), (1.0, 1.3))
+
+
+def tasks_of(variant: Variant, start: Start = Start.LAW, **more) -> list[SteadyStateTask]:
+    return [
+        SteadyStateTask(variant=variant, friction_ratio=friction, frequency_ratio=eta, start=start, **more)
+        for friction, eta in POINTS
+    ]
+
+
+def installed(engine) -> pytest.MarkDecorator:
+    return pytest.mark.skipif(engine().unavailable_reason() is not None, reason="not installed")
+
+
+@pytest.mark.parametrize(
+    ("name", "allowed_db"),
+    [
+        pytest.param("pymunk", 1e-5, marks=installed(Pymunk), id="the reference's scheme"),
+        pytest.param("mujoco:joint:default", 1e-5, marks=installed(MuJoCo), id="soft friction"),
+        pytest.param("exudyn-bristle", 1e-5, marks=installed(ExudynBristle), id="bristles, internal state"),
+        pytest.param("box2d", 1e-2, marks=installed(Box2D), id="single precision"),
+    ],
+)
+def test_an_engine_that_obeys_its_law_is_certified_by_its_first_period(name, allowed_db) -> None:
+    variant = Variant.parse(name)
+    starts = (Start.LAW, Start.HARMONIC_BALANCE)
+    from_law, balanced = (run_batch(tasks_of(variant, start)) for start in starts)
+    assert {result.status for result in (*from_law, *balanced)} == {"converged"}
+    assert [result.periods for result in from_law] == [1] * len(POINTS)
+    assert min(result.periods for result in balanced) > 5
+    for one, other in zip(from_law, balanced, strict=True):
+        assert one.transmittance_db == pytest.approx(other.transmittance_db, abs=allowed_db)
+        assert one.residual <= variant.capabilities.residual
+
+
+@installed(Pymunk)
+def test_an_engine_that_does_not_obey_its_law_ends_where_it_would_have(monkeypatch) -> None:
+    """A tenth more friction than it is given: the first period does not repeat, and the search goes on."""
+    variant = Variant("pymunk")
+    press_harder(monkeypatch, variant, 1.1)
+    from_law, balanced = (run_batch(tasks_of(variant, start)) for start in (Start.LAW, Start.HARMONIC_BALANCE))
+    for one, other in zip(from_law, balanced, strict=True):
+        assert one.periods > 1
+        assert one.transmittance_db == pytest.approx(other.transmittance_db, abs=1e-5)
+
+
+@installed(ExudynRegularised)
+def test_a_preset_whose_steps_are_not_modelled_is_searched_beside_the_reference() -> None:
+    variant = Variant.parse("exudyn-regularised:contact:default")
+    beside, balanced = (run_batch(tasks_of(variant, start)[:1])[0] for start in (Start.LAW, Start.HARMONIC_BALANCE))
+    assert beside.converged
+    assert balanced.converged
+    assert beside.periods < balanced.periods
+    assert beside.transmittance_db == pytest.approx(balanced.transmittance_db, abs=1e-5)
+
+
+@installed(ExudynBristle)
+def test_where_the_law_itself_has_no_steady_state_the_engine_is_given_some_periods_and_no_more() -> None:
+    """A bristle sticks at the ends of substeps only: here the motion never repeats, in the law and in the engine."""
+    variant = Variant("exudyn-bristle")
+    task = SteadyStateTask(variant=variant, friction_ratio=0.3, frequency_ratio=1.55)
+    (law,) = law_orbits(variant, [task.lane()[0]], 400)
+    assert law is not None
+    assert not law.converged
+    (result,) = run_batch([task])
+    assert result.status == "period limit"
+    assert result.periods <= NEWTON_PERIODS + 2 * LONGEST_MULTIPLE
+    assert result.residual < 1e-2
+
+
+def starts_of(name: str, **more) -> list[bool]:
+    variant = Variant.parse(name)
+    lanes = [task.lane()[0] for task in tasks_of(variant, **more)]
+    return [orbit is not None for orbit in law_orbits(variant, lanes, 400)]
+
+
+@pytest.mark.parametrize("name", ["reference", "reference:joint:converged", "pymunk@law:joint:default"])
+def test_neither_the_reference_nor_a_law_begins_at_a_law(name) -> None:
+    assert starts_of(name) == [False] * len(POINTS)
+
+
+def test_presets_that_are_not_modelled_and_lanes_that_no_law_claims_do_not_begin_at_a_law() -> None:
+    assert starts_of("exudyn-bristle:joint:default") == [False] * len(POINTS)
+    swinging = Modulation(modulation=0.5)
+    assert starts_of("mujoco:contact", modulation=swinging) == [True] * len(POINTS)
+    law = law_of(Variant("drake", "contact").preset)
+    assert law is not None
+    assert starts_of("drake:contact", modulation=swinging) == [law.modulated] * len(POINTS)
+
+
+def test_a_start_is_part_of_a_question_unless_it_is_the_usual_one() -> None:
+    usual, balanced = tasks_of(Variant("pymunk"))[0], tasks_of(Variant("pymunk"), Start.HARMONIC_BALANCE)[0]
+    assert "start" not in usual.content()["task"]
+    assert usual.key() != balanced.key()
+
+
+def test_a_first_period_that_repeats_is_the_last() -> None:
+    task = steady()
+    lane, steps = task.lane()
+    simulation = task.variant.build([lane])
+    (orbit,) = periodic_orbits(simulation, steps, tolerance=1e-10)
+    (again,) = periodic_orbits(simulation, steps, start=orbit.trajectory.end, max_periods=1)
+    assert again.periods == 1
+    assert again.converged
+    assert again.residual <= 1e-9
+    assert Result(status=str(again.status)).converged
+
+
+def test_point_that_needs_too_many_steps_is_blocked_and_its_neighbours_are_computed() -> None:
+    before, impossible, after = run_steady_states([steady(eta) for eta in (0.9, 1e-9, 1.3)])
+    assert before.converged
+    assert after.converged
+    assert impossible.status == "blocked"
+    assert "steps; allowed: ratios that need <= 1000000" in impossible.reason
+
+
+DEFAULT = Variant("exudyn-regularised", "joint", "default")
+
+
+@installed(ExudynRegularised)
+def test_law_is_compared_where_it_does_not_claim_to_hold_and_the_reason_is_noted() -> None:
+    """Newton's iteration may fail where friction kicks beyond two zones; where it does not, the law holds."""
+    tasks = [
+        LawPeriodTask(variant=DEFAULT, friction_ratio=friction_ratio, frequency_ratio=0.9)
+        for friction_ratio in (0.1, 0.3, 0.6)
+    ]
+    within, holds, fails = run_law_periods(tasks)
+    law = law_of(DEFAULT.preset)
+    assert law is not None
+    assert all(result.status is ResultStatus.FINISHED for result in (within, holds, fails))
+    assert within.series["distance"][0] <= law.period_bound < within.series["reference"][0]
+    assert not within.reason
+    assert holds.series["distance"][0] <= law.period_bound < fails.series["distance"][0]
+    for result in (holds, fails):
+        assert "Newton's iteration" in result.reason

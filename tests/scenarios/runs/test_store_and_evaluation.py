@@ -1,0 +1,248 @@
+"""Answers are kept, found again, and survive engines that fail."""
+
+import sqlite3
+
+import pytest
+
+from engines.interface import variant
+from engines.interface.engine import Engine
+from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Preset
+from engines.interface.variant import Variant
+from reference_lcp import ParameterError
+from scenarios.runs import evaluator as evaluation
+from scenarios.runs import local_processes
+from scenarios.runs.evaluator import Evaluator, StoredResults
+from scenarios.runs.executor import InProcessExecutor, run_batch
+from scenarios.runs.local_processes import LocalExecutor
+from scenarios.runs.recorded import RecordedPeriodTask
+from scenarios.runs.result import Result, ResultStatus, ResultSummary
+from scenarios.runs.store import ResultStore, digest_of
+from scenarios.runs.task import SteadyStateTask
+from tests.scenarios.runs.builders import steady
+
+
+def test_kept_answer_is_found_by_an_equal_question_only(store) -> None:
+    store.keep([(steady(), Result(status="converged", transmittance_db=1.0))])
+    assert store.find(steady()).transmittance_db == 1.0
+    for other in (
+        steady(friction_ratio=0.4),
+        steady(0.91),
+        steady(steps_per_period=800),
+        steady(variant="mujoco"),
+    ):
+        assert store.find(other) is None
+
+
+class Recording(InProcessExecutor):
+    """Gives results by frequency ratio, and records what it has run."""
+
+    def __init__(self, results: dict[float, Result]):
+        self.results = results
+        self.ran = []
+
+    def run(self, batches):
+        for batch in batches:
+            self.ran += [task.frequency_ratio for task in batch]
+            yield batch, [self.results[task.frequency_ratio] for task in batch]
+
+
+CRASHED = Result.blocked("crashed", by_engine=True)
+KILLED = Result.blocked("the worker process was killed")
+GOOD = Result(status="converged", periods=30)
+
+
+@pytest.mark.parametrize("release", [False, True], ids=["evaluate", "complete"])
+def test_what_an_engine_blocked_is_recalled_and_run_again_on_request_other_blocks_always(store, release) -> None:
+    tasks = [steady(eta) for eta in (0.5, 0.7, 0.9)]
+
+    def summaries(evaluator: Evaluator) -> dict[SteadyStateTask, ResultSummary]:
+        ends = {}
+        evaluator.complete(tasks, ends.__setitem__)
+        return {each: ends[each] for each in tasks}
+
+    def run(results: list[Result], **options: bool) -> tuple[list[str], list[float]]:
+        executor = Recording(dict(zip((0.5, 0.7, 0.9), results, strict=True)))
+        with Evaluator(store, executor, **options) as evaluator:
+            ends = summaries(evaluator) if release else dict(zip(tasks, evaluator.evaluate(tasks), strict=True))
+        return [f"{ends[task].status} {ends[task].reason}".strip() for task in tasks], executor.ran
+
+    blocked = ["blocked crashed", "blocked the worker process was killed", "converged"]
+    assert run([CRASHED, KILLED, GOOD]) == (blocked, [0.5, 0.7, 0.9])
+    with StoredResults(store) as stored:  # what is run again is blocked until then
+        assert [f"{end.status} {end.reason}".strip() for end in summaries(stored).values()] == blocked
+    assert run([GOOD, KILLED, CRASHED]) == (blocked, [0.7])
+    assert run([GOOD, GOOD, CRASHED]) == (["blocked crashed", "converged", "converged"], [0.7])
+    assert run([GOOD, CRASHED, CRASHED], retry_blocked=True) == (["converged"] * 3, [0.5])
+    assert run([CRASHED] * 3, retry_blocked=True) == (["converged"] * 3, [])
+
+
+def test_a_blocked_result_takes_the_place_of_no_other_one(store) -> None:
+    """Two processes may run the same task at the same time."""
+    store.keep([(steady(), GOOD)])
+    store.keep([(steady(), CRASHED)])
+    assert store.find(steady()).to_json() == GOOD.to_json()
+    store.keep([(steady(0.5), KILLED)])
+    store.keep([(steady(0.5), CRASHED)])
+    assert store.find(steady(0.5)).to_json() == CRASHED.to_json()
+    store.keep([(steady(0.5), GOOD)])
+    assert store.find(steady(0.5)).to_json() == GOOD.to_json()
+
+
+@pytest.mark.parametrize(
+    ("failure", "by_engine"),
+    [(ValueError("no"), True), (SystemExit(0), True), (MemoryError(), False), (OSError(24, "too many files"), False)],
+)
+def test_an_error_of_the_machine_is_not_the_engines(monkeypatch, failure, by_engine) -> None:
+    failing = _Failing()
+    failing.failure = failure
+    monkeypatch.setattr(variant, "engine", lambda _name: failing)
+    (result,) = run_batch([steady()])
+    assert (result.status, result.by_engine) == ("blocked", by_engine)
+
+
+def test_foreign_and_damaged_files_are_refused_and_left_alone(tmp_path) -> None:
+    foreign = tmp_path / "foreign.sqlite"
+    with sqlite3.connect(foreign) as connection:
+        connection.execute("CREATE TABLE theirs (x)")
+    connection.close()
+    text = tmp_path / "notes.txt"
+    text.write_text("not a database, but long enough to look like one" * 10)
+    for file, message in ((foreign, "belongs to another program"), (text, "not a database")):
+        before = file.read_bytes()
+        with pytest.raises(ParameterError, match=message):
+            ResultStore(file)
+        assert file.read_bytes() == before
+    with pytest.raises(ParameterError, match="cannot be used"):
+        ResultStore(tmp_path / "missing" / "results.sqlite")
+
+
+def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
+    asked = [*(steady(eta) for eta in (0.5, 0.9, 0.5)), RecordedPeriodTask.of(steady())]
+    with Evaluator(store, InProcessExecutor()) as evaluator:
+        first = evaluator.evaluate(asked)
+    monkeypatch.setattr(local_processes, "LocalWorker", None)
+    counted = []
+    with Evaluator(store, LocalExecutor(1)) as evaluator:
+        evaluator.recalled = lambda tasks: counted.append(len(tasks))
+        assert evaluator.evaluate(asked) == first
+    assert sum(counted) == 3
+    assert first[0] == first[2]
+    assert all(answer.converged for answer in first)
+
+
+def test_stored_answers_complete_with_what_is_kept_and_say_what_is_missing(store, monkeypatch) -> None:
+    kept, unknown, absent = steady(), steady(0.5), steady(variant="pybullet")
+    store.keep([(kept, Result(status=ResultStatus.PERIOD_LIMIT, periods=400, multiple=0))])
+    missing = property(lambda asked: "no wheel" if asked.engine == "pybullet" else None)
+    monkeypatch.setattr(Variant, "unavailable_reason", missing)
+    counted = []
+    with StoredResults(store) as stored:
+        stored.recalled = counted.extend
+        ends = []
+        stored.complete([kept, unknown, absent], lambda *end: ends.append(end))
+    assert ends == [
+        (kept, ResultSummary(ResultStatus.PERIOD_LIMIT, 400, 0)),
+        (unknown, ResultSummary(ResultStatus.MISSING, reason="not evaluated so far")),
+        (absent, ResultSummary(ResultStatus.BLOCKED, reason="not installed: no wheel")),
+    ]
+    assert counted == [kept, unknown, absent]
+
+
+def test_complete_takes_tasks_a_part_at_a_time_as_their_results_come(store, monkeypatch) -> None:
+    """Ten thousand tasks or ten: as many as `AT_ONCE` are in memory, and no result."""
+    monkeypatch.setattr(evaluation, "AT_ONCE", 3)
+    monkeypatch.setattr(evaluation, "batches_of", lambda tasks: ([task] for task in tasks))
+    taken, tasks = [], [steady(0.5 + 0.1 * k) for k in range(7)]
+    store.keep([(tasks[4], Result(status=ResultStatus.PERIOD_LIMIT, periods=400))])
+
+    class Invented(InProcessExecutor):
+        def run(self, batches):
+            return ((batch, [Result(status="converged", periods=9)]) for batch in batches)
+
+    evaluator = Evaluator(store, Invented())
+    ends, in_memory = {}, []
+
+    def note(task, end) -> None:
+        ends[task.frequency_ratio] = end.periods
+        in_memory.append(len(taken) - len(ends))
+
+    evaluator.complete((taken.append(task) or task for task in tasks), note)
+    assert max(in_memory) < 3
+    assert ends == {task.frequency_ratio: 400 if task == tasks[4] else 9 for task in tasks}
+    assert evaluator.new_tasks(tasks) == tasks
+    assert [result.periods for result in store.results(tasks)] == [9, 9, 9, 9, 400, 9, 9]
+
+
+def test_a_store_with_an_unknown_status_says_which_file_and_which_status(tmp_path) -> None:
+    file = tmp_path / "results.sqlite"
+    with ResultStore(file) as store:
+        store.keep([(steady(), Result(status=ResultStatus.CONVERGED, transmittance_db=1.0))])
+        assert type(store.find(steady()).status) is ResultStatus
+    with sqlite3.connect(file) as connection:
+        connection.text_factory = bytes
+        key, content, answer = connection.execute("SELECT key, content, answer FROM answers").fetchone()
+        answer = answer.replace(b'"converged"', b'"solved"')
+        changed = "UPDATE answers SET answer = ?, digest = ?"
+        assert connection.execute(changed, (answer.decode(), digest_of(key, content, answer))).rowcount == 1
+    connection.close()
+    with ResultStore(file) as store:
+        for read in (
+            lambda: store.find(steady()),
+            lambda: list(store.results([steady()])),
+            lambda: list(store.summaries([steady()])),
+        ):
+            with pytest.raises(ParameterError, match=r"results\.sqlite: status of a result = 'solved'; allowed: "):
+                read()
+
+
+def test_number_of_workers_does_not_change_the_answers(tmp_path) -> None:
+    asked = [steady(eta, variant=name) for eta in (0.5, 0.9) for name in ("reference", "mujoco")]
+    tables = []
+    for workers in (1, 2):
+        with (
+            ResultStore(tmp_path / f"{workers}.sqlite") as store,
+            Evaluator(store, LocalExecutor(workers)) as evaluator,
+        ):
+            tables.append([(a.transmittance_db, a.residual, a.transitions) for a in evaluator.evaluate(asked)])
+    assert tables[0] == tables[1]
+
+
+def test_workers_below_one_are_refused(store) -> None:
+    with pytest.raises(ParameterError, match="workers = 0"):
+        Evaluator(store, LocalExecutor(0))
+
+
+class _Failing(Engine):
+    name = "failing"
+    capabilities = Capabilities(
+        title="Failing", package="none", licence="MIT", friction_law=FrictionLaw.COULOMB,
+        presets={Formulation.JOINT: {"tuned": Preset("fails", {})}},
+    )  # fmt: skip
+    missing: str | None = None
+    failure: Exception | None = None
+
+    def version(self) -> str:
+        return "1"
+
+    def unavailable_reason(self) -> str | None:
+        return self.missing
+
+    def _build(self, lanes, formulation, preset):
+        raise self.failure
+
+
+@pytest.mark.parametrize(
+    ("failure", "missing", "reason"),
+    [
+        (RuntimeError("solver gave up\nat step 3"), None, "RuntimeError: solver gave up at step 3"),
+        (ParameterError("friction_bound = 9"), None, "cannot be represented: friction_bound = 9"),
+        (None, "no wheel for this Python", "failing: no wheel for this Python"),
+    ],
+)
+def test_engine_that_fails_gives_blocked_answers_with_the_reason(monkeypatch, failure, missing, reason) -> None:
+    failing = _Failing()
+    failing.failure, failing.missing = failure, missing
+    monkeypatch.setattr(variant, "engine", lambda _name: failing)
+    answers = run_batch([steady(), steady(0.5)])
+    assert [answer.status for answer in answers] == ["blocked", "blocked"]
+    assert answers[0].reason == reason

@@ -1,0 +1,221 @@
+"""A store that a stranger made, digests and all: refused in one line and in bounded time, or read as what it says."""
+
+import json
+import multiprocessing
+import sqlite3
+import struct
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from engines.interface.variant import Variant
+from reference_lcp import ParameterError
+from reference_lcp.console import run_command
+from reference_lcp.errors import ExitCode
+from reports.cli.console_script import app
+from scenarios import sweep
+from scenarios.runs import store as store_file
+from scenarios.runs.result import Result
+from scenarios.runs.store import ResultStore, digest_of
+from scenarios.runs.store_check import check_store
+from scenarios.runs.task import SteadyStateTask
+from scenarios.sweeps.dataset import SWEEP
+from scenarios.sweeps.run import noted_sweeps
+from scenarios.sweeps.sweep import Sweep
+from scenarios.verdicts.stored import read_all
+
+PAGE, COUNT_OF_PAGES = 4096, 28
+"""Size of a page of SQLite [bytes], and where the header of the file has the number of pages."""
+
+TASK = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
+RESULT = Result(status="converged", transmittance_db=-1.5, periods=30)
+SWEEP_OF_TASK = Sweep((Variant("reference"),), {"friction_ratio": (0.3,), "frequency_ratio": (0.9,)})
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    file = tmp_path / "results.sqlite"
+    with ResultStore(file) as store:
+        store.keep([(TASK, RESULT)])
+        store.note(SWEEP.dump_json(SWEEP_OF_TASK).decode())
+    return file
+
+
+def write(file: Path, table: str, column: str, text: bytes) -> None:
+    """Change a text of the only row of a table, with the digest that belongs to it."""
+    columns = {"answers": ["key", "content", "answer"], "sweeps": ["sweep"]}[table]
+    with closing(sqlite3.connect(file)) as connection, connection:
+        connection.text_factory = bytes
+        row = connection.execute(f"SELECT {', '.join(columns)} FROM {table}").fetchone()
+        texts = dict(zip(columns, row, strict=True)) | {column: text}
+        changed = f"UPDATE {table} SET {column} = CAST(? AS TEXT), digest = ?"
+        connection.execute(changed, (text, digest_of(*texts.values())))
+
+
+def interior_page(child: int, cells: int) -> bytes:
+    """A page of a table that leads to one page only, again and again."""
+    content = PAGE - 5 * cells
+    header = struct.pack(">BHHHBI", 5, 0, cells, content, 0, child)
+    places = b"".join(struct.pack(">H", content + 5 * cell) for cell in range(cells))
+    return (header + places).ljust(content, b"\0") + (struct.pack(">I", child) + b"\1") * cells
+
+
+def test_pages_that_lead_to_each_other_for_ever_are_damage(file, tmp_path) -> None:
+    """Ten levels of 400 links to the same page are 10²⁶ rows in 60 kB."""
+    content = file.read_bytes()
+    pages = [content[at : at + PAGE] for at in range(0, len(content), PAGE)]
+    with closing(sqlite3.connect(file)) as connection:
+        root = connection.execute("SELECT rootpage FROM sqlite_master WHERE name = 'answers'").fetchone()[0] - 1
+    pages.append(pages[root])
+    for _ in range(10):
+        pages.append(interior_page(len(pages), 400))
+    pages[root] = interior_page(len(pages), 400)
+    pages[0] = pages[0][:COUNT_OF_PAGES] + struct.pack(">I", len(pages)) + pages[0][COUNT_OF_PAGES + 4 :]
+    file.write_bytes(b"".join(pages))
+    with ResultStore(file) as store, pytest.raises(ParameterError, match="is damaged: pages stand in it twice"):
+        list(store.all_results())
+    found = check_store(file)
+    assert found.damage
+    assert [key for key, *_ in found.good["answers"]] in ([], [TASK.key().encode()])
+    assert run_command(app, ["store", "check", str(file), "--salvage", str(tmp_path / "good.sqlite")]) == 0
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        "DROP TABLE answers; CREATE VIEW answers AS WITH RECURSIVE n(key, content, answer, digest) AS "
+        "(SELECT '', '', '', x'' UNION ALL SELECT key, content, answer, digest FROM n) SELECT * FROM n",
+        "ALTER TABLE answers ADD COLUMN more GENERATED ALWAYS AS (length(answer))",
+        "CREATE TABLE more (x)",
+        "CREATE VIEW more AS SELECT 1",
+        "DROP TABLE answers",
+        "CREATE INDEX more ON answers (length(answer))",
+        "CREATE TRIGGER more AFTER INSERT ON answers BEGIN UPDATE answers SET answer = '{}'; END",
+        "DROP TABLE sweeps; CREATE TABLE sweeps (number INTEGER PRIMARY KEY, sweep TEXT DEFAULT (randomblob(9)))",
+    ],
+)
+def test_only_the_tables_of_a_store_are_read(file, script) -> None:
+    with closing(sqlite3.connect(file)) as connection:
+        connection.executescript(script)
+    before = file.read_bytes()
+    for read in (ResultStore, check_store, noted_sweeps, read_all):
+        with pytest.raises(ParameterError, match="its tables are not those of a store"):
+            read(file)
+    assert file.read_bytes() == before
+
+
+def test_a_text_beyond_the_limit_is_not_read(file, monkeypatch) -> None:
+    monkeypatch.setattr(store_file, "LARGEST_TEXT", 2_000)
+    write(file, "answers", "answer", json.dumps({"status": "converged", "reason": "x" * 3_000}).encode())
+    with ResultStore(file) as store, pytest.raises(ParameterError, match=r"results\.sqlite is damaged: .*too big"):
+        store.find(TASK)
+    assert "table answers, row 1: cannot be read" in check_store(file).damage
+
+
+CONTENT = TASK.content()
+HOSTILE_ROWS = [
+    ("content", b"[" * 3_000 + b"]" * 3_000),
+    ("content", b'{"task": ' + b"9" * 5_000 + b"}"),
+    ("content", b"{}"),
+    ("content", json.dumps(CONTENT | {"options": ["a"]}).encode()),
+    ("content", b"\xff\xfe"),
+    ("answer", b'{"status": "converged", "reason": "\xff"}'),
+    ("answer", b"[" * 3_000),
+    ("answer", b'{"status": "converged", "periods": 1' + b"0" * 400 + b"}"),
+    ("answer", b'{"status": "converged", "periods": -1}'),
+    ("answer", b'{"status": "converged", "transitions": [[1, 0.5, "jump"]]}'),
+    ("answer", b'{"status": "converged", "__class__": "os.system"}'),
+    ("answer", b"!!python/object/apply:os.system ['true']"),
+    ("answer", b"\x80\x04\x95cposix\nsystem\n."),
+]
+
+
+@pytest.mark.parametrize(("column", "text"), HOSTILE_ROWS, ids=[str(number) for number in range(len(HOSTILE_ROWS))])
+def test_a_row_of_the_wrong_form_is_refused_though_its_digest_fits(file, capsys, column, text) -> None:
+    write(file, "answers", column, text)
+    before = file.read_bytes()
+    with pytest.raises(ParameterError) as refused:
+        read_all(file)
+    assert str(file) in str(refused.value)
+    assert run_command(app, ["compare", str(file), str(file)]) == ExitCode.WRONG_INPUT
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert file.read_bytes() == before
+
+
+HOSTILE_SWEEPS = [
+    b"[]",
+    b"\xff",
+    b"[" * 5_000,
+    SWEEP.dump_json(SWEEP_OF_TASK).replace(b'"reference"', b'"nobody"'),
+    SWEEP.dump_json(SWEEP_OF_TASK).replace(b"[0.9]", b"[-0.9]"),
+    SWEEP.dump_json(SWEEP_OF_TASK).replace(b"[0.9]", b"[1e999]"),
+]
+
+
+@pytest.mark.parametrize("text", HOSTILE_SWEEPS, ids=[str(number) for number in range(len(HOSTILE_SWEEPS))])
+def test_a_noted_sweep_of_the_wrong_form_is_refused(file, tmp_path, text) -> None:
+    write(file, "sweeps", "sweep", text)
+    with pytest.raises(ParameterError, match=r"results\.sqlite"):
+        noted_sweeps(file)
+
+
+@pytest.mark.parametrize(
+    "name", [":memory:", "", "file:results.sqlite", "file::memory:?cache=shared", ":", "/dev/full"]
+)
+def test_a_store_that_would_keep_nothing_is_refused(tmp_path, monkeypatch, capsys, name) -> None:
+    (tmp_path / "sweep.toml").write_text(
+        'engines = ["reference:joint"]\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]'
+    )
+    monkeypatch.chdir(tmp_path)
+    assert run_command(app, ["sweep", "sweep.toml", "--store", name]) == ExitCode.WRONG_INPUT
+    assert capsys.readouterr().err.startswith("error: store ")
+    with pytest.raises(ParameterError, match=r"store .*allowed"):
+        sweep("reference", 0.3, 0.9, store=name)
+    assert [path.name for path in tmp_path.iterdir()] == ["sweep.toml"]
+
+
+@pytest.mark.parametrize(
+    ("command", "arguments"),
+    [
+        (app, ["sweep", "sweep.toml"]),
+        (app, ["run", "unit-cell"]),
+        (app, ["run", "all"]),
+        (app, ["run", "record"]),
+        (app, ["report", "--quick"]),
+        (app, ["report", "--sweep", "sweep.toml"]),
+    ],
+)
+def test_a_misspelt_store_is_not_made_where_nothing_is_run(tmp_path, monkeypatch, capsys, command, arguments) -> None:
+    (tmp_path / "sweep.toml").write_text(
+        'engines = ["reference:joint"]\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]'
+    )
+    monkeypatch.chdir(tmp_path)
+    assert run_command(command, [*arguments, "--no-run", "--store", "misspelt.sqlite"]) == ExitCode.WRONG_INPUT
+    printed = capsys.readouterr().err
+    assert printed.startswith("error: store misspelt.sqlite does not exist")
+    assert [path.name for path in tmp_path.iterdir()] == ["sweep.toml"]
+
+
+def open_together(file: Path, barrier, refused) -> None:
+    """Open a store at the moment at which all others do."""
+    barrier.wait()
+    try:
+        ResultStore(file).close()
+    except ParameterError as problem:
+        refused.put(str(problem))
+    else:
+        refused.put("")
+
+
+def test_processes_that_make_one_store_at_once_all_get_it(tmp_path) -> None:
+    context, processes = multiprocessing.get_context("fork"), 8
+    for trial in range(5):
+        barrier, refused = context.Barrier(processes), context.Queue()
+        arguments = (tmp_path / f"{trial}.sqlite", barrier, refused)
+        crowd = [context.Process(target=open_together, args=arguments) for _ in range(processes)]
+        for process in crowd:
+            process.start()
+        assert [refused.get(timeout=60) for _ in crowd] == [""] * processes
+        for process in crowd:
+            process.join()

@@ -1,0 +1,211 @@
+"""Workers are forked from one process that has imported what they need, and no engine; whatever becomes of it."""
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from scenarios.runs import worker_template
+from scenarios.runs.failures import ExecutorError
+from scenarios.runs.local_processes import LocalExecutor
+from scenarios.runs.result import Result
+from scenarios.runs.worker import identity_of
+from scenarios.runs.worker_template import WorkerTemplate
+from tests.installed import ENGINE_PACKAGES
+from tests.scenarios.runs.builders import ended, running, steady
+
+LIMIT = 60.0
+"""Seconds that a batch may take, on a machine that is busy."""
+
+END_SECONDS = 5.0
+"""Within which all processes have to end, on a machine that is busy."""
+
+CLOCK_SECONDS = 0.05
+"""By how much the clocks of processor time may differ."""
+
+
+def run(executor: LocalExecutor, engine: str) -> Result:
+    """Run a task of an engine."""
+    task = steady(variant=engine, cells=1)
+    return executor.run_for_client([task], identity_of(task.variant), LIMIT)[0]
+
+
+@pytest.fixture(scope="module")
+def shared() -> Iterator[LocalExecutor]:
+    """One worker at a time, for tests that only look at a worker without a task so far."""
+    with pytest.MonkeyPatch.context() as environment, LocalExecutor(1) as executor:
+        environment.delenv("OPENBLAS_NUM_THREADS", raising=False)  # which the tests' own processes have
+        executor._worker_for("reference")
+        yield executor
+
+
+@pytest.fixture
+def executor() -> Iterator[LocalExecutor]:
+    """One worker at a time, whose template has forked a worker for the reference."""
+    with LocalExecutor(1) as executor:
+        assert run(executor, "reference").status == "converged"
+        yield executor
+
+
+def template_of(executor: LocalExecutor) -> subprocess.Popen[bytes]:
+    return executor._template._process
+
+
+def test_workers_of_two_engines_are_forked_from_one_process_that_ends_with_them(executor) -> None:
+    template = template_of(executor)
+    assert run(executor, "mujoco").status == "converged"
+    assert template_of(executor) is template
+    assert [worker.engine for worker in executor._workers] == ["reference", "mujoco"]
+    executor.close()
+    assert template.returncode == 0
+
+
+def test_workers_import_the_suite_whatever_has_the_names_of_its_packages(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A user's own folder may be first on the path of the program that starts them."""
+    for package in ("scenarios", "engines", "reference_lcp"):
+        (tmp_path / package).mkdir()
+        (tmp_path / package / "__init__.py").write_text("raise ImportError('not the suite')")
+    monkeypatch.syspath_prepend(tmp_path)
+    with LocalExecutor(1) as executor:
+        assert run(executor, "reference").status == "converged"
+
+
+@pytest.mark.parametrize("signalled", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "stopped"])
+def test_template_that_is_lost_is_replaced_and_its_workers_go_on(executor, signalled) -> None:
+    template = template_of(executor)
+    executor._template._requests.settimeout(0.5)
+    template.send_signal(signalled)
+    assert run(executor, "mujoco").status == "converged"
+    assert template.returncode == -signal.SIGKILL
+    assert template_of(executor) is not template
+    assert [worker.engine for worker in executor._workers if worker.alive()] == ["reference", "mujoco"]
+    assert run(executor, "reference").status == "converged"
+
+
+class Said:
+    """A batch that says something of the worker that reads it."""
+
+    def __init__(self, expression: str):
+        self.expression = expression
+
+    def __reduce__(self) -> tuple[Callable[[str], None], tuple[str]]:
+        return exec, (f"import os, sys; raise RuntimeError({self.expression})",)
+
+
+def said(executor: LocalExecutor, expression: str) -> str:
+    """Give the value of an expression in a fresh worker."""
+    worker = executor._worker_for("reference")
+    reason = worker.run([Said(expression)], "", LIMIT).result()[0].reason
+    return reason.removeprefix("the task cannot be read in a worker process: RuntimeError: ")
+
+
+def test_fresh_worker_has_imported_the_suite_and_no_engine(shared) -> None:
+    folders = Path(worker_template.__file__).parents[2].glob("engines/*/joint.py")
+    adapters = {f"engines.{file.parent.name}" for file in folders}
+    assert {"engines.mujoco", "engines.exudyn", "engines.drake"} <= adapters
+    assert said(shared, f"str({adapters | set(ENGINE_PACKAGES)} & sys.modules.keys())") == "set()"
+    assert said(shared, "str({'scenarios.runs.executor', 'numba', 'scipy'} <= sys.modules.keys())") == "True"
+
+
+def test_fresh_worker_is_out_of_reach_of_the_terminal_and_engines_find_the_folder(shared) -> None:
+    """Nor does a signal to the group of the template or of a worker reach a supervisor."""
+    for process in ("os.getpid()", "os.getppid()"):
+        assert said(shared, f"str({process} == os.getpgid({process}) == os.getsid({process}))") == "True"
+    assert said(shared, "os.environ['TMPDIR']") == str(shared._folder.path)
+
+
+def test_template_and_workers_have_one_thread_in_linear_algebra_too(shared) -> None:
+    """A fork of a process with more would have their locks, and none to unlock them."""
+    process = template_of(shared).pid
+    assert [thread.name for thread in Path(f"/proc/{process}/task").iterdir()] == [str(process)]
+    product = "sys.modules['numpy'].ones((500, 500)) @ sys.modules['numpy'].ones((500, 500))"
+    assert said(shared, f"({product}, len(os.listdir('/proc/self/task')))[1]") == "1"
+
+
+def test_processor_time_of_workers_counts_as_their_clients(executor) -> None:
+    worker = float(said(executor, "(sum(range(6 * 10**7)), __import__('time').process_time())[1]"))
+    assert worker > 2 * CLOCK_SECONDS
+    template = int(Path(f"/proc/{template_of(executor).pid}/schedstat").read_text().split()[0]) / 1e9
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    executor.close()
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    used = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+    assert used > template + worker - CLOCK_SECONDS
+
+
+def descriptors() -> list[str]:
+    """Descriptors that this process has open."""
+    return sorted(file.name for file in Path("/proc/self/fd").iterdir())
+
+
+REFUSES = """
+import os
+def refuse(): raise BlockingIOError(11, os.strerror(11))
+os.fork = refuse
+"""
+
+
+@pytest.mark.parametrize(
+    ("program", "reason"),
+    [
+        ("raise SystemExit({descriptor})", "the template of workers has ended"),
+        (f"{REFUSES}{worker_template._START}", r"\[Errno 11\] Resource temporarily unavailable"),
+    ],
+    ids=["the template ends", "no process can be forked"],
+)
+def test_worker_that_cannot_be_started_is_an_error_with_the_reason(monkeypatch, tmp_path, program, reason) -> None:
+    monkeypatch.setattr(worker_template, "_START", program)
+    before = descriptors()
+    with (
+        WorkerTemplate(tmp_path) as template,
+        pytest.raises(ExecutorError, match=f"^a worker process cannot be started: {reason}$"),
+    ):
+        template.fork(tmp_path / "log")
+    assert descriptors() == before
+
+
+def test_interrupted_start_leaves_neither_processes_nor_descriptors(monkeypatch, tmp_path) -> None:
+    started = []
+
+    def interrupt(*_):
+        started.append(template._process)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(worker_template.socket, "recv_fds", interrupt)
+    before = descriptors()
+    with WorkerTemplate(tmp_path) as template:
+        with pytest.raises(KeyboardInterrupt):
+            template.fork(tmp_path / "log")
+        assert started[0].returncode is not None
+        assert descriptors() == before
+
+
+CLIENT = """
+import json, sys, time
+from pathlib import Path
+from scenarios.runs.worker_template import WorkerTemplate
+template = WorkerTemplate(Path(sys.argv[1]))
+worker = template.fork(Path(sys.argv[1]) / "log")
+supervisor = next(line for line in Path(f"/proc/self/fdinfo/{worker.supervisor}").open() if line.startswith("Pid:"))
+print(json.dumps([template._process.pid, int(supervisor.split()[1])]), flush=True)
+time.sleep(1000)
+"""
+
+
+def test_template_that_is_stopped_ends_with_a_client_that_is_killed(tmp_path) -> None:
+    client = subprocess.Popen([sys.executable, "-c", CLIENT, str(tmp_path)], stdout=subprocess.PIPE)
+    processes = json.loads(client.stdout.readline())
+    client.stdout.close()
+    assert all(map(running, processes))
+    os.kill(processes[0], signal.SIGSTOP)
+    client.kill()
+    client.wait()
+    assert ended(processes, END_SECONDS)
