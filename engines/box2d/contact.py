@@ -6,8 +6,7 @@ import numpy as np
 
 from engines.box2d.joint import FARTHEST, Box2DLane, finer_units, import_box2d
 from engines.interface.presets import Preset
-from engines.shared.box_geometry import PressedBoxes
-from engines.shared.force_loop import Step
+from engines.shared.force_loop import PressedLane, Step
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
@@ -27,12 +26,13 @@ def contact_units(name: str, lane: Lane) -> Units:
     return finer_units(name, lane, 2.0**4)
 
 
-class Box2DContactLane(Box2DLane):
+class Box2DContactLane(PressedLane, Box2DLane):
     """One chain with a box on a plate in every cell."""
 
+    units_of = staticmethod(contact_units)
+
     def __init__(self, lane: Lane, preset: Preset):
-        super().__init__(lane, preset, contact_units(preset["units"], lane))
-        self._sizes: PressedBoxes = PressedBoxes.of(lane, self._units)
+        super().__init__(lane, preset)
         slop = import_box2d().b2_linearSlop
         cells = (self._sizes.spacing + CLEARANCE_OVER_SLOP * slop) * np.arange(lane.chain.cells)
         self._heights = np.concatenate([cells, cells + GAP_OVER_SLOP * slop])
@@ -55,7 +55,6 @@ class Box2DContactLane(Box2DLane):
         return super()._begin(motion)
 
     def _contacts(self) -> FloatArray:
-        """Read friction impulse, as it acts on the inner mass, and normal impulse of every cell, shape (2, n)."""
         if self._world.contactCount != self._touching:
             # Points of contact refer to Box2D's memory, and hold what is there as long as their contact is.
             self._touching = self._world.contactCount
@@ -68,13 +67,7 @@ class Box2DContactLane(Box2DLane):
         for cell, point in self._points:
             impulses[0, cell] += point.tangentImpulse
             impulses[1, cell] += point.normalImpulse
-        return impulses
-
-    def _contact_forces(
-        self, read: FloatArray, motions: FloatArray, given: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        forces = read / self._time_step * self._units.force
-        return forces[:, 0], forces[:, 1]
+        return impulses / self._time_step
 
     def _state(self, motions: FloatArray) -> State:
         end = super()._state(motions)

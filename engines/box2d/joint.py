@@ -33,10 +33,9 @@ def finer_units(name: str, lane: Lane, length: float) -> Units:
 class Box2DLane(ExplicitForcesLane):
     """One chain; a run makes its world anew, for joints and contacts keep their last impulses."""
 
-    def __init__(self, lane: Lane, preset: Preset, units: Units):
-        self._preset = preset
+    def __init__(self, lane: Lane, preset: Preset):
         self._own_springs = preset["springs"] == "distance joints"
-        super().__init__(lane, units)
+        super().__init__(lane, preset)
         self._iterations = preset["velocityIterations"], preset["positionIterations"]
         # Where bodies are across the motion, and the forces on them there.
         self._heights, self._pressing = np.zeros((2, 2 * lane.chain.cells))
@@ -129,9 +128,11 @@ def joint_units(name: str, lane: Lane) -> Units:
 class Box2DJointLane(Box2DLane):
     """One chain with a joint in every cell."""
 
+    units_of = staticmethod(joint_units)
+
     def __init__(self, lane: Lane, preset: Preset):
+        super().__init__(lane, preset)
         self._by_motor = preset["joint"] == "prismatic"
-        super().__init__(lane, preset, joint_units(preset["units"], lane))
 
     def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
         here, self._joints = (0.0, 0.0), []

@@ -7,10 +7,8 @@ import numpy as np
 
 from engines.dart.joint import new_world
 from engines.interface.presets import Preset
-from engines.shared.box_geometry import PressedBoxes
 from engines.shared.coordinates import ChainCoordinates
-from engines.shared.force_loop import ExplicitForcesLane, Step
-from engines.shared.units import Units
+from engines.shared.force_loop import PressedLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
@@ -22,7 +20,7 @@ LEAST_COEFFICIENT = 1e-3
 """DART takes contacts with a coefficient of friction up to this for frictionless."""
 
 
-class DartContactLane(ExplicitForcesLane):
+class DartContactLane(PressedLane):
     """One chain with a skeleton a cell: a plate that slides along x, and on it a body that is free in the plane.
 
     A run makes its world anew, so that nothing is left of earlier runs. Cells whose friction is bounded by zero have
@@ -38,9 +36,7 @@ class DartContactLane(ExplicitForcesLane):
             raise ParameterError(
                 f"friction_coefficient = {least:g} is frictionless for DART; allowed: more than {LEAST_COEFFICIENT:g}"
             )
-        self._preset = preset
-        super().__init__(lane, Units.named(preset["units"], lane))
-        self._sizes: PressedBoxes = PressedBoxes.of(lane, self._units)
+        super().__init__(lane, preset)
         self._rubbing = self._chain.friction_bound > 0
         self._sine, self._cosine = math.sin(lane.inclination), math.cos(lane.inclination)
 
@@ -119,8 +115,8 @@ class DartContactLane(ExplicitForcesLane):
     def _contact_forces(
         self, read: FloatArray, motions: FloatArray, given: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        forces = read * self._units.force
-        return forces[:, 0], np.where(self._rubbing, forces[:, 1], given)
+        friction, normal = super()._contact_forces(read, motions, given)
+        return friction, np.where(self._rubbing, normal, given)
 
     def _pressing(self) -> FloatArray:
         """Forces across the joint of every inner mass, which act back on the plate."""

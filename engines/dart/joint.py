@@ -7,7 +7,6 @@ import numpy as np
 from engines.interface.presets import Preset
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import ExplicitForcesLane, Step
-from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -29,10 +28,9 @@ class DartJointLane(ExplicitForcesLane):
     """One chain; a run makes its world anew, so that nothing is left of earlier runs."""
 
     def __init__(self, lane: Lane, preset: Preset):
-        self._preset = preset
         self._own_springs = preset["springs"] == "of the joints"
         self.coordinates = ChainCoordinates.ROW if self._own_springs else ChainCoordinates.CELLS
-        super().__init__(lane, Units.named(preset["units"], lane))
+        super().__init__(lane, preset)
 
     def native_steps(self, steps: int) -> None:
         """Take steps under constant forces that are set once: DART leaves the friction of still joints out."""

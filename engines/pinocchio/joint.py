@@ -8,7 +8,6 @@ import numpy as np
 from engines.interface.presets import Preset
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import ExplicitForcesLane, Step
-from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -19,8 +18,7 @@ class PinocchioJointLane(ExplicitForcesLane):
     coordinates = ChainCoordinates.PAIRS
 
     def __init__(self, lane: Lane, preset: Preset):
-        self._preset = preset
-        super().__init__(lane, Units.named(preset["units"], lane))
+        super().__init__(lane, preset)
         self._impulses = np.zeros(lane.chain.cells)
         # The loop gives impulses of a step in place of forces, which saves the multiplications by the time step.
         self._forces *= self._time_step

@@ -50,4 +50,4 @@ class PyBullet(PipEngine):
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         connection = Connection()
         model = PyBulletJointLane if formulation is Formulation.JOINT else PyBulletContactLane
-        return SequentialSimulation([model(connection, lane, preset) for lane in lanes])
+        return SequentialSimulation([model(lane, preset, connection) for lane in lanes])

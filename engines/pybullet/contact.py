@@ -13,9 +13,8 @@ import numpy as np
 
 from engines.interface.presets import Preset
 from engines.pybullet.joint import Connection, PyBulletLane, import_pybullet
-from engines.shared.box_geometry import BOX, PressedBoxes
-from engines.shared.force_loop import Step
-from engines.shared.units import power_of_two
+from engines.shared.box_geometry import BOX
+from engines.shared.force_loop import PressedLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
@@ -40,24 +39,23 @@ LARGEST_COEFFICIENT = 10.0
 """Bullet cuts larger coefficients of friction off."""
 
 
-class PyBulletContactLane(PyBulletLane):
+class PyBulletContactLane(PressedLane, PyBulletLane):
     """Boxes on plates, which begin at the static equilibrium of their contacts.
 
     Outer and inner mass press each other with λ_N, an internal pair of forces, so that nothing needs a guide.
     """
 
-    def __init__(self, connection: Connection, lane: Lane, preset: Preset):
+    plate, spacing = PLATE, SPACING
+
+    def __init__(self, lane: Lane, preset: Preset, connection: Connection):
         largest = float(np.max(lane.chain.friction_coefficient))
         if largest > LARGEST_COEFFICIENT:
             raise ParameterError(
                 f"friction_coefficient = {largest:g}; allowed by Bullet: at most {LARGEST_COEFFICIENT:g}"
             )
-        super().__init__(connection, lane, preset)
+        super().__init__(lane, preset, connection)
         # Gap of free bodies over the gap that the inner mass alone would make.
         self._opening = 1 + self._chain.inner_mass / self._chain.outer_mass
-        # Powers of two: distances of contacts are then exact.
-        scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / self._units.length
-        self._sizes: PressedBoxes = PressedBoxes(BOX * scale, PLATE * scale, SPACING * scale)
 
     def _begin(self, motion: FloatArray) -> Step:
         bullet, client, time_step = import_pybullet(), self._connection.client, self._time_step
@@ -94,26 +92,18 @@ class PyBulletContactLane(PyBulletLane):
         # At rest a box is as deep as Bullet leaves alone, see `_new_bodies`.
         return (inner - outer - [[2 * self._sizes.box - REST_DEPTH], [0.0]]) / self._opening
 
-    def _contacts(self) -> list[float]:
-        """Friction on every inner mass, then every normal force: sums over the points of a contact."""
-        bullet, client, bodies = import_pybullet(), self._connection.client, self._bodies
-        friction, normal = [], []
-        cells = self._chain.cells
-        for outer, inner in zip(bodies[:cells], bodies[cells:], strict=True):
+    def _contacts(self) -> FloatArray:
+        bullet, client, cells = import_pybullet(), self._connection.client, self._chain.cells
+        forces = np.zeros((2, cells))
+        for cell, (outer, inner) in enumerate(zip(self._bodies[:cells], self._bodies[cells:], strict=True)):
             points = bullet.getContactPoints(inner, outer, physicsClientId=client)
             # A point has its normal force at 9, then twice a tangential force and the direction it acts in on
             # the outer mass.
-            friction.append(
-                -sum(point[10] * self._along(point[11]) + point[12] * self._along(point[13]) for point in points)
+            forces[0, cell] = -sum(
+                point[10] * self._along(point[11]) + point[12] * self._along(point[13]) for point in points
             )
-            normal.append(float(sum(point[9] for point in points)))
-        return friction + normal
-
-    def _contact_forces(
-        self, read: FloatArray, motions: FloatArray, given: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        friction, normal = np.split(read * self._units.force, 2, axis=1)
-        return friction, normal
+            forces[1, cell] = sum(point[9] for point in points)
+        return forces
 
     def _state(self, motions: FloatArray) -> State:
         """Compare the end with Bullet's; refuse a motion in which a box has left its plate and felt no friction."""

@@ -11,7 +11,6 @@ from engines.interface.presets import Preset
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import ExplicitForcesLane, Step
 from engines.shared.silence import silent_standard_error
-from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray
@@ -64,9 +63,9 @@ MOST_CELLS = 63
 class PyBulletLane(ExplicitForcesLane):
     """One chain; a run makes its bodies anew, so that nothing is left of earlier runs."""
 
-    def __init__(self, connection: Connection, lane: Lane, preset: Preset):
-        super().__init__(lane, Units.named(preset["units"], lane))
-        self._connection, self._preset = connection, preset
+    def __init__(self, lane: Lane, preset: Preset, connection: Connection):
+        super().__init__(lane, preset)
+        self._connection = connection
 
     def native_steps(self, steps: int) -> None:
         """Take steps of Bullet alone, from rest; see `NativeStepping`."""
@@ -84,11 +83,11 @@ class PyBulletJointLane(PyBulletLane):
 
     coordinates = ChainCoordinates.CELLS
 
-    def __init__(self, connection: Connection, lane: Lane, preset: Preset):
+    def __init__(self, lane: Lane, preset: Preset, connection: Connection):
         cells = lane.chain.cells
         if cells > MOST_CELLS:
             raise ParameterError(f"cells = {cells} is outside what PyBullet takes; allowed: at most {MOST_CELLS}")
-        super().__init__(connection, lane, preset)
+        super().__init__(lane, preset, connection)
         # Those of the outer masses, then of the inner ones.
         self._links = [*range(0, 2 * cells, 2), *range(1, 2 * cells, 2)]
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from engines.interface.presets import Preset
 from engines.rapier.joint import RapierLane
-from engines.shared.box_geometry import PressedBoxes
-from engines.shared.force_loop import Step
+from engines.shared.force_loop import PressedLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -18,18 +17,16 @@ CLEARANCE = 4.0
 """What cells stand further apart than spheres need, over the distance from which Rapier sees contacts."""
 
 
-class RapierContactLane(RapierLane):
+class RapierContactLane(PressedLane, RapierLane):
     """One chain with a sphere on a plate in every cell, side by side."""
 
     # Friction acts in the plane of a contact. A contact that could not slide in y either has none at all.
     FREE_INNER = (True, True, True)
 
     def __init__(self, lane: Lane, preset: Preset):
-        """Take the lane's parameters in the units of the preset."""
         import rapier3d
 
         super().__init__(lane, preset)
-        self._sizes: PressedBoxes = PressedBoxes.of(lane, self._units)
         apart = self._sizes.spacing + CLEARANCE * rapier3d.IntegrationParameters().prediction_distance()
         cells = lane.chain.cells
         self._places[:, 0] = np.tile(apart * np.arange(cells), 2)
@@ -85,7 +82,6 @@ class RapierContactLane(RapierLane):
         self._pressing[normal_load.size :] = -normal_load
 
     def _contacts(self) -> FloatArray:
-        """Read friction impulse, as it acts on the inner mass, and normal impulse of every cell, shape (2, n)."""
         impulses, (x, y) = np.zeros((2, self._chain.cells)), self.lane.axis
         pair_of = self._world.narrow_phase.contact_pair
         for cell, colliders in enumerate(self._colliders):
@@ -94,10 +90,4 @@ class RapierContactLane(RapierLane):
                 for point in manifold.points:
                     impulses[0, cell] += x * point.tangent_impulse[1] + y * point.tangent_impulse[0]
                     impulses[1, cell] += point.impulse
-        return impulses
-
-    def _contact_forces(
-        self, read: FloatArray, motions: FloatArray, given: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        forces = read / self._time_step * self._units.force
-        return forces[:, 0], forces[:, 1]
+        return impulses / self._time_step

@@ -7,7 +7,6 @@ import numpy as np
 
 from engines.interface.presets import Preset
 from engines.shared.force_loop import ExplicitForcesLane, Step
-from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -19,9 +18,7 @@ class RapierLane(ExplicitForcesLane):
     """Directions in which inner masses move."""
 
     def __init__(self, lane: Lane, preset: Preset):
-        """Take the lane's parameters in the units of the preset."""
-        super().__init__(lane, Units.named(preset["units"], lane))
-        self._preset = preset
+        super().__init__(lane, preset)
         # Where bodies are across the motion, shape (2n, 2), and the forces on them along z, shape (2n,).
         self._places = np.zeros((2 * lane.chain.cells, 2))
         self._pressing = np.zeros(2 * lane.chain.cells)

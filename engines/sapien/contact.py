@@ -11,9 +11,7 @@ import numpy as np
 from engines.interface.presets import Preset
 from engines.interface.tolerances import SINGLE
 from engines.sapien.joint import SapienLane, import_sapien
-from engines.shared.box_geometry import PressedBoxes
-from engines.shared.force_loop import Step
-from engines.shared.units import Units
+from engines.shared.force_loop import PressedLane, Step
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
@@ -21,7 +19,7 @@ ROUNDINGS = 8
 """Of a velocity in a step: two in storing it before and after, the others in adding impulses."""
 
 
-class SapienContactLane(SapienLane):
+class SapienContactLane(PressedLane, SapienLane):
     """One chain with a sphere on a plate in every cell, side by side.
 
     SAPIEN tells impulses of contacts, of which friction may lie anywhere within four: it is read from the momentum of
@@ -29,9 +27,7 @@ class SapienContactLane(SapienLane):
     """
 
     def __init__(self, lane: Lane, preset: Preset):
-        """Take the lane's parameters in the units of the preset."""
-        super().__init__(lane, preset, Units.named(preset["units"], lane))
-        self._sizes: PressedBoxes = PressedBoxes.of(lane, self._units)
+        super().__init__(lane, preset)
         # Forces on all bodies in the next step; those along the motion are the loop's.
         self._pushing = np.zeros((2 * lane.chain.cells, 3))
 

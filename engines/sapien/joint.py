@@ -10,18 +10,12 @@ import numpy as np
 from engines.interface.presets import Preset
 from engines.shared.coordinates import CarriedCoordinates, friction_of_joints
 from engines.shared.force_loop import ExplicitForcesLane, Step
-from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
 
 class SapienLane(ExplicitForcesLane):
     """One chain; a run makes its scene anew, for contacts keep where they stuck."""
-
-    def __init__(self, lane: Lane, preset: Preset, units: Units):
-        """Take the lane's parameters in `units`."""
-        super().__init__(lane, units)
-        self._preset = preset
 
     def _new_scene(self) -> tuple[Any, Any]:
         """Make an empty scene, kept until the next one is made; gives it, and the system that steps it."""
@@ -57,9 +51,8 @@ class SapienJointLane(SapienLane):
     coordinates: CarriedCoordinates
 
     def __init__(self, lane: Lane, preset: Preset):
-        """Take the lane's parameters in the units of the preset."""
         self.coordinates = CarriedCoordinates.of_chain(lane.chain)
-        super().__init__(lane, preset, Units.named(preset["units"], lane))
+        super().__init__(lane, preset)
 
     def native_steps(self, steps: int) -> None:
         """Take steps of the engine alone."""

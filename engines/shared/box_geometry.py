@@ -5,6 +5,7 @@ needs a guide. Cells stand side by side across the motion.
 """
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -34,10 +35,10 @@ class PressedBoxes:
     """Distance of neighbouring cells."""
 
     @classmethod
-    def of(cls, lane: Lane, units: Units) -> "PressedBoxes":
+    def of(cls, lane: Lane, units: Units, plate: float = PLATE, spacing: float = SPACING) -> Self:
         """Size them for a lane, with powers of two, so that distances of contacts are exact."""
         scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
-        return cls(BOX * scale, PLATE * scale, SPACING * scale)
+        return cls(BOX * scale, plate * scale, spacing * scale)
 
     def check_reach(self, end: State, units: Units) -> None:
         """Refuse a motion in which a box has left its plate: there it would feel no friction."""

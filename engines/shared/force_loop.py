@@ -7,10 +7,12 @@ bodies get a state, how they take a step under given forces, and how contacts ar
 from abc import abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
-from engines.shared.box_geometry import PressedBoxes
+from engines.interface.presets import Preset
+from engines.shared.box_geometry import PLATE, SPACING, PressedBoxes
 from engines.shared.coordinates import CarriedCoordinates, ChainCoordinates
 from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
@@ -32,20 +34,19 @@ STEPS_BETWEEN_CHECKS = 16
 class ExplicitForcesLane(LaneModel):
     """One chain under forces computed at the start of each step.
 
-    Everything that an engine sees is in the lane's `Units`. A motion is one vector of coordinates, then of their
+    Everything that an engine sees is in the `Units` of the preset. A motion is one vector of coordinates, then of their
     velocities, shape (4n,); the loop owns it, and the engine writes what it reads into it.
     """
 
     coordinates: ChainCoordinates | CarriedCoordinates = ChainCoordinates.ABSOLUTE
-    _sizes: PressedBoxes | None = None
-    """Plates that a body must not leave."""
+    units_of = staticmethod(Units.named)
+    """Gives the units that a preset names, in a lane."""
     _own_springs = False
     """Springs and dashpots are the engine's: only the drive is a force."""
 
-    def __init__(self, lane: Lane, units: Units):
-        """Take the lane's parameters in `units`."""
-        self.lane = lane
-        self._units = units
+    def __init__(self, lane: Lane, preset: Preset):
+        self.lane, self._preset = lane, preset
+        self._units = units = self.units_of(preset["units"], lane)
         self._chain = units.scaled(lane.chain)
         self._time_step = lane.time_step / units.time
         self._forces = np.ascontiguousarray(self._force_matrix())
@@ -135,10 +136,7 @@ class ExplicitForcesLane(LaneModel):
     def _state(self, motions: FloatArray) -> State:
         """Give positions and velocities of motions, shape (rows, 4n)."""
         position, velocity = np.split(motions, 2, axis=1)
-        state = self._units.state(self.coordinates.absolute(position), self.coordinates.absolute(velocity))
-        if self._sizes is not None:
-            self._sizes.check_reach(state, self._units)
-        return state
+        return self._units.state(self.coordinates.absolute(position), self.coordinates.absolute(velocity))
 
     def _started(self, state: State, start: int, steps: int) -> tuple[FloatArray, Step]:
         """Give the motion of `state` and the function that advances it."""
@@ -172,3 +170,24 @@ class ExplicitForcesLane(LaneModel):
             yield from loads[first : first + STEPS_BETWEEN_CHECKS]
             if not np.max(np.abs(motion)) < LARGEST_MOTION:
                 return
+
+
+class PressedLane(ExplicitForcesLane):
+    """One chain with a body on a plate in every cell; `_contacts` gives friction and normal forces, shape (2, n)."""
+
+    plate, spacing = PLATE, SPACING
+
+    @cached_property
+    def _sizes(self) -> PressedBoxes:
+        return PressedBoxes.of(self.lane, self._units, self.plate, self.spacing)
+
+    def _contact_forces(
+        self, read: FloatArray, motions: FloatArray, given: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        forces = read * self._units.force
+        return forces[:, 0], forces[:, 1]
+
+    def _state(self, motions: FloatArray) -> State:
+        end = super()._state(motions)
+        self._sizes.check_reach(end, self._units)
+        return end

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from engines.interface.presets import Option, Preset
 from engines.interface.variant import variants_of
 from engines.shared.coordinates import CarriedCoordinates, ChainCoordinates
 from engines.shared.force_loop import LARGEST_MOTION, ExplicitForcesLane, Step
 from engines.shared.step_cost import native_stepping
-from engines.shared.units import Units
 from reference_lcp.chain.trajectory import State
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
@@ -54,6 +54,10 @@ class ByHand(ExplicitForcesLane):
         return self._friction
 
 
+def in_units(name: str) -> Preset:
+    return Preset("", {"units": Option(name, None, "")})
+
+
 @every_coordinate
 def test_coordinates_are_undone_for_one_row_and_for_many(coordinates: Coordinates) -> None:
     absolute = np.random.default_rng(1).normal(size=(5, 14))
@@ -90,7 +94,7 @@ def test_the_heavier_mass_of_a_cell_carries_the_other() -> None:
 @pytest.mark.parametrize("units", ["SI", "lane"])
 def test_the_loop_takes_the_steps_of_the_scheme(units: str) -> None:
     lane, state = uneven_lane(), random_state()
-    model = ByHand(lane, Units.named(units, lane))
+    model = ByHand(lane, in_units(units))
     assert_equals_scheme(lane, state, model.run(state, 0, STEPS))
     end = model.advance(state, 0, STEPS)
     assert np.array_equal(end.positions, model.run(state, 0, STEPS).positions[-1:])
@@ -98,8 +102,7 @@ def test_the_loop_takes_the_steps_of_the_scheme(units: str) -> None:
 
 def test_a_lane_that_diverges_stops_and_repeats_its_last_row() -> None:
     unstable = unstable_lane()
-    units = Units.of(unstable)
-    model = ByHand(unstable, units)
+    model = ByHand(unstable, in_units("lane"))
     run = model.run(State.at_rest(1, 7), 0, 400)
     assert np.max(np.abs(run.positions[-1])) > LARGEST_MOTION * AMPLITUDE / 2
     assert np.all(np.isfinite(run.positions))
