@@ -209,7 +209,8 @@ def period_of(task: SteadyStateTask, time_limit: float) -> RecordedPeriod:
     from reports.cli.evaluation import store_of_run
     from scenarios.runs.evaluator import Evaluator
     from scenarios.runs.local_processes import executor_here
-    from scenarios.runs.recorded import RecordedPeriod, RecordedPeriodTask
+    from scenarios.runs.recorded import RecordedPeriod
+    from scenarios.runs.task import Recorded
 
     with store_of_run(None) as store, Evaluator(store, executor_here(1, time_limit)) as evaluator:
-        return RecordedPeriod.of_result(evaluator.evaluate([RecordedPeriodTask.of(task)])[0])
+        return RecordedPeriod.of_result(evaluator.evaluate([task.recording(Recorded.PERIOD)])[0])

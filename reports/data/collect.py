@@ -12,9 +12,9 @@ from reports.data.report import Report
 from reports.data.stick_slip import CasePoint
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.parameters import ChainRatios, OperatingPoint
-from scenarios.runs.recorded import RecordedPeriod, RecordedPeriodTask
+from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.store import ResultStore
-from scenarios.runs.task import SteadyStateTask
+from scenarios.runs.task import Recorded, SteadyStateTask
 from scenarios.studies.few_points import FEW_POINTS, QUICK_POINTS, few_points
 from scenarios.studies.friction_map import (
     MAP_FREQUENCY_RATIOS,
@@ -167,9 +167,7 @@ def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
     return list(dict.fromkeys([*tasks, *_recorded_tasks(sweep, scope.recorded_points).values()]))
 
 
-def _recorded_tasks(
-    sweep: Sweep, points: Sequence[OperatingPoint]
-) -> dict[tuple[CasePoint, Variant], RecordedPeriodTask]:
+def _recorded_tasks(sweep: Sweep, points: Sequence[OperatingPoint]) -> dict[tuple[CasePoint, Variant], SteadyStateTask]:
     """Record every variant but the converged reference at those of the points that the grid holds."""
     held = [
         (case, eta)
@@ -178,7 +176,7 @@ def _recorded_tasks(
         if friction == case.friction_ratio and any(math.isclose(eta, ratio) for ratio in sweep.frequency_ratios)
     ]
     return {
-        (point, variant): RecordedPeriodTask.of(sweep.task(variant, *point))
+        (point, variant): sweep.task(variant, *point).recording(Recorded.PERIOD)
         for point in held[:MOST_PERIODS]
         for variant in sweep.variants
         if variant != CONVERGED

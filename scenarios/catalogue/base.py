@@ -11,7 +11,7 @@ from engines.interface.tolerances import STEPS
 from engines.interface.variant import Variant
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.result import ResultStatus
-from scenarios.runs.task import LawPeriodTask
+from scenarios.runs.task import SteadyStateTask
 from scenarios.runs.transient_task import TransientTask
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.prediction import LawPeriod, needs_prediction, with_predictions
@@ -39,7 +39,7 @@ class Scenario(ABC):
         """Give the variant that is the model of a variant's law in the cases of the scenario."""
         return variant.law
 
-    def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
+    def period_tasks(self, variant: Variant) -> Mapping[str, SteadyStateTask]:
         """Give, by case, the tasks that compare a period of a variant with its law's, from the same state."""
         return {}
 

@@ -1,6 +1,5 @@
 """Executors: what runs batches of tasks, and gives their results as they come."""
 
-import time
 from abc import abstractmethod
 from collections import defaultdict, deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
@@ -8,53 +7,16 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Any
 
 from engines.interface.variant import Variant
-from engines.shared.law_distance import distance_from_law, stepped_by, unclaimed_reason
 from reference_lcp.validation import LONGEST_TIME_LIMIT, MOST_WORKERS, checked_count, checked_scalar
-from scenarios.runs.failures import CheckedSimulation, results_together
-from scenarios.runs.recorded import RecordedPeriodTask
-from scenarios.runs.result import Result, ResultStatus
+from scenarios.runs.result import Result
 from scenarios.runs.scratch import Closing
 from scenarios.runs.steady import run_steady_states
-from scenarios.runs.task import LawPeriodTask, SteadyStateTask, Task
+from scenarios.runs.task import Task
 from scenarios.runs.transient import run_transients
-from scenarios.runs.transient_task import BlockTask, InclinedTask, TransientTask
-
-
-def run_law_periods(tasks: Sequence[LawPeriodTask]) -> list[Result]:
-    """Compare a period of one variant with its law's, in order; tasks without a law are blocked.
-
-    The period is compared where the law does not claim to hold too, and the reason is noted: it may hold there.
-    """
-    return results_together(tasks, lambda some: [_result(task) for task in some])  # their steps may differ
-
-
-def _result(task: LawPeriodTask) -> Result:
-    begin = time.perf_counter()
-    law = stepped_by(task.variant)
-    if law is None:
-        return Result.blocked(f"{task.variant} has no law that is a model")
-    lane, steps = task.lane()
-    distance = distance_from_law(CheckedSimulation(task.variant.build([lane])), law, lane, steps)
-    return Result(
-        status=ResultStatus.FINISHED,
-        series={"distance": (distance.law,), "reference": (distance.reference,)},
-        reason=unclaimed_reason(law, lane) or "",
-        steps_per_period=steps,
-        seconds=time.perf_counter() - begin,
-    )
-
+from scenarios.runs.transient_task import TransientTask
 
 Batch = list[Task]
-"""Tasks of one kind, for one variant, on chains of one length."""
-
-_RUN: dict[type[Task], Callable[[Any], list[Result]]] = {
-    SteadyStateTask: run_steady_states,
-    RecordedPeriodTask: run_steady_states,
-    TransientTask: run_transients,
-    BlockTask: run_transients,
-    InclinedTask: run_transients,
-    LawPeriodTask: run_law_periods,
-}
+"""Tasks of one type, for one variant, on chains of one length."""
 
 
 def run_batch(batch: Sequence[Task]) -> list[Result]:
@@ -62,7 +24,8 @@ def run_batch(batch: Sequence[Task]) -> list[Result]:
 
     An engine that is not installed, or that fails on a task, gives a blocked result with the reason.
     """
-    return _RUN[type(batch[0])](batch)
+    run: Callable[[Any], list[Result]] = run_transients if isinstance(batch[0], TransientTask) else run_steady_states
+    return run(batch)
 
 
 def batches_of(tasks: Iterable[Task]) -> Iterator[Batch]:

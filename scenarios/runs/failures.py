@@ -1,6 +1,7 @@
 """Failures are results: an engine that fails gives blocked results with the reason."""
 
 import os
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
@@ -13,6 +14,7 @@ from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError, RunError
 from reference_lcp.validation import FloatArray
 from scenarios.runs.result import Result
+from scenarios.runs.task import Task
 
 TIME_MARGIN = 1e-3
 """Part of a step by which the time of a row may differ: a million steps that are added up one by one are off by at
@@ -86,7 +88,7 @@ def _check_times(times: FloatArray, expected: FloatArray, step: float) -> None:
         raise TrajectoryFault(f"the engine's time of row {row} is {times[row]:g} s; allowed: {expected[row]:g} s")
 
 
-Item = TypeVar("Item")
+AnyTask = TypeVar("AnyTask", bound=Task)
 
 WORKER_MARK = "MULTIBODY_XVAL_WORKER"
 """Variable of the environment that is set in worker processes."""
@@ -99,21 +101,37 @@ class ExecutorError(RunError):
     """Nothing can be run any more: no process can be started, or no worker of a cluster is left."""
 
 
-def results_together(items: Sequence[Item], attempt: Callable[[Sequence[Item]], list[Result]]) -> list[Result]:
-    """Run items at once; if that fails, one by one, in order; one that fails alone is blocked.
+def results_together(
+    tasks: Sequence[AnyTask], alike: Callable[[AnyTask], object], attempt: Callable[[Sequence[AnyTask]], list[Result]]
+) -> list[Result]:
+    """Run tasks, those that are alike at once; gives their results in order. What cannot be represented is blocked."""
+    results: dict[int, Result] = {}
+    groups: dict[object, list[int]] = defaultdict(list)
+    for number, task in enumerate(tasks):
+        try:
+            groups[alike(task)].append(number)
+        except ParameterError as problem:
+            results[number] = Result.blocked(reason_of(problem))
+    for numbers in groups.values():
+        results |= zip(numbers, _attempted([tasks[number] for number in numbers], attempt), strict=True)
+    return [results[number] for number in range(len(tasks))]
+
+
+def _attempted(tasks: Sequence[AnyTask], attempt: Callable[[Sequence[AnyTask]], list[Result]]) -> list[Result]:
+    """Run tasks at once; if that fails, one by one; one that fails alone is blocked.
 
     Whatever an engine raises is its result, an end of the program (`SystemExit`) too. An interrupt is the user's in
     the process that the user has started, and the engine's in a worker, which no interrupt from outside reaches.
     """
     try:
-        return attempt(items)
+        return attempt(tasks)
     except EngineNotInstalled as problem:
-        return [Result.blocked(text_of(problem))] * len(items)
+        return [Result.blocked(text_of(problem))] * len(tasks)
     except BaseException as problem:
         if isinstance(problem, KeyboardInterrupt) and WORKER_MARK not in os.environ:
             raise
-        if len(items) > 1:
-            return [results_together([item], attempt)[0] for item in items]
+        if len(tasks) > 1:
+            return [_attempted([task], attempt)[0] for task in tasks]
         return [Result.blocked(reason_of(problem), by_engine=not isinstance(problem, CIRCUMSTANCES))]
 
 

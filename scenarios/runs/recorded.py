@@ -1,7 +1,7 @@
 """One period of a steady state in full, for the few points at which it is drawn."""
 
 from dataclasses import dataclass, field
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,23 +10,10 @@ from reference_lcp.chain.simulation import PeriodicOrbit
 from reference_lcp.observables.stick_slip import contact_modes
 from reference_lcp.validation import FloatArray
 from scenarios.runs.result import NamedNumbers, Result, ResultStatus
-from scenarios.runs.task import SteadyStateTask
 
 _EMPTY = np.empty((0, 0))
 
 _ARRAYS = ("outer", "inner", "friction", "modes")
-
-
-@dataclass(frozen=True, kw_only=True)
-class RecordedPeriodTask(SteadyStateTask):
-    """A steady state whose last period is recorded; its result is that of the `SteadyStateTask`, and the period.
-
-    The parameters are those of `SteadyStateTask`.
-    """
-
-    def as_data(self) -> dict[str, Any]:
-        """Give the task as plain data, distinguished from that without a record."""
-        return super().as_data() | {"recorded": "period"}
 
 
 @dataclass(frozen=True)
@@ -77,7 +64,7 @@ class RecordedPeriod:
 
     @classmethod
     def of_result(cls, result: Result) -> Self:
-        """Read the result of a `RecordedPeriodTask`."""
+        """Read the result of a task that records it."""
         if result.status in (ResultStatus.BLOCKED, ResultStatus.MISSING):
             return cls(result.reason)
         if not result.converged:

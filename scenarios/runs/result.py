@@ -98,7 +98,7 @@ class Result:
     seconds: _Number = math.nan
     """Wall-clock time that the point took, an even share of its batch."""
     series: NamedNumbers = field(default_factory=dict)
-    """Other numbers by name: what a `TransientTask` or a `RecordedPeriodTask` records; ``travels`` of an exact steady
+    """Other numbers by name: what a `TransientTask` or a `SteadyStateTask` records; ``travels`` of an exact steady
     state, the distance over the displacement scale that a contact slips after each transition.
     """
 

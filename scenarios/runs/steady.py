@@ -4,25 +4,23 @@ import math
 import time
 from collections import defaultdict
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 from engines.interface.engine import SteadyStateSolver
 from engines.interface.law import Law
 from engines.interface.registry import LAW_SUFFIX
 from engines.interface.variant import Variant
-from engines.shared.law_distance import stepped_by, unclaimed_reason
+from engines.shared.law_distance import distance_from_law, stepped_by, unclaimed_reason
 from reference_lcp.chain.simulation import Lane, OrbitStatus, PeriodicOrbit
 from reference_lcp.chain.trajectory import State
-from reference_lcp.errors import ParameterError
 from reference_lcp.observables.stick_slip import creep_velocity, largest_gap, open_fraction
 from reference_lcp.one_call import SteadyState
 from reference_lcp.steady.neighbours import orbits_beside_euler, orbits_from_balance, residual_amplification
 from reference_lcp.steady.orbits import part_of, periodic_orbits
 from scenarios.runs.failures import CheckedSimulation, check_trajectory, results_together
-from scenarios.runs.recorded import RecordedPeriod, RecordedPeriodTask
+from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import Start, SteadyStateTask
+from scenarios.runs.task import Recorded, Start, SteadyStateTask
 
 LAW_RESIDUAL = 0.1
 """Residual of the law's orbit over the one that certifies the engine's: what is left of it is the engine's own."""
@@ -57,31 +55,36 @@ EULER = Variant("reference")
 
 
 def run_steady_states(tasks: Sequence[SteadyStateTask]) -> list[Result]:
-    """Find the steady states of tasks of one kind, for one variant, on chains of one length, in order."""
-    by_steps: dict[tuple[int, Start], list[int]] = defaultdict(list)
-    lanes: dict[int, Lane] = {}
-    results: dict[int, Result] = {}
-    for index, task in enumerate(tasks):
-        try:
-            lanes[index], steps = task.lane()
-            by_steps[steps, task.start].append(index)
-        except ParameterError as problem:
-            results[index] = Result.blocked(f"cannot be represented: {problem}")
-    for (steps, start), indices in by_steps.items():
-        recorded = isinstance(tasks[0], RecordedPeriodTask)
-        attempt = partial(_results_of_lanes, tasks[0].variant, steps=steps, start=start, recorded=recorded)
-        results.update(zip(indices, results_together([lanes[index] for index in indices], attempt), strict=True))
-    return [results[index] for index in range(len(tasks))]
+    """Find the steady states of tasks for one variant, on chains of one length, in order."""
+    return results_together(tasks, lambda task: (task.lane()[1], task.start, task.recorded), _results)
 
 
-def _results_of_lanes(
-    variant: Variant, lanes: Sequence[Lane], steps: int, start: Start, recorded: bool
-) -> list[Result]:
-    """Find the steady states of lanes that share their number of steps a period, at once."""
-    begin = time.perf_counter()
-    states = _steady_states(variant, lanes, steps, start)
-    seconds = (time.perf_counter() - begin) / len(lanes)
+def _results(tasks: Sequence[SteadyStateTask]) -> list[Result]:
+    """Find the steady states of tasks that share their number of steps a period, at once."""
+    variant, recorded = tasks[0].variant, tasks[0].recorded
+    if recorded is Recorded.LAW:
+        return [_law_period(task) for task in tasks]
+    begin, steps = time.perf_counter(), tasks[0].lane()[1]
+    states = _steady_states(variant, [task.lane()[0] for task in tasks], steps, tasks[0].start)
+    seconds = (time.perf_counter() - begin) / len(tasks)
     return [_result(variant, state, seconds, recorded) for state in states]
+
+
+def _law_period(task: SteadyStateTask) -> Result:
+    """Compare a period with the law's, also where the law does not claim to hold: it may, and the reason is noted."""
+    begin = time.perf_counter()
+    law = stepped_by(task.variant)
+    if law is None:
+        return Result.blocked(f"{task.variant} has no law that is a model")
+    lane, steps = task.lane()
+    distance = distance_from_law(CheckedSimulation(task.variant.build([lane])), law, lane, steps)
+    return Result(
+        status=ResultStatus.FINISHED,
+        series={"distance": (distance.law,), "reference": (distance.reference,)},
+        reason=unclaimed_reason(law, lane) or "",
+        steps_per_period=steps,
+        seconds=time.perf_counter() - begin,
+    )
 
 
 def _steady_states(variant: Variant, lanes: Sequence[Lane], steps: int, start: Start) -> list[SteadyState]:
@@ -126,7 +129,7 @@ def _orbits(
     return [orbits[lane] for lane in range(len(lanes))]
 
 
-def _result(variant: Variant, state: SteadyState, seconds: float, recorded: bool) -> Result:
+def _result(variant: Variant, state: SteadyState, seconds: float, recorded: Recorded) -> Result:
     """Give the numbers of a steady state; one whose search has diverged has none."""
     orbit, stick_margin = state.orbit, variant.preset.stick_margin
     if not math.isfinite(orbit.residual):
@@ -139,7 +142,7 @@ def _result(variant: Variant, state: SteadyState, seconds: float, recorded: bool
     speed = drive.angular_frequency * length
     modulated = orbit.lane.preload is not None
     series = {} if state.travels is None else {"travels": tuple((state.travels / length).tolist())}
-    if recorded:
+    if recorded is Recorded.PERIOD:
         series |= RecordedPeriod.of(orbit, stick_margin).to_series()
     return Result(
         status=ResultStatus(orbit.status),

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cache
 from typing import Annotated, Any, Self
@@ -43,6 +43,11 @@ class Task:
         """Build the chain."""
         return self.ratios.chain(self.friction_ratio)
 
+    @property
+    def preloaded(self) -> bool:
+        """Whether its normal forces change, or masses may part: presets have options of their own for that."""
+        return False
+
     def unsupported_reason(self) -> str | None:
         """Give the reason why the variant cannot represent the case, as far as that is known without running it."""
         return None
@@ -50,7 +55,8 @@ class Task:
     def content(self) -> dict[str, Any]:
         """Everything that the result depends on: the task, the engine's version and its options."""
         law = law_identity(self.variant) if self.variant.engine.endswith(LAW_SUFFIX) else {}
-        return {"format": RESULT_FORMAT, "task": self.as_data(), **_identity(self.variant), **law}
+        content = {"format": RESULT_FORMAT, "task": self.as_data(), **_identity(self.variant), **law}
+        return content | {"options": options_of(self.variant.preset.modulated())} if self.preloaded else content
 
     def as_data(self) -> dict[str, Any]:
         """Give the task as plain data, ready for JSON; later parameters with their default are left out."""
@@ -79,6 +85,19 @@ class Start(StrEnum):
     """In what harmonic balance gives, which knows no engine."""
 
 
+class Recorded(StrEnum):
+    """What the result of a steady state has beside its numbers, or instead of them."""
+
+    NOTHING = ""
+    PERIOD = "period"
+    """The last period in full, see `scenarios.runs.recorded`."""
+    LAW = "law"
+    """A period of the engine and of its law from the same state, to which the law leads from rest, and nothing else:
+    ``distance``, the largest difference of positions, and ``reference``, that of the engine from the reference, both
+    over the displacement scale.
+    """
+
+
 @dataclass(frozen=True, kw_only=True)
 class SteadyStateTask(Task):
     """The steady state of one chain under one harmonic excitation, by one variant."""
@@ -96,16 +115,21 @@ class SteadyStateTask(Task):
     inclination: Annotated[float, Field(exclude_if=lambda value: value == 0.0)] = 0.0
     """α of the contact faces to the row [rad]; other than zero, it needs a `modulation`, be it of zero."""
     start: Annotated[Start, Field(exclude_if=lambda value: value == Start.LAW)] = Start.LAW
+    recorded: Annotated[Recorded, Field(exclude_if=lambda value: value == Recorded.NOTHING)] = Recorded.NOTHING
 
     @property
     def chain(self) -> Chain:
         """Build the chain, whose friction is referred to this excitation."""
         return self.ratios.chain(self.friction_ratio, self.excitation.displacement)
 
-    @classmethod
-    def of(cls, task: "SteadyStateTask") -> Self:
-        """Give the task of this kind that begins as another one."""
-        return cls(**vars(task))
+    @property
+    def preloaded(self) -> bool:
+        """Whether its normal forces change."""
+        return self.modulation is not None
+
+    def recording(self, recorded: Recorded) -> Self:
+        """Give the task whose result has something else."""
+        return replace(self, recorded=recorded)
 
     def setting(self) -> tuple[Chain, PeriodicDrive]:
         """Build the chain and its drive."""
@@ -114,9 +138,7 @@ class SteadyStateTask(Task):
 
     def unsupported_reason(self) -> str | None:
         """Give the reason why the variant cannot represent the contacts; ``None`` without one."""
-        if self.modulation is None:
-            return None
-        return self.variant.preset.unsupported_reason(self.lane()[0], str(self.variant))
+        return self.variant.preset.unsupported_reason(self.lane()[0], str(self.variant)) if self.preloaded else None
 
     def lane(self) -> tuple[Lane, int]:
         """Build the lane, and give its number of steps a period."""
@@ -126,11 +148,8 @@ class SteadyStateTask(Task):
         return Lane.periodic(chain, drive, steps, preload, self.inclination), steps
 
     def content(self) -> dict[str, Any]:
-        """Everything that the result depends on: under a modulated normal force, the options for it."""
-        content = super().content()
-        if self.modulation is None:
-            return content
-        return content | {"options": options_of(self.variant.preset.modulated())}
+        """Everything that the result depends on: the law, too, where one is compared with."""
+        return super().content() | (law_identity(self.variant) if self.recorded is Recorded.LAW else {})
 
 
 DEFAULT_EXCITATION = Excitation()
@@ -141,10 +160,8 @@ def _identity(variant: Variant) -> dict[str, Any]:
     """Version and options that a variant's results depend on; no version where the engine is not installed."""
     adapter = engine(variant.engine)
     preset = adapter.preset(variant.formulation, variant.preset_name)
-    identity: dict[str, Any] = {
-        "version": None if adapter.unavailable_reason() else adapter.version(),
-        "options": options_of(preset),
-    }
+    version = None if adapter.unavailable_reason() else adapter.version()
+    identity = {"version": version, "options": options_of(preset)}
     return identity if preset.stick_margin == STICK_MARGIN else identity | {"stick_margin": preset.stick_margin}
 
 
@@ -160,23 +177,6 @@ def law_identity(variant: Variant) -> dict[str, Any]:
 def options_of(preset: Preset) -> dict[str, str]:
     """Give the options of a preset as a result's content has them."""
     return {name: repr(option.value) for name, option in sorted(preset.options.items())}
-
-
-@dataclass(frozen=True, kw_only=True)
-class LawPeriodTask(SteadyStateTask):
-    """A period of the engine and of its law from the same state, to which the law leads from rest.
-
-    The result's series has ``distance``, the largest difference of positions, and ``reference``, that of the engine
-    from the reference, both over the displacement scale. The parameters are those of `SteadyStateTask`.
-    """
-
-    def as_data(self) -> dict[str, Any]:
-        """Give the task as plain data, distinguished from the steady state."""
-        return super().as_data() | {"recorded": "law"}
-
-    def content(self) -> dict[str, Any]:
-        """Everything that the result depends on: the law, too."""
-        return super().content() | law_identity(self.variant)
 
 
 def versions_of(names: Iterable[str]) -> str:

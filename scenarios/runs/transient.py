@@ -1,7 +1,6 @@
 """How a motion is computed: advance the chain in the engine, stretch by stretch, and record what the task names."""
 
 import time
-from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
@@ -31,14 +30,7 @@ closed ones part by some 1e-5 for a step."""
 
 def run_transients(tasks: Sequence[TransientTask]) -> list[Result]:
     """Simulate motions of one variant and of chains of one length, in order; those with as many steps together."""
-    by_steps: dict[tuple[int, int], list[int]] = defaultdict(list)
-    for index, task in enumerate(tasks):
-        by_steps[task.steps, task.every].append(index)
-    results: dict[int, Result] = {}
-    for indices in by_steps.values():
-        together = results_together([tasks[index] for index in indices], _results)
-        results.update(zip(indices, together, strict=True))
-    return [results[index] for index in range(len(tasks))]
+    return results_together(tasks, lambda task: (task.steps, task.every), _results)
 
 
 def _results(tasks: Sequence[TransientTask]) -> list[Result]:

@@ -18,7 +18,7 @@ from reference_lcp.defaults import FRICTION_COEFFICIENT, LARGEST_PHASE_STEP
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
 from scenarios.runs.parameters import ChainRatios, Modulation, Ratio
-from scenarios.runs.task import Task, options_of
+from scenarios.runs.task import Task
 
 SHAPES = ("undeformed", "stretched", "inner masses displaced")
 """Where a motion may start, always from rest.
@@ -71,6 +71,10 @@ class TransientTask(Task):
         """Build the chain under its drive."""
         return Lane(self.chain, self.base, self.time_step)
 
+    def unsupported_reason(self) -> str | None:
+        """Give the reason why the variant cannot represent the lane; ``None`` without one."""
+        return self.variant.preset.unsupported_reason(self.lane(), str(self.variant))
+
     def initial_state(self) -> State:
         """Give the state that the motion starts from, a batch of one lane."""
         positions = initial_positions(self.chain, self.shape, self.base.displacement_scale(self.chain))
@@ -113,13 +117,10 @@ class InclinedTask(TransientTask):
         preload: Preload = self.modulation.preload(self.base)
         return Lane(self.chain, self.base, self.time_step, preload, inclination=self.inclination)
 
-    def unsupported_reason(self) -> str | None:
-        """Give the reason why the variant cannot incline its contacts; ``None`` without one."""
-        return self.variant.preset.unsupported_reason(self.lane(), str(self.variant))
-
-    def content(self) -> dict[str, object]:
-        """Everything that the result depends on: the options are those under a preload."""
-        return super().content() | {"options": options_of(self.variant.preset.modulated())}
+    @property
+    def preloaded(self) -> bool:
+        """Whether its normal forces change."""
+        return True
 
 
 CARRIER_MASSES = 20.0
@@ -194,11 +195,15 @@ class BlockTask(TransientTask):
         """Build the chain of one cell."""
         return self.block.chain()
 
+    @property
+    def preloaded(self) -> bool:
+        """Whether the contact is free across the row."""
+        contact = self.variant.formulation == Formulation.CONTACT
+        return contact and self.variant.preset.represents(NormalForce.LIFTING)
+
     def content(self) -> dict[str, Any]:
-        """Everything that the result depends on: also whether the contact is free, and the options for that."""
-        if not self._free:
-            return super().content()
-        return super().content() | {"contact": "free", "options": options_of(self.variant.preset.modulated())}
+        """Everything that the result depends on: also whether the contact is free."""
+        return super().content() | ({"contact": "free"} if self.preloaded else {})
 
     def lane(self) -> Lane:
         """Build the chain under its drive; where a contact can be free across the row, it is pressed by a force."""
@@ -206,19 +211,10 @@ class BlockTask(TransientTask):
             self.chain,
             self.base,
             self.time_step,
-            PRESSED if self._free else None,
+            PRESSED if self.preloaded else None,
             direction=self.direction,
             static_ratio=self.static_ratio,
         )
-
-    def unsupported_reason(self) -> str | None:
-        """Give the reason why the variant cannot represent the lane; ``None`` without one."""
-        return self.variant.preset.unsupported_reason(self.lane(), str(self.variant))
-
-    @property
-    def _free(self) -> bool:
-        contact = self.variant.formulation == Formulation.CONTACT
-        return contact and self.variant.preset.represents(NormalForce.LIFTING)
 
     def initial_state(self) -> State:
         """Give the state that the motion starts from, a batch of one lane."""

@@ -13,7 +13,7 @@ from engines.shared.law_distance import FREQUENCY_RATIOS, FRICTION_RATIOS, allow
 from reference_lcp.validation import FloatArray
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import LawPeriodTask, SteadyStateTask, versions_of
+from scenarios.runs.task import Recorded, SteadyStateTask, versions_of
 from scenarios.tables import Column, csv_text, full_table, markdown_lines, text_table
 from scenarios.verdicts.steady_case import REFERENCE
 
@@ -69,8 +69,8 @@ def _steady_states(variant: Variant) -> list[SteadyStateTask]:
     return [SteadyStateTask(variant=variant, friction_ratio=point[0], frequency_ratio=point[1]) for point in POINTS]
 
 
-def _periods(variant: Variant) -> list[LawPeriodTask]:
-    return [LawPeriodTask.of(task) for task in _steady_states(variant)]
+def _periods(variant: Variant) -> list[SteadyStateTask]:
+    return [task.recording(Recorded.LAW) for task in _steady_states(variant)]
 
 
 def _row(variant: Variant, results: Mapping[SteadyStateTask, Result]) -> LawAgreement:

@@ -13,7 +13,7 @@ import pandas as pd
 
 from engines.interface.variant import Variant
 from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import LawPeriodTask
+from scenarios.runs.task import Recorded
 from scenarios.sweeps.edges import BandEdge, RefinedEdges, largest_amplification, refined_edges
 from scenarios.sweeps.sweep import Sweep
 from scenarios.sweeps.table import (
@@ -53,7 +53,7 @@ def _law_results(
 ) -> list[tuple[Result, LawPeriod]]:
     """Give the steady state of the law at each point, and the period of engine and law."""
     steady = evaluator.evaluate([sweep.task(law, case, eta) for (_, case, eta), law in points])
-    tasks = [LawPeriodTask.of(sweep.task(*point)) for point, _ in points]
+    tasks = [sweep.task(*point).recording(Recorded.LAW) for point, _ in points]
     periods = map(LawPeriod.of, tasks, evaluator.evaluate(tasks))
     return list(zip(steady, periods, strict=True))
 
@@ -96,7 +96,8 @@ def predicted_edges(
     of_laws = refined_edges(sweep, curves, evaluator, largest_amplification(table))
     places = [_place(sweep, edge, refined) for edge in open_edges]
     tasks = [
-        LawPeriodTask.of(sweep.task(edge.variant, edge.case, eta)) for edge, eta in zip(open_edges, places, strict=True)
+        sweep.task(edge.variant, edge.case, eta).recording(Recorded.LAW)
+        for edge, eta in zip(open_edges, places, strict=True)
     ]
     results = evaluator.evaluate(tasks)
     periods = {

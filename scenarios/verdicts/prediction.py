@@ -16,7 +16,7 @@ from engines.interface.law import ROUND_OFF_PERIOD
 from engines.interface.registry import law_of
 from reference_lcp.steady.richardson import amplitude_in_db
 from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import LawPeriodTask
+from scenarios.runs.task import SteadyStateTask
 from scenarios.verdicts.finding import Finding, Prediction, Verdict
 from scenarios.verdicts.judge import metric_difference
 
@@ -36,7 +36,7 @@ class LawPeriod:
     """Why there is no distance, or one that is larger than the bound, where that is known; empty elsewhere."""
 
     @classmethod
-    def of(cls, task: LawPeriodTask, result: Result) -> Self:
+    def of(cls, task: SteadyStateTask, result: Result) -> Self:
         """Give what a task's result says, beside the bound of the law for its number of steps."""
         law = law_of(task.variant.preset)
         assert law is not None, "only variants with a law are compared with one"

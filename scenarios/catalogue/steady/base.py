@@ -12,7 +12,7 @@ from scenarios.catalogue.base import Scenario
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import ChainRatios, Ratio
 from scenarios.runs.result import Result, ResultStatus
-from scenarios.runs.task import LawPeriodTask, SteadyStateTask
+from scenarios.runs.task import Recorded, SteadyStateTask
 from scenarios.verdicts.finding import (
     FLOOR_DB,
     PHASE,
@@ -100,9 +100,9 @@ class SteadyScenario(Scenario):
         """Give the tasks from which `expected` is read: the exact motion, unless overridden."""
         return [case.task(EXACT)]
 
-    def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
+    def period_tasks(self, variant: Variant) -> Mapping[str, SteadyStateTask]:
         """Compare a period in every case, with the steps that are judged."""
-        return {case.label: LawPeriodTask.of(case_tasks(variant, case)[1]) for case in self.cases}
+        return {case.label: case_tasks(variant, case)[1].recording(Recorded.LAW) for case in self.cases}
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Run every case with every variant; see `Scenario.run`."""

@@ -20,7 +20,7 @@ from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import Modulation
 from scenarios.runs.result import Result
-from scenarios.runs.task import LawPeriodTask, SteadyStateTask
+from scenarios.runs.task import Recorded, SteadyStateTask
 from scenarios.verdicts.finding import (
     PHASE,
     TRANSMITTANCE,
@@ -112,9 +112,9 @@ class ModulatedNormalForce(Scenario):
     source: ClassVar[str] = "equation (7) with a given preload, Sethi, Banerjee and Manna; the flight in closed form"
     metrics: ClassVar[tuple[Metric, ...]] = (TRANSMITTANCE, PHASE, STUCK, UNMATCHED, TIMES, OPEN_FRACTION, LARGEST_GAP)
 
-    def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
+    def period_tasks(self, variant: Variant) -> Mapping[str, SteadyStateTask]:
         """Compare a period in every case, with the steps that are judged."""
-        return {str(case): LawPeriodTask.of(case.task(variant, CASE_STEPS[1])) for case in CASES}
+        return {str(case): case.task(variant, CASE_STEPS[1]).recording(Recorded.LAW) for case in CASES}
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Run every case with every variant; see `Scenario.run`."""

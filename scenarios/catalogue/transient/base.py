@@ -24,7 +24,7 @@ from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT, TRANSIENT_EXP
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import NamedNumbers
-from scenarios.runs.task import LawPeriodTask
+from scenarios.runs.task import Recorded, SteadyStateTask
 from scenarios.runs.transient_task import TransientTask
 from scenarios.verdicts.finding import Comparison, Finding, Metric, Verdict
 from scenarios.verdicts.judge import Number, Steps, judge, missing
@@ -183,7 +183,7 @@ class Broadband(Scenario):
         coarse += [case.task(variant) for variant in dict.fromkeys((REFERENCE, *variants)) for case in cases]
         return [task for coarsest in coarse for task in with_refined_steps(coarsest)]
 
-    def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
+    def period_tasks(self, variant: Variant) -> Mapping[str, SteadyStateTask]:
         """Compare a period of a harmonic motion of the same chain."""
         cases = [self.case(ratio) for ratio in self.friction_ratios]
         return {case.title: harmonic_period(variant, RATIOS, case.friction_ratio) for case in cases}
@@ -237,10 +237,14 @@ class Broadband(Scenario):
         return findings
 
 
-def harmonic_period(variant: Variant, ratios: ChainRatios, friction_ratio: float) -> LawPeriodTask:
+def harmonic_period(variant: Variant, ratios: ChainRatios, friction_ratio: float) -> SteadyStateTask:
     """Compare a period of a chain, driven where it responds most, with its law's."""
-    return LawPeriodTask(
-        variant=variant, ratios=ratios, friction_ratio=friction_ratio, frequency_ratio=HARMONIC_FREQUENCY
+    return SteadyStateTask(
+        recorded=Recorded.LAW,
+        variant=variant,
+        ratios=ratios,
+        friction_ratio=friction_ratio,
+        frequency_ratio=HARMONIC_FREQUENCY,
     )
 
 

@@ -18,7 +18,7 @@ from scenarios.catalogue.transient.base import Readings, harmonic_period, read_r
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import NamedNumbers, Result
-from scenarios.runs.task import LawPeriodTask
+from scenarios.runs.task import SteadyStateTask
 from scenarios.runs.transient_task import TransientTask
 from scenarios.verdicts.finding import Comparison, Finding, Metric
 from scenarios.verdicts.judge import Number, judge, missing
@@ -126,7 +126,7 @@ class FreeDecay(Scenario):
             for decay in DECAYS
         ]
 
-    def period_tasks(self, variant: Variant) -> Mapping[str, LawPeriodTask]:
+    def period_tasks(self, variant: Variant) -> Mapping[str, SteadyStateTask]:
         """Compare a period of a harmonic motion of the same chain."""
         return {decay.title: harmonic_period(variant, decay.ratios, decay.friction_ratio) for decay in DECAYS}
 

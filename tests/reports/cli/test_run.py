@@ -24,7 +24,7 @@ from scenarios.catalogue.verdict_table import (
     verdict_document,
     verdict_table,
 )
-from scenarios.runs.task import LawPeriodTask
+from scenarios.runs.task import Recorded, SteadyStateTask
 from scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Verdict
 from tests.junit import checked_junit
 
@@ -37,7 +37,7 @@ def finding(variant, case, verdict, difference=math.nan, tolerance=math.nan) -> 
     return Finding(variant, case, PITCH, 440.0 + difference, 440.0, comparison)
 
 
-PERIOD = LawPeriodTask(variant=LAWFUL, friction_ratio=0.3, frequency_ratio=0.9)
+PERIOD = SteadyStateTask(recorded=Recorded.LAW, variant=LAWFUL, friction_ratio=0.3, frequency_ratio=0.9)
 
 
 class ByHand(Scenario):

@@ -17,7 +17,7 @@ from scenarios.catalogue.block.static_hold import HOLDS
 from scenarios.catalogue.block.stopping_distance import THROWS
 from scenarios.catalogue.transient.inclined_chain import CASES
 from scenarios.runs.store import opened_store
-from scenarios.runs.task import LawPeriodTask, law_identity
+from scenarios.runs.task import Recorded, SteadyStateTask, law_identity
 from scenarios.runs.transient_task import BlockTask, TransientTask
 from scenarios.verdicts.finding import Prediction
 from tests.scenarios.in_process import evaluator
@@ -218,7 +218,7 @@ def test_results_of_a_law_are_not_taken_for_those_of_another(monkeypatch) -> Non
     """A store holds results of laws by their formula and constants, those of engines without."""
     law = law_of(FREE.preset)
     assert law is not None
-    period = LawPeriodTask(variant=FREE, friction_ratio=0.3, frequency_ratio=0.9)
+    period = SteadyStateTask(recorded=Recorded.LAW, variant=FREE, friction_ratio=0.3, frequency_ratio=0.9)
     by_law, by_engine = HELD.task(law_variant()), HELD.task(FREE)
 
     def contents() -> list[dict[str, Any]]:

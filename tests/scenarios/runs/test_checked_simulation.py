@@ -18,8 +18,7 @@ from engines.interface.variant import Variant
 from reference_lcp import RickerPulse, StillBase
 from scenarios.runs.executor import run_batch
 from scenarios.runs.parameters import ChainRatios, Modulation
-from scenarios.runs.recorded import RecordedPeriodTask
-from scenarios.runs.task import SteadyStateTask
+from scenarios.runs.task import Recorded, SteadyStateTask
 from scenarios.runs.transient_task import TransientTask
 
 SMALL = ChainRatios(cells=2)
@@ -33,7 +32,7 @@ def tasks(name):
     usual = {"variant": variant, "ratios": SMALL, "friction_ratio": 0.1, "time_step": 1e-3, "steps": 400, "every": 4}
     pulse = TransientTask(base=RickerPulse(0.01, 31.6, 0.35), **usual)
     decay = TransientTask(base=StillBase(0.01), shape="stretched", recorded="decay", **usual)
-    return [steady, RecordedPeriodTask.of(steady), *([] if lifts else [pulse, decay])]
+    return [steady, steady.recording(Recorded.PERIOD), *([] if lifts else [pulse, decay])]
 
 rows = {name: [(str(r.status), r.reason) for t in tasks(name) for r in run_batch([t])] for name in sys.argv[1:]}
 print(json.dumps(rows))

@@ -4,18 +4,19 @@ import numpy as np
 import pytest
 
 from scenarios.runs.executor import run_batch
-from scenarios.runs.recorded import RecordedPeriod, RecordedPeriodTask
+from scenarios.runs.recorded import RecordedPeriod
 from scenarios.runs.result import Result
+from scenarios.runs.task import Recorded, SteadyStateTask
 from tests.scenarios.runs.builders import steady
 
 
-def recorded(frequency_ratio: float = 0.9, variant: str = "reference") -> RecordedPeriodTask:
-    return RecordedPeriodTask.of(steady(frequency_ratio, variant))
+def period_task(frequency_ratio: float = 0.9, variant: str = "reference") -> SteadyStateTask:
+    return steady(frequency_ratio, variant).recording(Recorded.PERIOD)
 
 
 @pytest.mark.parametrize("variant", ["reference", "reference:joint:exact"])
 def test_a_period_says_what_the_result_says(variant) -> None:
-    (result,), (full,) = run_batch([steady(variant=variant)]), run_batch([recorded(variant=variant)])
+    (result,), (full,) = run_batch([steady(variant=variant)]), run_batch([period_task(variant=variant)])
     period = RecordedPeriod.of_result(full)
     steps = period.phase.size
     # the exact result knows its events between the rows: each end of a stick is one row off at most
@@ -31,14 +32,14 @@ def test_a_period_says_what_the_result_says(variant) -> None:
 
 
 def test_a_period_is_kept_bit_for_bit_beside_the_result_without_one(store) -> None:
-    (full,) = run_batch([recorded()])
-    assert store.find(recorded()) is None
-    store.keep([(recorded(), full)])
-    period, again = RecordedPeriod.of_result(full), RecordedPeriod.of_result(store.find(recorded()))
+    (full,) = run_batch([period_task()])
+    assert store.find(period_task()) is None
+    store.keep([(period_task(), full)])
+    period, again = RecordedPeriod.of_result(full), RecordedPeriod.of_result(store.find(period_task()))
     for name in ("outer", "inner", "friction", "modes"):
         np.testing.assert_array_equal(getattr(again, name), getattr(period, name))
         assert getattr(again, name).shape == (400, 2)
-    assert store.find(recorded(0.8)) is None
+    assert store.find(period_task(0.8)) is None
     assert store.find(steady()) is None
 
 

@@ -10,11 +10,11 @@ from engines.mujoco import MuJoCo
 from engines.pymunk import Pymunk
 from reference_lcp.steady.neighbours import NEWTON_PERIODS
 from reference_lcp.steady.orbits import LONGEST_MULTIPLE, periodic_orbits
-from scenarios.runs.executor import run_batch, run_law_periods
+from scenarios.runs.executor import run_batch
 from scenarios.runs.parameters import Modulation
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.steady import law_orbits, run_steady_states
-from scenarios.runs.task import LawPeriodTask, Start, SteadyStateTask
+from scenarios.runs.task import Recorded, Start, SteadyStateTask
 from tests.scenarios.in_process import press_harder
 from tests.scenarios.runs.builders import steady
 
@@ -141,10 +141,10 @@ DEFAULT = Variant("exudyn-regularised", "joint", "default")
 def test_law_is_compared_where_it_does_not_claim_to_hold_and_the_reason_is_noted() -> None:
     """Newton's iteration may fail where friction kicks beyond two zones; where it does not, the law holds."""
     tasks = [
-        LawPeriodTask(variant=DEFAULT, friction_ratio=friction_ratio, frequency_ratio=0.9)
+        SteadyStateTask(recorded=Recorded.LAW, variant=DEFAULT, friction_ratio=friction_ratio, frequency_ratio=0.9)
         for friction_ratio in (0.1, 0.3, 0.6)
     ]
-    within, holds, fails = run_law_periods(tasks)
+    within, holds, fails = run_batch(tasks)
     law = law_of(DEFAULT.preset)
     assert law is not None
     assert all(result.status is ResultStatus.FINISHED for result in (within, holds, fails))

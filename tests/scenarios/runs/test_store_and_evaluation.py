@@ -14,10 +14,9 @@ from scenarios.runs import local_processes
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.executor import InProcessExecutor, run_batch
 from scenarios.runs.local_processes import LocalExecutor
-from scenarios.runs.recorded import RecordedPeriodTask
 from scenarios.runs.result import Result, ResultStatus, ResultSummary
 from scenarios.runs.store import ResultStore, digest_of
-from scenarios.runs.task import SteadyStateTask
+from scenarios.runs.task import Recorded, SteadyStateTask
 from tests.scenarios.runs.builders import steady
 
 
@@ -117,7 +116,7 @@ def test_foreign_and_damaged_files_are_refused_and_left_alone(tmp_path) -> None:
 
 
 def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
-    asked = [*(steady(eta) for eta in (0.5, 0.9, 0.5)), RecordedPeriodTask.of(steady())]
+    asked = [*(steady(eta) for eta in (0.5, 0.9, 0.5)), steady().recording(Recorded.PERIOD)]
     with Evaluator(store, InProcessExecutor()) as evaluator:
         first = evaluator.evaluate(asked)
     monkeypatch.setattr(local_processes, "LocalWorker", None)

@@ -86,7 +86,7 @@ def test_content_of_a_question_for_a_steady_state_is_what_stores_have() -> None:
     content = asked.content()
     assert list(content) == ["format", "task", "version", "options"]
     plain = dataclasses.asdict(asked)
-    del plain["excitation"], plain["modulation"], plain["start"], plain["inclination"]
+    del plain["excitation"], plain["modulation"], plain["start"], plain["recorded"], plain["inclination"]
     for name in ("outer_mass_ratio", "chain_stiffness_ratio", "friction_profile"):
         del plain["ratios"][name]
     assert content["task"] == plain, "what older answers did not know is left out where it is usual"

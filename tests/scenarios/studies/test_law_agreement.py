@@ -7,6 +7,7 @@ import pytest
 from engines.interface.variant import Variant
 from scenarios.runs.result import Result
 from scenarios.runs.store import opened_store
+from scenarios.runs.task import Recorded
 from scenarios.studies.law_agreement import LawAgreement, beside_the_reference, law_agreements, law_csv, law_document
 from tests.scenarios.in_process import evaluator
 
@@ -23,7 +24,7 @@ class Known:
         return [self.result(task) for task in tasks]
 
     def result(self, task):
-        if type(task).__name__ == "LawPeriodTask":
+        if task.recorded is Recorded.LAW:
             return Result(status="finished", series={"distance": (task.frequency_ratio,), "reference": (1.0,)})
         certified = task.variant.engine != "mujoco" or task.friction_ratio < 1
         return Result(

@@ -12,7 +12,7 @@ from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.steady.unit_cell import UnitCell
 from scenarios.runs.result import Result
 from scenarios.runs.store import opened_store
-from scenarios.runs.task import LawPeriodTask
+from scenarios.runs.task import Recorded, SteadyStateTask
 from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Prediction, Verdict
 from scenarios.verdicts.prediction import PERIODS_OF_ERROR, LawPeriod, with_predictions
 from tests.scenarios.in_process import evaluator, press_harder
@@ -95,7 +95,10 @@ def test_roundings_of_four_times_the_steps_add_up_to_twice_as_much_where_each_ro
     ended = Result(status="finished", series={"distance": (1e-5,), "reference": (1.0,)})
     coarse, fine = (
         LawPeriod.of(
-            LawPeriodTask(variant=variant, friction_ratio=0.3, frequency_ratio=0.9, steps_per_period=steps), ended
+            SteadyStateTask(
+                recorded=Recorded.LAW, variant=variant, friction_ratio=0.3, frequency_ratio=0.9, steps_per_period=steps
+            ),
+            ended,
         )
         for steps in (STEPS, 4 * STEPS)
     )
@@ -106,7 +109,7 @@ def test_roundings_of_four_times_the_steps_add_up_to_twice_as_much_where_each_ro
 
 
 def test_a_period_that_has_not_ended_has_no_distance() -> None:
-    task = LawPeriodTask(variant=LAWFUL, friction_ratio=0.3, frequency_ratio=0.9)
+    task = SteadyStateTask(recorded=Recorded.LAW, variant=LAWFUL, friction_ratio=0.3, frequency_ratio=0.9)
     assert math.isnan(LawPeriod.of(task, Result.blocked("no law here")).distance)
 
 
