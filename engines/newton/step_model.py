@@ -11,7 +11,6 @@ from engines.shared.box_geometry import BOX
 from engines.shared.kernel_lane import Kernel, KernelLane
 from engines.shared.units import power_of_two
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.validation import FloatArray
 
 LEAST_SLIP = 1e-5
 """Of a step, over the radius of the smaller body, from which SolverSteel takes it for slip."""
@@ -46,7 +45,7 @@ def friction_anchors(preset: Preset) -> Law:
             "s": Constant(SATURATION, "", "where SolverSteel takes friction for that of slip", visible_error=0.1),
             "ε": Constant(LEAST_SLIP, "", "where SolverSteel takes a motion for slip", visible_error=1.0),
         },
-        model=_AnchoredLane,
+        model=_model,
         period_bound=ANCHORED_PERIOD,
         bound_reason="single precision: it may decide whether a contact lets go of its anchor",
         modulated=True,
@@ -62,24 +61,17 @@ def _softened(lane: Lane) -> str | None:
     return f"contacts of {heaviest:g} kg sink in; allowed: at most {LARGEST_MASS:g} kg"
 
 
-class _AnchoredLane(KernelLane):
-    """One chain whose contacts are drawn back; a run begins with contacts that have not slipped."""
-
-    def __init__(self, lane: Lane, constants: Mapping[str, float]):
-        super().__init__(lane)
-        radius = max(SMALLEST_RADIUS, BOX * power_of_two(lane.drive.displacement_scale(lane.chain)))
-        self._numbers = lane.time_step, constants["β"], constants["s"], constants["ε"] * radius / lane.time_step
-
-    def _take(self, motion: FloatArray, loads: FloatArray, bounds: FloatArray, record: FloatArray) -> None:
-
-        advance(motion, loads, bounds, self._force, self._masses, self._numbers, record)
+def _model(lane: Lane, constants: Mapping[str, float]) -> KernelLane:
+    radius = max(SMALLEST_RADIUS, BOX * power_of_two(lane.drive.displacement_scale(lane.chain)))
+    least = constants["ε"] * radius / lane.time_step
+    return KernelLane(lane, advance, (lane.time_step, constants["β"], constants["s"], least))
 
 
 @Kernel
 def advance(motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any, numbers: Any, record: Any) -> None:
-    """Advance one lane in place; `record` is (steps, 5n), or has no rows when nothing is kept.
+    """Advance one lane in place, see `KernelLane`, whose contacts have not slipped at first.
 
-    `bounds`, shape (steps, n), are forces; `numbers` are the time step, the part of a displacement that is taken back
+    `numbers` are the time step, the part of a displacement that is taken back
     in a step, the part of its bound and the slip velocity from which friction lets go of its anchor.
     """
     h, gain, saturation, slipping = numbers

@@ -1,6 +1,5 @@
 """The law of joints in PhysX's temporal Gauss–Seidel solver: substeps under constant forces, and soft links."""
 
-import functools
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,7 +9,6 @@ from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
 from engines.shared.kernel_lane import Kernel, KernelLane
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.validation import FloatArray
 
 SINGLE_PRECISION_PERIOD = 2e-4
 """Of U0: the 32 substeps of a step add the same small change to velocities, of some U0 ω, and round it alike, by up to
@@ -21,6 +19,12 @@ U0. What one substep makes is 2^-5 of it, and is measured so (`tests/engines/ada
 def temporal_substeps(preset: Preset) -> Law:
     """Give the law of joint friction in substeps, with the forces of a step at its start."""
     substeps, corrections = preset["solverPositionIterationCount"], preset["solverVelocityIterationCount"]
+
+    def model(lane: Lane, constants: Mapping[str, float]) -> KernelLane:
+        inverse = 1 / lane.chain.outer_mass, 1 / lane.chain.inner_mass
+        stopping = 1 / (inverse[0] + inverse[1] + constants["c"] * np.maximum(*inverse))
+        return KernelLane(lane, advance, (stopping, lane.time_step, substeps, corrections))
+
     return Law(
         formula=(
             f"with h = Δt/{substeps}, F = f(t) e_1 − C q̇ − K q of the start of the step and "
@@ -29,7 +33,7 @@ def temporal_substeps(preset: Preset) -> Law:
             f"then {corrections} times P ← clip(P + g(w), ± Δt μ λ_N) for their sum P, which moves q̇ alone"
         ),
         constants={"c": Constant(preset["cfmScale"], "", "cfmScale of links", too_small_to_see=True)},
-        model=functools.partial(_SubsteppedLane, substeps=substeps, corrections=corrections),
+        model=model,
         period_bound=SINGLE_PRECISION_PERIOD,
         bound_growth=0.5,
         bound_reason="single precision: every substep rounds by 2^-24, all of a step alike",
@@ -37,30 +41,14 @@ def temporal_substeps(preset: Preset) -> Law:
     )
 
 
-class _SubsteppedLane(KernelLane):
-    """One chain whose friction is found in every substep, under forces of the start of the step."""
-
-    def __init__(self, lane: Lane, constants: Mapping[str, float], substeps: int, corrections: int):
-        super().__init__(lane)
-        inverse = 1 / lane.chain.outer_mass, 1 / lane.chain.inner_mass
-        self._stopping = 1 / (inverse[0] + inverse[1] + constants["c"] * np.maximum(*inverse))
-        self._numbers = lane.time_step, substeps, corrections
-
-    def _take(self, motion: FloatArray, loads: FloatArray, bounds: FloatArray, record: FloatArray) -> None:
-
-        advance(motion, loads, bounds, self._force, self._masses, self._stopping, self._numbers, record)
-
-
 @Kernel
-def advance(
-    motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any, stopping: Any, numbers: Any, record: Any
-) -> None:
-    """Advance one lane in place; `record` is (steps, 5n), or has no rows when nothing is kept.
+def advance(motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any, numbers: Any, record: Any) -> None:
+    """Advance one lane in place, see `KernelLane`.
 
-    `bounds`, shape (steps, n), are forces; `stopping`, shape (n,), are impulses over the slip velocity that they are to
-    stop; `numbers` are the time step, how many substeps make one, and how often velocities are corrected after them.
+    `numbers` are impulses over the slip velocity that they are to stop, shape (n,), the time step, how many substeps
+    make one, and how often velocities are corrected after them.
     """
-    step_length, substeps, corrections = numbers
+    stopping, step_length, substeps, corrections = numbers
     h, cells = step_length / substeps, bounds.shape[1]
     count = 2 * cells
     position, velocity = motion[:count], motion[count:]

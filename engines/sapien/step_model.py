@@ -1,6 +1,5 @@
 """The laws of SAPIEN's presets: damped links, and the substeps of the temporal Gauss–Seidel solver."""
 
-import functools
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -12,7 +11,6 @@ from engines.interface.presets import Preset
 from engines.shared.kernel_lane import Kernel, KernelLane
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
-from reference_lcp.validation import FloatArray
 
 SINGLE_PRECISION_PERIOD = 4e-5
 """Of U0: positions and velocities, of some U0 and U0 ω, are rounded by 2^-24 in each of 4,000 substeps. Roundings add
@@ -52,6 +50,10 @@ def temporal_gauss_seidel(preset: Preset) -> Law:
     substeps, corrections = preset["solver_position_iterations"], preset["solver_velocity_iterations"]
     # PhysX's own: 0.8, or less where there are many substeps.
     relaxation = min(0.8, 2 / math.sqrt(substeps))
+
+    def model(lane: Lane, constants: Mapping[str, float]) -> KernelLane:
+        return KernelLane(lane, advance, (lane.time_step, substeps, corrections, constants["c"]))
+
     return Law(
         formula=(
             "q̇ ← q̇ + Δt M⁻¹ (f(t) e_1 − C q̇ − K q); then with e the slip since a contact began to stick, and "
@@ -59,31 +61,19 @@ def temporal_gauss_seidel(preset: Preset) -> Law:
             f"and {corrections} times p alone; e ← 0 where p was cut off at last"
         ),
         constants={"c": Constant(relaxation, "", "relaxation: PhysX takes min(0.8, 2/√n)", visible_error=1.0)},
-        model=functools.partial(_TemporalLane, substeps=substeps, corrections=corrections),
+        model=model,
         period_bound=DRAWN_BACK_PERIOD,
         bound_reason="single precision: at the edge of its bound it decides whether a contact slips in a step",
         modulated=True,
     )
 
 
-class _TemporalLane(KernelLane):
-    """One chain whose friction is looked for while masses move; a run begins with contacts that never stuck."""
-
-    def __init__(self, lane: Lane, constants: Mapping[str, float], substeps: int, corrections: int):
-        super().__init__(lane)
-        self._numbers = lane.time_step, substeps, corrections, constants["c"]
-
-    def _take(self, motion: FloatArray, loads: FloatArray, bounds: FloatArray, record: FloatArray) -> None:
-
-        advance(motion, loads, bounds, self._force, self._masses, self._numbers, record)
-
-
 @Kernel
 def advance(motion: Any, loads: Any, bounds: Any, force_matrix: Any, masses: Any, numbers: Any, record: Any) -> None:
-    """Advance one lane in place; `record` is (steps, 5n), or has no rows when nothing is kept.
+    """Advance one lane in place, see `KernelLane`, whose contacts never stuck before.
 
-    `bounds`, shape (steps, n), are forces; `numbers` are the time step, how many substeps make one, how often
-    velocities are corrected after them, and the relaxation.
+    `numbers` are the time step, how many substeps make one, how often velocities are corrected after them, and the
+    relaxation.
     """
     h, substeps, corrections, relaxation = numbers
     cells = bounds.shape[1]

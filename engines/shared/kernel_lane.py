@@ -40,15 +40,15 @@ class Kernel(Generic[P, R]):
 
 
 class KernelLane(LaneModel):
-    """One chain; an adapter's model adds the kernel and its numbers."""
+    """One chain, whose steps a kernel takes: that of `_take` with `numbers`, or a model adds its own."""
 
     columns = 5
     """Numbers a cell that are recorded of a step: positions and velocities of both masses and friction; with 6 the
     normal force, which is otherwise what presses; with 7 the gaps, which an internal state then holds."""
 
-    def __init__(self, lane: Lane):
+    def __init__(self, lane: Lane, kernel: Callable[..., None] | None = None, numbers: tuple[Any, ...] = ()):
         chain = lane.chain
-        self.lane = lane
+        self.lane, self._kernel, self._given = lane, kernel, numbers
         self._force = -np.hstack([chain.stiffness_matrix, chain.damping_matrix])
         self._masses = np.concatenate([chain.outer_mass, chain.inner_mass])
 
@@ -81,7 +81,8 @@ class KernelLane(LaneModel):
         force on cell 1, and `bounds`, shape (steps, n), what `_bounds` gives. `record`, shape (steps, 5n), gets
         positions, velocities and friction of each step; it may have no rows.
         """
-        raise NotImplementedError
+        assert self._kernel is not None, "a model without one overrides what calls it"
+        self._kernel(motion, loads, bounds, self._force, self._masses, self._given, record)
 
     def _bounds(self, start: int, steps: int) -> FloatArray:
         """Give μ λ_N of every contact in each step, shape (steps, n)."""
