@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.drake.joint import DrakeLane, Mechanism, add_mass, add_slider, joint_numbers, set_options
+from engines.drake.joint import Diagram, DrakeLane, add_mass, set_options
 from engines.drake.step_model import contact_scale, stiction_speed
 from engines.interface.presets import Preset
 from reference_lcp.chain.simulation import Lane
@@ -46,7 +46,7 @@ def script_numbers(lane: Lane, preset: Preset, _start: State) -> Mapping[str, An
 class DrakeContactLane(DrakeLane):
     """Friction of compliant contacts, regularised within a tolerance of velocity."""
 
-    def _mechanism(self, builder: Any) -> Mechanism:
+    def _build(self, builder: Any) -> tuple[Any, Any, FloatArray]:
         from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, ContactModel, DiscreteContactApproximation
         from pydrake.multibody.tree import default_model_instance
 
@@ -58,65 +58,37 @@ class DrakeContactLane(DrakeLane):
         plant.Finalize()
         plant.set_stiction_tolerance(stiction_tolerance(self.lane, self._preset) / self._units.velocity)
         _keep_to_pairs(scene, planes, spheres)
-        cells = self._chain.cells
-        across = joint_numbers(plant, [f"across {cell}" for cell in range(cells)])
-        pressing = np.zeros(3 * cells)
-        pressing[across[self._rubbing]] = -self._chain.normal_force[self._rubbing]
+        pressing = np.zeros(3 * self._chain.cells)
+        for cell in self._rubbing:
+            pressing[plant.GetJointByName(f"across {cell}").position_start()] = -self._chain.normal_force[cell]
         forces = plant.get_generalized_contact_forces_output_port(default_model_instance())
-        return Mechanism(
-            plant,
-            outer=joint_numbers(plant, [f"outer {cell}" for cell in range(cells)]),
-            inner=joint_numbers(plant, [f"inner {cell}" for cell in range(cells)]),
-            across=across,
-            forces=forces if self._rubbing.size else None,
-            constant_force=pressing,
-        )
+        return plant, forces if self._rubbing.size else None, pressing
 
     def _add_bodies(self, plant: Any) -> tuple[list[Any], list[Any]]:
-        """Add all masses; give the planes of the outer and the spheres of the inner ones that rub."""
-        chain = self._chain
-        planes, spheres = [], []
-        outer = plant.world_body()
-        for cell in range(chain.cells):
-            spring = chain.chain_stiffness[cell], chain.chain_damping[cell]
-            outer = add_slider(plant, f"outer {cell}", outer, chain.outer_mass[cell], spring, self.lane.axis)
-            inner = self._add_inner(plant, outer, cell)
-            if chain.friction_bound[cell] > 0:
-                planes.append(self._add_plane(plant, outer, cell))
-                spheres.append(self._add_sphere(plant, inner, cell))
-        return planes, spheres
+        """Add all masses; give the planes of the outer and the spheres of the inner ones that rub.
 
-    def _add_inner(self, plant: Any, outer: Any, cell: int) -> Any:
-        """Add a carriage without mass that slides on the outer mass, and on it the inner one, free to move across."""
+        A carriage without mass slides on the outer mass, and on it the inner one, free to move across.
+        """
+        from pydrake.geometry import Box, Sphere
         from pydrake.multibody.tree import PrismaticJoint
 
-        chain = self._chain
-        spring = chain.inner_stiffness[cell], chain.inner_damping[cell]
-        carriage = add_slider(plant, f"inner {cell}", outer, 0.0, spring, self.lane.axis)
-        inner = add_mass(plant, f"sphere {cell}", chain.inner_mass[cell])
-        upwards = [0.0, 0.0, 1.0]
-        plant.AddJoint(PrismaticJoint(f"across {cell}", carriage.body_frame(), inner.body_frame(), upwards))
-        return inner
+        planes, spheres, upwards = [], [], [0.0, 0.0, 1.0]
+        radius, width = RADIUS * self._scale, WIDTH * self._scale
+        for cell, outer, carriage in self._cells(plant, np.zeros(self._chain.cells)):
+            inner = add_mass(plant, f"sphere {cell}", self._chain.inner_mass[cell])
+            plant.AddJoint(PrismaticJoint(f"across {cell}", carriage.body_frame(), inner.body_frame(), upwards))
+            if self._chain.friction_bound[cell] > 0:
+                # Of half spaces, which have no end, Drake's search for contacts takes thirteen at most.
+                planes.append(self._add_shape(plant, outer, Box(width, width, radius), -radius / 2, cell))
+                spheres.append(self._add_shape(plant, inner, Sphere(radius), radius, cell))
+        return planes, spheres
 
-    def _add_plane(self, plant: Any, body: Any, cell: int) -> Any:
-        """Add a wide box: of half spaces, which have no end, Drake's search for contacts takes thirteen at most."""
-        from pydrake.geometry import Box
+    def _add_shape(self, plant: Any, body: Any, shape: Any, height: float, cell: int) -> Any:
+        """Add a shape above a body; at a coordinate across of zero, a sphere touches its plane."""
         from pydrake.math import RigidTransform
 
-        width, height = WIDTH * self._scale, RADIUS * self._scale
-        below = RigidTransform([0.0, 0.0, -height / 2])
-        return plant.RegisterCollisionGeometry(
-            body, below, Box(width, width, height), f"plane {cell}", self._material(cell)
-        )
-
-    def _add_sphere(self, plant: Any, body: Any, cell: int) -> Any:
-        """Add a sphere that touches its plane where the coordinate across is zero."""
-        from pydrake.geometry import Sphere
-        from pydrake.math import RigidTransform
-
-        radius = RADIUS * self._scale
-        above = RigidTransform([0.0, 0.0, radius])
-        return plant.RegisterCollisionGeometry(body, above, Sphere(radius), f"sphere {cell}", self._material(cell))
+        place, name = RigidTransform([0.0, 0.0, height]), f"{type(shape).__name__} {cell}"
+        return plant.RegisterCollisionGeometry(body, place, shape, name, self._material(cell))
 
     def _material(self, cell: int) -> Any:
         """Make the properties of either body; Drake combines two equal coefficients to the same one."""
@@ -157,19 +129,19 @@ class DrakeContactLane(DrakeLane):
         place, later = np.split(state.internal_state[0], 2)
         return np.stack([place / self._units.length, (later - place) / self.lane.time_step / self._units.velocity])
 
-    def _internal_state(self, mechanism: Mechanism, vector: FloatArray) -> FloatArray:
-        place, velocity = (half[mechanism.across] for half in np.split(vector, 2))
+    def _internal_state(self, diagram: Diagram, vector: FloatArray) -> FloatArray:
+        place, velocity = (half[diagram.across] for half in np.split(vector, 2))
         place, velocity = place * self._units.length, velocity * self._units.velocity
         return np.concatenate([place, place + self.lane.time_step * velocity])
 
-    def _contact_forces(self, mechanism: Mechanism, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _contact_forces(self, diagram: Diagram, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
         steps = rows.shape[0]
         given = self.lane.preloads(0, steps)
-        if mechanism.forces is None:
+        if not self._rubbing.size:
             return np.zeros((steps, self._chain.cells)), given
         forces = rows * self._units.force
-        measured = forces[:, mechanism.across]
-        return forces[:, mechanism.inner], np.where(self.lane.chain.friction_bound > 0, measured, given)
+        measured = forces[:, diagram.across]
+        return forces[:, diagram.inner], np.where(self.lane.chain.friction_bound > 0, measured, given)
 
 
 def _keep_to_pairs(scene: Any, planes: list[Any], spheres: list[Any]) -> None:

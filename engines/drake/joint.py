@@ -3,10 +3,9 @@
 What both formulations share stands first: a plant with its load and its records, advanced in one call.
 """
 
+import itertools
 from abc import abstractmethod
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -21,42 +20,28 @@ from reference_lcp.schemes.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_count
 
 
-@dataclass(frozen=True)
-class Mechanism:
-    """Masses, joints and contacts in a plant that is finalised, as a formulation builds them."""
-
-    plant: Any
-    outer: NDArray[np.intp]
-    """Numbers among the coordinates, shape (n,), of the joint of every outer mass to the one before it."""
-    inner: NDArray[np.intp]
-    """Of the joint of every inner mass to its outer one."""
-    across: NDArray[np.intp]
-    """Numbers of the coordinates across the motion, shape (k,)."""
-    forces: Any
-    """Output port that gives the forces in the contacts; ``None`` without contacts."""
-    constant_force: FloatArray
-    """Force on every coordinate that never changes, shape (coordinates,)."""
-
-
-def joint_numbers(plant: Any, names: list[str]) -> NDArray[np.intp]:
-    """Give the numbers of joints of one coordinate among all coordinates."""
-    return np.array([plant.GetJointByName(name).position_start() for name in names], dtype=np.intp)
-
-
 class Diagram:
-    """A mechanism, a table of loads, and logs if they are to be kept: all of a step happens in Drake."""
+    """A plant under a load from a table, and logs if they are to be kept: all of a step happens in Drake.
 
-    def __init__(self, builder: Any, mechanism: Mechanism, time_step: float, *, record: bool):
+    `built` are a plant that is finalised, the output port of the forces of what rubs, ``None`` where nothing does, and
+    what always acts on every coordinate; `outer`, `inner` and `across` the numbers of joints among the coordinates:
+    of outer masses on the one before, of inner masses on their outer one, and across the motion, where there are such.
+    """
+
+    def __init__(self, builder: Any, built: tuple[Any, Any, FloatArray], time_step: float, *, record: bool):
         from pydrake.systems.analysis import Simulator
+        from pydrake.systems.primitives import LogVectorOutput
 
-        self.mechanism = mechanism
+        self.plant, forces, constant_force = built
+        self.outer, self.inner, self.across = (_numbers(self.plant, name) for name in ("outer", "inner", "across"))
         self._time_step = time_step
-        self._source = _add_load(builder, mechanism)
-        self._logs = _add_logs(builder, mechanism, time_step) if record else []
+        self._source = self._add_load(builder, constant_force)
+        ports = [self.plant.get_state_output_port(), *([] if forces is None else [forces])]
+        self._logs = [LogVectorOutput(port, builder, time_step) for port in ports] if record else []
         self._diagram = builder.Build()
         self._simulator = Simulator(self._diagram)
         self._context = self._simulator.get_mutable_context()
-        self._plant_context = mechanism.plant.GetMyMutableContextFromRoot(self._context)
+        self._plant_context = self.plant.GetMyMutableContextFromRoot(self._context)
 
     def advance(self, vector: FloatArray, loads: FloatArray) -> FloatArray:
         """Take a step under each load, from coordinates and their velocities; give those at the end."""
@@ -68,14 +53,14 @@ class Diagram:
         table = np.append(loads, loads[-1])[None]
         self._source.UpdateTrajectory(PiecewisePolynomial.ZeroOrderHold(breaks, table))
         self._step(vector, steps)
-        return np.array(self.mechanism.plant.GetPositionsAndVelocities(self._plant_context))
+        return np.array(self.plant.GetPositionsAndVelocities(self._plant_context))
 
     def native_steps(self, steps: int) -> None:
         """Take steps from rest, under no load."""
         from pydrake.trajectories import PiecewisePolynomial
 
         self._source.UpdateTrajectory(PiecewisePolynomial(np.zeros((1, 1))))
-        self._step(np.zeros(self.mechanism.plant.num_multibody_states()), steps)
+        self._step(np.zeros(self.plant.num_multibody_states()), steps)
 
     def recorded(self, *, sampled: bool) -> tuple[FloatArray, FloatArray]:
         """Give what the last run logged at the ends of its steps: coordinates with velocities, and forces.
@@ -91,7 +76,7 @@ class Diagram:
     def _step(self, vector: FloatArray, steps: int) -> None:
         """Start anew, with nothing left of earlier runs, and advance."""
         self._context.SetTime(0.0)
-        self.mechanism.plant.SetPositionsAndVelocities(self._plant_context, vector)
+        self.plant.SetPositionsAndVelocities(self._plant_context, vector)
         for log in self._logs:
             log.FindMutableLog(self._context).Clear()
         self._simulator.Initialize()
@@ -101,38 +86,30 @@ class Diagram:
             step = round(self._context.get_time() / self._time_step)
             raise RuntimeError(f"drake stopped in step {step} of {steps}: {problem}") from problem
 
+    def _add_load(self, builder: Any, constant_force: FloatArray) -> Any:
+        """Add a table in time, whose value acts on the first outer mass, beside the forces that never change."""
+        from pydrake.systems.primitives import AffineSystem, TrajectorySource
+        from pydrake.trajectories import PiecewisePolynomial
 
-def _add_load(builder: Any, mechanism: Mechanism) -> Any:
-    """Add a table in time, whose value acts on the first outer mass, beside the forces that never change."""
-    from pydrake.systems.primitives import AffineSystem, TrajectorySource
-    from pydrake.trajectories import PiecewisePolynomial
-
-    coordinates = mechanism.constant_force.shape[0]
-    on_first = np.zeros((coordinates, 1))
-    on_first[mechanism.outer[0]] = 1
-    source = builder.AddSystem(TrajectorySource(PiecewisePolynomial(np.zeros((1, 1)))))
-    forces = builder.AddSystem(
-        AffineSystem(
-            A=np.zeros((0, 0)), B=np.zeros((0, 1)), f0=np.zeros(0),
-            C=np.zeros((coordinates, 0)), D=on_first, y0=mechanism.constant_force,
-        )
-    )  # fmt: skip
-    builder.Connect(source.get_output_port(), forces.get_input_port())
-    builder.Connect(forces.get_output_port(), mechanism.plant.get_applied_generalized_force_input_port())
-    return source
+        coordinates = constant_force.size
+        on_first = np.zeros((coordinates, 1))
+        on_first[self.outer[0]] = 1
+        source = builder.AddSystem(TrajectorySource(PiecewisePolynomial(np.zeros((1, 1)))))
+        forces = builder.AddSystem(
+            AffineSystem(
+                A=np.zeros((0, 0)), B=np.zeros((0, 1)), f0=np.zeros(0),
+                C=np.zeros((coordinates, 0)), D=on_first, y0=constant_force,
+            )
+        )  # fmt: skip
+        builder.Connect(source.get_output_port(), forces.get_input_port())
+        builder.Connect(forces.get_output_port(), self.plant.get_applied_generalized_force_input_port())
+        return source
 
 
-def _add_logs(builder: Any, mechanism: Mechanism, time_step: float) -> list[Any]:
-    """Log the state, and the forces if there are any, at the start and after every step."""
-    from pydrake.systems.primitives import VectorLogSink
-
-    ports = [mechanism.plant.get_state_output_port()]
-    if mechanism.forces is not None:
-        ports.append(mechanism.forces)
-    logs = [builder.AddSystem(VectorLogSink(port.size(), time_step)) for port in ports]
-    for port, log in zip(ports, logs, strict=True):
-        builder.Connect(port, log.get_input_port())
-    return logs
+def _numbers(plant: Any, kind: str) -> NDArray[np.intp]:
+    """Give the numbers of the joints ``KIND 0``, ``KIND 1``, … of one coordinate, as far as there are any."""
+    names = itertools.takewhile(plant.HasJointNamed, (f"{kind} {cell}" for cell in itertools.count()))
+    return np.array([plant.GetJointByName(name).position_start() for name in names], dtype=np.intp)
 
 
 class DrakeLane(LaneModel):
@@ -150,82 +127,86 @@ class DrakeLane(LaneModel):
         self._time_step = lane.time_step / self._units.time
         self._chain = self._units.scaled(lane.chain)
         self._rubbing = np.flatnonzero(self._chain.friction_bound > 0)
+        self._diagrams: dict[bool, Diagram] = {}
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state`; see `LaneModel.run`."""
-        diagram = self._recording
+        diagram = self._diagram(record=True)
         end = diagram.advance(self._vector(state), self._loads(start, steps))
         motion, forces = diagram.recorded(sampled=self._preset["output ports"] == "sampled")
         position, velocity = np.split(motion, 2, axis=1)
-        friction, normal_force = self._contact_forces(diagram.mechanism, forces)
+        friction, normal_force = self._contact_forces(diagram, forces)
         return Trajectory(
             self.lane.times(start, steps),
-            _absolute(diagram.mechanism, position) * self._units.length,
-            _absolute(diagram.mechanism, velocity) * self._units.velocity,
+            _absolute(diagram, position) * self._units.length,
+            _absolute(diagram, velocity) * self._units.velocity,
             friction,
             normal_force,
-            self._internal_state(diagram.mechanism, end),
+            self._internal_state(diagram, end),
         )
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance as `run` does, without logs."""
-        diagram = self._plain
+        diagram = self._diagram()
         end = diagram.advance(self._vector(state), self._loads(start, steps))
-        position, velocity = np.split(end[None], 2, axis=1)
-        along = _absolute(diagram.mechanism, position), _absolute(diagram.mechanism, velocity)
-        return self._units.state(*along, self._internal_state(diagram.mechanism, end))
+        along = (_absolute(diagram, half) for half in np.split(end[None], 2, axis=1))
+        return self._units.state(*along, self._internal_state(diagram, end))
 
     def native_steps(self, steps: int) -> None:
         """Take steps of Drake alone, from rest; see `NativeStepping`."""
-        self._plain.native_steps(checked_count("steps", steps))
+        self._diagram().native_steps(checked_count("steps", steps))
 
     def close(self) -> None:
         """Let go of the diagrams; the next use builds them again."""
-        for name in ("_plain", "_recording"):
-            self.__dict__.pop(name, None)
+        self._diagrams.clear()
 
     @abstractmethod
-    def _mechanism(self, builder: Any) -> Mechanism:
-        """Add masses, joints and friction to a `DiagramBuilder`."""
+    def _build(self, builder: Any) -> tuple[Any, Any, FloatArray]:
+        """Add masses, joints and friction to a `DiagramBuilder`; gives what `Diagram` takes."""
 
     @abstractmethod
-    def _contact_forces(self, mechanism: Mechanism, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Give friction and normal force of every contact [N] from rows of the mechanism's port of forces."""
+    def _contact_forces(self, diagram: Diagram, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Give friction and normal force of every contact [N] from rows of the port of forces."""
 
     def _across(self, state: State) -> FloatArray:
         """Coordinates across the motion, then their velocities, shape (2, k)."""
         return np.zeros((2, 0))
 
-    def _internal_state(self, mechanism: Mechanism, vector: FloatArray) -> FloatArray | None:
+    def _internal_state(self, diagram: Diagram, vector: FloatArray) -> FloatArray | None:
         """Give what a state has to carry beside positions and velocities."""
         return None
 
-    @cached_property
-    def _plain(self) -> Diagram:
-        return self._diagram(record=False)
+    def _cells(self, plant: Any, inner_mass: FloatArray) -> Iterator[tuple[int, Any, Any]]:
+        """Add the sliders of cell after cell; gives each cell with its bodies, the second one of `inner_mass`."""
+        chain, outer = self._chain, plant.world_body()
+        for cell in range(chain.cells):
+            springs = (
+                (chain.chain_stiffness[cell], chain.chain_damping[cell]),
+                (chain.inner_stiffness[cell], chain.inner_damping[cell]),
+            )
+            outer = _add_slider(plant, f"outer {cell}", outer, chain.outer_mass[cell], springs[0], self.lane.axis)
+            yield cell, outer, _add_slider(plant, f"inner {cell}", outer, inner_mass[cell], springs[1], self.lane.axis)
 
-    @cached_property
-    def _recording(self) -> Diagram:
-        return self._diagram(record=True)
-
-    def _diagram(self, *, record: bool) -> Diagram:
+    def _diagram(self, *, record: bool = False) -> Diagram:
         from pydrake.systems.framework import DiagramBuilder
 
-        builder = DiagramBuilder()
-        return Diagram(builder, self._mechanism(builder), self._time_step, record=record)
+        if record not in self._diagrams:
+            builder = DiagramBuilder()
+            self._diagrams[record] = Diagram(builder, self._build(builder), self._time_step, record=record)
+        return self._diagrams[record]
 
     def _loads(self, start: int, steps: int) -> FloatArray:
         return self.lane.loads(start, checked_count("steps", steps)) / self._units.force
 
     def _vector(self, state: State) -> FloatArray:
         """Give Drake's coordinates and their velocities."""
-        mechanism = self._plain.mechanism
+        diagram = self._diagram()
         absolute = np.stack([state.positions[0] / self._units.length, state.velocities[0] / self._units.velocity])
         outer, inner = np.split(absolute, 2, axis=1)
-        coordinates = np.zeros((2, mechanism.constant_force.shape[0]))
-        coordinates[:, mechanism.outer] = np.diff(outer, axis=1, prepend=0.0)
-        coordinates[:, mechanism.inner] = inner - outer
-        coordinates[:, mechanism.across] = self._across(state)
+        coordinates = np.zeros((2, diagram.plant.num_positions()))
+        coordinates[:, diagram.outer] = np.diff(outer, axis=1, prepend=0.0)
+        coordinates[:, diagram.inner] = inner - outer
+        coordinates[:, diagram.across] = self._across(state)
         return coordinates.ravel()
 
 
@@ -242,8 +223,8 @@ def add_mass(plant: Any, name: str, mass: float) -> Any:
     return plant.AddRigidBody(name, SpatialInertia(mass, [0.0, 0.0, 0.0], UnitInertia.SolidSphere(1.0)))
 
 
-def add_slider(
-    plant: Any, name: str, parent: Any, mass: float, spring: tuple[float, float], axis: tuple[float, float] = (1.0, 0.0)
+def _add_slider(
+    plant: Any, name: str, parent: Any, mass: float, spring: tuple[float, float], axis: tuple[float, float]
 ) -> Any:
     """Add a mass on a joint of this name along the row, with a spring and a dashpot of this stiffness and damping."""
     from pydrake.multibody.tree import PrismaticJoint, PrismaticSpring
@@ -255,10 +236,10 @@ def add_slider(
     return body
 
 
-def _absolute(mechanism: Mechanism, coordinates: FloatArray) -> FloatArray:
+def _absolute(diagram: Diagram, coordinates: FloatArray) -> FloatArray:
     """Turn rows of Drake's coordinates into (u, v), shape (steps, 2n); velocities likewise."""
-    outer = np.cumsum(coordinates[:, mechanism.outer], axis=1)
-    return np.concatenate([outer, outer + coordinates[:, mechanism.inner]], axis=1)
+    outer = np.cumsum(coordinates[:, diagram.outer], axis=1)
+    return np.concatenate([outer, outer + coordinates[:, diagram.inner]], axis=1)
 
 
 def actuator_gains(chain: Chain, time_step: float, preset: Preset) -> FloatArray:
@@ -282,30 +263,19 @@ class DrakeJointLane(DrakeLane):
     would not be resolved by its solver in a step.
     """
 
-    def _mechanism(self, builder: Any) -> Mechanism:
+    def _build(self, builder: Any) -> tuple[Any, Any, FloatArray]:
         from pydrake.multibody.plant import MultibodyPlant
 
         chain = self._chain
         plant = builder.AddSystem(MultibodyPlant(self._time_step))
         set_options(plant, self._preset)
-        parent = plant.world_body()
-        for cell in range(chain.cells):
-            spring = chain.chain_stiffness[cell], chain.chain_damping[cell]
-            parent = add_slider(plant, f"outer {cell}", parent, chain.outer_mass[cell], spring)
-            inner_spring = chain.inner_stiffness[cell], chain.inner_damping[cell]
-            add_slider(plant, f"inner {cell}", parent, chain.inner_mass[cell], inner_spring)
         gains = actuator_gains(chain, self._time_step, self._preset)
-        for cell in self._rubbing.tolist():
-            self._add_actuator(plant, cell, float(gains[cell]))
+        for cell, _, _ in self._cells(plant, chain.inner_mass):
+            if chain.friction_bound[cell] > 0:
+                self._add_actuator(plant, cell, float(gains[cell]))
         plant.Finalize()
-        return Mechanism(
-            plant,
-            outer=joint_numbers(plant, [f"outer {cell}" for cell in range(chain.cells)]),
-            inner=joint_numbers(plant, [f"inner {cell}" for cell in range(chain.cells)]),
-            across=np.zeros(0, dtype=np.intp),
-            forces=self._armed(builder, plant) if self._rubbing.size else None,
-            constant_force=np.zeros(2 * chain.cells),
-        )
+        forces = self._armed(builder, plant) if self._rubbing.size else None
+        return plant, forces, np.zeros(2 * chain.cells)
 
     def _add_actuator(self, plant: Any, cell: int, gain: float) -> None:
         from pydrake.multibody.tree import PdControllerGains
@@ -325,7 +295,7 @@ class DrakeJointLane(DrakeLane):
         builder.Connect(rest.get_output_port(), plant.get_desired_state_input_port(instance))
         return plant.get_net_actuation_output_port(instance)
 
-    def _contact_forces(self, mechanism: Mechanism, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _contact_forces(self, diagram: Diagram, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
         friction = np.zeros((rows.shape[0], self._chain.cells))
         friction[:, self._rubbing] = rows * self._units.force
         return friction, self.lane.preloads(0, rows.shape[0])

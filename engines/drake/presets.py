@@ -27,10 +27,7 @@ JOINT_TUNED = Preset(
     {
         **OPTIONS,
         "d": Option(
-            1e6,
-            0.0,
-            "Gain of velocity over m_red / δt. A stuck contact creeps with λ_T / d; Drake cuts d off above "
-            "4e3 m_i / δt, so that every larger one acts alike.",
+            1e6, 0.0, "Gain of velocity over m_red / δt. Above 4e3 m_i / δt, where Drake cuts off, all act alike."
         ),
     },
     TUNED,
@@ -65,21 +62,19 @@ CONTACT_TUNED = Preset(
     {
         **CONTACT_OPTIONS,
         "stiction": Option(
-            3e-5, 1e-3, "v_stiction over s ω_r, with s the displacement scale of the drive, instead of in m/s. At 1e-7 "
-            "Drake's solver, which stops at a part of 1e-6, leaves so much that orbits of nearly stuck cells stall.",
+            3e-5, 1e-3, "v_stiction over s ω_r, with s the displacement scale of the drive; at 1e-7 orbits of nearly "
+            "stuck cells stall, for Drake's solver stops at a part of 1e-6.",
         ),
         "depth": Option(
-            2.0**-3, 0.0, "Of the sphere at rest, over the displacement scale; sets point_stiffness, 1e6 N/m without "
-            "it. It has no effect with kLagged; with the others a sliding sphere would leave a stiffer plane.",
+            2.0**-3, 0.0, "Of the sphere at rest, over s; sets point_stiffness. Without effect with kLagged; with the "
+            "others a sliding sphere would leave a stiffer plane.",
         ),
     },
     {
         **TUNED,
         "contact_model": ("kPoint", "The same points; the shapes need no more."),
         "approximation": ("kLagged", "The others press and lift a sliding sphere; see their presets."),
-        "hunt_crossley_dissipation": (
-            0.0, "[s/m] Nothing moves across the plane; the other approximations are compared without it."
-        ),
+        "hunt_crossley_dissipation": (0.0, "[s/m] Nothing moves across the plane."),
     },
     known_deviation=(
         "friction is μ λ_N v / √(v² + v_s²) with the stiction velocity v_s = 3e-5 s ω_r: a stuck contact creeps, "
@@ -95,10 +90,7 @@ CONTACT_SIMILAR = replace(
     CONTACT_TUNED,
     description="As tuned, with the approximation that Drake advises for strong transients.",
     changes={
-        "approximation": (
-            "kSimilar",
-            "A sliding sphere glides: friction lifts it by μ |ġ_T| δt, and moves it when it turns.",
-        ),
+        "approximation": ("kSimilar", "A sliding sphere glides: friction lifts it by μ |ġ_T| δt."),
     },
     known_deviation=(
         "friction lifts a sliding sphere by μ |ġ_T| dt: it bounces, and its normal force, which bounds friction, swings"
@@ -111,9 +103,7 @@ CONTACT_SAP = replace(
     description="As tuned, with the approximation of Drake's solver itself, the convex one of Castro et al., 2022.",
     options={
         **CONTACT_TUNED.options,
-        "relaxation_time": Option(
-            0.0, 0.1, "[s] Dissipation of kSap; at 0.1 s a sliding sphere would leave its plane."
-        ),
+        "relaxation_time": Option(0.0, 0.1, "[s] Dissipation; at 0.1 s a sliding sphere would leave its plane."),
     },
     changes={
         "approximation": ("kSap", "A sliding sphere glides as with kSimilar, and higher still with a relaxation time."),

@@ -1,5 +1,6 @@
 """The laws of Drake: actuators of bounded effort, and spheres that friction may lift off the depth of their rest."""
 
+import functools
 from collections.abc import Mapping
 
 import numpy as np
@@ -45,6 +46,8 @@ SMOOTH_PERIOD = 5e-5
 
 SOLVER_REASON = "Drake's solver stops where its residual is a part of 1e-6 of the momentum"
 
+_law = functools.partial(Law, period_bound=SOLVER_PERIOD, bound_reason=SOLVER_REASON)
+
 
 def actuator(preset: Preset) -> Law:
     """Give the law of an actuator with a gain in SI units."""
@@ -53,12 +56,10 @@ def actuator(preset: Preset) -> Law:
         compliance = 1 / (constants["d"] * lane.time_step)
         return LinearImplicitLane(lane, _step(lane), ScalarFriction.coulomb(lane.chain.cells, compliance))
 
-    return Law(
+    return _law(
         formula=f"{STEP}; λ = −clip(d w⁺, ±μ λ_N)",
         constants={"d": Constant(preset["PdControllerGains.d"], "N s/m", "PdControllerGains.d")},
         model=model,
-        period_bound=SOLVER_PERIOD,
-        bound_reason=SOLVER_REASON,
     )
 
 
@@ -71,12 +72,10 @@ def near_rigid_actuator(preset: Preset) -> Law:
         compliance = np.maximum(wanted, constants["β"] ** 2 / (4 * np.pi**2 * chain.inner_mass))
         return LinearImplicitLane(lane, _step(lane), ScalarFriction.coulomb(chain.cells, compliance))
 
-    return Law(
+    return _law(
         formula=f"{STEP}; λ = −clip(d w⁺, ±μ λ_N), d = min({preset['d']:g} / (A h), 4 π² m_i / (β² h))",
         constants={"β": Constant(0.1, "", "Drake's near-rigid limit, which Python cannot set", visible_error=0.5)},
         model=model,
-        period_bound=SOLVER_PERIOD,
-        bound_reason=SOLVER_REASON,
     )
 
 
@@ -91,18 +90,17 @@ def lagged_contact(preset: Preset) -> Law:
         speeds = _stiction_speeds(lane, speed, constants["σ"])
         return LinearImplicitLane(lane, _step(lane), ScalarFriction.smooth(lane.chain.cells, speeds))
 
-    return Law(
+    return _law(
         formula=f"{STEP}; λ = −μ λ_N w⁺ / √(w⁺² + z²), z = max({formula}, R_t h μ λ_N), {SOFTNESS}",
         constants={"v_s": constant, "σ": LEAST_SOFTNESS},
         model=model,
         period_bound=SMOOTH_PERIOD,
-        bound_reason=SOLVER_REASON,
     )
 
 
 def sap_contact(preset: Preset) -> Law:
     """Give the law of the convex approximation: friction and normal impulse of one cone, both soft."""
-    return Law(
+    return _law(
         formula=(
             f"{STEP}; across the plane y⁺ = y − h λ_N/m_i + γ/m_i, z⁺ = z + h y⁺; with k = λ_N/δ, R_n = 1/(h² k), "
             "R_t = σ √2/(3 m_i): p and γ minimise the regularised work over |p| <= μ γ, γ aims at y⁺ = −z/h"
@@ -111,15 +109,13 @@ def sap_contact(preset: Preset) -> Law:
             "δ": Constant(preset["depth"], "", "depth, over s"),
             "σ": Constant(1e-3, "", "softness of SAP's friction, which Python cannot set", visible_error=0.5),
         },
-        model=_sap,
-        period_bound=SOLVER_PERIOD,
-        bound_reason=SOLVER_REASON,
+        model=GlidingLane,
     )
 
 
 def similar_contact(preset: Preset) -> Law:
     """Give the law of the smooth approximation whose normal force friction changes."""
-    return Law(
+    return _law(
         formula=(
             f"{STEP}; across the plane y⁺ = y − h λ_N/m_i + γ/m_i, z⁺ = z + h y⁺; with k = λ_N/δ, z_s = max(v_s s ω_r, "
             f"R_t h μ λ_N), {SOFTNESS}: "
@@ -130,9 +126,8 @@ def similar_contact(preset: Preset) -> Law:
             "v_s": _stiction(preset),
             "σ": LEAST_SOFTNESS,
         },
-        model=_similar,
+        model=GlidingLane,
         period_bound=SMOOTH_PERIOD,
-        bound_reason=SOLVER_REASON,
     )
 
 
@@ -160,44 +155,26 @@ def _step(lane: Lane) -> LinearStep:
     return LinearStep.of(chain, h, chain.mass_matrix + h * chain.damping_matrix, chain.mass_matrix, (1.0, 0.0))
 
 
-def _sap(lane: Lane, constants: Mapping[str, float]) -> "GlidingLane":
-    softness = _softness(lane, constants["σ"])
-    return GlidingLane(lane, _step(lane), constants["δ"] * contact_scale(lane), softness=softness)
-
-
-def _similar(lane: Lane, constants: Mapping[str, float]) -> "GlidingLane":
-    speeds = _stiction_speeds(lane, stiction_speed(lane, constants["v_s"]), constants["σ"])
-    return GlidingLane(lane, _step(lane), constants["δ"] * contact_scale(lane), smoothing=speeds)
-
-
 class GlidingLane(KernelLane):
     """One chain of spheres, whose internal state is the place of every sphere, then its place a step later.
 
-    At rest they are `depth` [m] deep; `step` is the linear part of their motion along the row. kSap has `softness` R_t
-    [1/kg], shape (n,); kSimilar `smoothing`, the velocity [m/s], shape (n,), within which friction is off its bound.
+    At rest they are δ deep. Contacts of kSap are soft; with a stiction velocity v_s they are those of kSimilar.
     """
 
     columns = 6
 
-    def __init__(
-        self,
-        lane: Lane,
-        step: LinearStep,
-        depth: float,
-        *,
-        softness: FloatArray | None = None,
-        smoothing: FloatArray | None = None,
-    ):
+    def __init__(self, lane: Lane, constants: Mapping[str, float]):
         super().__init__(lane)
-        chain = lane.chain
-        none = np.zeros(chain.cells)
-        self._step, self._depth = step, depth
+        chain, smoothing = lane.chain, np.zeros(lane.chain.cells)
+        if "v_s" in constants:
+            smoothing = _stiction_speeds(lane, stiction_speed(lane, constants["v_s"]), constants["σ"])
+        self._step, self._depth = _step(lane), constants["δ"] * contact_scale(lane)
         self._contact = (
             np.where(chain.friction_bound > 0, chain.friction_coefficient, 0.0),
             chain.normal_force.copy(),
             chain.inner_mass.copy(),
-            none if softness is None else softness,
-            none if smoothing is None else smoothing,
+            _softness(lane, constants["σ"]),
+            smoothing,
         )
 
     def _integrate(self, state: State, start: int, steps: int, record: FloatArray) -> State:
