@@ -7,7 +7,7 @@ state in and gives a trajectory out, and one line in `pyproject.toml`.
 import numpy as np
 
 from engines import Capabilities, Engine, Formulation, FrictionLaw, Preset
-from reference_lcp import State, Trajectory
+from reference_lcp import Lane, State, Trajectory
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 
 
@@ -33,14 +33,14 @@ class Tiny(Engine):
         """It needs nothing but NumPy."""
         return None
 
-    def _build(self, lanes, formulation, preset):
+    def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> SequentialSimulation:
         return SequentialSimulation([TinyLane(lane) for lane in lanes])
 
 
 class TinyLane(LaneModel):
     """One chain."""
 
-    def __init__(self, lane):
+    def __init__(self, lane: Lane) -> None:
         self.lane = lane
         self._reduced_mass = 1 / (1 / lane.chain.outer_mass + 1 / lane.chain.inner_mass)
 
@@ -56,7 +56,7 @@ class TinyLane(LaneModel):
         normal = self.lane.preloads(start, steps)
         return Trajectory(self.lane.times(start, steps), positions, velocities, forces, normal)
 
-    def _velocity_after(self, x, v, load):
+    def _velocity_after(self, x: np.ndarray, v: np.ndarray, load: float) -> tuple[np.ndarray, np.ndarray]:
         """Equation (5), with the closed solution of each cell's contact."""
         chain, dt = self.lane.chain, self.lane.time_step
         force = -chain.stiffness_matrix @ x - chain.damping_matrix @ v
