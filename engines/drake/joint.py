@@ -149,8 +149,8 @@ class DrakeLane(LaneModel):
         """Advance as `run` does, without logs."""
         diagram = self._diagram()
         end = diagram.advance(self._vector(state), self._loads(start, steps))
-        along = (_absolute(diagram, half) for half in np.split(end[None], 2, axis=1))
-        return self._units.state(*along, self._internal_state(diagram, end))
+        position, velocity = (_absolute(diagram, half) for half in np.split(end[None], 2, axis=1))
+        return self._units.state(position, velocity, self._internal_state(diagram, end))
 
     def native_steps(self, steps: int) -> None:
         """Take steps of Drake alone, from rest; see `NativeStepping`."""

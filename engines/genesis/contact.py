@@ -50,12 +50,12 @@ class ContactSimulation(GenesisSimulation):
         units = Units.in_steps(self._preset["units"], lane)
         return units if self._preset["units"] == "SI" else replace(units, length=units.length / FINENESS)
 
-    def _new_scene(self, masses: FloatArray) -> Scene:
+    def _new_scene(self) -> Scene:
         lane, units, own = self.lanes[0], self._units[0], self._preset["units"] == "lane"
         self._rubs = lane.chain.friction_bound > 0
         # In units of their own, all lanes have the same sizes.
         scale = FINENESS if own else power_of_two(lane.drive.displacement_scale(lane.chain))
-        scene = Scene(_model(self._rubs, scale), masses, lane.time_step / units.time, self._preset)
+        scene = Scene(_model(self._rubs, scale), self._masses(), lane.time_step / units.time, self._preset)
         if self._rubs.any():
             self._press(scene)
         return scene
@@ -87,10 +87,6 @@ class ContactSimulation(GenesisSimulation):
             return wanted[0] / pressed[0], self._of_chains("friction_coefficient")
         return np.full(self._rubs.size, SOFTNESS), self._of_chains("friction_bound") / (SOFTNESS * pressed)
 
-    def _of_chains(self, name: str) -> FloatArray:
-        """Give a number of every cell of every lane, in the units of the lane, shape (lanes, n)."""
-        return np.stack([getattr(chain, name) for chain in self._chains])
-
     def _constraints(self, hardness: FloatArray) -> FloatArray:
         """Give the parameters of contacts that press so many times as hard as with a damping ratio of one."""
         preset = self._preset
@@ -99,11 +95,18 @@ class ContactSimulation(GenesisSimulation):
             [constraint_parameters(time_constant, float(each) ** -0.5, preset["impedance"]) for each in hardness]
         )
 
-    def _measured_normal_force(self, given: FloatArray) -> FloatArray:
+    def _set_bounds(self, bounds: FloatArray) -> None:
+        raise NotImplementedError("contacts are pressed by a depth that is fixed")
+
+    def _contacts(self, forces: FloatArray) -> FloatArray:
+        return np.hstack([super()._contacts(forces), self._scene.normal_force()])
+
+    def _contact_forces(self, index: int, read: FloatArray, given: FloatArray) -> tuple[FloatArray, FloatArray]:
+        friction, _ = super()._contact_forces(index, read, given)
         if not self._rubs.any():
-            return given
-        unit = np.array([[units.force] for units in self._units])
-        return np.where(self._rubs, self._scene.normal_force() * self._share * unit, given)
+            return friction, given
+        measured = read[:, self._rubs.size :] * self._share[index] * self._units[index].force
+        return friction, np.where(self._rubs, measured, given)
 
 
 def _model(rubs: NDArray[np.bool_], scale: float) -> ElementTree.Element:

@@ -3,7 +3,6 @@
 import functools
 import importlib
 import tempfile
-import weakref
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -110,12 +109,9 @@ class Scene:
     The first scene of a process decides for all how many `threads` PhysX has beside this one.
     """
 
-    position: SingleArray
-    """Coordinates after the last step, shape (lanes, 2n); likewise `velocity`, and `joint_force`, what acts along a
-    joint: friction, and the force that was given."""
-
-    def __init__(self, text: str, threads: int):
+    def __init__(self, text: str, threads: int, time_step: float):
         physx = import_ovphysx(threads)
+        self._time_step = time_step
         self._physx, self._stage = physx.PhysX(), _stage(text)
         self._physx.wait_task(self._physx.attach_ovstage(self._stage, read_ordinal=ORDINAL))
         self._physx.warmup()
@@ -124,8 +120,7 @@ class Scene:
         self._position, self._velocity = self._bound("POSITION"), self._bound("VELOCITY")
         self._force, self._joint_force = self._bound("ACTUATION_FORCE"), self._bound("PROJECTED_JOINT_FORCE")
         self._friction = self._bound("FRICTION_PROPERTIES")
-        self.position, self.velocity, self.joint_force = (np.zeros(self._position.shape, np.float32) for _ in range(3))
-        self.close = weakref.finalize(self, _close, self._physx, self._stage, self._bindings)
+        self._rows = [np.zeros(self._position.shape, np.float32) for _ in range(3)]
 
     def _bound(self, quantity: str) -> Any:
         kind = getattr(importlib.import_module("ovphysx.types").TensorType, f"ARTICULATION_DOF_{quantity}")
@@ -133,11 +128,10 @@ class Scene:
         self._bindings.append(binding)
         return binding
 
-    def set(self, position: FloatArray, velocity: FloatArray) -> None:
+    def set_motion(self, position: FloatArray, velocity: FloatArray) -> None:
         """Give every lane a motion, shape (lanes, 2n) each."""
-        self.position[:], self.velocity[:] = position, velocity
-        self._position.write(self.position)
-        self._velocity.write(self.velocity)
+        self._position.write(position.astype(np.float32))
+        self._velocity.write(velocity.astype(np.float32))
 
     def set_friction(self, bounds: FloatArray) -> None:
         """Set the bound of the friction of what is carried, shape (lanes, n), static and dynamic."""
@@ -145,22 +139,31 @@ class Scene:
         properties[:, bounds.shape[1] :, :2] = bounds[..., None]
         self._friction.write(properties)
 
-    def step(self, force: SingleArray, time_step: float) -> None:
-        """Take one step under generalised forces, shape (lanes, 2n), and read what comes of it."""
-        self._force.write(force)
-        self._physx.step_sync(time_step)
-        self._position.read(self.position)
-        self._velocity.read(self.velocity)
+    def step(self, force: FloatArray) -> FloatArray:
+        """Take one step under generalised forces, shape (lanes, 2n); gives coordinates, then velocities."""
+        self._force.write(force.astype(np.float32))
+        self._physx.step_sync(self._time_step)
+        for binding, row in zip((self._position, self._velocity), self._rows, strict=False):
+            binding.read(row)
+        return np.hstack(self._rows[:2]).astype(np.float64)
 
     def read_joint_force(self) -> SingleArray:
-        """Read what acted along the joints in the last step, shape (lanes, 2n)."""
-        self._joint_force.read(self.joint_force)
-        return self.joint_force
+        """Read what acted along the joints in the last step, shape (lanes, 2n): friction, and what was given."""
+        self._joint_force.read(self._rows[2])
+        return self._rows[2]
 
-    def native_steps(self, steps: int, time_step: float) -> None:
+    def native_steps(self, steps: int) -> None:
         """Take steps of PhysX alone."""
         for _ in range(steps):
-            self._physx.step_sync(time_step)
+            self._physx.step_sync(self._time_step)
+
+    def close(self) -> None:
+        """Free what PhysX holds; Python would free it in any order."""
+        for binding in self._bindings:
+            binding.destroy()
+        self._physx.wait_task(self._physx.detach_ovstage())
+        self._physx.destroy()
+        self._stage.destroy()
 
 
 def _stage(text: str) -> Any:
@@ -173,14 +176,6 @@ def _stage(text: str) -> Any:
         ovstage.population.open_usd(stage, str(file), ordinal=ORDINAL, domains=ovstage.PopulationDomain.ALL)
     stage.advance_write_floor(ordinal=ORDINAL).wait()
     return stage
-
-
-def _close(physx: Any, stage: Any, bindings: list[Any]) -> None:
-    for binding in bindings:
-        binding.destroy()
-    physx.wait_task(physx.detach_ovstage())
-    physx.destroy()
-    stage.destroy()
 
 
 @functools.cache
