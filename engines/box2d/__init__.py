@@ -2,8 +2,8 @@
 
 from typing import ClassVar
 
-from engines.box2d.contact import CLEARANCE_OVER_SLOP, GAP_OVER_SLOP, Box2DContactLane, contact_units
-from engines.box2d.joint import SPRING_LENGTH, Box2DJointLane, joint_units
+from engines.box2d.contact import CLEARANCE_OVER_SLOP, GAP_OVER_SLOP, Box2DContactLane
+from engines.box2d.joint import SPRING_LENGTH, Box2DJointLane
 from engines.box2d.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.interface.tolerances import SINGLE_RESIDUAL
@@ -36,10 +36,10 @@ class Box2D(PipEngine):
     )
     lane_models: ClassVar = {Formulation.JOINT: Box2DJointLane, Formulation.CONTACT: Box2DContactLane}
     reproducers: ClassVar = {
-        Formulation.JOINT: script_in_units("reproducer_joint.py.jinja", joint_units, length=SPRING_LENGTH),
+        Formulation.JOINT: script_in_units("reproducer_joint.py.jinja", Box2DJointLane.units_of, length=SPRING_LENGTH),
         Formulation.CONTACT: script_in_units(
             "reproducer_contact.py.jinja",
-            contact_units,
+            Box2DContactLane.units_of,
             length=SPRING_LENGTH,
             gap=GAP_OVER_SLOP,
             clearance=CLEARANCE_OVER_SLOP,

@@ -1,5 +1,6 @@
 """Box2D's contact formulation: in every cell a box, the inner mass, pressed on a plate, the outer one."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,6 @@ import numpy as np
 from engines.box2d.joint import FARTHEST, Box2DLane, finer_units, import_box2d
 from engines.interface.presets import Preset
 from engines.shared.force_loop import PressedLane, Step
-from engines.shared.units import Units
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
@@ -21,15 +21,11 @@ CLEARANCE_OVER_SLOP = 8.0
 of the plate above it. Without it small boxes touch the cell beside theirs."""
 
 
-def contact_units(name: str, lane: Lane) -> Units:
-    """Give the units of a preset: boxes are some tenths of the lane's, where Box2D rounds corners by a hundredth."""
-    return finer_units(name, lane, 2.0**4)
-
-
 class Box2DContactLane(PressedLane, Box2DLane):
     """One chain with a box on a plate in every cell."""
 
-    units_of = staticmethod(contact_units)
+    units_of = partial(finer_units, length=2.0**4)
+    """Boxes are some tenths of a unit, where Box2D rounds corners by a hundredth."""
 
     def __init__(self, lane: Lane, preset: Preset):
         super().__init__(lane, preset)
@@ -39,13 +35,10 @@ class Box2DContactLane(PressedLane, Box2DLane):
         self._pressing = np.concatenate([self._chain.normal_force, -self._chain.normal_force])
 
     def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
-        polygon, (box, plate) = import_box2d().b2PolygonShape, (self._sizes.box, self._sizes.plate)
+        shapes = [import_box2d().b2PolygonShape(vertices=vertices) for vertices in self._sizes.outlines]
         for cell, friction in enumerate(self._chain.friction_coefficient.tolist()):
             # Box2D takes the root of the product of the coefficients of the two.
-            for body, shape in (
-                (outer[cell], polygon(vertices=[(-plate, -box), (plate, -box), (plate, 0.0), (-plate, 0.0)])),
-                (inner[cell], polygon(vertices=[(-box, 0.0), (box, 0.0), (box, 2 * box), (-box, 2 * box)])),
-            ):
+            for body, shape in zip((outer[cell], inner[cell]), shapes, strict=True):
                 body.CreateFixture(shape=shape, density=1.0, friction=friction, restitution=0.0)
                 body.userData = cell
 

@@ -6,6 +6,7 @@ import importlib
 import math
 import warnings
 from abc import abstractmethod
+from collections.abc import Callable
 from operator import attrgetter
 from typing import Any
 
@@ -24,7 +25,7 @@ FARTHEST = 2.0
 """Distance in an engine's units at which Box2D cuts the displacement of a step off, without a message."""
 
 
-def finer_units(name: str, lane: Lane, length: float) -> Units:
+def finer_units(name: str, lane: Lane, *, length: float) -> Units:
     """Give the units of a preset, the lane's own with a unit of length so many times as long."""
     units = Units.named(name, lane)
     return units if name == "SI" else dataclasses.replace(units, length=length * units.length)
@@ -40,13 +41,10 @@ class Box2DLane(ExplicitForcesLane):
         # Where bodies are across the motion, and the forces on them there.
         self._heights, self._pressing = np.zeros((2, 2 * lane.chain.cells))
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, with bodies at rest kept awake; see `NativeStepping`."""
+    def _native_step(self) -> Callable[[], object]:
         world, _ = self._new_world(np.zeros(4 * self._chain.cells))
         world.SetAllowSleeping(False)
-        step, time_step, (velocity, position) = world.Step, self._time_step, self._iterations
-        for _ in range(steps):
-            step(time_step, velocity, position)
+        return functools.partial(world.Step, self._time_step, *self._iterations)
 
     @abstractmethod
     def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:
@@ -120,15 +118,11 @@ def import_box2d() -> Any:
         return importlib.import_module("Box2D")
 
 
-def joint_units(name: str, lane: Lane) -> Units:
-    """Give the units of a preset, the lane's own with so long a unit that no step comes near Box2D's `FARTHEST`."""
-    return finer_units(name, lane, 2.0**20)
-
-
 class Box2DJointLane(Box2DLane):
     """One chain with a joint in every cell."""
 
-    units_of = staticmethod(joint_units)
+    units_of = functools.partial(finer_units, length=2.0**20)
+    """Units so long that no step comes near Box2D's `FARTHEST`."""
 
     def __init__(self, lane: Lane, preset: Preset):
         super().__init__(lane, preset)

@@ -1,12 +1,9 @@
 """Options and presets of Box2D, and the law of its own springs: an implicit Euler step, in single precision."""
 
-from collections.abc import Mapping
-
 from engines.interface.law import Law
 from engines.interface.presets import NormalForce, Option, Preset
 from engines.shared.claims import IMPLICIT_SPRINGS
-from reference_lcp.chain.simulation import Lane
-from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
+from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep
 
 SINGLE_PRECISION_PERIOD = 3e-5
 """Of U0: the stretch of a spring is the difference of two lengths of 64 U0, rounded to 64 U0 · 2^-24 = 4e-6 U0; a
@@ -17,17 +14,11 @@ def own_springs(preset: Preset) -> Law:
     """Give the law of distance joints as springs; it has no constants beside the chain's."""
     return Law(
         formula="(M + h C + h² K) q̇⁺ = M q̇ − h K q + h f(t) e_1 + W p; Coulomb's law",
-        model=_own_springs,
+        model=lambda lane, _: LinearImplicitLane(lane, LinearStep.implicit(lane.chain, lane.time_step)),
         period_bound=SINGLE_PRECISION_PERIOD,
         bound_growth=0.5,
         bound_reason="single precision: a spring of 64 U0 is rounded to 4e-6 U0",
         modulated=preset.represents(NormalForce.MODULATED),
-    )
-
-
-def _own_springs(lane: Lane, _: Mapping[str, float]) -> LinearImplicitLane:
-    return LinearImplicitLane(
-        lane, LinearStep.implicit(lane.chain, lane.time_step), ScalarFriction.coulomb(lane.chain.cells)
     )
 
 
@@ -60,7 +51,6 @@ JOINT_TUNED = Preset(
         "positionIterations": (1, "There is nothing to correct across the motion."),
     },
     shares_scheme=True,
-    split_tolerance=0.0,
     normal_force=NormalForce.MODULATED,
 )
 

@@ -1,6 +1,8 @@
 """DART's contact formulation: in every cell a box, or a sphere, the inner mass, pressed on a plate, the outer one."""
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -40,14 +42,13 @@ class DartContactLane(PressedLane):
         self._rubbing = self._chain.friction_bound > 0
         self._sine, self._cosine = math.sin(lane.inclination), math.cos(lane.inclination)
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps under constant forces that are set once: at rest, without any, contacts have nothing to do."""
+    def _native_step(self) -> Callable[[], object]:
+        # Under constant forces that are set once: at rest, without any, contacts have nothing to do.
         world, skeletons = self._new_world()
-        for skeleton, bound, normal_load in zip(skeletons, self._chain.friction_bound, self._pressing(), strict=True):
+        pressing = np.where(self._rubbing, -self._chain.normal_force, 0.0)
+        for skeleton, bound, normal_load in zip(skeletons, self._chain.friction_bound, pressing, strict=True):
             skeleton.setForces([0.0, bound / 2, normal_load])
-        step = world.step
-        for _ in range(steps):
-            step(False)
+        return partial(world.step, False)
 
     def _begin(self, motion: FloatArray) -> Step:
         self._world, skeletons = self._new_world()
@@ -117,10 +118,6 @@ class DartContactLane(PressedLane):
     ) -> tuple[FloatArray, FloatArray]:
         friction, normal = super()._contact_forces(read, motions, given)
         return friction, np.where(self._rubbing, normal, given)
-
-    def _pressing(self) -> FloatArray:
-        """Forces across the joint of every inner mass, which act back on the plate."""
-        return np.where(self._rubbing, -self._chain.normal_force, 0.0)
 
     def _new_world(self) -> tuple[Any, list[Any]]:
         """Make a world with a skeleton a cell, a skeleton's bodies being allowed to touch each other."""

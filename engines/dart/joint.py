@@ -1,5 +1,7 @@
 """DART's joint formulation: a skeleton of sliders with Coulomb friction in the inner ones."""
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -32,15 +34,12 @@ class DartJointLane(ExplicitForcesLane):
         self.coordinates = ChainCoordinates.ROW if self._own_springs else ChainCoordinates.CELLS
         super().__init__(lane, preset)
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps under constant forces that are set once: DART leaves the friction of still joints out."""
+    def _native_step(self) -> Callable[[], object]:
+        # Under constant forces that are set once: DART leaves the friction of still joints out.
         world, skeleton = self._new_world()
-        cells = self._chain.cells
-        force = float(np.mean(self._chain.friction_bound)) / 2 * (-1.0) ** np.arange(cells)
+        force = float(np.mean(self._chain.friction_bound)) / 2 * (-1.0) ** np.arange(self._chain.cells)
         skeleton.setForces(np.concatenate([force, -force]))
-        step = world.step
-        for _ in range(steps):
-            step(False)
+        return partial(world.step, False)
 
     def _begin(self, motion: FloatArray) -> Step:
         world, self._skeleton = self._new_world()

@@ -24,20 +24,21 @@ class PinocchioJointLane(ExplicitForcesLane):
         self._forces *= self._time_step
         self._force_unit = self._units.force / self._time_step
 
-    def native_steps(self, steps: int) -> None:
-        """Make Pinocchio's calls of a step from the same state again and again, in which friction has work to do."""
-        import pinocchio
+    def _native_step(self) -> Callable[[], object]:
+        from pinocchio import aba, integrate
 
         model, data, impulses_for = self._solver()
-        coordinate = np.zeros(2 * self._chain.cells)
-        gap = self._chain.friction_bound * self._time_step * (1 / self._chain.outer_mass + 1 / self._chain.inner_mass)
-        gap /= 2
-        aba, integrate = pinocchio.aba, pinocchio.integrate
-        for _ in range(steps):
-            aba(model, data, coordinate, coordinate, coordinate)
+        chain, still = self._chain, np.zeros(2 * self._chain.cells)
+        # Friction has work to do, in the same state again and again.
+        gap = chain.friction_bound * self._time_step * (1 / chain.outer_mass + 1 / chain.inner_mass) / 2
+
+        def step() -> None:
+            aba(model, data, still, still, still)
             impulses_for(gap)
-            aba(model, data, coordinate, coordinate, coordinate)
-            integrate(model, coordinate, coordinate)
+            aba(model, data, still, still, still)
+            integrate(model, still, still)
+
+        return step
 
     def _begin(self, motion: FloatArray) -> Step:
         import pinocchio

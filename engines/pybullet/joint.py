@@ -3,6 +3,7 @@
 import functools
 import importlib
 import sys
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -31,12 +32,6 @@ class Connection:
             if self._client < 0:
                 raise RuntimeError("PyBullet opens no further world; close simulations that are no longer used")
         return self._client
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps and do nothing else."""
-        step, client = import_pybullet().stepSimulation, self.client
-        for _ in range(steps):
-            step(physicsClientId=client)
 
     def close(self) -> None:
         """Close the connection; the next use opens another."""
@@ -67,11 +62,10 @@ class PyBulletLane(ExplicitForcesLane):
         super().__init__(lane, preset)
         self._connection = connection
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of Bullet alone, from rest; see `NativeStepping`."""
+    def _native_step(self) -> Callable[[], object]:
         self._across = np.zeros((2, self._chain.cells))
         self._begin(np.zeros(4 * self._chain.cells))
-        self._connection.native_steps(steps)
+        return functools.partial(import_pybullet().stepSimulation, physicsClientId=self._connection.client)
 
     def close(self) -> None:
         """Close the connection that this lane shares with the others of its simulation."""

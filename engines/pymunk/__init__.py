@@ -6,9 +6,10 @@ from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Pr
 from engines.pymunk.contact import DEPTH, PymunkBoxes
 from engines.pymunk.joint import PymunkJoints
 from engines.pymunk.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_TUNED
-from engines.pymunk.simulation import SPRING_LENGTH, PymunkLane, PymunkSimulation
+from engines.pymunk.simulation import SPRING_LENGTH
 from engines.shared.pip_engine import PipEngine
 from engines.shared.script_units import script_in_si
+from engines.shared.worlds_simulation import LaneAlone
 from reference_lcp.chain.simulation import Lane, Simulation
 from reference_lcp.schemes.sequential import SequentialSimulation
 
@@ -45,6 +46,6 @@ class Pymunk(PipEngine):
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
         kind = PymunkJoints if formulation is Formulation.JOINT else PymunkBoxes
         if preset["units"] == "lane":
-            return PymunkSimulation(kind, lanes, preset)
+            return kind(lanes, preset)
         # In SI units time steps differ, and with them what one space can take.
-        return SequentialSimulation([PymunkLane(kind, lane, preset) for lane in lanes])
+        return SequentialSimulation([LaneAlone(kind([lane], preset)) for lane in lanes])

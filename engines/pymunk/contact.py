@@ -6,53 +6,47 @@ from typing import Any
 import numpy as np
 
 from engines.interface.presets import Preset
-from engines.pymunk.simulation import PymunkBodies, World
+from engines.pymunk.simulation import PymunkSimulation, World
 from engines.shared.box_geometry import PressedBoxes
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.chain.trajectory import State
 from reference_lcp.validation import FloatArray
 
 DEPTH = 2.0**-7
 """Depth of a box in its plate over half its edge: at zero, round-off would lose a contact now and then."""
 
 
-class PymunkBoxes(PymunkBodies):
+class PymunkBoxes(PymunkSimulation):
     """Lanes with a box on a plate in every cell, side by side across the motion."""
 
     def __init__(self, lanes: Sequence[Lane], preset: Preset):
         super().__init__(lanes, preset)
-        self._sizes = [PressedBoxes.of(lane, units) for lane, units in zip(lanes, self.units, strict=True)]
-        for index, (sizes, chain) in enumerate(zip(self._sizes, self.chains, strict=True)):
-            cells = sizes.spacing * np.arange(index * self.cells, (index + 1) * self.cells)
+        self._sizes = [PressedBoxes.of(lane, units) for lane, units in zip(lanes, self._units, strict=True)]
+        for index, (sizes, chain) in enumerate(zip(self._sizes, self._chains, strict=True)):
+            cells = sizes.spacing * np.arange(index * self._cells, (index + 1) * self._cells)
             self._heights[index] = np.concatenate([cells, cells - DEPTH * sizes.box])
             self._pressing[index] = np.concatenate([chain.normal_force, -chain.normal_force])
 
     def _hold(self, space: Any, chain: Chain, outer: list[Any], inner: list[Any]) -> list[Any]:
         import pymunk
 
-        sizes = self._sizes[len(space.bodies) // (2 * self.cells) - 1]
-        box, plate, shapes = sizes.box, sizes.plate, []
-        for below, above, friction in zip(outer, inner, chain.friction_coefficient, strict=True):
-            lower = pymunk.Poly(below, [(-plate, -box), (plate, -box), (plate, 0.0), (-plate, 0.0)])
-            upper = pymunk.Poly(above, [(-box, 0.0), (box, 0.0), (box, 2 * box), (-box, 2 * box)])
+        sizes = self._sizes[len(space.bodies) // (2 * self._cells) - 1]
+        for *pair, friction in zip(outer, inner, chain.friction_coefficient.tolist(), strict=True):
             # Chipmunk multiplies the coefficients of the two shapes.
-            lower.friction, upper.friction = 1.0, float(friction)
-            shapes += [lower, upper]
-        space.add(*shapes)
+            for body, vertices, coefficient in zip(pair, sizes.outlines, (1.0, friction), strict=True):
+                shape = pymunk.Poly(body, vertices)
+                shape.friction = coefficient
+                space.add(shape)
         return []
 
-    def reader(self, world: World) -> Callable[[], FloatArray]:
-        """Give what reads friction and normal impulse of every cell, shape (2, lanes, n)."""
+    def _reader(self, world: World) -> Callable[[], FloatArray]:
         from pymunk import batch
 
         # Of each pair of bodies that touch, pymunk gives the impulse on the first and the normal away from it.
         fields = batch.ArbiterFields
         pairs, buffer = fields.BODY_A_ID | fields.TOTAL_IMPULSE | fields.NORMAL, batch.Buffer()
-        cells, space = self.cells, world.space
-        places = {
-            body.id: index // (2 * cells) * cells + index % cells for index, body in enumerate(world.bodies)
-        }  # fmt: skip
+        cells, space = self._cells, world.space
+        places = {body.id: index // (2 * cells) * cells + index % cells for index, body in enumerate(world.bodies)}
 
         def contacts() -> FloatArray:
             buffer.clear()
@@ -66,13 +60,9 @@ class PymunkBoxes(PymunkBodies):
 
         return contacts
 
-    def contact_forces(
-        self, read: list[FloatArray], motions: FloatArray, given: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Turn impulses into forces."""
-        friction, normal = np.stack(read, axis=1) / self.time_step
-        return friction, normal
+    def _contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> Sequence[FloatArray]:
+        return np.stack(read, axis=1) / self._time_step
 
-    def check_end(self, lane: int, positions: FloatArray) -> None:
-        """Refuse a motion in which a box has left its plate."""
-        self._sizes[lane].check_reach(State(positions[None], np.zeros((1, positions.size))), self.units[lane])
+    def _check_ends(self, positions: FloatArray) -> None:
+        for sizes, row, units in zip(self._sizes, positions, self._units, strict=True):
+            sizes.check_reach(row, units)

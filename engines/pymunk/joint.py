@@ -6,24 +6,23 @@ from typing import Any
 import numpy as np
 
 from engines.interface.presets import Preset
-from engines.pymunk.simulation import PymunkBodies, World
+from engines.pymunk.simulation import PymunkSimulation, World
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.validation import FloatArray
 
 
-class PymunkJoints(PymunkBodies):
+class PymunkJoints(PymunkSimulation):
     """Lanes with a joint in every cell; what it did is read as the size of its impulse."""
 
     def __init__(self, lanes: Sequence[Lane], preset: Preset):
         super().__init__(lanes, preset)
-        self._bounds = np.concatenate([chain.friction_bound for chain in self.chains]).tolist()
         self._reusable: World | None = None
 
-    def fresh(self) -> World:
+    def _new_world(self) -> World:
         """Give the space of the run before if its joints' impulses can be cleared: to make it anew takes longer."""
         if self._reusable is None or not self._cleared(self._reusable):
-            self._reusable = super().fresh()
+            self._reusable = super()._new_world()
         return self._reusable
 
     def _hold(self, space: Any, chain: Chain, outer: list[Any], inner: list[Any]) -> list[Any]:
@@ -39,38 +38,30 @@ class PymunkJoints(PymunkBodies):
 
     def _cleared(self, world: World) -> bool:
         """Take a step without any friction, after which no joint has an impulse to begin the next one with."""
-        joints = world.holds
-        self.place(world, np.zeros((len(self.lanes), 4 * self.cells)))
-        for joint in joints:
+        self._place(world, np.zeros((len(self.lanes), 4 * self._cells)))
+        for joint in world.holds:
             joint.max_force = 0.0
-        world.space.step(self.time_step)
-        for joint, bound in zip(joints, self._bounds, strict=True):
-            joint.max_force = bound
-        return not any(joint.impulse for joint in joints)
+        world.space.step(self._time_step)
+        self._set_normal_load(world, np.stack([chain.normal_force for chain in self._chains]))
+        return not any(joint.impulse for joint in world.holds)
 
-    def set_normal_load(self, world: World, normal_load: FloatArray) -> None:
-        """Set the bounds; see `PymunkBodies.set_normal_load`."""
-        bounds = [chain.friction_coefficient * row for chain, row in zip(self.chains, normal_load, strict=True)]
+    def _set_normal_load(self, world: World, normal_load: FloatArray) -> None:
+        bounds = [chain.friction_coefficient * row for chain, row in zip(self._chains, normal_load, strict=True)]
         for joint, bound in zip(world.holds, np.concatenate(bounds).tolist(), strict=True):
             joint.max_force = bound
 
-    def reader(self, world: World) -> Callable[[], list[float]]:
-        """Give what reads the sizes of all impulses."""
-        joints = world.holds
-        return lambda: [joint.impulse for joint in joints]
+    def _reader(self, world: World) -> Callable[[], list[float]]:
+        return lambda: [joint.impulse for joint in world.holds]
 
-    def contact_forces(
-        self, read: list[list[float]], motions: FloatArray, given: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Give the sizes of impulses the sign of the momentum that the other forces do not explain."""
-        cells, lanes = self.cells, len(self.lanes)
-        before, velocity = motions[:-1].copy(), motions[..., 3 * cells :]
-        if self.own_springs:
+    def _contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> Sequence[FloatArray]:
+        # Sizes of impulses get the sign of the momentum that the other forces do not explain.
+        cells, before = self._cells, motions[:-1].copy()
+        if self._own_springs:
             # They act at the positions that a step ends with.
             before[..., : 2 * cells] = motions[1:, :, : 2 * cells]
-        inner_mass = np.stack([chain.inner_mass for chain in self.chains])
-        gained = inner_mass * np.diff(velocity, axis=0) / self.time_step
+        inner_mass = np.stack([chain.inner_mass for chain in self._chains])
+        gained = inner_mass * np.diff(motions[..., 3 * cells :], axis=0) / self._time_step
         # One product a lane: it must not depend on what other lanes there are.
-        explained = [before[:, lane] @ matrix[cells:].T for lane, matrix in enumerate(self.spring_matrix())]
-        sizes = np.reshape(read, (len(read), lanes, cells)) / self.time_step
+        explained = [before[:, lane] @ matrix[cells:].T for lane, matrix in enumerate(self._springs)]
+        sizes = np.reshape(read, gained.shape) / self._time_step
         return np.copysign(sizes, gained - np.stack(explained, axis=1)), given

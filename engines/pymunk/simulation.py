@@ -4,11 +4,12 @@ A step of one chain takes pymunk a microsecond, and so does a call that sets or 
 of a space, such a call costs little. Lanes share a space when they share its time step, which their own units see to.
 """
 
+import functools
 import math
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +18,10 @@ from engines.interface.presets import Preset
 from engines.shared.coordinates import ChainCoordinates
 from engines.shared.force_loop import LARGEST_MOTION, STEPS_BETWEEN_CHECKS
 from engines.shared.units import Units, power_of_two
+from engines.shared.worlds_simulation import LanesInUnits
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.schemes.sequential import LaneModel
 from reference_lcp.validation import FloatArray, checked_count
 
 SPRING_LENGTH = 2.0**10
@@ -38,8 +39,10 @@ class World:
     """What makes friction, lane by lane and cell by cell, where the adapter reads it."""
 
 
-class PymunkBodies(ABC):
-    """The lanes of one space, in their units.
+class PymunkSimulation(LanesInUnits):
+    """Lanes that are advanced together, in one space; several have to be in their own units, which share a time step.
+
+    Springs, dashpots and drive of all are computed at once at the start of a step.
 
     pymunk advances positions by the velocities at the start of a step, and then the velocities under the forces
     that were set. A lane that shares the scheme of equation (5) therefore holds the positions of the step before:
@@ -49,44 +52,134 @@ class PymunkBodies(ABC):
     """
 
     def __init__(self, lanes: Sequence[Lane], preset: Preset):
-        self.lanes = tuple(lanes)
         # With dt as unit of time all lanes can share a space, though to convert velocities and parameters rounds them.
-        self.units = tuple(Units.in_steps(preset["units"], lane) for lane in lanes)
-        self.chains: tuple[Chain, ...] = tuple(
-            units.scaled(lane.chain) for lane, units in zip(lanes, self.units, strict=True)
-        )
-        self.cells = lanes[0].chain.cells
-        (self.time_step,) = {lane.time_step / units.time for lane, units in zip(lanes, self.units, strict=True)}
-        self.own_springs = preset["springs"] == "damped springs"
+        super().__init__(lanes, [Units.in_steps(preset["units"], lane) for lane in lanes])
+        self._preset, self._cells = preset, lanes[0].chain.cells
+        self._chains = [units.scaled(lane.chain) for lane, units in zip(lanes, self._units, strict=True)]
+        (self._time_step,) = {lane.time_step / units.time for lane, units in zip(lanes, self._units, strict=True)}
+        self._own_springs = preset["springs"] == "damped springs"
         self._lag = preset["positions"] == "of the step before"
-        self._preset = preset
+        # Forces of springs and dashpots of a motion, shape (lanes, 2n, 4n).
+        self._springs = np.stack([ChainCoordinates.ABSOLUTE.force_matrix(chain) for chain in self._chains])
+        if self._lag:
+            half = 2 * self._cells
+            self._springs[..., half:] += self._time_step * self._springs[..., :half]
         # Where bodies are across the motion, and the forces on them there, shape (lanes, 2n).
-        self._heights, self._pressing = np.zeros((2, len(lanes), 2 * self.cells))
+        self._heights, self._pressing = np.zeros((2, len(lanes), 2 * self._cells))
+
+    def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
+        """Advance every lane; see `Simulation.run`.
+
+        A lane that diverges stops, and its last row is repeated.
+        """
+        world, motion = self._begun(state, steps)
+        motions = np.empty((steps + 1, *motion.shape))
+        motions[0] = motion
+        contacts, read = self._reader(world), []
+        stopped = np.full(len(self.lanes), steps)
+        for row in self._steps(world, motion, start, steps, stopped):
+            motions[row + 1] = motion
+            read.append(contacts())
+        friction, normal = np.zeros((2, steps, len(self.lanes), self._cells))
+        taken = len(read)
+        if taken:
+            given = self._preloads(start, steps)[:taken]
+            friction[:taken], normal[:taken] = self._contact_forces(read, motions[: taken + 1], given)
+        for lane in np.flatnonzero(stopped < steps):
+            last = stopped[lane]
+            motions[last + 1 :, lane] = motions[last, lane]
+            for rows in (friction, normal):
+                rows[last:, lane] = rows[last - 1, lane] if last else 0.0
+        moved, trajectories, half = self._moved(motions[1:], 1.0), [], 2 * self._cells
+        for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True)):
+            position, velocity = moved[:, index, :half] * units.length, moved[:, index, half:] * units.velocity
+            forces = friction[:, index] * units.force, normal[:, index] * units.force
+            trajectories.append(Trajectory(lane.times(start, steps), position, velocity, *forces))
+        self._check_ends(np.stack([trajectory.positions[-1] for trajectory in trajectories]))
+        return trajectories
+
+    def advance(self, state: State, start: int, steps: int) -> State:
+        """Advance as `run` does, without reading the contacts."""
+        world, motion = self._begun(state, steps)
+        for _ in self._steps(world, motion, start, steps, np.full(len(self.lanes), steps)):
+            pass
+        position, velocity = np.split(self._moved(motion, 1.0), 2, axis=1)
+        end = State(position * self._length, velocity * self._velocity)
+        self._check_ends(end.positions)
+        return end
+
+    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> Self:
+        """Give the lanes of these indices, in a space of their own."""
+        return type(self)([self.lanes[lane] for lane in lanes], self._preset)
+
+    def native_steps(self, steps: int) -> None:
+        """Take steps of the space of all lanes alone; see `NativeStepping`."""
+        self._place(self._idle, np.zeros((len(self.lanes), 4 * self._cells)))
+        step, time_step = self._idle.space.step, self._time_step
+        for _ in range(steps):
+            step(time_step)
 
     @abstractmethod
     def _hold(self, space: Any, chain: Chain, outer: list[Any], inner: list[Any]) -> list[Any]:
         """Add what makes friction between the masses of each cell of a lane; give what is to be read of it."""
 
-    def fresh(self) -> World:
+    @abstractmethod
+    def _reader(self, world: World) -> Callable[[], Any]:
+        """Give what reads, after a step, what pymunk reports of the contacts of all lanes."""
+
+    @abstractmethod
+    def _contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> Sequence[FloatArray]:
+        """Turn what was read of each step into friction on inner masses and normal force, shape (steps, lanes, n) each.
+
+        `motions` are those at the start and at the end of each step, shape (steps + 1, lanes, 4n); `given` is the
+        normal load of the contacts in each step, shape (steps, lanes, n).
+        """
+
+    def _set_normal_load(self, world: World, normal_load: FloatArray) -> None:
+        """Set the normal loads of the next step, shape (lanes, n), where they change in time."""
+        raise NotImplementedError(f"{type(self).__name__} have a constant normal force")
+
+    def _check_ends(self, positions: FloatArray) -> None:
+        """Refuse ends of motions [m], shape (lanes, 2n), that the bodies cannot stand for."""
+
+    def _new_world(self) -> World:
         """Give a space whose joints and contacts hold no impulses; bodies are anywhere."""
         import pymunk
 
-        space = pymunk.Space()
-        space.iterations = self._preset["iterations"]
-        world = World(space, [], [])
-        for index, chain in enumerate(self.chains):
+        world = World(pymunk.Space(), [], [])
+        world.space.iterations = self._preset["iterations"]
+        for index, chain in enumerate(self._chains):
             # A body with an infinite moment of inertia does not turn.
             masses = np.concatenate([chain.outer_mass, chain.inner_mass]).tolist()
             bodies = [pymunk.Body(mass, math.inf) for mass in masses]
-            space.add(*bodies)
-            outer, inner = bodies[: self.cells], bodies[self.cells :]
-            world.holds.extend(self._hold(space, chain, outer, inner))
-            if self.own_springs:
-                self._add_springs(space, index, outer, inner)
+            world.space.add(*bodies)
+            outer, inner = bodies[: self._cells], bodies[self._cells :]
+            world.holds.extend(self._hold(world.space, chain, outer, inner))
+            if self._own_springs:
+                self._add_springs(world.space, index, outer, inner)
             world.bodies.extend(bodies)
         return world
 
-    def place(self, world: World, motion: FloatArray) -> None:
+    @functools.cached_property
+    def _idle(self) -> World:
+        return type(self)(self.lanes, self._preset)._new_world()
+
+    def _add_springs(self, space: Any, index: int, outer: list[Any], inner: list[Any]) -> None:
+        """Add the springs: the right end of each is an anchor that its body carries ahead of it, at equal height."""
+        import pymunk
+
+        lane, chain = self.lanes[index], self._chains[index]
+        heights = np.concatenate([[0.0], self._heights[index]])
+        length = SPRING_LENGTH * power_of_two(lane.drive.displacement_scale(lane.chain)) / self._units[index].length
+        lefts, rights = [space.static_body, *outer[:-1], *outer], [*outer, *inner]
+        rises = heights[[*range(chain.cells), *range(1, chain.cells + 1)]] - heights[1:]
+        stiffnesses = np.concatenate([chain.chain_stiffness, chain.inner_stiffness])
+        dampings = np.concatenate([chain.chain_damping, chain.inner_damping])
+        for left, right, rise, stiffness, damping in zip(lefts, rights, rises, stiffnesses, dampings, strict=True):
+            anchors = (0.0, 0.0), (length, float(rise))
+            space.add(pymunk.DampedSpring(left, right, *anchors, length, float(stiffness), float(damping)))
+
+    def _place(self, world: World, motion: FloatArray) -> None:
         """Give all bodies this motion."""
         from pymunk import batch
 
@@ -98,7 +191,7 @@ class PymunkBodies(ABC):
         buffer.set_float_buf(rows)
         batch.set_space_bodies(world.space, batch.BodyFields.POSITION | batch.BodyFields.VELOCITY, buffer)
 
-    def stepper(self, world: World, motion: FloatArray) -> Callable[[FloatArray], None]:
+    def _stepper(self, world: World, motion: FloatArray) -> Callable[[FloatArray], None]:
         """Give what takes one step under forces, shape (lanes, 2n), and writes the new motion into `motion`."""
         from pymunk import batch
 
@@ -116,7 +209,7 @@ class PymunkBodies(ABC):
         along = forces[:bodies, 0].reshape(shape)
         forces[:bodies, 1] = self._pressing.ravel()
         moved = motion.reshape(shape[0], 2, shape[1])
-        advance, clear, time_step = space.step, read.clear, self.time_step
+        advance, clear, time_step = space.step, read.clear, self._time_step
 
         def step(force: FloatArray) -> None:
             along[:] = force
@@ -128,135 +221,19 @@ class PymunkBodies(ABC):
 
         return step
 
-    def set_normal_load(self, world: World, normal_load: FloatArray) -> None:
-        """Set the normal loads of the next step, shape (lanes, n), where they change in time."""
-        raise NotImplementedError(f"{type(self).__name__} have a constant normal force")
-
-    @abstractmethod
-    def reader(self, world: World) -> Callable[[], Any]:
-        """Give what reads, after a step, what pymunk reports of the contacts of all lanes."""
-
-    @abstractmethod
-    def contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Turn what was read of each step into friction on inner masses and normal force, shape (steps, lanes, n) each.
-
-        `motions` are those at the start and at the end of each step, shape (steps + 1, lanes, 4n); `given` is the
-        normal load of the contacts in each step, shape (steps, lanes, n).
-        """
-
-    def spring_matrix(self) -> FloatArray:
-        """Give the matrices that turn motions into the forces of springs and dashpots, shape (lanes, 2n, 4n)."""
-        matrix = np.stack([ChainCoordinates.ABSOLUTE.force_matrix(chain) for chain in self.chains])
-        if self._lag:
-            half = matrix.shape[1]
-            matrix[..., half:] += self.time_step * matrix[..., :half]
-        return matrix
-
-    def moved(self, motions: FloatArray, steps: float) -> FloatArray:
-        """Move positions by steps forth or back, if these lanes hold those of the step before."""
-        position, velocity = np.split(motions, 2, axis=-1)
-        if self._lag:
-            position = position + steps * self.time_step * velocity
-        return np.concatenate([position, velocity], axis=-1)
-
-    def check_end(self, lane: int, positions: FloatArray) -> None:
-        """Refuse the end of a motion [m], shape (2n,), that these bodies cannot stand for."""
-        return
-
-    def _add_springs(self, space: Any, index: int, outer: list[Any], inner: list[Any]) -> None:
-        """Add the springs: the right end of each is an anchor that its body carries ahead of it, at equal height."""
-        import pymunk
-
-        lane, chain = self.lanes[index], self.chains[index]
-        heights = np.concatenate([[0.0], self._heights[index]])
-        length = SPRING_LENGTH * power_of_two(lane.drive.displacement_scale(lane.chain)) / self.units[index].length
-        lefts, rights = [space.static_body, *outer[:-1], *outer], [*outer, *inner]
-        rises = heights[[*range(chain.cells), *range(1, chain.cells + 1)]] - heights[1:]
-        stiffnesses = np.concatenate([chain.chain_stiffness, chain.inner_stiffness])
-        dampings = np.concatenate([chain.chain_damping, chain.inner_damping])
-        for left, right, rise, stiffness, damping in zip(lefts, rights, rises, stiffnesses, dampings, strict=True):
-            anchors = (0.0, 0.0), (length, float(rise))
-            space.add(pymunk.DampedSpring(left, right, *anchors, length, float(stiffness), float(damping)))
-
-
-class PymunkSimulation:
-    """Lanes that are advanced together, in one space; several have to be in their own units, which share a time step.
-
-    Springs, dashpots and drive of all are computed at once at the start of a step.
-    """
-
-    def __init__(self, kind: type[PymunkBodies], lanes: Sequence[Lane], preset: Preset):
-        self.lanes = tuple(lanes)
-        self._kind, self._preset = kind, preset
-        self._bodies = bodies = kind(lanes, preset)
-        springs = bodies.spring_matrix()
-        # Only the drive is left where pymunk has the springs.
-        self._matrix = np.zeros_like(springs) if bodies.own_springs else springs
-        self._length, self._velocity, self._force = np.array(
-            [(units.length, units.velocity, units.force) for units in bodies.units]
-        ).T[:, :, None]
-        self._idle: World | None = None
-        self._modulated = any(lane.preload is not None for lane in self.lanes)
-
-    def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
-        """Advance every lane; see `Simulation.run`.
-
-        A lane that diverges stops, and its last row is repeated.
-        """
-        world, motion = self._begun(state, steps)
-        motions = np.empty((steps + 1, *motion.shape))
-        motions[0] = motion
-        contacts, read = self._bodies.reader(world), []
-        stopped = np.full(len(self.lanes), steps)
-        for row in self._steps(world, motion, start, steps, stopped):
-            motions[row + 1] = motion
-            read.append(contacts())
-        friction, normal = np.zeros((2, steps, len(self.lanes), self._bodies.cells))
-        taken = len(read)
-        if taken:
-            given = self._preloads(start, steps)[:taken]
-            friction[:taken], normal[:taken] = self._bodies.contact_forces(read, motions[: taken + 1], given)
-        for lane in np.flatnonzero(stopped < steps):
-            last = stopped[lane]
-            motions[last + 1 :, lane] = motions[last, lane]
-            for rows in (friction, normal):
-                rows[last:, lane] = rows[last - 1, lane] if last else 0.0
-        return self._trajectories(self._bodies.moved(motions[1:], 1.0), friction, normal, start)
-
-    def advance(self, state: State, start: int, steps: int) -> State:
-        """Advance as `run` does, without reading the contacts."""
-        world, motion = self._begun(state, steps)
-        stopped = np.full(len(self.lanes), steps)
-        for _ in self._steps(world, motion, start, steps, stopped):
-            pass
-        position, velocity = np.split(self._bodies.moved(motion, 1.0), 2, axis=1)
-        end = State(position * self._length, velocity * self._velocity)
-        self._check_ends(end.positions)
-        return end
-
-    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "PymunkSimulation":
-        """Give the lanes of these indices, in a space of their own."""
-        return PymunkSimulation(self._kind, [self.lanes[lane] for lane in lanes], self._preset)
-
-    def close(self) -> None:
-        """Nothing to do: memory is all that pymunk holds, and it goes with the last reference."""
-        return
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the space of all lanes alone; see `NativeStepping`."""
-        if self._idle is None:
-            self._idle = self._kind(self.lanes, self._preset).fresh()
-        self._bodies.place(self._idle, np.zeros((len(self.lanes), 4 * self._bodies.cells)))
-        step, time_step = self._idle.space.step, self._bodies.time_step
-        for _ in range(steps):
-            step(time_step)
-
     def _begun(self, state: State, steps: int) -> tuple[World, FloatArray]:
         """Give a space without impulses of an earlier run, and the motion of `state` in it."""
         checked_count("steps", steps)
-        state.check_fits(len(self.lanes), self._bodies.cells)
+        state.check_fits(len(self.lanes), self._cells)
         motion = np.hstack([state.positions / self._length, state.velocities / self._velocity])
-        return self._bodies.fresh(), self._bodies.moved(motion, -1.0)
+        return self._new_world(), self._moved(motion, -1.0)
+
+    def _moved(self, motions: FloatArray, steps: float) -> FloatArray:
+        """Move positions by steps forth or back, if these lanes hold those of the step before."""
+        position, velocity = np.split(motions, 2, axis=-1)
+        if self._lag:
+            position = position + steps * self._time_step * velocity
+        return np.concatenate([position, velocity], axis=-1)
 
     def _steps(
         self, world: World, motion: FloatArray, start: int, steps: int, stopped: NDArray[np.intp]
@@ -266,14 +243,17 @@ class PymunkSimulation:
         Where a lane has diverged its bodies rest from then on, so that no other lane sees its numbers; its number of
         steps goes into `stopped`, and in the end its last motion into `motion`.
         """
-        self._bodies.place(world, motion)
-        matrix, column, step = self._matrix, motion[..., None], self._bodies.stepper(world, motion)
+        self._place(world, motion)
+        # Only the drive is left where pymunk has the springs.
+        matrix = np.zeros_like(self._springs) if self._own_springs else self._springs
+        column, step = motion[..., None], self._stepper(world, motion)
         forces = np.empty((*matrix.shape[:2], 1))
         force, matmul, add = forces[..., 0], np.matmul, np.add
         last = motion.copy()
         # Drives act on cell 1 alone: room for the forces on all of them, for the steps between two checks.
         given, loads = self._loads(start, steps), np.zeros((STEPS_BETWEEN_CHECKS, *force.shape))
-        set_normal_load = self._normal_load_setter(world, start, steps)
+        modulated = any(lane.preload is not None for lane in self.lanes)
+        normal_loads = self._preloads(start, steps) if modulated else None
         for first in range(0, steps, STEPS_BETWEEN_CHECKS):
             self._rest_the_diverged(world, motion, last, stopped, first)
             going = stopped > first
@@ -284,7 +264,8 @@ class PymunkSimulation:
             for row, load in enumerate(loads[: len(piece)], first):
                 matmul(matrix, column, forces)
                 add(force, load, force)
-                set_normal_load(row)
+                if normal_loads is not None:
+                    self._set_normal_load(world, normal_loads[row])
                 step(force)
                 yield row
         motion[stopped < steps] = last[stopped < steps]
@@ -298,57 +279,4 @@ class PymunkSimulation:
             last[diverged], stopped[diverged] = motion[diverged], steps
         if (stopped <= steps).any():
             motion[stopped <= steps] = 0.0
-            self._bodies.place(world, motion)
-
-    def _loads(self, start: int, steps: int) -> FloatArray:
-        """Give the force on cell 1 of every lane at the start of each step, shape (steps, lanes)."""
-        return np.stack([lane.loads(start, steps) for lane in self.lanes], axis=1) / self._force[:, 0]
-
-    def _normal_load_setter(self, world: World, start: int, steps: int) -> Callable[[int], None]:
-        """Give what sets the normal load of every cell before a step; it does nothing where that is constant."""
-        if not self._modulated:
-            return lambda _: None
-        normal_loads = self._preloads(start, steps)
-        return lambda row: self._bodies.set_normal_load(world, normal_loads[row])
-
-    def _preloads(self, start: int, steps: int) -> FloatArray:
-        """Give the normal load of every cell of every lane in each step, shape (steps, lanes, n)."""
-        return np.stack([lane.preloads(start, steps) for lane in self.lanes], axis=1) / self._force
-
-    def _trajectories(
-        self, motions: FloatArray, friction: FloatArray, normal: FloatArray, start: int
-    ) -> list[Trajectory]:
-        """Give the trajectory of each lane in SI units."""
-        half, trajectories = motions.shape[2] // 2, []
-        for index, (lane, units) in enumerate(zip(self.lanes, self._bodies.units, strict=True)):
-            time = lane.times(start, len(motions))
-            position, velocity = motions[:, index, :half] * units.length, motions[:, index, half:] * units.velocity
-            forces = friction[:, index] * units.force, normal[:, index] * units.force
-            trajectories.append(Trajectory(time, position, velocity, *forces))
-        self._check_ends(np.stack([trajectory.positions[-1] for trajectory in trajectories]))
-        return trajectories
-
-    def _check_ends(self, positions: FloatArray) -> None:
-        """Check the last positions of every lane [m]."""
-        for lane, row in enumerate(positions):
-            self._bodies.check_end(lane, row)
-
-
-class PymunkLane(LaneModel):
-    """A lane in a space of its own, for units in which lanes do not share a time step."""
-
-    def __init__(self, kind: type[PymunkBodies], lane: Lane, preset: Preset):
-        self.lane = lane
-        self._alone = PymunkSimulation(kind, [lane], preset)
-
-    def run(self, state: State, start: int, steps: int) -> Trajectory:
-        """Advance from `state`; see `LaneModel.run`."""
-        return self._alone.run(state, start, steps)[0]
-
-    def advance(self, state: State, start: int, steps: int) -> State:
-        """Advance as `run` does, without reading the contacts."""
-        return self._alone.advance(state, start, steps)
-
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone; see `NativeStepping`."""
-        self._alone.native_steps(steps)
+            self._place(world, motion)

@@ -32,14 +32,12 @@ class DampedSpringsLane(KernelLane):
     def __init__(self, lane: Lane, sweeps: int):
         super().__init__(lane)
         chain, h = lane.chain, lane.time_step
-        inverse_outer, inverse_inner = 1 / chain.outer_mass, 1 / chain.inner_mass
+        inverse_mass = 1 / self._masses
         # The first chain spring hangs on the ground.
-        left = np.concatenate([[0.0], inverse_outer[:-1]])
-        dashpots = (
-            1 - np.exp(-chain.chain_damping * h * (left + inverse_outer)),
-            1 - np.exp(-chain.inner_damping * h * (inverse_outer + inverse_inner)),
-        )
-        self._numbers = (inverse_outer, inverse_inner), h * chain.stiffness_matrix, dashpots, (h, sweeps)
+        left = np.concatenate([[0.0], inverse_mass[: chain.cells - 1], inverse_mass[: chain.cells]])
+        damping = np.concatenate([chain.chain_damping, chain.inner_damping])
+        dashpots = 1 - np.exp(-damping * h * (left + inverse_mass))
+        self._numbers = inverse_mass, h * chain.stiffness_matrix, dashpots, (h, sweeps)
 
     def _take(self, motion: FloatArray, loads: FloatArray, bounds: FloatArray, record: FloatArray) -> None:
         advance(motion.reshape(2, -1), self.lane.time_step * loads, bounds, *self._numbers, record)
@@ -52,23 +50,21 @@ class DampedSpringsLane(KernelLane):
 
 @Kernel
 def advance(
-    motion: Any, loads: Any, bounds: Any, masses: Any, springs: Any, dashpots: Any, numbers: Any, record: Any
+    motion: Any, loads: Any, bounds: Any, inverse_mass: Any, springs: Any, dashpots: Any, numbers: Any, record: Any
 ) -> None:
     """Advance one lane in place; `record` is (steps, 5n), or has no rows when nothing is kept."""
     h, sweeps = numbers
     position, velocity = motion[0], motion[1]
-    cells = masses[0].size
-    inverse_mass = np.concatenate(masses)
+    cells = bounds.shape[1]
     for step in range(loads.size):
         position += h * velocity
         impulse = -(springs @ position)
         impulse[0] += loads[step]
         velocity += inverse_mass * impulse
-        friction, chain_rate, inner_rate = np.zeros(cells), np.zeros(cells), np.zeros(cells)
+        friction, rates = np.zeros(cells), np.zeros(2 * cells)
         for _ in range(sweeps):
-            _rub(velocity, friction, bounds[step], masses)
-            _damp_chain(velocity, chain_rate, dashpots[0], masses[0])
-            _damp_inner(velocity, inner_rate, dashpots[1], masses)
+            _rub(velocity, friction, bounds[step], inverse_mass)
+            _damp(velocity, rates, dashpots, inverse_mass)
         if record.shape[0] > 0:
             record[step, : 2 * cells] = position
             record[step, 2 * cells : 4 * cells] = velocity
@@ -76,42 +72,30 @@ def advance(
 
 
 @Kernel
-def _rub(velocity: Any, friction: Any, bounds: Any, masses: Any) -> None:
+def _rub(velocity: Any, friction: Any, bounds: Any, inverse_mass: Any) -> None:
     """Bring every cell to rest, as far as the sums of its impulses are within their bounds."""
-    outer, inner = masses
-    cells = outer.size
+    cells = friction.size
     for cell in range(cells):
+        outer, inner = inverse_mass[cell], inverse_mass[cells + cell]
         slip = velocity[cells + cell] - velocity[cell]
-        total = friction[cell] - slip / (outer[cell] + inner[cell])
+        total = friction[cell] - slip / (outer + inner)
         total = min(max(total, -bounds[cell]), bounds[cell])
-        velocity[cells + cell] += inner[cell] * (total - friction[cell])
-        velocity[cell] -= outer[cell] * (total - friction[cell])
+        velocity[cells + cell] += inner * (total - friction[cell])
+        velocity[cell] -= outer * (total - friction[cell])
         friction[cell] = total
 
 
 @Kernel
-def _damp_chain(velocity: Any, target: Any, parts: Any, outer: Any) -> None:
-    """Let the dashpots of the row act, the one to the ground first."""
-    for cell in range(outer.size):
-        before = velocity[cell - 1] if cell > 0 else 0.0
-        inverse = outer[cell] + (outer[cell - 1] if cell > 0 else 0.0)
-        rate = velocity[cell] - before
-        change = (target[cell] - rate) * parts[cell]
-        target[cell] = rate + change
-        velocity[cell] += outer[cell] * change / inverse
-        if cell > 0:
-            velocity[cell - 1] -= outer[cell - 1] * change / inverse
-
-
-@Kernel
-def _damp_inner(velocity: Any, target: Any, parts: Any, masses: Any) -> None:
-    """Let the dashpots of the inner masses act."""
-    outer, inner = masses
-    cells = outer.size
-    for cell in range(cells):
-        rate = velocity[cells + cell] - velocity[cell]
-        change = (target[cell] - rate) * parts[cell]
-        target[cell] = rate + change
-        inverse = outer[cell] + inner[cell]
-        velocity[cells + cell] += inner[cell] * change / inverse
-        velocity[cell] -= outer[cell] * change / inverse
+def _damp(velocity: Any, target: Any, parts: Any, inverse_mass: Any) -> None:
+    """Let the dashpots of the row act, the one to the ground first, then those of the inner masses."""
+    cells = velocity.size // 2
+    for right in range(velocity.size):
+        left = right - 1 if right < cells else right - cells
+        hangs = left < 0
+        rate = velocity[right] - (0.0 if hangs else velocity[left])
+        change = (target[right] - rate) * parts[right]
+        target[right] = rate + change
+        inverse = inverse_mass[right] + (0.0 if hangs else inverse_mass[left])
+        velocity[right] += inverse_mass[right] * change / inverse
+        if not hangs:
+            velocity[left] -= inverse_mass[left] * change / inverse

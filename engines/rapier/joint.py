@@ -1,6 +1,7 @@
 """Lanes of Rapier, and its joint formulation: motors of bounded force that hold slip velocities at zero."""
 
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -23,12 +24,9 @@ class RapierLane(ExplicitForcesLane):
         self._places = np.zeros((2 * lane.chain.cells, 2))
         self._pressing = np.zeros(2 * lane.chain.cells)
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone, with bodies at rest kept awake; see `NativeStepping`."""
+    def _native_step(self) -> Callable[[], object]:
         world, _ = self._new_world(np.zeros(4 * self._chain.cells), can_sleep=False)
-        step = world.step
-        for _ in range(steps):
-            step()
+        return world.step
 
     @abstractmethod
     def _hold(self, world: Any, outer: list[Any], inner: list[Any]) -> None:

@@ -4,6 +4,7 @@ Both are pressed, against each other, and touch without a gap: a mass that is pr
 some steps after the start, with another normal force in each.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -31,11 +32,8 @@ class SapienContactLane(PressedLane, SapienLane):
         # Forces on all bodies in the next step; those along the motion are the loop's.
         self._pushing = np.zeros((2 * lane.chain.cells, 3))
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone."""
-        system, _ = self._new_bodies(np.zeros(4 * self._chain.cells))
-        for _ in range(steps):
-            system.step()
+    def _native_step(self) -> Callable[[], object]:
+        return self._new_bodies(np.zeros(4 * self._chain.cells))[0].step
 
     def _begin(self, motion: FloatArray) -> Step:
         self._system, bodies = self._new_bodies(motion)

@@ -3,6 +3,7 @@
 import functools
 import importlib
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -54,11 +55,8 @@ class SapienJointLane(SapienLane):
         self.coordinates = CarriedCoordinates.of_chain(lane.chain)
         super().__init__(lane, preset)
 
-    def native_steps(self, steps: int) -> None:
-        """Take steps of the engine alone."""
-        system, _ = self._new_articulation()
-        for _ in range(steps):
-            system.step()
+    def _native_step(self) -> Callable[[], object]:
+        return self._new_articulation()[0].step
 
     def _begin(self, motion: FloatArray) -> Step:
         self._system, articulation = self._new_articulation()

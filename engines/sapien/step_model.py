@@ -10,7 +10,7 @@ from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
 from engines.shared.kernel_lane import Kernel, KernelLane
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
+from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep
 
 SINGLE_PRECISION_PERIOD = 4e-5
 """Of U0: positions and velocities, of some U0 and U0 ω, are rounded by 2^-24 in each of 4,000 substeps. Roundings add
@@ -42,7 +42,7 @@ def _damped_links(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitL
     chain, h = lane.chain, lane.time_step
     mass = chain.mass_matrix
     step = LinearStep.of(chain, h, mass, (1 - h * constants["k"]) * mass - h * chain.damping_matrix, (1.0, 0.0))
-    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(chain.cells))
+    return LinearImplicitLane(lane, step)
 
 
 def temporal_gauss_seidel(preset: Preset) -> Law:

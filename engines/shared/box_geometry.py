@@ -11,7 +11,7 @@ import numpy as np
 
 from engines.shared.units import Units, power_of_two
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.chain.trajectory import State
+from reference_lcp.validation import FloatArray
 
 BOX = 4.0
 """Half of a box's edge over the displacement scale of the drive."""
@@ -40,9 +40,18 @@ class PressedBoxes:
         scale = power_of_two(lane.drive.displacement_scale(lane.chain)) / units.length
         return cls(BOX * scale, plate * scale, spacing * scale)
 
-    def check_reach(self, end: State, units: Units) -> None:
-        """Refuse a motion in which a box has left its plate: there it would feel no friction."""
-        outer, inner = np.split(end.positions[-1], 2)
+    @property
+    def outlines(self) -> tuple[list[tuple[float, float]], ...]:
+        """Corners in the plane of a plate below the height zero, and of a box above it."""
+        box, plate = self.box, self.plate
+        return (
+            [(-plate, -box), (plate, -box), (plate, 0.0), (-plate, 0.0)],
+            [(-box, 0.0), (box, 0.0), (box, 2 * box), (-box, 2 * box)],
+        )
+
+    def check_reach(self, positions: FloatArray, units: Units) -> None:
+        """Refuse a motion that ends [m] with a box off its plate: there it would feel no friction."""
+        outer, inner = np.split(positions, 2)
         largest, reach = float(np.max(np.abs(inner - outer))), (self.plate - self.box) * units.length
         if not largest < reach:
             raise RuntimeError(f"an inner mass is {largest:g} m from its outer one; its plate ends at {reach:g} m")

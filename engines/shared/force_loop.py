@@ -93,9 +93,15 @@ class ExplicitForcesLane(LaneModel):
         end, internal_state = self._state(motion[None]), self._internal_state()
         return end if internal_state is None else replace(end, internal_state=internal_state[None])
 
-    @abstractmethod
     def native_steps(self, steps: int) -> None:
         """Take steps of the engine alone; see `NativeStepping`."""
+        step = self._native_step()
+        for _ in range(steps):
+            step()
+
+    @abstractmethod
+    def _native_step(self) -> Callable[[], object]:
+        """Give what takes one step of the engine alone, from rest or where friction has work to do."""
 
     @abstractmethod
     def _begin(self, motion: FloatArray) -> Step:
@@ -189,5 +195,5 @@ class PressedLane(ExplicitForcesLane):
 
     def _state(self, motions: FloatArray) -> State:
         end = super()._state(motions)
-        self._sizes.check_reach(end, self._units)
+        self._sizes.check_reach(end.positions[-1], self._units)
         return end

@@ -1,7 +1,7 @@
 """Lanes as worlds of engines that advance all lanes of a batch at once."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Self
 
 import numpy as np
@@ -31,16 +31,18 @@ class LanesInUnits:
 
     def _loads(self, start: int, steps: int) -> FloatArray:
         """Give the force on cell 1 in every step, shape (steps, lanes)."""
-        loads = [lane.loads(start, steps) / units.force for lane, units in zip(self.lanes, self._units, strict=True)]
-        return np.stack(loads, axis=1)
+        return self._forces(lambda lane: lane.loads(start, steps))
+
+    def _preloads(self, start: int, steps: int) -> FloatArray:
+        """Give λ_N of every contact in every step, shape (steps, lanes, n)."""
+        return self._forces(lambda lane: lane.preloads(start, steps))
 
     def _bounds(self, start: int, steps: int) -> FloatArray:
         """Give μ λ_N of every contact in every step, shape (steps, lanes, n)."""
-        bounds = [
-            lane.chain.friction_coefficient * lane.preloads(start, steps) / units.force
-            for lane, units in zip(self.lanes, self._units, strict=True)
-        ]
-        return np.stack(bounds, axis=1)
+        return self._forces(lambda lane: lane.chain.friction_coefficient * lane.preloads(start, steps))
+
+    def _forces(self, of: Callable[[Lane], FloatArray]) -> FloatArray:
+        return np.stack([of(lane) / units.force for lane, units in zip(self.lanes, self._units, strict=True)], axis=1)
 
 
 class LaneAlone(LaneModel):

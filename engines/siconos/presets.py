@@ -1,11 +1,8 @@
 """Options and presets of Siconos, and the law of its steps; `server` holds its model."""
 
-from collections.abc import Mapping
-
 from engines.interface.law import Constant, Law, NotModelled
 from engines.interface.presets import Option, Preset
-from reference_lcp.chain.simulation import Lane
-from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
+from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep
 
 
 def moreau_jean(preset: Preset) -> Law:
@@ -16,13 +13,8 @@ def moreau_jean(preset: Preset) -> Law:
             "+ h ((1−θ) f(t) + θ f(t+h)) e_1 + W p; q⁺ = q + h (θ q̇⁺ + (1−θ) q̇); Coulomb's law of w⁺"
         ),
         constants={"θ": Constant(preset["theta"], "", "theta")},
-        model=_moreau_jean,
+        model=lambda lane, of: LinearImplicitLane(lane, LinearStep.theta(lane.chain, lane.time_step, of["θ"])),
     )
-
-
-def _moreau_jean(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
-    step = LinearStep.theta(lane.chain, lane.time_step, constants["θ"])
-    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells))
 
 
 def opening_contacts(_: Preset) -> NotModelled:

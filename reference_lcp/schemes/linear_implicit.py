@@ -152,11 +152,11 @@ class LinearStep:
 
 
 class LinearImplicitLane(LaneModel):
-    """One chain under one drive, advanced by a `LinearStep` with a `ScalarFriction`."""
+    """One chain under one drive, advanced by a `LinearStep` with a `ScalarFriction`: Coulomb's law without one."""
 
-    def __init__(self, lane: Lane, step: LinearStep, friction: ScalarFriction):
+    def __init__(self, lane: Lane, step: LinearStep, friction: ScalarFriction | None = None):
         self.lane = lane
-        self._step, self._friction = step, friction
+        self._step, self._friction = step, friction or ScalarFriction.coulomb(lane.chain.cells)
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state` at step index `start`."""
