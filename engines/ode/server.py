@@ -65,6 +65,9 @@ class EngineLane:
 class JointModel:
     """Outer masses that slide in the world, on each an inner one whose slider has a motor of target velocity zero."""
 
+    before_step: Any = None
+    """What is to be done before a step."""
+
     def __init__(self, given: dict[str, Any], position: Any, velocity: Any, record: bool):
         """Build a world in this state; forces of joints are measured if they are to be recorded."""
         self._given = given
@@ -81,9 +84,10 @@ class JointModel:
         self.world.setERP(float(given["erp"]))
         masses = given["mass"].tolist()
         self._bodies = [self._new_body(mass, place) for mass, place in zip(masses, self._places())]
+        sliding = [(outer, ode.environment) for outer in self._bodies[: self._cells]]
         # A joint ends with its last reference.
-        self._guides = list(self._sprung() if self._has_springs else self._guided())
-        self.before_step = self._add_friction()
+        self._guides = list(self._sprung()) if self._has_springs else [self._slider(*pair) for pair in sliding]
+        self._add_friction()
         if position is not None:
             self._set_state(position.tolist(), velocity.tolist())
 
@@ -146,7 +150,6 @@ class JointModel:
         return place // int(rows.strides[0])
 
     def _named(self, measured: Any) -> dict[str, Any]:
-        """Name what was measured."""
         friction = np.zeros((len(measured), self._cells))
         friction[:, self._bound > 0] = measured
         return {"friction": friction}
@@ -155,10 +158,9 @@ class JointModel:
         """Force on every mass across its motion."""
         return [0.0] * len(self._bodies)
 
-    def _places(self) -> Iterator[tuple[float, float]]:
+    def _places(self) -> list[tuple[float, float]]:
         """Where every mass is across its motion: sideways and in height."""
-        for _ in range(2 * self._cells):
-            yield 0.0, 0.0
+        return [(0.0, 0.0)] * (2 * self._cells)
 
     def _new_body(self, mass: float, place: tuple[float, float]) -> Any:
         """Make a mass; its inertia never enters."""
@@ -186,11 +188,6 @@ class JointModel:
         slider.setAxis(self._axis)
         return slider
 
-    def _guided(self) -> Iterator[Any]:
-        """Let every outer mass slide in the world."""
-        for outer in self._bodies[: self._cells]:
-            yield self._slider(outer, ode.environment)
-
     def _sprung(self) -> Iterator[Any]:
         """Hang every mass on the one before it by a slider whose stops are both at zero, and as soft as the spring."""
         outer, inner = self._bodies[: self._cells], self._bodies[self._cells :]
@@ -216,8 +213,8 @@ class JointModel:
         motor.setAxis(0, 0, self._axis)
         return motor
 
-    def _add_friction(self) -> Any:
-        """Put motors between outer and inner masses; nothing is to be done before a step."""
+    def _add_friction(self) -> None:
+        """Put motors between outer and inner masses."""
         self._motors = []
         for cell, bound in enumerate(self._bound.tolist()):
             motor = self._motor(self._bodies[self._cells + cell], self._bodies[cell])
@@ -228,7 +225,6 @@ class JointModel:
         # ODE measures no motor of zero force: what its record held before would be taken for friction.
         self._feedbacks = [motor.getFeedback for motor, bound in zip(self._motors, self._bound) if bound > 0]
         self._measures = len(self._feedbacks)
-        return None
 
     def _measure(self) -> list[float]:
         """Give the friction in the last step on every inner mass that rubs."""
@@ -239,7 +235,6 @@ class ContactModel(JointModel):
     """Spheres or boxes on plates, which press each other; every step finds its contacts and makes joints of them."""
 
     def __init__(self, given: dict[str, Any], position: Any, velocity: Any, record: bool):
-        """Build a world in this state; see `JointModel`."""
         self._scale = float(given["length"])
         self._half, self._reach = float(given["box"]) * self._scale, float(given["plate"]) * self._scale
         self._constant_normal_load = True
@@ -265,15 +260,15 @@ class ContactModel(JointModel):
     def _record_gaps(self, across: Any) -> Any:
         """Open the contacts, and note their gaps before every step; gives what turns the notes into rows."""
         inner = self._bodies[self._cells :]
-        rest = [place[1] for place in self._places()][self._cells :]
+        rest = [height for _, height in self._places()[self._cells :]]
         self._open(rest, across)
         notes: list[Any] = []
         set_normal_load = self.before_step
 
         def note() -> None:
             heights = [body.getPosition()[2] - height for body, height in zip(inner, rest)]
-            across = np.array([heights, [body.getLinearVel()[2] for body in inner]])
-            notes.append(self._cosine * across - self._sine * self._slips())
+            heights_and_rates = np.array([heights, [body.getLinearVel()[2] for body in inner]])
+            notes.append(self._cosine * heights_and_rates - self._sine * self._slips())
 
         def before() -> None:
             note()
@@ -329,15 +324,14 @@ class ContactModel(JointModel):
         pressing = np.where((self._bound > 0) & self._constant_normal_load, self._given["normal"], 0.0)
         return np.concatenate([pressing, -pressing]).tolist()
 
-    def _places(self) -> Iterator[tuple[float, float]]:
+    def _places(self) -> list[tuple[float, float]]:
         half, depth = self._half, float(self._given["depth"]) * self._scale
         # An inner mass is above the centre of its plate, along a face that is inclined.
         further = (2 * half - depth) * (1 / self._cosine - 1)
-        for height in (-half, half - depth + further):
-            for cell in range(self._cells):
-                yield cell * float(self._given["spacing"]) * self._scale, height
+        asides = [cell * float(self._given["spacing"]) * self._scale for cell in range(self._cells)]
+        return [(aside, height) for height in (-half, half - depth + further) for aside in asides]
 
-    def _add_friction(self) -> Any:
+    def _add_friction(self) -> None:
         """Give all masses their shapes; before a step, contacts have to be found."""
         edge, length = 2 * self._half, 2 * self._reach
         self._contacts = ode.JointGroup()
@@ -345,16 +339,14 @@ class ContactModel(JointModel):
         for cell in np.flatnonzero(self._bound > 0).tolist():
             outer, inner = self._bodies[cell], self._bodies[self._cells + cell]
             plate = ode.GeomBox(None, lengths=(length, length if self._axis[1] else edge, edge))
-            if str(self._given["shape"]) == "sphere":
-                slider = ode.GeomSphere(None, edge / 2)
-            else:
-                slider = ode.GeomBox(None, lengths=(edge, edge, edge))
+            sphere = str(self._given["shape"]) == "sphere"
+            slider = ode.GeomSphere(None, edge / 2) if sphere else ode.GeomBox(None, lengths=(edge, edge, edge))
             plate.setBody(outer)
             slider.setBody(inner)
             self._rubbing.append((inner, outer, slider, plate, float(self._given["coefficient"][cell]), cell))
         self._joints: list[tuple[int, Any]] = []
         self._measures = 2 * self._cells
-        return self._find_contacts
+        self.before_step = self._find_contacts
 
     def _find_contacts(self) -> None:
         """Make a joint of every point at which an inner mass meets its plate."""

@@ -1,47 +1,61 @@
 """The laws of ODE in SI units: its softness, and springs of its own in an implicit Euler step."""
 
 import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from engines.interface.law import Constant, Law
 from engines.interface.presets import Preset
+from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
 from reference_lcp.schemes.sequential import LaneModel
 from reference_lcp.validation import FloatArray
 
-POINTS = 4
-"""Points of contact of a box on its plate."""
-
 TILTED_PERIOD = 1e-7
 """Of U0: measured are up to 7e-9, of chains of unequal masses."""
-
-TILTED_REASON = "four soft points let round-off tilt a box, which opens one or the other of them for a step"
 
 
 def soft_motors(preset: Preset) -> Law:
     """Give the law of motors as friction beside springs as forces."""
-    return Law(
-        formula="equation (5), with Coulomb's law softened: (Wᵀ M⁻¹ W)_ii + cfm / h",
-        constants={"cfm": _softness(preset)},
-        model=lambda lane, of: _softened(lane, LinearStep.explicit(lane.chain, lane.time_step), of["cfm"]),
-        modulated=True,
-    )
+    formula = "equation (5), with Coulomb's law softened: (Wᵀ M⁻¹ W)_ii + cfm / h"
+    return _softened(formula, preset, LinearStep.explicit)
 
 
 def soft_stops(preset: Preset) -> Law:
     """Give the law of stops as springs: they are solved together with friction."""
-    return Law(
-        formula=(
-            "(M + h C + h² K) q̇⁺ = M q̇ − h K q + h f(t) e_1 + W p; "
-            "Coulomb's law, softened: (Wᵀ (M + h C + h² K)⁻¹ W)_ii + cfm / h"
-        ),
-        constants={"cfm": _softness(preset)},
-        model=lambda lane, of: _softened(lane, LinearStep.implicit(lane.chain, lane.time_step), of["cfm"]),
-        modulated=True,
+    formula = (
+        "(M + h C + h² K) q̇⁺ = M q̇ − h K q + h f(t) e_1 + W p; "
+        "Coulomb's law, softened: (Wᵀ (M + h C + h² K)⁻¹ W)_ii + cfm / h"
     )
+    return _softened(formula, preset, LinearStep.implicit)
+
+
+def soft_boxes(preset: Preset) -> Law:
+    """Give the law of boxes on plates: four points share the load, and friction."""
+    formula = "equation (5), with Coulomb's law softened by four points: (Wᵀ M⁻¹ W)_ii + cfm / (4 h)"
+    law = _softened(formula, preset, LinearStep.explicit, points=4)
+    return replace(
+        law,
+        constants={"cfm": replace(law.constants["cfm"], too_small_to_see=True)},
+        period_bound=TILTED_PERIOD,
+        bound_reason="four soft points let round-off tilt a box, which opens one or the other of them for a step",
+        unmodelled_reason=lambda lane: (
+            "both tangents of the world carry friction in a row that is turned" if lane.direction else None
+        ),
+    )
+
+
+def _softened(formula: str, preset: Preset, step: Callable[[Chain, float], LinearStep], points: int = 1) -> Law:
+    def model(lane: Lane, of: Mapping[str, float]) -> LinearImplicitLane:
+        friction = ScalarFriction.coulomb(lane.chain.cells, of["cfm"] / points / lane.time_step)
+        return LinearImplicitLane(lane, step(lane.chain, lane.time_step), friction)
+
+    constants = {"cfm": Constant(preset["cfm"], "m/(s N)", "cfm")}
+    return Law(formula=formula, constants=constants, model=model, modulated=True)
 
 
 def normal_first(preset: Preset) -> Law:
@@ -62,31 +76,6 @@ def normal_first(preset: Preset) -> Law:
         lifting=True,
         inclines=True,
     )
-
-
-def soft_boxes(preset: Preset) -> Law:
-    """Give the law of boxes on plates: four points share the load, and friction."""
-    return Law(
-        formula="equation (5), with Coulomb's law softened by four points: (Wᵀ M⁻¹ W)_ii + cfm / (4 h)",
-        constants={"cfm": Constant(preset["cfm"], "m/(s N)", "cfm", too_small_to_see=True)},
-        model=lambda lane, of: _softened(lane, LinearStep.explicit(lane.chain, lane.time_step), of["cfm"] / POINTS),
-        period_bound=TILTED_PERIOD,
-        bound_reason=TILTED_REASON,
-        modulated=True,
-        unmodelled_reason=_turned,
-    )
-
-
-def _turned(lane: Lane) -> str | None:
-    return "both tangents of the world carry friction in a row that is turned" if lane.direction else None
-
-
-def _softness(preset: Preset) -> Constant:
-    return Constant(preset["cfm"], "m/(s N)", "cfm")
-
-
-def _softened(lane: Lane, step: LinearStep, cfm: float) -> LinearImplicitLane:
-    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(lane.chain.cells, cfm / lane.time_step))
 
 
 class NormalFirstLane(LaneModel):
