@@ -18,9 +18,9 @@ from reports.export.files import FILES, NETCDF, PAGE, cards_beside, files_of, wr
 from reports.page.render import FIGURES
 from scenarios.runs import TIME_LIMIT
 from scenarios.runs.dask_cluster import executor_for
-from scenarios.runs.evaluator import StoredResults
+from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.executor import Executor
-from scenarios.runs.progress import CountingEvaluator, ProgressBars
+from scenarios.runs.progress import ProgressBars
 from scenarios.runs.result import ResultStatus
 from scenarios.runs.store import ResultStore
 from scenarios.sweeps.dataset import STATUSES
@@ -90,11 +90,8 @@ def write_sweep_report(
             check_loses_nothing(folder, shown)
             return _written(shown, folder)
         note_sweep(stored, sweep)
-        bars = stack.enter_context(ProgressBars(sweep.variants))
-        expected = expected_tasks(sweep, chosen)
-        evaluator = stack.enter_context(
-            CountingEvaluator(stored, executor, expected, bars, retry_blocked=retry_blocked)
-        )
+        bars = stack.enter_context(ProgressBars(sweep.variants, expected_tasks(sweep, chosen)))
+        evaluator = stack.enter_context(Evaluator(stored, executor, bars, retry_blocked=retry_blocked))
         report = collect(sweep, stored, evaluator, command, scope=chosen)
     return _written(report, folder)
 

@@ -24,8 +24,9 @@ from scenarios.catalogue.descriptions import ALL_SCENARIOS
 from scenarios.catalogue.verdict_table import finding_table
 from scenarios.runs import TIME_LIMIT
 from scenarios.runs.dask_cluster import executor_for
+from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import first_error
-from scenarios.runs.progress import CountingEvaluator, ProgressBars
+from scenarios.runs.progress import ProgressBars
 from scenarios.runs.store import opened_store
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.run import evaluate_sweep, note_sweep, stored_table
@@ -152,9 +153,7 @@ def check(
     with (
         opened_store(None if store is None else checked_path("store", store)) as stored,
         ProgressBars(variants) as bars,
-        CountingEvaluator(
-            stored, executor_for(workers, time_limit, scheduler), [], bars, retry_blocked=retry_blocked
-        ) as evaluator,
+        Evaluator(stored, executor_for(workers, time_limit, scheduler), bars, retry_blocked=retry_blocked) as evaluator,
     ):
         return finding_table({item: run_with_predictions(item, variants, evaluator) for item in chosen})
 

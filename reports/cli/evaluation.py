@@ -10,8 +10,9 @@ from engines.interface.variant import EVERY_VARIANT, Variant, variants_named
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import announce_interrupt
 from reference_lcp.terminal import announce_compilation
+from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.executor import Executor
-from scenarios.runs.progress import CountingEvaluator, ProgressBars
+from scenarios.runs.progress import ProgressBars
 from scenarios.runs.store import ResultStore, opened_store
 from scenarios.runs.task import Task
 
@@ -44,11 +45,11 @@ def evaluator_of_run(
     expected: Sequence[Task] = (),
     *,
     retry_blocked: bool = False,
-) -> Iterator[CountingEvaluator]:
+) -> Iterator[Evaluator]:
     """Evaluate with the store of a run, see `store_of_run`, and bars on the way."""
     with (
         store_of_run(store) as stored,
-        ProgressBars(shown) as bars,
-        CountingEvaluator(stored, executor, expected, bars, retry_blocked=retry_blocked) as evaluator,
+        ProgressBars(shown, expected) as bars,
+        Evaluator(stored, executor, bars, retry_blocked=retry_blocked) as evaluator,
     ):
         yield evaluator

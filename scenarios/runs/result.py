@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Annotated, Self, TypeVar
+from typing import Annotated, Self
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
 
@@ -138,41 +138,14 @@ class Result:
 
     @staticmethod
     def from_json(text: str | bytes) -> "Result":
-        """Read what `to_json` wrote."""
-        return _read(_RESULT, text)
+        """Read what `to_json` wrote; an error names the first field that is wrong."""
+        try:
+            return _RESULT.validate_json(text)
+        except ValidationError as problem:
+            raise first_error(problem, ", ".join(vars(Result.missing()))) from None
 
 
-@dataclass(frozen=True)
-class ResultSummary:
-    """How a task ended: its result without the numbers, fields as there."""
-
-    status: _Status
-    periods: _Count = 0
-    multiple: _Count = 1
-    reason: str = ""
-    by_engine: bool = False
-
-    @classmethod
-    def of(cls, result: "Result | ResultSummary") -> Self:
-        """Take it from a result."""
-        return cls(result.status, result.periods, result.multiple, result.reason, result.by_engine)
-
-    @staticmethod
-    def from_json(text: str | bytes) -> "ResultSummary":
-        """Read it from what `Result.to_json` wrote."""
-        return _read(_SUMMARY, text)
-
-
-_RESULT, _SUMMARY = TypeAdapter(Result), TypeAdapter(ResultSummary)
-_Read = TypeVar("_Read")
-
-
-def _read(schema: TypeAdapter[_Read], text: str | bytes) -> _Read:
-    """Read the text of a store; an error names the first field that is wrong."""
-    try:
-        return schema.validate_json(text)
-    except ValidationError as problem:
-        raise first_error(problem, ", ".join(vars(Result.missing()))) from None
+_RESULT = TypeAdapter(Result)
 
 
 def repetition(multiple: int) -> str:

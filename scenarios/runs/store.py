@@ -17,7 +17,7 @@ from tempfile import mkdtemp
 from typing import Any, TypeVar
 
 from reference_lcp.errors import ParameterError, RunError, checked_path
-from scenarios.runs.result import Result, ResultSummary
+from scenarios.runs.result import Result
 from scenarios.runs.scratch import Closing, ScratchFolder
 from scenarios.runs.task import Task, key_of
 
@@ -112,7 +112,6 @@ does; a full disk is freed by other programs at once or not at all."""
 PATIENCE_SECONDS = 5.0
 """Waits that are shorter are not worth a message [s]."""
 
-_Parsed = TypeVar("_Parsed", Result, ResultSummary)
 _Value = TypeVar("_Value")
 _Row = tuple[Any, ...]
 
@@ -136,19 +135,8 @@ def intact(row: _Row) -> bool:
 class ResultStore(Closing):
     """Results by the hash of their tasks; every result is on disk when `keep` returns.
 
-    Parameters
-    ----------
-    file
-        The store; made if it is missing or empty.
-
-    Raises
-    ------
-    ParameterError
-        If `file` is not a store of this suite, is damaged or cannot be written; it is left as it is. A damaged row
-        raises it when that is read.
-    RunError
-        If it stays locked, or cannot be read or written any more: on a full disk, or because it is gone. What it holds
-        stays.
+    A file that is no store of this suite, is damaged or cannot be written is refused, and left as it is; a damaged row
+    is when it is read. One that stays locked, or cannot be read or written any more, is a `RunError`.
     """
 
     def __init__(self, file: Path):
@@ -163,16 +151,12 @@ class ResultStore(Closing):
 
     def _open(self) -> None:
         # takes the write lock: a file that cannot be written is found out before any work
+        made = f"PRAGMA application_id = {APPLICATION_ID}", f"PRAGMA user_version = {SCHEMA_VERSION}", *TABLES.values()
         with self._transaction():
             if self._file.stat().st_size == 0:
-                self._create()
+                for statement in made:
+                    self._connection.execute(statement)
             check_layout(self._connection, self._file)
-
-    def _create(self) -> None:
-        self._connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-        self._connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
-        for table in TABLES.values():
-            self._connection.execute(table)
 
     def check_pages(self) -> None:
         """Refuse a store whose tables or indices are damaged: what is in it would seem to be missing."""
@@ -187,13 +171,11 @@ class ResultStore(Closing):
 
     def results(self, tasks: Iterable[Task]) -> Iterator[Result | None]:
         """Give the result of each task, in order, or ``None``."""
-        for text in self._texts(tasks):
-            yield None if text is None else self._parsed(Result.from_json, text)
-
-    def summaries(self, tasks: Iterable[Task]) -> Iterator[ResultSummary | None]:
-        """Give how each task ended, in order, or ``None``; numbers are left unread."""
-        for text in self._texts(tasks):
-            yield None if text is None else self._parsed(ResultSummary.from_json, text)
+        remaining = iter(tasks)
+        while keys := [task.key() for task in itertools.islice(remaining, LOOKUP)]:
+            query = "SELECT rowid, key, content, answer, digest FROM answers WHERE key IN (" + ",".join("?" * len(keys))
+            answers = {key.decode(): answer for _, key, _, answer, _ in self._read(query + ")", keys, self._size())}
+            yield from (self._result(answers[key]) if key in answers else None for key in keys)
 
     def all_results(self) -> Iterator[tuple[str, Result]]:
         """Give every task, as `Task.text` has it, and its result, in the order of writing."""
@@ -202,22 +184,13 @@ class ResultStore(Closing):
         while rows := self._read(query, (number, LOOKUP), room):
             for number, _, content, answer, digest in rows:  # noqa: B007 - the last number is where the next part begins
                 room -= len(content) + len(answer) + len(digest)
-                yield content.decode(), self._parsed(Result.from_json, answer)
+                yield content.decode(), self._result(answer)
 
-    def _parsed(self, parse: Callable[[bytes], _Parsed], text: bytes) -> _Parsed:
+    def _result(self, text: bytes) -> Result:
         try:
-            return parse(text)
+            return Result.from_json(text)
         except ParameterError as problem:
             raise ParameterError(f"store {self._file}: {problem}") from None
-
-    def _texts(self, tasks: Iterable[Task]) -> Iterator[bytes | None]:
-        """Look up the result of each task as JSON, many at a time."""
-        remaining = iter(tasks)
-        while chunk := list(itertools.islice(remaining, LOOKUP)):
-            keys = [task.key() for task in chunk]
-            query = "SELECT rowid, key, content, answer, digest FROM answers WHERE key IN (" + ",".join("?" * len(keys))
-            answers = {key: answer for _, key, _, answer, _ in self._read(query + ")", keys, self._size())}
-            yield from (answers.get(key.encode()) for key in keys)
 
     def _read(self, query: str, parameters: Sequence[object] = (), room: float = math.inf) -> list[_Row]:
         """Give the rows that a query finds, number first, checked; together they have so many bytes at most."""

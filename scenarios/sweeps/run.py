@@ -16,8 +16,8 @@ from reference_lcp.errors import ParameterError
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.executor import Executor
 from scenarios.runs.parameters import first_error
-from scenarios.runs.progress import CountingEvaluator, ProgressBars
-from scenarios.runs.result import ResultStatus, ResultSummary, repetition
+from scenarios.runs.progress import ProgressBars
+from scenarios.runs.result import Result, ResultStatus, repetition
 from scenarios.runs.store import ResultStore, existing_store
 from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.dataset import SWEEP
@@ -41,7 +41,7 @@ class SweepSummary:
     unresolved: Counter[Variant] = field(default_factory=Counter)
     """Curves of an adaptive grid, by variant, that ended at its least spacing or at its most points."""
 
-    def add(self, variant: Variant, ended: ResultSummary) -> None:
+    def add(self, variant: Variant, ended: Result) -> None:
         """Count a point."""
         self.statuses[variant, ended.status] += 1
         if ended.status == ResultStatus.CONVERGED:
@@ -58,7 +58,7 @@ class SweepSummary:
         return counts[int(np.searchsorted(reached, part * reached[-1]))][0]
 
 
-def reason_of(ended: ResultSummary) -> str:
+def reason_of(ended: Result) -> str:
     """Give the reason why a point has no steady state, in words."""
     if ended.status == ResultStatus.PERIOD_LIMIT:
         return f"period limit{repetition(ended.multiple)}"
@@ -111,12 +111,12 @@ def evaluate_sweep(
     elif verdicts:
         start = [*sweep.tasks(), *(refined_tasks(sweep) if compared else [])]
     with (
-        ProgressBars(sweep.variants) as bars,
-        CountingEvaluator(store, executor, start, bars, retry_blocked=retry_blocked) as evaluator,
+        ProgressBars(sweep.variants, start) as bars,
+        Evaluator(store, executor, bars, retry_blocked=retry_blocked) as evaluator,
     ):
         if not start:
             for variant in sweep.variants:
-                bars.expect(variant, sweep.points // len(sweep.variants))
+                bars.expect_points(variant, sweep.points // len(sweep.variants))
         evaluator.stage("points")
         summary = run_sweep(sweep, evaluator)
         if compared:
@@ -140,7 +140,7 @@ def run_sweep(sweep: Sweep, evaluator: Evaluator) -> SweepSummary:
     accuracy = ForTheAccuracy(sweep)
     table = refined(sweep, accuracy.due(), accuracy, evaluator)
     for variant, result in zip(table["variant"], table["result"], strict=True):
-        summary.add(variant, ResultSummary.of(result))
+        summary.add(variant, result)
     for (variant, _), curve in accuracy.curves.items():
         summary.unresolved[variant] += not curve.resolved
     return summary

@@ -173,7 +173,7 @@ def test_everything_that_is_asked_is_known_beforehand(tmp_path) -> None:
     """Progress bars count it; nothing is asked twice."""
     scenario, told = ShortPulse(), []
     with ResultStore(tmp_path / "store.sqlite") as store, evaluator(store) as counting:
-        counting.progress = lambda tasks: told.append(len(tasks))
+        counting.progress.advance = lambda tasks: told.append(len(tasks))
         scenario.run([REFERENCE], counting)
     assert sum(told) == len(set(scenario.tasks([REFERENCE]))) == 6
 

@@ -52,7 +52,7 @@ def test_one_flipped_digit_is_refused_with_file_row_and_what_to_do(file, tmp_pat
         assert store.find(TASKS[0]) == RESULTS[0]
         for read in (
             lambda: store.find(TASKS[4]),
-            lambda: list(store.summaries(TASKS)),
+            lambda: list(store.results(TASKS)),
             lambda: list(store.all_results()),
         ):
             with pytest.raises(ParameterError, match=message):

@@ -1,35 +1,27 @@
 """Progress: each task counted once, totals that grow with what is asked."""
 
-from pathlib import Path
-
 import pytest
 
 from engines.interface.variant import Variant
+from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.executor import InProcessExecutor
-from scenarios.runs.progress import CountingEvaluator, ProgressBars
+from scenarios.runs.progress import ProgressBars
 from scenarios.runs.result import Result
-from scenarios.runs.store import ResultStore
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.sweep import Case
 from scenarios.sweeps.table import grid, tasks_of
 from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.steady_case import REFERENCE
+from tests.scenarios.runs.builders import steady
 
 
-class CountedBars(ProgressBars):
-    """ProgressBars that only count."""
-
-    def __init__(self) -> None:
-        self.total: dict[Variant, int] = {}
-        self.done: dict[Variant, int] = {}
-
-    def expect(self, variant: Variant, count: int) -> None:
-        self.total[variant] = self.total.get(variant, 0) + count
-
-    def advance(self, variant: Variant, count: int) -> None:
-        self.done[variant] = self.done.get(variant, 0) + count
-
-    recall = advance
+def counts(bars: ProgressBars) -> dict[str, tuple[int, int]]:
+    """Points that are done, and all that are wanted, by the title of their variant."""
+    known = {bar.description: bar.fields["known"] for bar in bars.progress.tasks}
+    return {
+        bar.description: (bar.completed + known[bar.description], bar.total + known[bar.description])
+        for bar in bars.progress.tasks
+    }
 
 
 class Invented(InProcessExecutor):
@@ -40,32 +32,27 @@ class Invented(InProcessExecutor):
             yield batch, [Result(status="converged", transmittance_db=task.frequency_ratio) for task in batch]
 
 
-def test_the_grid_is_expected_from_the_start_and_a_task_counts_once(tmp_path: Path) -> None:
+def test_the_grid_is_expected_from_the_start_and_a_task_counts_once(store) -> None:
     asked = figure3((), (0.0, 0.3), (0.5, 0.7))
     case = Case.of(friction_ratio=0.3)
-    bars = CountedBars()
-    with (
-        ResultStore(tmp_path / "s.sqlite") as store,
-        CountingEvaluator(store, Invented(), tasks_of(asked, grid(asked)), bars) as evaluator,
-    ):
-        assert bars.total == {CONVERGED: 4, REFERENCE: 12}
-        on_grid = asked.task(REFERENCE, case, 0.5)
-        added = asked.task(REFERENCE, case, 0.6)
+    bars = ProgressBars((), tasks_of(asked, grid(asked)))
+    assert counts(bars) == {CONVERGED.title: (0, 4), REFERENCE.title: (0, 12)}
+    on_grid, added = asked.task(REFERENCE, case, 0.5), asked.task(REFERENCE, case, 0.6)
+    with Evaluator(store, Invented(), bars) as evaluator:
         answers = evaluator.evaluate([on_grid, added, on_grid])
         evaluator.evaluate([added])
     assert [answer.transmittance_db for answer in answers] == [0.5, 0.6, 0.5]
-    assert bars.total[REFERENCE] == 13
-    assert bars.done == {REFERENCE: 2}
+    assert counts(bars) == {CONVERGED.title: (0, 4), REFERENCE.title: (2, 13)}
 
 
-def test_what_is_looked_up_again_counts_once(tmp_path: Path) -> None:
+def test_what_is_looked_up_again_counts_once(store) -> None:
     """A sweep completes its points, and reads them again to judge them."""
     tasks = tasks_of(asked := figure3((), (0.3,), (0.5, 0.7)), grid(asked))
-    bars = CountedBars()
-    with ResultStore(tmp_path / "s.sqlite") as store, CountingEvaluator(store, Invented(), tasks, bars) as evaluator:
+    bars = ProgressBars((), tasks)
+    with Evaluator(store, Invented(), bars) as evaluator:
         evaluator.complete(tasks)
         evaluator.evaluate(tasks)
-    assert bars.done == bars.total == {CONVERGED: 2, REFERENCE: 6}
+    assert counts(bars) == {CONVERGED.title: (2, 2), REFERENCE.title: (6, 6)}
 
 
 class Clock:
@@ -80,27 +67,27 @@ class Clock:
 def test_remaining_time_is_that_of_the_points_computed_in_this_run() -> None:
     """Ten points in five seconds; the thousand that the store knew do not count, nor does the time before the first."""
     clock, variant = Clock(), Variant("reference")
-    bars = ProgressBars([variant], clock)
-    bars.expect(variant, 1054)
-    bars.recall(variant, 1000)
+    bars = ProgressBars([variant], clock=clock)
+    bars.expect_points(variant, 1054)
+    bars.recall([steady()] * 1000)
     (bar,) = bars.progress.tasks
     assert (bar.completed, bar.total, bar.fields["known"]) == (0, 54, 1000)
     assert bar.time_remaining is None
     assert bar.fields["counts"] == "1,000/1,054 points, 1000 known"
     for now, count in ((160.0, 4), (162.0, 4), (165.0, 6)):
         clock.now = now
-        bars.advance(variant, count)
+        bars.advance([steady()] * count)
     assert bar.completed == 14
     assert bar.time_remaining == pytest.approx(40 * 5 / 10)
 
 
 def test_each_variant_has_a_bar_and_a_pace_of_its_own() -> None:
     clock, first, second = Clock(), Variant("reference"), Variant("mujoco")
-    bars = ProgressBars([first], clock)
+    bars = ProgressBars([first], clock=clock)
     for variant in (first, second):
-        bars.expect(variant, 10)
+        bars.expect_points(variant, 10)
     for now, variant in ((101.0, first), (102.0, first), (103.0, second), (108.0, second)):
         clock.now = now
-        bars.advance(variant, 1)
+        bars.advance([steady(variant=variant)])
     assert [bar.description for bar in bars.progress.tasks] == [first.title, second.title]
     assert [bar.time_remaining for bar in bars.progress.tasks] == [8, 8 * 5]

@@ -14,7 +14,7 @@ from scenarios.runs import local_processes
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.executor import InProcessExecutor, run_batch
 from scenarios.runs.local_processes import LocalExecutor
-from scenarios.runs.result import Result, ResultStatus, ResultSummary
+from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.store import ResultStore, digest_of
 from scenarios.runs.task import Recorded, SteadyStateTask
 from tests.scenarios.runs.builders import steady
@@ -54,7 +54,7 @@ GOOD = Result(status="converged", periods=30)
 def test_what_an_engine_blocked_is_recalled_and_run_again_on_request_other_blocks_always(store, release) -> None:
     tasks = [steady(eta) for eta in (0.5, 0.7, 0.9)]
 
-    def summaries(evaluator: Evaluator) -> dict[SteadyStateTask, ResultSummary]:
+    def completed(evaluator: Evaluator) -> dict[SteadyStateTask, Result]:
         ends = {}
         evaluator.complete(tasks, ends.__setitem__)
         return {each: ends[each] for each in tasks}
@@ -62,13 +62,13 @@ def test_what_an_engine_blocked_is_recalled_and_run_again_on_request_other_block
     def run(results: list[Result], **options: bool) -> tuple[list[str], list[float]]:
         executor = Recording(dict(zip((0.5, 0.7, 0.9), results, strict=True)))
         with Evaluator(store, executor, **options) as evaluator:
-            ends = summaries(evaluator) if release else dict(zip(tasks, evaluator.evaluate(tasks), strict=True))
+            ends = completed(evaluator) if release else dict(zip(tasks, evaluator.evaluate(tasks), strict=True))
         return [f"{ends[task].status} {ends[task].reason}".strip() for task in tasks], executor.ran
 
     blocked = ["blocked crashed", "blocked the worker process was killed", "converged"]
     assert run([CRASHED, KILLED, GOOD]) == (blocked, [0.5, 0.7, 0.9])
     with StoredResults(store) as stored:  # what is run again is blocked until then
-        assert [f"{end.status} {end.reason}".strip() for end in summaries(stored).values()] == blocked
+        assert [f"{end.status} {end.reason}".strip() for end in completed(stored).values()] == blocked
     assert run([GOOD, KILLED, CRASHED]) == (blocked, [0.7])
     assert run([GOOD, GOOD, CRASHED]) == (["blocked crashed", "converged", "converged"], [0.7])
     assert run([GOOD, CRASHED, CRASHED], retry_blocked=True) == (["converged"] * 3, [0.5])
@@ -122,7 +122,7 @@ def test_second_evaluation_computes_nothing(store, monkeypatch) -> None:
     monkeypatch.setattr(local_processes, "LocalWorker", None)
     counted = []
     with Evaluator(store, LocalExecutor(1)) as evaluator:
-        evaluator.recalled = lambda tasks: counted.append(len(tasks))
+        evaluator.progress.recall = lambda tasks: counted.append(len(tasks))
         assert evaluator.evaluate(asked) == first
     assert sum(counted) == 3
     assert first[0] == first[2]
@@ -136,13 +136,13 @@ def test_stored_answers_complete_with_what_is_kept_and_say_what_is_missing(store
     monkeypatch.setattr(Variant, "unavailable_reason", missing)
     counted = []
     with StoredResults(store) as stored:
-        stored.recalled = counted.extend
+        stored.progress.recall = counted.extend
         ends = []
         stored.complete([kept, unknown, absent], lambda *end: ends.append(end))
     assert ends == [
-        (kept, ResultSummary(ResultStatus.PERIOD_LIMIT, 400, 0)),
-        (unknown, ResultSummary(ResultStatus.MISSING, reason="not evaluated so far")),
-        (absent, ResultSummary(ResultStatus.BLOCKED, reason="not installed: no wheel")),
+        (kept, Result(status="period limit", periods=400, multiple=0)),
+        (unknown, Result(status="missing", reason="not evaluated so far")),
+        (absent, Result(status="blocked", reason="not installed: no wheel")),
     ]
     assert counted == [kept, unknown, absent]
 
@@ -188,7 +188,6 @@ def test_a_store_with_an_unknown_status_says_which_file_and_which_status(tmp_pat
         for read in (
             lambda: store.find(steady()),
             lambda: list(store.results([steady()])),
-            lambda: list(store.summaries([steady()])),
         ):
             with pytest.raises(ParameterError, match=r"results\.sqlite: status of a result = 'solved'; allowed: "):
                 read()

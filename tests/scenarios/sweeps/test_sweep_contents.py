@@ -17,7 +17,7 @@ from scenarios.runs import dask_cluster
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.executor import InProcessExecutor
 from scenarios.runs.parameters import ChainRatios, Excitation
-from scenarios.runs.result import Result, ResultSummary
+from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore, digest_of
 from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.adaptive_grid import level
@@ -182,12 +182,11 @@ def test_names_of_a_file_are_those_of_the_command_line(file: Path, engines: str,
 def test_summary_names_every_reason_once_and_the_periods_that_suffice() -> None:
     summary, variant = SweepSummary(), Variant("mujoco")
     for periods in range(1, 101):
-        summary.add(variant, ResultSummary("converged", periods))
+        summary.add(variant, Result(status="converged", periods=periods))
     for _ in range(2):
-        summary.add(variant, ResultSummary("blocked", reason="crashed"))
-    summary.add(variant, ResultSummary("period limit", 401, multiple=3))
-    summary.add(variant, ResultSummary("period limit", 401, multiple=0))
-    summary.add(variant, ResultSummary("period limit", 401))
+        summary.add(variant, Result.blocked("crashed"))
+    for multiple in (3, 0, 1):
+        summary.add(variant, Result(status="period limit", periods=401, multiple=multiple))
     assert [summary.quantile_of_periods(variant, part) for part in (0.5, 0.99, 1.0)] == [50, 99, 100]
     assert summary.quantile_of_periods(Variant("pybullet"), 0.5) is None
     assert {reason: count for (_, reason), count in summary.reasons.items()} == {
@@ -212,11 +211,8 @@ def test_outcomes_of_kept_answers_are_those_of_the_answers_with_and_without_a_mu
             "CAST(content AS BLOB), CAST(json_remove(answer, '$.multiple') AS BLOB)) WHERE key = ?",
             (asked[1].key(),),
         )
-        assert list(store.summaries(asked)) == [
-            ResultSummary("period limit", 401, 3),
-            ResultSummary("converged", 28),
+        assert list(store.results(asked)) == [
+            Result(status="period limit", periods=401, multiple=3),
+            Result(status="converged", periods=28),
             None,
         ]
-        answer = store.find(asked[1])
-        assert answer is not None
-        assert answer.multiple == 1
