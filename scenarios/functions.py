@@ -18,9 +18,9 @@ from engines.interface.variant import variants_named
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError, checked_choice, checked_path, shown
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.descriptions import ALL_SCENARIOS
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.verdict_table import finding_table
 from scenarios.runs import TIME_LIMIT
 from scenarios.runs.dask_cluster import executor_for
@@ -29,7 +29,7 @@ from scenarios.runs.parameters import first_error
 from scenarios.runs.progress import ProgressBars
 from scenarios.runs.store import opened_store
 from scenarios.sweeps.dataset import sweep_dataset
-from scenarios.sweeps.run import evaluate_sweep, note_sweep, stored_table
+from scenarios.sweeps.run import evaluate_sweep, note_sweep, stored_points
 from scenarios.sweeps.spec_file import SweepFile
 from scenarios.sweeps.sweep import Sweep, check_size
 
@@ -111,7 +111,7 @@ def sweep(
     with opened_store(file) as stored, executor_for(workers, time_limit, scheduler) as executor:
         note_sweep(stored, planned)
         evaluate_sweep(planned, stored, executor, verdicts=True, retry_blocked=retry_blocked)
-        return sweep_dataset(*stored_table(planned, stored), file)
+        return sweep_dataset(*stored_points(planned, stored), file)
 
 
 def check(

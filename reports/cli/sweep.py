@@ -19,9 +19,9 @@ from scenarios.sweeps import UNCONFIRMED_POINTS
 if TYPE_CHECKING:
     from engines.interface.variant import Variant
     from scenarios.runs.executor import Executor
+    from scenarios.sweeps.point import Point
     from scenarios.sweeps.run import SweepSummary, VerdictSummary
     from scenarios.sweeps.sweep import Sweep
-    from scenarios.sweeps.table import Point
 
 app = typer.Typer(name="multibody-xval", add_completion=False, pretty_exceptions_enable=False)
 
@@ -90,9 +90,8 @@ def _perform(planned: Sweep, store: Path, out: Path | None, executor: Executor |
     from reference_lcp.terminal import announce_compilation
     from scenarios.runs.store import ResultStore, existing_store
     from scenarios.sweeps.dataset import sweep_dataset, write_dataset
-    from scenarios.sweeps.run import evaluate_sweep, note_sweep, stored_table
+    from scenarios.sweeps.run import evaluate_sweep, note_sweep, stored_points
     from scenarios.sweeps.sweep import size_text
-    from scenarios.sweeps.table import points_of
 
     with ResultStore(existing_store(store) if executor is None else store) as stored:
         if executor is not None:
@@ -109,10 +108,10 @@ def _perform(planned: Sweep, store: Path, out: Path | None, executor: Executor |
                 raise typer.Exit(ExitCode.INTERRUPTED) from None
         if not _whole(planned, out):
             return
-        judged, table = stored_table(planned, stored)
-        print_verdicts(judged, points_of(table))
+        judged, points = stored_points(planned, stored)
+        print_verdicts(judged, points)
         if out is not None:
-            write_dataset(sweep_dataset(judged, table, store), out)
+            write_dataset(sweep_dataset(judged, points, store), out)
 
 
 def _whole(planned: Sweep, out: Path | None) -> bool:

@@ -6,8 +6,8 @@ from enum import StrEnum
 from typing import Any
 
 from engines.interface.variant import Variant
-from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import Scenario, run_with_predictions
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.store import ResultStore

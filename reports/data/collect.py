@@ -34,11 +34,11 @@ from scenarios.studies.work_precision import (
 )
 from scenarios.sweeps.compared import compare_sweep, judged_points
 from scenarios.sweeps.dataset_reader import DatasetResults, recorded_variants
+from scenarios.sweeps.point import tasks_of
 from scenarios.sweeps.start_check import LEAST_POINTS, check_starts
 from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.table import grid, tasks_of
-from scenarios.sweeps.truths import exact_tasks, recorded_truths, truths
-from scenarios.verdicts.pointwise import CONVERGED
+from scenarios.sweeps.truths import exact_tasks, with_recorded_truths, with_truths
+from scenarios.verdicts.steady_case import CONVERGED
 
 RECORDED_POINTS = (OperatingPoint(0.3, 0.9), OperatingPoint(1.0, 0.9))
 """Points whose period is recorded in full: where contacts stick for part of the period."""
@@ -102,7 +102,8 @@ def collect(
         periods.setdefault(point, {})[variant] = RecordedPeriod.of_result(recorded)
     variants = (*sweep.variants, *scope.beside)
     evaluator.stage("exact motions")
-    known = truths(result, evaluator)  # before steps that are read from the store: these compare with the exact motion
+    # before steps that are read from the store: these compare with the exact motion
+    result = with_truths(result, evaluator)
     evaluator.stage("other steps, friction map and further variants")
     return Report(
         result,
@@ -112,7 +113,6 @@ def collect(
         friction_map=None if mapped is None else friction_map(mapped, evaluator),
         starts=starts,
         beside=few_points(result, scope.beside, scope.beside_points, evaluator),
-        truths=known,
         one_option=few_points(result, scope.one_option, scope.beside_points, evaluator),
         catalogue=catalogue_outcomes(variants, store, evaluator, scope.scenarios),
     )
@@ -124,8 +124,8 @@ def collect_dataset(data: xr.Dataset, command: str) -> Report:
     recorded = recorded_variants(data)
     points = sorted(results.points, key=lambda point: point[2])
     result = judged_points(results.sweep.ascending(), points, results, results.predictions)
-    known = recorded_truths(data, results.sweep) or truths(result)
-    return Report(result, command, steps=None, recorded=recorded, truths=known)
+    known = with_recorded_truths(result, data, results.sweep)
+    return Report(known, command, steps=None, recorded=recorded)
 
 
 def _varies_friction_alone(sweep: Sweep) -> bool:
@@ -155,7 +155,7 @@ def _step_study(
 
 def expected_tasks(sweep: Sweep, scope: Scope) -> list[SteadyStateTask]:
     """Give what is known from the start to be evaluated, for bars of progress."""
-    tasks = tasks_of(sweep, grid(sweep))
+    tasks = tasks_of(sweep, list(sweep.grid_points()))
     mapped = _map(sweep, scope)
     if mapped is not None:
         tasks += mapped.tasks()

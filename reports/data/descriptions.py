@@ -2,9 +2,8 @@
 
 from engines.interface.variant import Variant
 from reports.formatting import ratio
-from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.verdicts.pointwise import CONVERGED, GivenTolerance, baseline
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.sweeps.sweep import Case, GivenTolerance, Sweep, baseline
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 
 def drive_description(sweep: Sweep) -> str:

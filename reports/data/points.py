@@ -8,12 +8,10 @@ import pandas as pd
 
 from engines.interface.variant import Variant
 from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.table import Point
-from scenarios.sweeps.truths import Truths, truth_errors
-from scenarios.verdicts.finding import PHASE, TRANSMITTANCE, Finding, Metric, Prediction, unexplained
+from scenarios.sweeps.point import Point
+from scenarios.sweeps.truths import truth_error
+from scenarios.verdicts.finding import PHASE, TRANSMITTANCE, Finding, Prediction, unexplained
 from scenarios.verdicts.judge import metric_difference
-from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.truth_error import TrueTransmittance
 
 AS_PREDICTED, UNEXPLAINED = "as its law predicts", "unexplained"
 """Outcomes of a point or an edge that departs from what it is compared with."""
@@ -58,9 +56,9 @@ def written(table: pd.DataFrame, result: ComparedSweep, columns: Iterable[str]) 
     return table[[*NAMES, *result.sweep.case_axes, *columns]]
 
 
-def point_table(result: ComparedSweep, truths: Truths, points: Sequence[Point]) -> pd.DataFrame:
+def point_table(result: ComparedSweep, points: Sequence[Point]) -> pd.DataFrame:
     """Give a row for each of the points; NaN where a number is not known."""
-    return table_of(result, point_rows(result, truths, points))
+    return table_of(result, point_rows(points))
 
 
 def table_of(result: ComparedSweep, rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
@@ -68,17 +66,12 @@ def table_of(result: ComparedSweep, rows: Sequence[Mapping[str, Any]]) -> pd.Dat
     return pd.DataFrame(rows, columns=[*MORE_COLUMNS, *NAMES, *result.sweep.case_axes, *POINT_COLUMNS])
 
 
-def point_rows(result: ComparedSweep, truths: Truths, points: Sequence[Point]) -> list[dict[str, Any]]:
+def point_rows(points: Sequence[Point]) -> list[dict[str, Any]]:
     """Give the rows of `point_table`."""
-    compared = [point for point in points if point[1:3] in truths]
-    errors = {point[:3]: error for point, error in truth_errors(result, truths, compared)}
-    scheme = {point[1:3]: point.result for point in result.points if point.variant == REFERENCE}
-    unknown = TrueTransmittance(math.nan, math.nan, exact=False)
     rows = []
     for point in points:
-        own, truth, error = point.result, truths.get(point[1:3], unknown), errors.get(point[:3])
-        reference = scheme.get(point[1:3])
-        levels = None if reference is None else (own.transmittance_db, reference.transmittance_db)
+        own, truth = point.result, point.truth
+        error_db, step_db = truth_error(point)
         creeps = [creep for creep in own.creep if own.converged and not math.isnan(creep)]
         rows.append({
             "variant": point.variant,
@@ -91,9 +84,9 @@ def point_rows(result: ComparedSweep, truths: Truths, points: Sequence[Point]) -
             "truth_db": truth.transmittance_db,
             "truth_error_db": truth.error_db,
             "truth_exact": truth.exact,
-            "error_db": math.nan if error is None else error.error_db,
-            "step_db": math.nan if error is None else error.step_db,
-            "scheme_db": math.nan if levels is None else metric_difference(TRANSMITTANCE, *levels),
+            "error_db": error_db,
+            "step_db": step_db,
+            "scheme_db": metric_difference(TRANSMITTANCE, own.transmittance_db, point.reference.transmittance_db),
             "residual": own.residual,
             "periods": own.periods,
             "steps_per_period": own.steps_per_period,
@@ -111,14 +104,8 @@ def point_rows(result: ComparedSweep, truths: Truths, points: Sequence[Point]) -
 
 def _laws(point: Point) -> dict[str, float]:
     """Give what the law of a variant says of a point."""
-    numbers: dict[str, float] = {}
-    for metric, unit in ((TRANSMITTANCE, "_db"), (PHASE, "_phase_deg")):
-        numbers |= _law(_prediction(point, metric), unit)
-    return numbers | _motion(next((own.prediction for own in point.findings if own.prediction is not None), None))
-
-
-def _prediction(point: Point, metric: Metric) -> Prediction | None:
-    return next((own.prediction for own in point.findings if own.metric == metric and own.prediction is not None), None)
+    numbers = {**_law(point.prediction(TRANSMITTANCE), "_db"), **_law(point.prediction(PHASE), "_phase_deg")}
+    return numbers | _motion(point.prediction(TRANSMITTANCE, PHASE))
 
 
 def _law(prediction: Prediction | None, unit: str = "") -> dict[str, float]:

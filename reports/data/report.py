@@ -21,9 +21,8 @@ from scenarios.runs.result import ResultStatus
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.point import Point
 from scenarios.sweeps.start_check import StartCheck
-from scenarios.sweeps.table import Point
-from scenarios.sweeps.truths import Truths
 from scenarios.verdicts.finding import failures
 
 
@@ -45,8 +44,6 @@ class Report:
     """Of which points steady states were searched from elsewhere too, by variant."""
     recorded: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Package, version, description and options by the name of a variant, where they were noted with the results."""
-    truths: Truths = field(default_factory=dict)
-    """The true transmittance by case and frequency ratio."""
     beside: tuple[Point, ...] = ()
     """Points of variants that are compared with the truth at a few points only, and have no verdict."""
     one_option: tuple[Point, ...] = ()
@@ -66,7 +63,7 @@ class Report:
 
     @cached_property
     def _rows(self) -> list[dict[str, Any]]:
-        return point_rows(self.result, self.truths, self.result.points)
+        return point_rows(self.result.points)
 
     @cached_property
     def edges(self) -> pd.DataFrame:
@@ -107,14 +104,14 @@ class Report:
     @cached_property
     def _wide(self) -> pd.DataFrame:
         """Points of the grid, and those of variants that are compared with the truth at a few."""
-        return table_of(self.result, [*self._rows, *point_rows(self.result, self.truths, self.beside)])
+        return table_of(self.result, [*self._rows, *point_rows(self.beside)])
 
     @cached_property
     def _few(self) -> pd.DataFrame:
         """All points at the places of those with single options."""
-        places = {point[1:3] for point in self.one_option}
-        others = (point for point in (*self.result.points, *self.beside) if point[1:3] in places)
-        return point_table(self.result, self.truths, [*others, *self.one_option])
+        places = {point.place[1:] for point in self.one_option}
+        others = (point for point in (*self.result.points, *self.beside) if point.place[1:] in places)
+        return point_table(self.result, [*others, *self.one_option])
 
     @cached_property
     def single_options(self) -> list[SingleOption]:

@@ -8,8 +8,8 @@ from engines.interface.variant import Variant
 from reference_lcp.studies.against_exact import STICK_SLIP_POINTS
 from scenarios.runs.result import Result
 from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.point import Point
 from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.table import Point
 from scenarios.verdicts.steady_case import REFERENCE
 
 CasePoint = tuple[Case, float]

@@ -12,9 +12,9 @@ from reports.data.points import UNEXPLAINED, by_variant, largest
 from scenarios.runs.result import ResultStatus
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case
+from scenarios.sweeps.truths import ErrorClass, error_class
 from scenarios.verdicts.finding import FLOOR_DB, Verdict
 from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.truth_error import ErrorClass, TruthError, error_class
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,6 @@ def variant_errors(points: pd.DataFrame) -> dict[Variant, VariantErrors]:
 def _errors(variant: Variant, points: pd.DataFrame) -> VariantErrors:
     known = points[points["error_db"].notna()]
     worst = largest(known, "error_db")
-    errors = [TruthError(*pair) for pair in zip(known["error_db"], known["step_db"], strict=True)]
     return VariantErrors(
         variant=variant,
         known=len(known),
@@ -66,9 +65,9 @@ def _errors(variant: Variant, points: pd.DataFrame) -> VariantErrors:
         worst_case=worst["case"],
         worst_frequency_ratio=worst["frequency_ratio"],
         median_db=float(known["error_db"].abs().median()),
-        beyond_step=sum(not error.within_step for error in errors),
+        beyond_step=int((~(known["error_db"].abs() <= known["step_db"])).sum()),
         from_scheme_db=largest(known, "scheme_db")["scheme_db"],
-        error_class=error_class(errors),
+        error_class=error_class(known),
     )
 
 

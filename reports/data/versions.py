@@ -9,7 +9,7 @@ from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from scenarios.runs.result import Result
 from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.table import Point
+from scenarios.sweeps.point import Point
 from scenarios.verdicts.finding import FLOOR_DB
 from scenarios.verdicts.steady_case import REFERENCE, amplification, resolution_db
 

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 from engines.interface.variant import Variant
 from scenarios.sweeps.sweep import Sweep
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Okabe and Ito's palette, which colour-blind readers can distinguish."""

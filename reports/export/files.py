@@ -17,7 +17,7 @@ from reports.page.render import FIGURES, page, sections
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.dataset import sweep_dataset
-from scenarios.sweeps.truths import Truths, with_truths
+from scenarios.sweeps.truths import with_truth_variables
 
 TITLE = "Dry friction in multibody engines: a frictional mass-in-mass chain against its LCP reference"
 PAGE = "index.html"
@@ -49,7 +49,7 @@ def files_of(
     return {
         **{name: text.encode() for name, text in table_files(report).items()},
         **{f"{FIGURES}/{name}": content for name, content in rendered.figures.items()},
-        NETCDF: bytes(report_dataset(report.result, report.truths).to_netcdf(engine="h5netcdf")),
+        NETCDF: bytes(report_dataset(report.result).to_netcdf(engine="h5netcdf")),
         PAGE: rendered.html.encode(),
     }
 
@@ -67,7 +67,7 @@ def write_all(folder: Path, contents: Mapping[str, bytes]) -> None:
         write_whole(file, content)
 
 
-def report_dataset(result: ComparedSweep, truths: Truths | None = None) -> xr.Dataset:
+def report_dataset(result: ComparedSweep) -> xr.Dataset:
     """Give the dataset of the sweep over the frequency ratios of all cases together, with the edges of the band.
 
     Beside what `scenarios.sweeps.dataset.sweep_dataset` holds: ``truth_db`` with ``truth_error_db`` and
@@ -76,7 +76,7 @@ def report_dataset(result: ComparedSweep, truths: Truths | None = None) -> xr.Da
     """
     etas = tuple(sorted({point.frequency_ratio for point in result.points}))
     sweep = dataclasses.replace(result.sweep, axes={**result.sweep.axes, "frequency_ratio": etas})
-    data = with_truths(sweep_dataset(sweep, result.table), sweep, result, truths or {})
+    data = with_truth_variables(sweep_dataset(sweep, result.points), sweep, result)
     if not result.edges:
         return data
     edge = ("edge", [str(edge) for edge in Edge], {"long_name": "edge of the attenuation band"})

@@ -12,8 +12,7 @@ from reports.drawing.style import RULE, Style, compared_variants, style_of
 from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 LINEAR = 1e-4
 """Differences of η_r below are drawn to scale, larger ones by their logarithm."""

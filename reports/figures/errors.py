@@ -18,10 +18,9 @@ from reports.drawing.style import DASHED, DOTTED, Style, style_of
 from reports.formatting import ratio, signed
 from scenarios.studies.work_precision import StepPoint
 from scenarios.sweeps.sweep import Case, Sweep
+from scenarios.sweeps.truths import WRONG_DB
 from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import REFERENCE
-from scenarios.verdicts.truth_error import WRONG_DB
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 JOINING = Style("#9aa4ae", width=2.0)
 DEFAULT = Style("#D55E00", "circle", 7.0)

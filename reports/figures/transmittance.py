@@ -12,11 +12,10 @@ from reports.drawing.figure import Axis, Figure, HeatMap, Mark, Panel, Rule, Ser
 from reports.drawing.style import DASHED, DOTTED, RULE, SOLID, Style, compared_variants, curve_style, style_of
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.point import Point
 from scenarios.sweeps.sweep import Case, baseline_of
-from scenarios.sweeps.table import Point
 from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 
 def baseline_curve(result: ComparedSweep, case: Case) -> dict[float, float]:

@@ -5,6 +5,7 @@ They have no verdict: they are compared with the truth alone, and decide about n
 
 import math
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from typing import Any
 
 from engines.interface.presets import Formulation
@@ -14,8 +15,9 @@ from reference_lcp.errors import ParameterError
 from scenarios.runs.parameters import OperatingPoint
 from scenarios.runs.result import ResultStatus
 from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.point import GivesResults, Point
 from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.table import GivesResults, Point
+from scenarios.verdicts.steady_case import CONVERGED
 
 FEW_POINTS = (*(OperatingPoint(0.1, eta) for eta in (0.6, 1.1, 1.4, 1.6)), OperatingPoint(1.0, 0.6))
 """Within the band and on both its flanks with little friction, where engines differ most, and with much friction. They
@@ -30,10 +32,14 @@ def few_points(
 ) -> tuple[Point, ...]:
     """Evaluate variants at those of the points that the grid of the sweep holds; without those that have no result."""
     places = [place for point in points if (place := _place(result, point)) is not None]
-    every = [(variant, *place) for variant in variants for place in places]
-    results = evaluator.evaluate([result.sweep.task(*point) for point in every])
-    known = zip(every, results, strict=True)
-    return tuple(Point(*point, own, (), ()) for point, own in known if own.status != ResultStatus.MISSING)
+    known = {point.place: point for point in result.points_of(CONVERGED)}
+    beside = [replace(known[CONVERGED, *place], variant=variant) for variant in variants for place in places]
+    results = evaluator.evaluate([result.sweep.task(*point.place) for point in beside])
+    return tuple(
+        replace(point, result=own, others=(), findings=())
+        for point, own in zip(beside, results, strict=True)
+        if own.status != ResultStatus.MISSING
+    )
 
 
 def _place(result: ComparedSweep, point: OperatingPoint) -> tuple[Case, float] | None:

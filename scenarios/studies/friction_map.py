@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference_lcp.validation import FloatArray
-from scenarios.sweeps.attenuation_band import BandDefinition, Edge, edge_brackets, interpolated_crossing
-from scenarios.sweeps.refinement import curves_of, for_the_band, refined
+from scenarios.sweeps.attenuation_band import Edge
+from scenarios.sweeps.edges import refined_edges
+from scenarios.sweeps.point import GivesResults
+from scenarios.sweeps.refinement import for_the_band, refined
 from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.table import GivesResults
 from scenarios.verdicts.steady_case import REFERENCE
 
 MAP_FRICTION_RATIOS = tuple(float(ratio) for ratio in np.round(np.arange(0, 1.501, 0.05), 2))
@@ -30,8 +31,8 @@ class FrictionMap:
     """Transmittance [dB], shape (friction ratios, frequency ratios); NaN where there is no steady state."""
     lower: FloatArray
     upper: FloatArray
-    """Edges of the attenuation band at each friction ratio, between grid points by interpolation of the transmittance
-    in dB; NaN where the grid does not hold them."""
+    """Edges of the attenuation band at each friction ratio, see `refined_edges`; NaN where the grid does not hold
+    them."""
 
     @property
     def known(self) -> int:
@@ -47,22 +48,18 @@ def map_sweep(sweep: Sweep, friction_ratios: Sequence[float], frequency_ratios: 
 
 def friction_map(sweep: Sweep, evaluator: GivesResults) -> FrictionMap:
     """Evaluate a `map_sweep`; where a curve runs close to the threshold, it gets more points for its edges' sake."""
-    table = refined(sweep, list(sweep.grid_points()), for_the_band(sweep), evaluator)
-    grid = [result.transmittance_db if result.converged else math.nan for result in table["result"][: sweep.points]]
-    curves = curves_of(table)
-    every = [curves[REFERENCE, case] for case in sweep.cases]
+    results = refined(sweep, list(sweep.grid_points()), for_the_band(sweep), evaluator)
+    grid = [results[place] for place in sweep.grid_points()]
+    levels = [result.transmittance_db if result.converged else math.nan for result in grid]
+    crossings = refined_edges(sweep, results, evaluator).crossings
+    lower, upper = (
+        np.array([getattr(crossings.get((REFERENCE, case, edge)), "frequency_ratio", math.nan) for case in sweep.cases])
+        for edge in Edge
+    )
     return FrictionMap(
         friction_ratios=np.array(sweep.axes["friction_ratio"]),
         frequency_ratios=np.array(sweep.frequency_ratios),
-        transmittance_db=np.reshape(grid, (len(sweep.cases), len(sweep.frequency_ratios))),
-        lower=np.array([_edge(sweep.band, *curve, Edge.LOWER) for curve in every]),
-        upper=np.array([_edge(sweep.band, *curve, Edge.UPPER) for curve in every]),
+        transmittance_db=np.reshape(levels, (len(sweep.cases), len(sweep.frequency_ratios))),
+        lower=lower,
+        upper=upper,
     )
-
-
-def _edge(band: BandDefinition, eta: FloatArray, curve: FloatArray, edge: Edge) -> float:
-    bracket = edge_brackets(eta, curve, band).get(edge)
-    if bracket is None:
-        return math.nan
-    left, right = (float(curve[np.searchsorted(eta, end)]) - band.threshold_db for end in bracket)
-    return float(interpolated_crossing(*np.array([*bracket, left, right])))

@@ -3,15 +3,8 @@
 The band is the interval of η_r that holds the first deep attenuation (transmittance below `depth`),
 extended both ways to where the transmittance crosses `threshold`. Ripple between resonances of the
 pass band dips below the threshold too, but not as deep; it does not count.
-
-Edges are compared with those of a baseline. An edge is where a curve crosses a threshold: a change δ of the
-transmittance [dB] moves it by δ / slope. What is allowed at the edge itself and at the two points of the grid around
-it, over the slope of the baseline's curve there, is therefore what is allowed of the edge, and the widths to which both
-edges are bracketed besides. The baseline is that of the points: presets that share the Euler scheme are compared at
-equal step, where nothing but resolution is allowed.
 """
 
-import dataclasses
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -22,12 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
-from engines.interface.variant import Variant
 from reference_lcp.errors import ParameterError
 from reference_lcp.validation import FloatArray, checked_scalar
-from scenarios.verdicts.finding import Comparison, Metric, Tolerance, Verdict
-from scenarios.verdicts.judge import decide
-from scenarios.verdicts.pointwise import CONVERGED, PointResults, point_tolerance, unless_own_error_is_unknown
 
 EDGE_RESOLUTION = 1e-6
 """Width in η_r to which an edge is bracketed; at equal step little more is allowed of it. A step of 400 a period moves
@@ -80,6 +69,8 @@ class Crossing:
     """What motions that decided a side without being certified leave open of their transmittance [dB]."""
     level_db: float = 0.0
     """The threshold [dB]."""
+    bracket: tuple[float, float] = (math.nan, math.nan)
+    """Neighbouring frequency ratios of the grid between which it lies."""
 
 
 def edge_brackets(
@@ -158,54 +149,11 @@ def refined_crossings(
     # a simulation that meets the threshold exactly ends the search, however wide the bracket is
     width = np.where((f_left == 0) | (f_right == 0), 0.0, np.abs(right - left))
     level = definition.threshold_db
-    crossings = zip(eta.tolist(), slope.tolist(), width.tolist(), strict=True)
-    return [Crossing(ratio, steepness, wide, level_db=level) for ratio, steepness, wide in crossings]
+    crossings = zip(eta.tolist(), slope.tolist(), width.tolist(), brackets, strict=True)
+    return [Crossing(ratio, steep, wide, level_db=level, bracket=sides) for ratio, steep, wide, sides in crossings]
 
 
 def interpolated_crossing(left: FloatArray, right: FloatArray, f_left: FloatArray, f_right: FloatArray) -> FloatArray:
     """Zero of the straight line through the ends of each bracket; within the bracket whatever the curve."""
     with np.errstate(invalid="ignore"):
         return np.where(f_left == f_right, left, left - f_left * (right - left) / (f_right - f_left))
-
-
-BAND_EDGE = Metric("band edge", "in η_r", "where the transmittance crosses the threshold of the attenuation band")
-
-
-def compare_edge(
-    edge: Crossing | None,
-    expected: Crossing | None,
-    around: Sequence[PointResults] = (),
-    against: Variant = CONVERGED,
-) -> Comparison:
-    """Compare a band edge with that of the baseline; ``None`` is an edge outside the grid.
-
-    `around` are the results at the expected edge, and at the points of the grid on either side of it.
-    """
-    if edge is None and expected is None:
-        return Comparison(Verdict.AGREE, "no such edge on the grid, for the reference neither")
-    if edge is None or expected is None:
-        which = "reference" if edge is None else "engine"
-        return Comparison(Verdict.DISAGREE, f"only the {which} has this edge on the grid")
-    if math.isnan(edge.frequency_ratio) or math.isnan(expected.frequency_ratio):
-        return Comparison(Verdict.INCONCLUSIVE, "the refinement met a point without a steady state")
-    known = [point for point in around if point.is_known and point.expected(against).converged]
-    tolerance = _edge_tolerance(edge, expected, known, against)
-    comparison = decide(BAND_EDGE, edge.frequency_ratio, expected.frequency_ratio, tolerance)
-    # by how much a small change of the amplitude moves the edge in η_r, per displacement scale
-    per_amplitude = 20 / math.log(10) * 10 ** (-expected.level_db / 20) / abs(expected.slope)
-    comparison = dataclasses.replace(comparison, per_amplitude=per_amplitude)
-    if comparison.verdict is Verdict.DISAGREE and not known:
-        reason = f"{comparison.reason}; no steady state beside it gives its own error"
-        return dataclasses.replace(comparison, verdict=Verdict.INCONCLUSIVE, reason=reason)
-    for point in known:
-        comparison = unless_own_error_is_unknown(point, comparison)
-    return comparison
-
-
-def _edge_tolerance(edge: Crossing, expected: Crossing, known: Sequence[PointResults], against: Variant) -> Tolerance:
-    """Derive how far an edge may be from the expected one in η_r: of every part, the largest around it counts."""
-    sides = [dataclasses.asdict(point_tolerance(point, against)) for point in known]
-    largest = {part: max((side[part] for side in sides), default=0.0) for part in dataclasses.asdict(Tolerance())}
-    largest["resolution"] += edge.residual_db + expected.residual_db
-    tolerance = Tolerance(**largest).over(expected.slope)
-    return dataclasses.replace(tolerance, resolution=tolerance.resolution + edge.width + expected.width)

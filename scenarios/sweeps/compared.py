@@ -1,35 +1,23 @@
 """A sweep whose variants are compared with the reference: grid → results → refined edges → verdicts → predictions."""
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-import pandas as pd
 
 from engines.interface.variant import Variant
 from reference_lcp.validation import FloatArray
 from scenarios.sweeps.attenuation_band import Edge
-from scenarios.sweeps.edges import BandEdge, band_edges, largest_amplification, refined_edges
+from scenarios.sweeps.edges import BandEdge, band_edges
+from scenarios.sweeps.point import GivesResults, Point, Truth, evaluated, judged
 from scenarios.sweeps.predictions import predicted, predicted_edges
 from scenarios.sweeps.refinement import chosen_frequencies, decided_db, for_the_band, frequencies_of, refined
-from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.sweeps.table import (
-    GivesResults,
-    GridPoint,
-    Point,
-    grid,
-    judged,
-    points_of,
-    results_at,
-    table_of,
-    with_columns,
-    with_results,
-)
+from scenarios.sweeps.sweep import Case, GridPoint, Sweep
 from scenarios.verdicts.finding import Finding, Metric, Prediction
-from scenarios.verdicts.pointwise import CONVERGED, PointResults
 from scenarios.verdicts.prediction import needs_prediction
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 DENSE_FREQUENCY_RATIOS = tuple(float(eta) for eta in np.round(np.arange(0.1, 3.005, 0.01), 2))
 """Where the reference's curves are drawn as lines."""
@@ -42,24 +30,14 @@ class ComparedSweep:
     """The results of a sweep, judged."""
 
     sweep: Sweep
-    table: pd.DataFrame
-    """Every point of every variant, by variant, case and frequency, judged; see `scenarios.sweeps.table`. The grid of
-    each case is that of the sweep, resolved where a curve needs more points."""
+    points: Sequence[Point]
+    """Every point of every variant, by variant, case and frequency, judged. The grid of each case is that of the
+    sweep, resolved where a curve needs more points."""
     edges: tuple[BandEdge, ...] = ()
     """Both edges of every curve; empty where nothing could refine them."""
     dense_reference: Mapping[Case, Curve] = field(default_factory=dict)
     """For each case, η_r (`DENSE_FREQUENCY_RATIOS`) and transmittance [dB] of the reference at the common time step, to
     be drawn as a line; cases without any are left out."""
-
-    @cached_property
-    def points(self) -> list[Point]:
-        """Every row of the table."""
-        return points_of(self.table)
-
-    @cached_property
-    def results(self) -> dict[GridPoint, PointResults]:
-        """Results of every row, beside the reference's at the same point."""
-        return results_at(self.sweep, self.table)
 
     @property
     def cases(self) -> tuple[Case, ...]:
@@ -84,6 +62,12 @@ class ComparedSweep:
         return self._edges[variant, case, edge]
 
     @cached_property
+    def truths(self) -> dict[tuple[Case, float], Truth]:
+        """The truth by case and frequency ratio, where it is known."""
+        known = (point for point in self.points if not math.isnan(point.truth.transmittance_db))
+        return {point.place[1:]: point.truth for point in known}
+
+    @cached_property
     def _curves(self) -> dict[tuple[Variant, Case], list[Point]]:
         curves: dict[tuple[Variant, Case], list[Point]] = {}
         for point in self.points:
@@ -100,20 +84,19 @@ def compare_sweep(sweep: Sweep, evaluator: GivesResults) -> ComparedSweep:
 
     The converged reference is among the variants, see `Sweep.with_reference`.
     """
-    table = judged(sweep, with_results(sweep, resolved_grid(sweep, evaluator), evaluator))
-    refined = refined_edges(sweep, table, evaluator, largest_amplification(table))
-    edges = band_edges(sweep, table, refined, evaluator)
+    points = judged(evaluated(sweep, resolved_grid(sweep, evaluator), evaluator))
+    edges = band_edges(sweep, points, evaluator)
     return ComparedSweep(
         sweep,
-        predicted(sweep, table, evaluator),
-        predicted_edges(sweep, table, edges, refined, evaluator),
+        predicted(sweep, points, evaluator),
+        predicted_edges(sweep, points, edges, evaluator),
         _dense_reference(sweep, evaluator),
     )
 
 
 def judged_points(
     sweep: Sweep,
-    points: Iterable[GridPoint],
+    places: Sequence[GridPoint],
     evaluator: GivesResults,
     predictions: Mapping[GridPoint, Mapping[Metric, Prediction]],
 ) -> ComparedSweep:
@@ -121,19 +104,19 @@ def judged_points(
 
     `predictions` are what is known of laws.
     """
-    table = judged(sweep, with_results(sweep, table_of(points), evaluator))
-    findings = [
-        tuple(_recalled(own, predictions.get(point[:3], {})) for own in point.findings) for point in points_of(table)
-    ]
-    return ComparedSweep(sweep, with_columns(table, findings=findings))
+    points = judged(evaluated(sweep, places, evaluator))
+    return ComparedSweep(sweep, [_recalled(point, predictions.get(point.place, {})) for point in points])
 
 
-def _recalled(finding: Finding, predictions: Mapping[Metric, Prediction]) -> Finding:
-    """Give a finding with what is known of the law of its variant."""
-    return replace(finding, prediction=predictions.get(finding.metric)) if needs_prediction(finding) else finding
+def _recalled(point: Point, predictions: Mapping[Metric, Prediction]) -> Point:
+    """Give a point with what is known of the law of its variant."""
+    findings = (
+        replace(own, prediction=predictions.get(own.metric)) if needs_prediction(own) else own for own in point.findings
+    )
+    return replace(point, findings=tuple(findings))
 
 
-def resolved_grid(sweep: Sweep, evaluator: GivesResults) -> pd.DataFrame:
+def resolved_grid(sweep: Sweep, evaluator: GivesResults) -> list[GridPoint]:
     """Give every variant at every point of a grid that is as fine in each case as its curves need.
 
     On an adaptive axis, every variant's curve chooses points, and all variants take all of them, so that they can be
@@ -141,7 +124,8 @@ def resolved_grid(sweep: Sweep, evaluator: GivesResults) -> pd.DataFrame:
     """
     etas = chosen_frequencies(sweep, evaluator)
     guide = [(CONVERGED, case, eta) for case in etas for eta in etas[case]]
-    return grid(sweep, frequencies_of(refined(sweep, guide, for_the_band(sweep), evaluator)))
+    etas = frequencies_of(refined(sweep, guide, for_the_band(sweep), evaluator))
+    return [(variant, case, eta) for variant in sweep.variants for case in etas for eta in etas[case]]
 
 
 def _dense_reference(sweep: Sweep, evaluator: GivesResults) -> dict[Case, Curve]:

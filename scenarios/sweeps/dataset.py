@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from pydantic import ConfigDict, TypeAdapter
 
@@ -20,11 +19,10 @@ from reference_lcp.observables.stick_slip import Mode
 from reference_lcp.output import write_whole
 from reference_lcp.validation import FloatArray
 from scenarios.runs.result import Result, ResultStatus
+from scenarios.sweeps.point import Point, own_error_db
 from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.table import Point, points_of, results_at
 from scenarios.tables import csv_text
 from scenarios.verdicts.finding import PHASE, TRANSMITTANCE, Metric, Prediction, Verdict
-from scenarios.verdicts.pointwise import own_error_db
 
 DISTRIBUTION = "multibody-xval"
 
@@ -92,14 +90,12 @@ def _mean(values: Sequence[float]) -> float:
     return float(np.mean(values)) if values else math.nan
 
 
-def _of_law(metric: Metric | None, name: str) -> Callable[[Point], float]:
-    """Give what reads a number of the prediction of a metric, or of any; NaN where the law was not asked."""
+def _of_law(name: str, *metrics: Metric) -> Callable[[Point], float]:
+    """Give what reads a number of the prediction of one of these metrics; NaN where the law was not asked."""
+    return lambda point: float(getattr(point.prediction(*metrics), name, math.nan))
 
-    def read(point: Point) -> float:
-        predictions = [own.prediction for own in point.findings if metric in (None, own.metric)]
-        return next((float(getattr(one, name)) for one in predictions if one is not None), math.nan)
 
-    return read
+_METRICS = tuple(metric for metric, _, _ in PREDICTED)
 
 
 _NUMBERS: dict[str, tuple[Callable[[Point], float], str, str]] = {
@@ -131,7 +127,7 @@ _NUMBERS: dict[str, tuple[Callable[[Point], float], str, str]] = {
     ),
     "seconds": (lambda point: point.result.seconds, "s", "wall-clock time of a point"),
     **{
-        f"law_{name}_{ending}": (_of_law(metric, field), units, text)
+        f"law_{name}_{ending}": (_of_law(field, metric), units, text)
         for metric, ending, units in PREDICTED
         for name, field, text in (
             ("value", "value", "of the law of the variant, where this departs"),
@@ -139,8 +135,8 @@ _NUMBERS: dict[str, tuple[Callable[[Point], float], str, str]] = {
             ("allowed", "allowed", "largest difference from its law that both leave open"),
         )
     },
-    "law_distance": (_of_law(None, "distance"), "1", "positions of variant and law after a period, over U0"),
-    "law_period_bound": (_of_law(None, "period_bound"), "1", "largest such distance that the law allows"),
+    "law_distance": (_of_law("distance", *_METRICS), "1", "positions of variant and law after a period, over U0"),
+    "law_period_bound": (_of_law("period_bound", *_METRICS), "1", "largest such distance that the law allows"),
 }  # fmt: skip
 
 _BESIDE = {
@@ -155,15 +151,15 @@ NO_POINT = -1
 """Verdict where the sweep has no point."""
 
 
-def sweep_dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) -> xr.Dataset:
-    """Give a judged table as labelled arrays.
+def sweep_dataset(sweep: Sweep, points: Sequence[Point], store: Path | None = None) -> xr.Dataset:
+    """Give judged points as labelled arrays.
 
     Parameters
     ----------
     sweep
-        The sweep; its frequency ratios are those of the table.
-    table
-        See `scenarios.sweeps.table`.
+        The sweep; its frequency ratios are those of the points.
+    points
+        Of some or all of its places.
     store
         File of the results; its name becomes an attribute.
 
@@ -182,9 +178,8 @@ def sweep_dataset(sweep: Sweep, table: pd.DataFrame, store: Path | None = None) 
         variant, and the sweep as JSON.
     """
     index = {point: number for number, point in enumerate(sweep.grid_points())}
-    points = points_of(table)
-    numbers = [index[point[:3]] for point in points]
-    errors = np.array([own_error_db(known) for known in results_at(sweep, table).values()])
+    numbers = [index[point.place] for point in points]
+    errors = np.array(list(map(own_error_db, points)))
     arrays = {
         "transmittance_error_db": ((), errors, {"units": "dB", "long_name": "error of the step, from other steps"}),
         **_of_points(points),
@@ -229,7 +224,7 @@ def _of_points(points: Sequence[Point]) -> Arrays:
     statuses = [point.result.status for point in points]
     verdicts = [point.comparison.verdict for point in points]
     reasons = [point.result.reason for point in points]
-    certified = np.array([_of_law(None, "certified")(point) for point in points], dtype=np.float64)
+    certified = np.array([_of_law("certified", *_METRICS)(point) for point in points], dtype=np.float64)
     arrays["law_certified"] = ((), certified, _meaning(CERTIFIED, "steady state of the law", np.float64))
     arrays["status"] = ((), _numbers(statuses, STATUSES), _meaning(STATUSES, "how the search for a steady state ended"))
     meaning = _meaning(VERDICTS, "comparison with the baseline")

@@ -18,10 +18,8 @@ from scenarios.runs.parameters import first_error
 from scenarios.runs.result import Result
 from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.dataset import PREDICTED, STORED_POINT, SWEEP, StoredPoint
-from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.table import GridPoint
+from scenarios.sweeps.sweep import GridPoint, Sweep, refinements
 from scenarios.verdicts.finding import Metric, Prediction
-from scenarios.verdicts.pointwise import refinements
 
 LARGEST_DATASET = 2**30
 """Bytes of all arrays of a dataset in memory; 20,000 points take a fiftieth of it. A compressed file may claim more."""

@@ -1,83 +1,89 @@
-"""The stage of edges: both edges of the attenuation band of every curve, judged."""
+"""Both edges of the attenuation band of every curve: the one definition of an edge, and the one comparison of edges.
+
+An edge is where a curve crosses the threshold, found by simulations of the variant itself, see `refined_crossings`;
+pages, maps, scenarios and cards quote what `refined_edges` gives.
+
+Edges are compared with those of a baseline. A change δ of the transmittance [dB] moves an edge by δ / slope. What is
+allowed at the edge itself and at the two points of the grid around it, over the slope of the baseline's curve there, is
+therefore what is allowed of the edge, and the widths to which both edges are bracketed besides. The baseline is that of
+the points: presets that share the Euler scheme are compared at equal step, where nothing but resolution is allowed.
+"""
 
 import math
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from engines.interface.variant import Variant
 from reference_lcp.steady.richardson import amplitude_in_db
 from reference_lcp.validation import FloatArray
 from scenarios.runs.result import Result, ResultStatus
-from scenarios.sweeps.attenuation_band import BAND_EDGE, Crossing, Edge, compare_edge, edge_brackets, refined_crossings
-from scenarios.sweeps.refinement import EDGE_RESIDUAL, CurveKey, curves_of, decided_db
-from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.sweeps.table import GivesResults, GridPoint, results_at, table_of, with_results
-from scenarios.verdicts.finding import Comparison, Finding, Prediction, Verdict
-from scenarios.verdicts.pointwise import CONVERGED, PointResults, baseline, refinements
-from scenarios.verdicts.steady_case import REFERENCE, amplification
+from scenarios.sweeps.attenuation_band import Crossing, Edge, edge_brackets, refined_crossings
+from scenarios.sweeps.point import GivesResults, Point, evaluated, tolerance, unless_own_error_is_unknown
+from scenarios.sweeps.refinement import EDGE_RESIDUAL, CurveKey, Results, curves_of, decided_db
+from scenarios.sweeps.sweep import Case, GridPoint, Sweep, baseline, refinements
+from scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Tolerance, Verdict
+from scenarios.verdicts.judge import decide
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE, amplification
+
+BAND_EDGE = Metric("band edge", "in η_r", "where the transmittance crosses the threshold of the attenuation band")
 
 
 @dataclass(frozen=True)
 class RefinedEdges:
     """The refined edges of all curves."""
 
-    brackets: dict[tuple[CurveKey, Edge], tuple[float, float]]
-    """Neighbouring frequency ratios of the grid between which each edge lies."""
-    crossings: dict[tuple[CurveKey, Edge], Crossing]
+    crossings: Mapping[tuple[Variant, Case, Edge], Crossing]
+    """Edges that the grid does not hold are left out."""
     incomplete: set[CurveKey]
     """Curves that lack a result, on the grid or on the way."""
 
 
 def refined_edges(
-    sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults, amplified: Mapping[Case, float]
+    sweep: Sweep, results: Results, evaluator: GivesResults, amplified: Mapping[Case, float] | None = None
 ) -> RefinedEdges:
-    """Refine all edges of all curves of a table together, by simulations of their own variants."""
+    """Refine all edges of all curves together, by simulations of their own variants.
+
+    `amplified` is by how much residuals are amplified in each case, see `largest_amplification`.
+    """
     brackets = {
-        (key, edge): bracket
-        for key, curve in curves_of(table).items()
+        (*key, edge): bracket
+        for key, curve in curves_of(results).items()
         for edge, bracket in edge_brackets(*curve, sweep.band).items()
     }
-    owners = [key for key, _ in brackets]
-    missing = table[[result.status is ResultStatus.MISSING for result in table["result"]]]
-    incomplete: set[CurveKey] = set(zip(missing["variant"], missing["case"], strict=True))
+    owners = list(brackets)
+    incomplete = {place[:2] for place, result in results.items() if result.status is ResultStatus.MISSING}
     open_db: dict[int, float] = defaultdict(float)
 
     def transmittance_db(index: NDArray[np.intp], eta: FloatArray) -> FloatArray:
-        points = [(*owners[k], ratio) for k, ratio in zip(index, eta.tolist(), strict=True)]
-        results = evaluator.evaluate([sweep.task(*point) for point in points])
-        for k, point, result in zip(index, points, results, strict=True):
+        points = [(*owners[k][:2], ratio) for k, ratio in zip(index, eta.tolist(), strict=True)]
+        found = evaluator.evaluate([sweep.task(*point) for point in points])
+        for k, point, result in zip(index, points, found, strict=True):
             if result.status is ResultStatus.MISSING:
                 incomplete.add(point[:2])
-            open_db[k] = max(open_db[k], _left_open_db(sweep, amplified.get(point[1], math.nan), result))
-        return np.array([decided_db(result) for result in results])
+            if not result.converged and result.residual <= EDGE_RESIDUAL:
+                growth = (amplified or {}).get(point[1], math.nan)
+                open_db[k] = max(open_db[k], amplitude_in_db(result.residual * growth, sweep.band.threshold_db))
+        return np.array([decided_db(result) for result in found])
 
     narrowed = refined_crossings(list(brackets.values()), transmittance_db, sweep.band)
     crossings = {
         edge: replace(crossing, residual_db=open_db[k])
         for k, (edge, crossing) in enumerate(zip(brackets, narrowed, strict=True))
     }
-    return RefinedEdges(brackets, crossings, incomplete)
+    return RefinedEdges(crossings, incomplete)
 
 
-def largest_amplification(table: pd.DataFrame) -> dict[Case, float]:
+def largest_amplification(points: Iterable[Point]) -> dict[Case, float]:
     """Give by how much residuals are amplified in each case, at the point of the reference where that is most."""
-    own = table[table["variant"] == REFERENCE]
     largest: dict[Case, float] = {}
-    for case, result in zip(own["case"], own["result"], strict=True):
-        largest[case] = max(largest.get(case, 0.0), amplification(result))
+    for point in points:
+        if point.variant == REFERENCE:
+            largest[point.case] = max(largest.get(point.case, 0.0), amplification(point.result))
     return largest
-
-
-def _left_open_db(sweep: Sweep, amplified: float, result: Result) -> float:
-    """What a motion that decides a side without being certified leaves open of its transmittance [dB]."""
-    if result.converged or not result.residual <= EDGE_RESIDUAL:
-        return 0.0
-    return amplitude_in_db(result.residual * amplified, sweep.band.threshold_db)
 
 
 @dataclass(frozen=True)
@@ -92,6 +98,8 @@ class BandEdge:
     comparison: Comparison
     prediction: Prediction | None = None
     """What the law of the variant says of a disagreement."""
+    expected: float | None = None
+    """η_r of the baseline's edge; likewise."""
 
     @property
     def finding(self) -> Finding:
@@ -102,38 +110,34 @@ class BandEdge:
         return Finding(self.variant, label, BAND_EDGE, value, expected, self.comparison, self.prediction)
 
 
-def band_edges(
-    sweep: Sweep, table: pd.DataFrame, refined: RefinedEdges, evaluator: GivesResults
-) -> tuple[BandEdge, ...]:
-    """Compare all refined edges with those of what each variant is compared with."""
-    results: dict[CurveKey, list[Result]] = {}
-    for variant, case, result in zip(table["variant"], table["case"], table["result"], strict=True):
-        results.setdefault((variant, case), []).append(result)
-    known = results_at(sweep, table) | _results_at_edges(sweep, list(results), refined, evaluator)
-    return tuple(_judged(key, edge, own, refined, known, sweep) for key, own in results.items() for edge in Edge)
+def band_edges(sweep: Sweep, points: Sequence[Point], evaluator: GivesResults) -> tuple[BandEdge, ...]:
+    """Refine all edges, and compare them with those of what each variant is compared with."""
+    curves: dict[CurveKey, list[Result]] = defaultdict(list)
+    for point in points:
+        curves[point.variant, point.case].append(point.result)
+    results = {point.place: point.result for point in points}
+    refined = refined_edges(sweep, results, evaluator, largest_amplification(points))
+    at_edges = _at_edges(sweep, list(curves), refined, evaluator)
+    known = {point.place: point for point in (*points, *at_edges)}
+    return tuple(_judged(key, edge, own, refined, known, sweep) for key, own in curves.items() for edge in Edge)
 
 
-def _results_at_edges(
-    sweep: Sweep, curves: Sequence[CurveKey], refined: RefinedEdges, evaluator: GivesResults
-) -> dict[GridPoint, PointResults]:
+def _at_edges(sweep: Sweep, curves: Sequence[CurveKey], refined: RefinedEdges, evaluator: GivesResults) -> list[Point]:
     """Evaluate every curve whose own error counts at the converged edges, where that error is what moves its edge."""
-    points = {
+    places = {
         (owner, case, expected.frequency_ratio)
         for variant, case in curves
         if refinements(variant, sweep.tolerance)
         for edge in Edge
-        if (expected := refined.crossings.get(((CONVERGED, case), edge))) is not None
+        if (expected := refined.crossings.get((CONVERGED, case, edge))) is not None
         and not math.isnan(expected.frequency_ratio)
         for owner in (variant, REFERENCE, CONVERGED)
     }
     order = {variant: number for number, variant in enumerate(sweep.variants)}
-    table = table_of(sorted(points, key=lambda point: (order[point[0]], point[1].values, point[2])))
-    if table.empty:
-        return {}
-    evaluated = with_results(sweep, table, evaluator)
-    missing = evaluated[[result.status is ResultStatus.MISSING for result in evaluated["result"]]]
-    refined.incomplete.update(zip(missing["variant"], missing["case"], strict=True))
-    return results_at(sweep, evaluated)
+    ordered = sorted(places, key=lambda place: (order[place[0]], place[1].values, place[2]))
+    points = evaluated(sweep, ordered, evaluator)
+    refined.incomplete.update(point.place[:2] for point in points if point.result.status is ResultStatus.MISSING)
+    return points
 
 
 def _judged(
@@ -141,23 +145,59 @@ def _judged(
     edge: Edge,
     results: Sequence[Result],
     refined: RefinedEdges,
-    known: Mapping[GridPoint, PointResults],
+    known: Mapping[GridPoint, Point],
     sweep: Sweep,
 ) -> BandEdge:
     """Compare an edge with that of the baseline."""
     variant, case = key
     against = baseline(variant, sweep.tolerance)
-    expected_edge = (against, case), edge
-    crossing, expected = refined.crossings.get((key, edge)), refined.crossings.get(expected_edge)
-    eta = None if crossing is None else crossing.frequency_ratio
+    crossing, expected = (refined.crossings.get((owner, case, edge)) for owner in (variant, against))
+    eta, right = (None if own is None else own.frequency_ratio for own in (crossing, expected))
     lacking = [owner for owner in dict.fromkeys((variant, against)) if (owner, case) in refined.incomplete]
     if all(result.status is ResultStatus.BLOCKED for result in results):
-        return BandEdge(variant, case, edge, eta, Comparison(Verdict.BLOCKED, results[0].reason))
-    if lacking:
+        comparison = Comparison(Verdict.BLOCKED, results[0].reason)
+    elif lacking:
         curves = " and ".join(f"{owner.title}'s curve" for owner in lacking)
         comparison = Comparison(Verdict.INCONCLUSIVE, f"{curves}: points are not evaluated so far")
-        return BandEdge(variant, case, edge, math.nan if variant in lacking else eta, comparison)
-    places = () if expected is None else (*refined.brackets[expected_edge], expected.frequency_ratio)
-    around = [known[variant, case, place] for place in places if (variant, case, place) in known]
-    comparison = compare_edge(crossing, expected, around, against)
-    return BandEdge(variant, case, edge, eta, comparison)
+        eta = math.nan if variant in lacking else eta
+    else:
+        places = () if expected is None else (*expected.bracket, expected.frequency_ratio)
+        around = [known[*key, place] for place in places if (*key, place) in known]
+        comparison = compare_edge(crossing, expected, around)
+    return BandEdge(variant, case, edge, eta, comparison, expected=right)
+
+
+def compare_edge(edge: Crossing | None, expected: Crossing | None, around: Sequence[Point] = ()) -> Comparison:
+    """Compare a band edge with that of the baseline; ``None`` is an edge outside the grid.
+
+    `around` are the points at the expected edge, and of the grid on either side of it.
+    """
+    if edge is None and expected is None:
+        return Comparison(Verdict.AGREE, "no such edge on the grid, for the reference neither")
+    if edge is None or expected is None:
+        which = "reference" if edge is None else "engine"
+        return Comparison(Verdict.DISAGREE, f"only the {which} has this edge on the grid")
+    if math.isnan(edge.frequency_ratio) or math.isnan(expected.frequency_ratio):
+        return Comparison(Verdict.INCONCLUSIVE, "the refinement met a point without a steady state")
+    known = [point for point in around if point.is_known and point.expected.converged]
+    comparison = decide(
+        BAND_EDGE, edge.frequency_ratio, expected.frequency_ratio, _edge_tolerance(edge, expected, known)
+    )
+    # by how much a small change of the amplitude moves the edge in η_r, per displacement scale
+    per_amplitude = 20 / math.log(10) * 10 ** (-expected.level_db / 20) / abs(expected.slope)
+    comparison = replace(comparison, per_amplitude=per_amplitude)
+    if comparison.verdict is Verdict.DISAGREE and not known:
+        reason = f"{comparison.reason}; no steady state beside it gives its own error"
+        return replace(comparison, verdict=Verdict.INCONCLUSIVE, reason=reason)
+    for point in known:
+        comparison = unless_own_error_is_unknown(point, comparison)
+    return comparison
+
+
+def _edge_tolerance(edge: Crossing, expected: Crossing, known: Iterable[Point]) -> Tolerance:
+    """Derive how far an edge may be from the expected one in η_r: of every part, the largest around it counts."""
+    sides = [asdict(tolerance(point)) for point in known]
+    largest = {part: max((side[part] for side in sides), default=0.0) for part in asdict(Tolerance())}
+    largest["resolution"] += edge.residual_db + expected.residual_db
+    allowed = Tolerance(**largest).over(expected.slope)
+    return replace(allowed, resolution=allowed.resolution + edge.width + expected.width)

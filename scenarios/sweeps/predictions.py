@@ -5,131 +5,81 @@ of engine and law from the same state; of an edge that disagrees, the edge of th
 """
 
 import math
-from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-
-import pandas as pd
 
 from engines.interface.variant import Variant
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.task import Recorded
 from scenarios.sweeps.edges import BandEdge, RefinedEdges, largest_amplification, refined_edges
+from scenarios.sweeps.point import GivesResults, Point, point_findings, point_resolution
 from scenarios.sweeps.sweep import Sweep
-from scenarios.sweeps.table import (
-    GivesResults,
-    GridPoint,
-    Point,
-    grid_points_of,
-    points_of,
-    results_at,
-    table_of,
-    with_columns,
-)
 from scenarios.verdicts.finding import Comparison, Finding, Verdict
-from scenarios.verdicts.pointwise import PointResults, baseline, point_findings, point_resolution
 from scenarios.verdicts.prediction import LawPeriod, needs_prediction, with_predictions
 
 
-def predicted(sweep: Sweep, table: pd.DataFrame, evaluator: GivesResults) -> pd.DataFrame:
-    """Give a judged table, the findings of points that depart or say nothing with what the law of the variant says."""
-    rows = points_of(table)
-    known = results_at(sweep, table)
-    open_points = {
-        number: law
-        for number, row in enumerate(rows)
-        if any(needs_prediction(finding) for finding in row.findings) and (law := row.variant.law) is not None
+def predicted(sweep: Sweep, points: Sequence[Point], evaluator: GivesResults) -> list[Point]:
+    """Give judged points, the findings of those that depart or say nothing with what the law of the variant says."""
+    laws = {
+        point.place: law
+        for point in points
+        if any(needs_prediction(finding) for finding in point.findings) and (law := point.variant.law) is not None
     }
-    results = _law_results(sweep, [(rows[number][:3], law) for number, law in open_points.items()], evaluator)
-    findings = [row.findings for row in rows]
-    for (number, law), (own, period) in zip(open_points.items(), results, strict=True):
-        if own.status is not ResultStatus.MISSING:
-            findings[number] = _predicted_point(rows[number], known[rows[number][:3]], law, own, period)
-    return with_columns(table, findings=findings)
-
-
-def _law_results(
-    sweep: Sweep, points: Sequence[tuple[GridPoint, Variant]], evaluator: GivesResults
-) -> list[tuple[Result, LawPeriod]]:
-    """Give the steady state of the law at each point, and the period of engine and law."""
-    steady = evaluator.evaluate([sweep.task(law, case, eta) for (_, case, eta), law in points])
-    tasks = [sweep.task(*point).recording(Recorded.LAW) for point, _ in points]
+    steady = evaluator.evaluate([sweep.task(law, case, eta) for (_, case, eta), law in laws.items()])
+    tasks = [sweep.task(*place).recording(Recorded.LAW) for place in laws]
     periods = map(LawPeriod.of, tasks, evaluator.evaluate(tasks))
-    return list(zip(steady, periods, strict=True))
+    known = {
+        place: (law, own, period)
+        for (place, law), own, period in zip(laws.items(), steady, periods, strict=True)
+        if own.status is not ResultStatus.MISSING
+    }
+    return [_predicted_point(point, *known[point.place]) if point.place in known else point for point in points]
 
 
-def _predicted_point(
-    point: Point, known: PointResults, law: Variant, own: Result, period: LawPeriod
-) -> tuple[Finding, ...]:
-    """Give the findings of a point with what its law says."""
-    of_law = replace(known, variant=law, result=own, others=())
-    label = point.findings[0].case
-    judged = with_predictions(
-        _with_resolution(point.findings, known),
-        _with_resolution(point_findings(of_law, label), of_law),
-        {label: period},
-    )
-    return tuple(
-        replace(finding, prediction=own.prediction) for finding, own in zip(point.findings, judged, strict=True)
-    )
+def _predicted_point(point: Point, law: Variant, own: Result, period: LawPeriod) -> Point:
+    """Give a point with what its law says."""
+    of_law = replace(point, variant=law, result=own, others=())
+    of_law = replace(of_law, findings=point_findings(of_law))
+    judged = with_predictions(_with_resolution(point), _with_resolution(of_law), {point.label: period})
+    pairs = zip(point.findings, judged, strict=True)
+    return replace(point, findings=tuple(replace(finding, prediction=one.prediction) for finding, one in pairs))
 
 
-def _with_resolution(findings: Iterable[Finding], known: PointResults) -> list[Finding]:
+def _with_resolution(point: Point) -> list[Finding]:
     """Give findings with what the result leaves open, also where a tolerance is given."""
+    left_open = (point_resolution(point, finding.metric, point.expected) for finding in point.findings)
     return [
-        replace(
-            finding,
-            comparison=replace(finding.comparison, resolution=point_resolution(known, known.against, finding.metric)),
-        )
-        for finding in findings
+        replace(finding, comparison=replace(finding.comparison, resolution=size))
+        for finding, size in zip(point.findings, left_open, strict=True)
     ]
 
 
 def predicted_edges(
-    sweep: Sweep, table: pd.DataFrame, edges: Sequence[BandEdge], refined: RefinedEdges, evaluator: GivesResults
+    sweep: Sweep, points: Sequence[Point], edges: Sequence[BandEdge], evaluator: GivesResults
 ) -> tuple[BandEdge, ...]:
     """Give judged edges, those that disagree with what the law of the variant says."""
     open_edges = [edge for edge in edges if edge.comparison.verdict is Verdict.DISAGREE and edge.variant.law]
-    if not open_edges:
-        return tuple(edges)
-    curves = _curves_of_laws(sweep, table, open_edges, evaluator)
-    of_laws = refined_edges(sweep, curves, evaluator, largest_amplification(table))
-    places = [_place(sweep, edge, refined) for edge in open_edges]
+    curves = {(edge.variant, edge.case): edge.variant.law for edge in open_edges}
+    grid = [
+        (law, *point.place[1:])
+        for key, law in curves.items()
+        for point in points
+        if point.place[:2] == key and law is not None
+    ]
+    results = dict(zip(grid, evaluator.evaluate([sweep.task(*place) for place in grid]), strict=True))
+    of_laws = refined_edges(sweep, results, evaluator, largest_amplification(points))
+    places = [edge.expected if edge.frequency_ratio is None else edge.frequency_ratio for edge in open_edges]
     tasks = [
         sweep.task(edge.variant, edge.case, eta).recording(Recorded.LAW)
         for edge, eta in zip(open_edges, places, strict=True)
+        if eta is not None
     ]
-    results = evaluator.evaluate(tasks)
     periods = {
         edge: LawPeriod.of(task, result)
-        for edge, task, result in zip(open_edges, tasks, results, strict=True)
+        for edge, task, result in zip(open_edges, tasks, evaluator.evaluate(tasks), strict=True)
         if result.status is not ResultStatus.MISSING
     }
     return tuple(_predicted_edge(edge, of_laws, periods[edge]) if edge in periods else edge for edge in edges)
-
-
-def _curves_of_laws(
-    sweep: Sweep, table: pd.DataFrame, edges: Iterable[BandEdge], evaluator: GivesResults
-) -> pd.DataFrame:
-    """Evaluate the curve of the law on the whole grid of every case in which an edge is to be predicted."""
-    etas = defaultdict(list)
-    for variant, case, eta in grid_points_of(table):
-        etas[variant, case].append(eta)
-    points = [
-        (law, case, eta)
-        for (variant, law, case) in dict.fromkeys((edge.variant, edge.variant.law, edge.case) for edge in edges)
-        for eta in etas[variant, case]
-        if law is not None
-    ]
-    return with_columns(table_of(points), result=evaluator.evaluate([sweep.task(*point) for point in points]))
-
-
-def _place(sweep: Sweep, edge: BandEdge, refined: RefinedEdges) -> float:
-    """Give the frequency ratio of an edge that disagrees; where the variant has none, that of its baseline."""
-    if edge.frequency_ratio is not None:
-        return edge.frequency_ratio
-    against = baseline(edge.variant, sweep.tolerance)
-    return refined.crossings[(against, edge.case), edge.edge].frequency_ratio
 
 
 def _predicted_edge(edge: BandEdge, of_laws: RefinedEdges, period: LawPeriod) -> BandEdge:
@@ -138,7 +88,7 @@ def _predicted_edge(edge: BandEdge, of_laws: RefinedEdges, period: LawPeriod) ->
     assert law is not None, "only variants with a law are predicted"
     if (law, edge.case) in of_laws.incomplete:
         return edge
-    crossing = of_laws.crossings.get(((law, edge.case), edge.edge))
+    crossing = of_laws.crossings.get((law, edge.case, edge.edge))
     own = edge.finding
     value = math.nan if crossing is None else crossing.frequency_ratio
     per_db = own.comparison.per_amplitude / (20 / math.log(10))

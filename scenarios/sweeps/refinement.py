@@ -1,11 +1,10 @@
-"""Points where a curve needs them: propose points from the table, evaluate, add, until nothing is proposed."""
+"""Points where a curve needs them: propose points from the results, evaluate, add, until nothing is proposed."""
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
-import pandas as pd
 import scipy.linalg
 
 from engines.interface.variant import Variant
@@ -16,8 +15,8 @@ from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import Result
 from scenarios.sweeps.adaptive_grid import AdaptiveCurve
 from scenarios.sweeps.attenuation_band import unresolved
-from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.sweeps.table import GivesResults, GridPoint, grid_points_of, table_of, with_columns
+from scenarios.sweeps.point import GivesResults
+from scenarios.sweeps.sweep import Case, GridPoint, Sweep
 
 
 def resonances(ratios: ChainRatios) -> FloatArray:
@@ -41,8 +40,10 @@ def _in_subspace(chain: Chain, basis: FloatArray) -> FloatArray:
     return np.sqrt(scipy.linalg.eigh(stiffness, mass, eigvals_only=True)) / chain.resonator_frequency
 
 
-Propose = Callable[[pd.DataFrame], Sequence[GridPoint]]
-"""Gives the points that a table still needs; none when it is done."""
+Results = Mapping[GridPoint, Result]
+
+Propose = Callable[[Results], Sequence[GridPoint]]
+"""Gives the points that results still need; none when they are done."""
 
 CurveKey = tuple[Variant, Case]
 
@@ -55,24 +56,24 @@ fall by more than 10 dB in 0.1: what such a residual leaves open is below the re
 """
 
 
-def refined(sweep: Sweep, points: Sequence[GridPoint], propose: Propose, evaluator: GivesResults) -> pd.DataFrame:
+def refined(
+    sweep: Sweep, points: Sequence[GridPoint], propose: Propose, evaluator: GivesResults
+) -> dict[GridPoint, Result]:
     """Give the results at `points`, and at all points that are proposed from the results so far.
 
     What is added depends on nothing but the results: the same ones lead to the same points.
     """
-    table = table_of(())
+    results: dict[GridPoint, Result] = {}
     while points:
-        results = evaluator.evaluate([sweep.task(*point) for point in points])
-        added = with_columns(table_of(points), result=results)
-        table = added if table.empty else pd.concat([table, added], ignore_index=True)
-        points = propose(table)
-    return table
+        results |= zip(points, evaluator.evaluate([sweep.task(*point) for point in points]), strict=True)
+        points = propose(results)
+    return results
 
 
-def curves_of(table: pd.DataFrame) -> dict[CurveKey, tuple[FloatArray, FloatArray]]:
+def curves_of(results: Results) -> dict[CurveKey, tuple[FloatArray, FloatArray]]:
     """Give η_r, ascending, and the transmittance [dB] of every curve, by variant and case; NaN where undecided."""
     pairs: dict[CurveKey, list[tuple[float, float]]] = defaultdict(list)
-    for (variant, case, eta), result in zip(grid_points_of(table), table["result"], strict=True):
+    for (variant, case, eta), result in results.items():
         pairs[variant, case].append((eta, decided_db(result)))
     return {key: tuple(np.array(sorted(own)).T) for key, own in pairs.items()}
 
@@ -85,10 +86,10 @@ def decided_db(result: Result) -> float:
 def for_the_band(sweep: Sweep) -> Propose:
     """Propose points until no curve runs so close to the threshold that a crossing could hide between them."""
 
-    def propose(table: pd.DataFrame) -> list[GridPoint]:
+    def propose(results: Results) -> list[GridPoint]:
         return [
             (*key, eta)
-            for key, curve in curves_of(table).items()
+            for key, curve in curves_of(results).items()
             for eta in np.setdiff1d(unresolved(*curve, sweep.band), curve[0]).tolist()
         ]
 
@@ -108,14 +109,12 @@ class ForTheAccuracy:
         """Give the points that the curves need now."""
         return [(*key, eta) for key, curve in self.curves.items() for eta in curve.due]
 
-    def __call__(self, table: pd.DataFrame) -> list[GridPoint]:
+    def __call__(self, results: Results) -> list[GridPoint]:
         """Take the results of what was due, and give what is due next."""
-        levels: dict[CurveKey, dict[float, float]] = defaultdict(dict)
-        for (variant, case, eta), result in zip(grid_points_of(table), table["result"], strict=True):
-            levels[variant, case][eta] = result.transmittance_db if result.converged else math.nan
         for key, curve in self.curves.items():
             if curve.due:
-                curve.add({eta: levels[key][eta] for eta in curve.due})
+                due = {eta: results[*key, eta] for eta in curve.due}
+                curve.add({eta: own.transmittance_db if own.converged else math.nan for eta, own in due.items()})
         return self.due()
 
 
@@ -127,9 +126,9 @@ def chosen_frequencies(sweep: Sweep, evaluator: GivesResults) -> dict[Case, list
     return frequencies_of(refined(sweep, accuracy.due(), accuracy, evaluator))
 
 
-def frequencies_of(table: pd.DataFrame) -> dict[Case, list[float]]:
-    """Give the frequency ratios of every case of a table, ascending."""
+def frequencies_of(points: Iterable[GridPoint]) -> dict[Case, list[float]]:
+    """Give the frequency ratios of every case, ascending."""
     etas: dict[Case, set[float]] = {}
-    for _, case, eta in grid_points_of(table):
+    for _, case, eta in points:
         etas.setdefault(case, set()).add(eta)
     return {case: sorted(own) for case, own in etas.items()}

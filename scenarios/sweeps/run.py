@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from pydantic import ValidationError
 
 from engines.interface.variant import Variant
@@ -21,12 +20,12 @@ from scenarios.runs.result import Result, ResultStatus, repetition
 from scenarios.runs.store import ResultStore, existing_store
 from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.dataset import SWEEP
+from scenarios.sweeps.point import Point, evaluated, judged, tasks_of
 from scenarios.sweeps.predictions import predicted
 from scenarios.sweeps.refinement import ForTheAccuracy, refined
-from scenarios.sweeps.sweep import Sweep, baseline_of
-from scenarios.sweeps.table import Point, grid, judged, tasks_of, with_results
+from scenarios.sweeps.sweep import Sweep, baseline_of, refinements
 from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
-from scenarios.verdicts.pointwise import CONVERGED, refinements
+from scenarios.verdicts.steady_case import CONVERGED
 
 
 @dataclass
@@ -87,11 +86,10 @@ def verdict_summaries(sweep: Sweep, points: Iterable[Point]) -> dict[Variant, Ve
     baseline = baseline_of(sweep.variants)
     if baseline is None:
         return {}
-    every = list(points)
-    evaluated = {point[:3] for point in every if point.result.status is not ResultStatus.MISSING}
+    known = {point.place: point for point in points if point.result.status is not ResultStatus.MISSING}
     summaries = {variant: VerdictSummary() for variant in sweep.variants if variant != baseline}
-    for point in every:
-        if point.variant != baseline and {point[:3], (baseline, *point[1:3])} <= evaluated:
+    for point in known.values():
+        if point.variant != baseline and (baseline, *point.place[1:]) in known:
             summaries[point.variant].add(point)
     return summaries
 
@@ -121,10 +119,11 @@ def evaluate_sweep(
         summary = run_sweep(sweep, evaluator)
         if compared:
             evaluator.stage("other numbers of steps")
-            evaluator.evaluate(tasks_of(*stored_table(sweep, store)))
+            whole, points = stored_points(sweep, store)
+            evaluator.evaluate(tasks_of(whole, [point.place for point in points]))
         if verdicts:
             evaluator.stage("laws of variants that disagree")
-            predicted(*stored_table(sweep, store), evaluator)
+            predicted(*stored_points(sweep, store), evaluator)
         return summary
 
 
@@ -138,8 +137,7 @@ def run_sweep(sweep: Sweep, evaluator: Evaluator) -> SweepSummary:
         evaluator.complete(sweep.tasks(), lambda task, ended: summary.add(task.variant, ended))
         return summary
     accuracy = ForTheAccuracy(sweep)
-    table = refined(sweep, accuracy.due(), accuracy, evaluator)
-    for variant, result in zip(table["variant"], table["result"], strict=True):
+    for (variant, _, _), result in refined(sweep, accuracy.due(), accuracy, evaluator).items():
         summary.add(variant, result)
     for (variant, _), curve in accuracy.curves.items():
         summary.unresolved[variant] += not curve.resolved
@@ -153,20 +151,19 @@ def refined_tasks(sweep: Sweep) -> Iterator[SteadyStateTask]:
             yield sweep.task(*point, factor)
 
 
-def stored_table(sweep: Sweep, store: ResultStore) -> tuple[Sweep, pd.DataFrame]:
-    """Give the results of a sweep in a store as a judged table, and the sweep with all frequency ratios of the table.
+def stored_points(sweep: Sweep, store: ResultStore) -> tuple[Sweep, list[Point]]:
+    """Give the results of a sweep in a store as judged points, and the sweep with all their frequency ratios.
 
-    On an adaptive axis, the table has the points of every curve, as far as the results that are known choose them.
+    On an adaptive axis, they are the points of every curve, as far as the results that are known choose them.
     """
     evaluator = StoredResults(store)
-    if sweep.frequencies is None:
-        whole, table = sweep, grid(sweep)
-    else:
+    places, whole = list(sweep.grid_points()), sweep
+    if sweep.frequencies is not None:
         accuracy = ForTheAccuracy(sweep)
-        table = refined(sweep, accuracy.due(), accuracy, evaluator)
-        etas = tuple(sorted(set(table["frequency_ratio"])))
+        places = list(refined(sweep, accuracy.due(), accuracy, evaluator))
+        etas = tuple(sorted({eta for _, _, eta in places}))
         whole = replace(sweep, axes={**sweep.axes, "frequency_ratio": etas})
-    return whole, predicted(whole, judged(whole, with_results(whole, table, evaluator)), evaluator)
+    return whole, predicted(whole, judged(evaluated(whole, places, evaluator)), evaluator)
 
 
 def note_sweep(store: ResultStore, sweep: Sweep) -> None:

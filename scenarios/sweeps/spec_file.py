@@ -15,8 +15,7 @@ from reference_lcp.errors import ParameterError, checked_path
 from reference_lcp.validation import LARGEST_PARAMETER, MOST_STEPS
 from scenarios.runs.parameters import DEFAULT_AMPLITUDE, ChainRatios, Decibel, Excitation, Positive, first_error
 from scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
-from scenarios.sweeps.sweep import Sweep, baseline_of
-from scenarios.verdicts.pointwise import GivenTolerance
+from scenarios.sweeps.sweep import GivenTolerance, Sweep, baseline_of
 
 EXAMPLE = """\
 # A sweep: every combination of the values under [grid], by every engine.

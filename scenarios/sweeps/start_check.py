@@ -9,8 +9,7 @@ variant that have a steady state are searched both ways, and those that differ a
 
 import cmath
 import math
-from collections import defaultdict
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from engines.interface.variant import Variant
@@ -18,9 +17,9 @@ from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.steady import begins_beside
 from scenarios.runs.task import Start
 from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.table import GivesResults, Point, with_columns
-from scenarios.verdicts.finding import Comparison, Finding, Verdict
-from scenarios.verdicts.pointwise import PointResults, amplitude_left_open
+from scenarios.sweeps.point import GivesResults, Point
+from scenarios.sweeps.sweep import GridPoint, Sweep
+from scenarios.verdicts.finding import Comparison, Verdict
 
 SHARE = 0.05
 """Part of a variant's points that are searched both ways."""
@@ -47,49 +46,43 @@ def check_starts(
     Gives the sweep with points that have two steady states undecided, and a check of each variant but the suite's
     models.
     """
-    samples = {variant: _sample(result, variant, least) for variant in result.sweep.variants if begins_beside(variant)}
-    differing = _differing(result, [row for sample in samples.values() for row in sample], evaluator)
-    doubtful = {result.points[row].variant for row, apart in differing.items() if apart}
-    rest = [row for row in _steady_rows(result, doubtful) if row not in differing]
-    differing |= _differing(result, rest, evaluator)
-    checks = defaultdict(list)
-    for row, apart in differing.items():
-        if apart is not None:
-            checks[result.points[row].variant].append(bool(apart))
-    return _undecided(result, differing), tuple(
-        StartCheck(variant, len(checks[variant]), sum(checks[variant])) for variant in samples
-    )
-
-
-def _steady_rows(result: ComparedSweep, variants: Collection[Variant]) -> list[int]:
-    """Give the rows of variants that have a steady state."""
-    return [row for row, point in enumerate(result.points) if point.variant in variants and point.result.converged]
-
-
-def _sample(result: ComparedSweep, variant: Variant, least: int) -> list[int]:
-    """Choose rows of a variant that have a steady state, by the hashes of their tasks: at random, and always alike."""
-    rows = _steady_rows(result, {variant})
-    count = max(least, math.ceil(SHARE * len(rows)))
-    return sorted(rows, key=lambda row: result.sweep.task(*result.points[row][:3]).key())[:count]
-
-
-def _differing(result: ComparedSweep, rows: Sequence[int], evaluator: GivesResults) -> dict[int, str | None]:
-    """Say of rows how the steady state from harmonic balance differs; empty where not, ``None`` where there is none."""
-    points = [result.points[row] for row in rows]
-    tasks = [replace(result.sweep.task(*point[:3]), start=Start.HARMONIC_BALANCE) for point in points]
-    known = result.results
-    return {
-        row: _difference(known[point[:3]], balanced)
-        for row, point, balanced in zip(rows, points, evaluator.evaluate(tasks), strict=True)
+    steady = {
+        variant: [point for point in result.points_of(variant) if point.result.converged]
+        for variant in result.sweep.variants
+        if begins_beside(variant)
     }
+    samples = [point for own in steady.values() for point in _sample(result.sweep, own, least)]
+    differing = _differing(result.sweep, samples, evaluator)
+    doubtful = {variant for (variant, _, _), apart in differing.items() if apart}
+    rest = [point for variant in doubtful for point in steady[variant] if point.place not in differing]
+    differing |= _differing(result.sweep, rest, evaluator)
+    checks = []
+    for variant in steady:
+        ends = [apart for (owner, _, _), apart in differing.items() if owner == variant and apart is not None]
+        checks.append(StartCheck(variant, len(ends), sum(map(bool, ends))))
+    points = [_undecided(point, differing.get(point.place)) for point in result.points]
+    return replace(result, points=points), tuple(checks)
 
 
-def _difference(known: PointResults, balanced: Result) -> str | None:
+def _sample(sweep: Sweep, steady: Sequence[Point], least: int) -> list[Point]:
+    """Choose points of a variant by the hashes of their tasks: at random, and always alike."""
+    count = max(least, math.ceil(SHARE * len(steady)))
+    return sorted(steady, key=lambda point: sweep.task(*point.place).key())[:count]
+
+
+def _differing(sweep: Sweep, points: Sequence[Point], evaluator: GivesResults) -> dict[GridPoint, str | None]:
+    """Say of points how the steady state from harmonic balance differs; empty where not, ``None`` without any."""
+    tasks = [replace(sweep.task(*point.place), start=Start.HARMONIC_BALANCE) for point in points]
+    pairs = zip(points, evaluator.evaluate(tasks), strict=True)
+    return {point.place: _difference(point, balanced) for point, balanced in pairs}
+
+
+def _difference(point: Point, balanced: Result) -> str | None:
     """Compare two certified motions of one engine: both may be off by what they leave open."""
-    if balanced.status is not ResultStatus.CONVERGED or not known.result.converged:
+    if balanced.status is not ResultStatus.CONVERGED or not point.result.converged:
         return None
-    apart = abs(_complex(known.result) - _complex(balanced))
-    if apart <= amplitude_left_open(known) + amplitude_left_open(replace(known, result=balanced)):
+    apart = abs(_complex(point.result) - _complex(balanced))
+    if apart <= point.left_open + replace(point, result=balanced).left_open:
         return ""
     return f"another steady state, of {balanced.transmittance_db:.4g} dB, from harmonic balance"
 
@@ -98,15 +91,10 @@ def _complex(result: Result) -> complex:
     return cmath.rect(10 ** (result.transmittance_db / 20), result.phase)
 
 
-def _undecided(result: ComparedSweep, differing: dict[int, str | None]) -> ComparedSweep:
-    """Give points that have two steady states no verdict."""
-    findings = [
-        _without_verdict(point, reason) if (reason := differing.get(row)) else point.findings
-        for row, point in enumerate(result.points)
-    ]
-    return replace(result, table=with_columns(result.table, findings=findings))
-
-
-def _without_verdict(point: Point, reason: str) -> tuple[Finding, ...]:
+def _undecided(point: Point, reason: str | None) -> Point:
+    """Give a point that has two steady states, for this reason, no verdict."""
+    if not reason:
+        return point
     comparison = Comparison(Verdict.INCONCLUSIVE, reason, certified=False)
-    return tuple(replace(finding, comparison=comparison, prediction=None) for finding in point.findings)
+    findings = (replace(finding, comparison=comparison, prediction=None) for finding in point.findings)
+    return replace(point, findings=tuple(findings))

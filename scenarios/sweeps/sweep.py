@@ -16,8 +16,7 @@ from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps import UNCONFIRMED_POINTS
 from scenarios.sweeps.adaptive_grid import MOST_VALUES, AdaptiveAxis
 from scenarios.sweeps.attenuation_band import BandDefinition
-from scenarios.verdicts.pointwise import CONVERGED, GivenTolerance
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 CHAIN_AXES = ("cells", "mass_ratio", "stiffness_ratio", "damping_ratio", "inner_damping_ratio")
 AXES = ("friction_ratio", "frequency_ratio", *CHAIN_AXES, "steps_per_period")
@@ -31,6 +30,39 @@ FASTEST_SECONDS = 1e-3
 
 _COUNTS = {"cells": (1, MOST_CELLS), "steps_per_period": (FEWEST_STEPS_PER_PERIOD, MOST_STEPS)}
 _POSITIVE = ("frequency_ratio", "mass_ratio", "stiffness_ratio")
+
+
+@dataclass(frozen=True, kw_only=True)
+class GivenTolerance:
+    """A tolerance that is given, instead of one that is derived at every point."""
+
+    transmittance_db: float
+    """Largest difference of transmittance that counts as agreement [dB] > 0."""
+    baseline: Variant
+    """What variants are compared with: the reference or its converged preset."""
+
+    def judges(self, variant: Variant) -> bool:
+        """Whether it is for this variant: for all but what others are compared with."""
+        return variant not in (self.baseline, CONVERGED)
+
+
+def baseline(variant: Variant, given: GivenTolerance | None = None) -> Variant:
+    """Give what a variant is compared with."""
+    if given is not None and given.judges(variant):
+        return given.baseline
+    return REFERENCE if variant.engine != REFERENCE.engine and variant.preset.shares_scheme else CONVERGED
+
+
+def refinements(variant: Variant, given: GivenTolerance | None = None) -> tuple[float, ...]:
+    """Give with how many times the steps a variant is simulated too, for the sake of its own error.
+
+    With none where it shares the reference's error, is the baseline itself, or is judged by a tolerance that is given.
+    """
+    if given is not None and given.judges(variant):
+        return ()
+    if variant == REFERENCE:
+        return (2.0, 4.0)
+    return (0.5,) if baseline(variant) == CONVERGED != variant else ()
 
 
 @dataclass(frozen=True)
@@ -68,6 +100,10 @@ class Case:
     def __str__(self) -> str:
         """Give the title, shorter: ``friction 0.3, mass ratio 2``."""
         return self.title.replace("friction ratio", "friction")
+
+
+GridPoint = tuple[Variant, Case, float]
+"""Variant, case and frequency ratio."""
 
 
 @dataclass(frozen=True)
@@ -129,7 +165,7 @@ class Sweep:
         """Number of tasks."""
         return len(self.variants) * math.prod(len(values) for values in self.axes.values())
 
-    def grid_points(self) -> Iterator[tuple[Variant, Case, float]]:
+    def grid_points(self) -> Iterator[GridPoint]:
         """Give variant, case and frequency ratio of every combination, the last axis fastest, variants slowest."""
         names = list(self.axes)
         eta = names.index("frequency_ratio")

@@ -1,25 +1,32 @@
-"""The truth at every point of a compared sweep, and its place in a dataset."""
+"""One ruler for all variants: how far a transmittance is from the truth, at every point of a sweep.
+
+The truth at a point is that of the exact motion, event by event, where it is certified, and that of the converged
+reference elsewhere. It is one number for all variants, whatever each of them is judged by, and has an error itself.
+"""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from enum import StrEnum
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from reference_lcp.errors import ParameterError
+from reference_lcp.steady.richardson import amplitude_in_db, unresolved_amplitude
 from scenarios.runs.result import Result
 from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.compared import ComparedSweep
+from scenarios.sweeps.point import GivesResults, Point, Truth, point_resolution, scheme_by_steps
 from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.sweeps.table import GivesResults, Point
-from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import EXACT, MOST_EXACT_CELLS
-from scenarios.verdicts.truth_error import TrueTransmittance, TruthError, truth_error, truth_of
+from scenarios.verdicts.finding import FLOOR_DB, TRANSMITTANCE
+from scenarios.verdicts.judge import Steps, metric_difference
+from scenarios.verdicts.steady_case import CONVERGED, EXACT, MOST_EXACT_CELLS, amplification
 
-Truths = Mapping[tuple[Case, float], TrueTransmittance]
-"""The truth by case and frequency ratio; points where it is not known are left out."""
+WRONG_DB = 3.0
+"""Error from which on a variant is wrong [dB]: the amplitude is off by the root of two, the power by two. That is the
+half-power by which bands are commonly bounded, so that a band may end elsewhere."""
 
 MOST_EXACT_POINTS = 500
 """Points beyond which none is computed exactly: one takes a tenth of a second, and these a minute of one processor."""
@@ -32,56 +39,94 @@ TRUTH_VARIABLES = {
 """Variables of a dataset that hold the truth, along the axes but for the variant: units and meaning."""
 
 
-def exact_tasks(sweep: Sweep, points: list[tuple[Case, float]]) -> dict[tuple[Case, float], SteadyStateTask]:
-    """Give the tasks of the exact motion at these points; none where they are too many, or a chain is too long."""
-    if len(points) > MOST_EXACT_POINTS:
+class ErrorClass(StrEnum):
+    """How far a variant is from the truth."""
+
+    WITHIN_STEP = "within the step's error"
+    """Nowhere farther from the truth than the reference's scheme is with as many steps, and what nothing resolves."""
+    VISIBLE = "visible"
+    """Farther than that somewhere, and off by less than `WRONG_DB` everywhere."""
+    WRONG = "wrong"
+    """Off by `WRONG_DB` or more somewhere."""
+
+
+def exact_tasks(sweep: Sweep, places: Sequence[tuple[Case, float]]) -> dict[tuple[Case, float], SteadyStateTask]:
+    """Give the tasks of the exact motion at these places; none where they are too many, or a chain is too long."""
+    if len(places) > MOST_EXACT_POINTS:
         return {}
-    tasks = {point: sweep.task(EXACT, *point) for point in points}
-    return {point: task for point, task in tasks.items() if task.ratios.cells <= MOST_EXACT_CELLS}
+    tasks = {place: sweep.task(EXACT, *place) for place in places}
+    return {place: task for place, task in tasks.items() if task.ratios.cells <= MOST_EXACT_CELLS}
 
 
-def truths(result: ComparedSweep, evaluator: GivesResults | None = None) -> dict[tuple[Case, float], TrueTransmittance]:
-    """Give the truth at every point of a sweep; where nothing gives exact results, the converged reference's."""
-    at_points = {(case, eta): own for (variant, case, eta), own in result.results.items() if variant == CONVERGED}
-    tasks = exact_tasks(result.sweep, list(at_points)) if evaluator is not None else {}
-    results = dict(zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True)) if evaluator is not None else {}
-    every = {point: truth_of(known, results.get(point, Result.missing())) for point, known in at_points.items()}
-    return {point: truth for point, truth in every.items() if truth is not None}
+def with_truths(result: ComparedSweep, evaluator: GivesResults | None = None) -> ComparedSweep:
+    """Give the points of a sweep with the truth; where nothing gives exact results, the converged reference's."""
+    baselines = {point.place[1:]: point for point in result.points if point.variant == CONVERGED}
+    tasks = exact_tasks(result.sweep, list(baselines)) if evaluator is not None else {}
+    exact = dict(zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True)) if evaluator is not None else {}
+    truths = {place: truth_of(point, exact.get(place, Result.missing())) for place, point in baselines.items()}
+    return _with(result, truths)
 
 
-def truth_errors(result: ComparedSweep, every: Truths, points: Iterable[Point]) -> list[tuple[Point, TruthError]]:
-    """Give every point that can be compared with the truth, with how far it is from that.
+def _with(result: ComparedSweep, truths: Mapping[tuple[Case, float], Truth]) -> ComparedSweep:
+    points = [replace(point, truth=truths.get(point.place[1:], Truth())) for point in result.points]
+    return replace(result, points=points)
 
-    `points` are of the grid, whether their variants are those of the sweep or others.
+
+def truth_of(point: Point, exact: Result) -> Truth:
+    """Give the truth at a point; NaN where neither the exact motion nor the converged reference is certified."""
+    if exact.converged:
+        steps = max(exact.periods, 1) * exact.steps_per_period
+        left_open = unresolved_amplitude(exact.residual, amplification(point.reference), steps, exact.transmittance_db)
+        level = max(exact.transmittance_db, FLOOR_DB)
+        return Truth(exact.transmittance_db, amplitude_in_db(left_open, level), exact=True)
+    if point.converged.converged:
+        return Truth(point.converged.transmittance_db, Steps(scheme_by_steps(point)).error(TRANSMITTANCE))
+    return Truth()
+
+
+def truth_error(point: Point) -> tuple[float, float]:
+    """Give how far a point is from the truth [dB], and how far the scheme is with as many steps; NaN where unknown.
+
+    The error is on the scale of `TRANSMITTANCE`. With that of the scheme comes what neither the variant nor the truth
+    resolves; it is NaN where the reference has no steady state.
     """
-    known = result.results
-    errors = []
-    for point in points:
-        truth = every.get((point.case, point.frequency_ratio))
-        at_point = known.get(point[:3]) or replace(
-            known[CONVERGED, point.case, point.frequency_ratio], variant=point.variant, result=point.result
-        )
-        error = None if truth is None else truth_error(at_point, truth)
-        if error is not None:
-            errors.append((point, error))
-    return errors
+    truth = point.truth
+    if math.isnan(truth.transmittance_db) or not point.is_known:
+        return math.nan, math.nan
+    error = metric_difference(TRANSMITTANCE, point.result.transmittance_db, truth.transmittance_db)
+    resolution = point_resolution(point, TRANSMITTANCE, point.converged)
+    values, steps = scheme_by_steps(point), point.reference.steps_per_period
+    # measured, the truth being known
+    scheme = Steps(values, steps, truth.transmittance_db).error(TRANSMITTANCE) if steps in values else math.nan
+    return error, scheme + truth.error_db + resolution
 
 
-def with_truths(data: xr.Dataset, sweep: Sweep, result: ComparedSweep, every: Truths) -> xr.Dataset:
+def error_class(errors: pd.DataFrame) -> ErrorClass | None:
+    """Give the class of a variant with these ``error_db`` and ``step_db``; ``None`` without any."""
+    if errors.empty:
+        return None
+    size = errors["error_db"].abs()
+    if (size >= WRONG_DB).any():
+        return ErrorClass.WRONG
+    return ErrorClass.WITHIN_STEP if (size <= errors["step_db"]).all() else ErrorClass.VISIBLE
+
+
+def with_truth_variables(data: xr.Dataset, sweep: Sweep, result: ComparedSweep) -> xr.Dataset:
     """Add the truth to the dataset of a sweep, and ``error_db``: how far every variant is from it.
 
-    `sweep` has all frequency ratios of the dataset; those of `result` are its points.
+    `sweep` has all frequency ratios of the dataset; without a truth, nothing is added.
     """
-    if not every:
+    if not result.truths:
         return data
     sizes = [len(values) for values in sweep.axes.values()]
-    lines = np.array([_line(every.get(place)) for place in _places(sweep)]).reshape(*sizes, -1)
+    unknown = Truth(exact=math.nan)  # type: ignore[arg-type]
+    lines = np.array([list(vars(result.truths.get(place, unknown)).values()) for place in _places(sweep)], dtype=float)
     variables = {
-        name: (tuple(sweep.axes), lines[..., number], {"units": units, "long_name": text})
-        for number, (name, (units, text)) in enumerate(TRUTH_VARIABLES.items())
+        name: (tuple(sweep.axes), column.reshape(sizes), {"units": units, "long_name": text})
+        for column, (name, (units, text)) in zip(lines.T, TRUTH_VARIABLES.items(), strict=True)
     }
-    known = {point[:3]: own.error_db for point, own in truth_errors(result, every, result.points)}
-    errors = [known.get(point, math.nan) for point in sweep.grid_points()]
+    known = {point.place: truth_error(point)[0] for point in result.points}
+    errors = [known.get(place, math.nan) for place in sweep.grid_points()]
     text = f"transmittance less the true one; of amplitudes below {FLOOR_DB:g} dB"
     own = (data["status"].dims, np.reshape(errors, data["status"].shape), {"units": "dB", "long_name": text})
     return data.assign(variables | {"error_db": own})
@@ -92,23 +137,18 @@ def _places(sweep: Sweep) -> list[tuple[Case, float]]:
     return [(case, eta) for variant, case, eta in sweep.grid_points() if variant == sweep.variants[0]]
 
 
-def _line(truth: TrueTransmittance | None) -> tuple[float, float, float]:
-    if truth is None:
-        return math.nan, math.nan, math.nan
-    return truth.transmittance_db, truth.error_db, float(truth.exact)
-
-
-def recorded_truths(data: xr.Dataset, sweep: Sweep) -> dict[tuple[Case, float], TrueTransmittance]:
-    """Read the truth out of a dataset of this sweep; nothing where it holds none."""
+def with_recorded_truths(result: ComparedSweep, data: xr.Dataset, sweep: Sweep) -> ComparedSweep:
+    """Give points with the truth that a dataset of this sweep holds, or with the converged reference's."""
     if not set(TRUTH_VARIABLES) & set(map(str, data.data_vars)):
-        return {}
+        return with_truths(result)
     whole = data.expand_dims([name for name in sweep.axes if name not in data.dims])
     columns = [_column(whole, name, tuple(sweep.axes)) for name in TRUTH_VARIABLES]
-    return {
-        place: TrueTransmittance(level, bar, exact=bool(exact))
+    truths = {
+        place: Truth(level, bar, exact=bool(exact))
         for place, level, bar, exact in zip(_places(sweep), *columns, strict=True)
         if not math.isnan(level)
     }
+    return _with(result, truths) if truths else with_truths(result)
 
 
 def _column(data: xr.Dataset, name: str, axes: tuple[str, ...]) -> list[float]:

@@ -20,6 +20,8 @@ from scenarios.verdicts.judge import FrictionEffect, Number, Steps, certified, f
 
 REFERENCE = Variant("reference")
 
+CONVERGED = Variant("reference", preset_name="converged")
+
 EXACT = Variant("reference", preset_name="exact")
 """The motion without an error of a time step; variants with one are compared with it."""
 

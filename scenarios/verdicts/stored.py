@@ -15,8 +15,7 @@ from scenarios.runs.parameters import first_error
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.store import ResultStore, existing_store
 from scenarios.runs.task import SteadyStateTask
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import EXACT, MOST_EXACT_CELLS, REFERENCE
+from scenarios.verdicts.steady_case import CONVERGED, EXACT, MOST_EXACT_CELLS, REFERENCE
 
 
 @dataclass(frozen=True)

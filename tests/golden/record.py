@@ -28,8 +28,8 @@ from reports.export.tables import table_files
 from reports.plan import planned_report
 from reports.reproducers.questions import QUESTIONS
 from reports.reproducers.script import checked, has_reproducer, script
-from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import run_with_predictions
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.verdict_table import finding_table
 from scenarios.runs import task
 from scenarios.runs.evaluator import StoredResults
@@ -131,7 +131,7 @@ def outputs(store: ResultStore, file: Path) -> dict[str, str]:
     report = collect(sweep, store, StoredResults(store), "report", scope=Scope())
     written = dict(table_files(report))
     written["report.json"] = _without(written["report.json"], OF_THIS_MACHINE)
-    written["report.nc"] = json.dumps(_plain(report_dataset(report.result, report.truths).to_dict()))
+    written["report.nc"] = json.dumps(_plain(report_dataset(report.result).to_dict()))
     variants = variants_named(STORED_VARIANTS)
     for name in STORED:
         findings = {CATALOGUE[name]: run_with_predictions(CATALOGUE[name], variants, StoredResults(store))}

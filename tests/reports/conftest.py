@@ -16,16 +16,13 @@ from scenarios.runs.task import SteadyStateTask
 from scenarios.studies.figure3 import figure3
 from scenarios.studies.friction_map import FrictionMap
 from scenarios.studies.work_precision import StepPoint
-from scenarios.sweeps.attenuation_band import Crossing, Edge, compare_edge
+from scenarios.sweeps.attenuation_band import Crossing, Edge
 from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.edges import BandEdge
-from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.table import Point
-from scenarios.sweeps.truths import truths
-from scenarios.verdicts.finding import Finding
-from scenarios.verdicts.pointwise import CONVERGED, PointResults, point_findings, refinements
-from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from tests.judged import judged_table
+from scenarios.sweeps.edges import BandEdge, compare_edge
+from scenarios.sweeps.point import Point, judged
+from scenarios.sweeps.sweep import Case, refinements
+from scenarios.sweeps.truths import with_truths
+from scenarios.verdicts.steady_case import CONVERGED, EXACT, REFERENCE
 
 RUNS = Variant("mujoco")
 MISSING = Variant("pybullet")
@@ -81,16 +78,13 @@ def edge_of(variant: Variant, friction_ratio: float, edge: Edge) -> BandEdge:
     return BandEdge(variant, case, edge, place + shift, compare_edge(*crossings, around))
 
 
-def compared(variant: Variant, friction_ratio: float, frequency_ratio: float) -> tuple[Finding, ...]:
-    """Judge as Figure 3 does."""
-    return point_findings(known(variant, friction_ratio, frequency_ratio))
-
-
-def known(variant: Variant, friction_ratio: float, frequency_ratio: float) -> PointResults:
+def known(variant: Variant, friction_ratio: float, frequency_ratio: float) -> Point:
     """Give what Figure 3 knows of a point."""
     place = friction_ratio, frequency_ratio
-    return PointResults(
+    return Point(
         variant=variant,
+        case=Case.of(friction_ratio=friction_ratio),
+        frequency_ratio=frequency_ratio,
         result=answer(variant, *place),
         others=tuple(answer(variant, *place, times) for times in refinements(variant)),
         reference=answer(REFERENCE, *place),
@@ -99,25 +93,19 @@ def known(variant: Variant, friction_ratio: float, frequency_ratio: float) -> Po
     )
 
 
-def point(variant: Variant, friction_ratio: float, frequency_ratio: float) -> Point:
-    others = tuple(answer(variant, friction_ratio, frequency_ratio, times) for times in refinements(variant))
-    place = friction_ratio, frequency_ratio
-    case = Case.of(friction_ratio=friction_ratio)
-    return Point(variant, case, frequency_ratio, answer(variant, *place), others, compared(variant, *place))
-
-
 @pytest.fixture(scope="session")
 def result() -> ComparedSweep:
     asked = figure3((RUNS, MISSING), FRICTION_RATIOS, GRID)
     places = [(v, f, eta) for v in asked.variants for f in FRICTION_RATIOS for eta in GRID]
     eta = np.linspace(0.3, 1.3, 21)
     curve = np.where(eta < 1.0, 5 - 20 * eta, math.nan)
-    return ComparedSweep(
+    compared = ComparedSweep(
         asked,
-        judged_table([point(*place) for place in places]),
+        judged(known(*place) for place in places),
         tuple(edge_of(v, f, edge) for v in asked.variants for f in FRICTION_RATIOS for edge in Edge),
         dict.fromkeys(asked.cases, (eta, curve)),
     )
+    return with_truths(compared, ExactMotion())
 
 
 def motion(cells: int = 2, steps: int = 80) -> RecordedPeriod:
@@ -182,10 +170,10 @@ def report(result: ComparedSweep) -> Report:
         },
         (*step_points(REFERENCE, 0.01), *step_points(RUNS, 0.02)),
         friction_map,
-        truths=truths(result, ExactMotion()),
         beside=tuple(
-            Point(AS_INSTALLED, case, eta, answer(RUNS, case.friction_ratio, eta), (), ())
-            for case, eta in ((result.cases[0], 0.9), (result.cases[1], 0.6))
+            dataclasses.replace(point, variant=AS_INSTALLED, findings=())
+            for point in result.points_of(RUNS)
+            if (point.case.friction_ratio, point.frequency_ratio) in ((0.0, 0.9), (0.3, 0.6))
         ),
     )
 

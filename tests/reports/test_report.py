@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 import xarray as xr
 
-from reference_lcp import ParameterError
+from reference_lcp.errors import ParameterError
 from reports import report
 from reports.data.collect import Scope, collect, collect_dataset
 from reports.data.points import NAMES, POINT_COLUMNS
@@ -21,10 +21,11 @@ from scenarios.studies.work_precision import exact_step_tasks, step_tasks
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.dataset_reader import DatasetResults
-from scenarios.sweeps.run import note_sweep, noted_sweeps, stored_table
+from scenarios.sweeps.point import tasks_of
+from scenarios.sweeps.run import note_sweep, noted_sweeps, stored_points
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.sweeps.table import grid, tasks_of
+from scenarios.sweeps.truths import with_truths
 from scenarios.tables import json_text, records
 from scenarios.verdicts.steady_case import REFERENCE
 
@@ -53,7 +54,7 @@ def store(sweep: Sweep, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Results of every point, and of those with other numbers of steps."""
     file = tmp_path_factory.mktemp("store") / "results.sqlite"
     with ResultStore(file) as kept:
-        for task in tasks_of(sweep, grid(sweep)):
+        for task in tasks_of(sweep, list(sweep.grid_points())):
             kept.keep([(task, run_batch([task])[0])])
         note_sweep(kept, sweep)
     return file
@@ -62,7 +63,7 @@ def store(sweep: Sweep, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def data(sweep: Sweep, store: Path) -> xr.Dataset:
     with ResultStore(store) as kept:
-        return sweep_dataset(*stored_table(sweep, kept), store)
+        return sweep_dataset(*stored_points(sweep, kept), store)
 
 
 @pytest.fixture(scope="module")
@@ -121,7 +122,7 @@ def test_report_of_a_dataset_has_the_verdicts_of_the_store(data: xr.Dataset, res
     places = {
         (row["engine"], row["preset"], row["mass_ratio"], row["cells"], row["frequency_ratio"]): row for row in found
     }
-    expected = [row for row in rows(Report(result, "", truths=read.truths)) if row["verdict"] != "inconclusive"]
+    expected = [row for row in rows(Report(with_truths(result), "")) if row["verdict"] != "inconclusive"]
     assert len(expected) > 12
     for row in expected:
         assert places[row["engine"], row["preset"], row["mass_ratio"], row["cells"], row["frequency_ratio"]] == row
@@ -149,7 +150,8 @@ def test_report_of_a_sweep_over_more_than_friction_names_its_cases(data: xr.Data
 
 def test_dataset_of_a_report_can_be_reported(result: ComparedSweep) -> None:
     again = collect_dataset(report_dataset(result), "").result
-    assert sorted(map(repr, again.table["findings"])) == sorted(map(repr, result.table["findings"]))
+    ours, theirs = (sorted(repr(point.findings) for point in each.points) for each in (again, result))
+    assert ours == theirs
 
 
 def test_store_knows_its_sweep(sweep: Sweep, store: Path, tmp_path: Path) -> None:

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reference_lcp import ParameterError
 from reference_lcp.console import run_command
-from reference_lcp.errors import ExitCode
+from reference_lcp.errors import ExitCode, ParameterError
 from reports.cli.report import app
 from reports.data.collect import collect_dataset
 from reports.data.points import point_table
@@ -21,9 +20,9 @@ from scenarios.runs.store import ResultStore
 from scenarios.sweeps import dataset_reader
 from scenarios.sweeps.dataset import sweep_dataset, write_dataset
 from scenarios.sweeps.dataset_reader import read_dataset
-from scenarios.sweeps.run import stored_table
+from scenarios.sweeps.point import tasks_of
+from scenarios.sweeps.run import stored_points
 from scenarios.sweeps.spec_file import read_sweep
-from scenarios.sweeps.table import grid, tasks_of
 
 SWEEP = """
 engines = ["reference:joint", "reference:joint:converged", "mujoco:joint"]
@@ -40,14 +39,14 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     (folder / "sweep.toml").write_text(SWEEP)
     sweep, draw = read_sweep(folder / "sweep.toml"), random.Random(1)
     with ResultStore(folder / "results.sqlite") as store:
-        for task in tasks_of(sweep, grid(sweep)):
+        for task in tasks_of(sweep, list(sweep.grid_points())):
             result = Result(
                 status="converged", transmittance_db=-60 * draw.random(), residual=1e-9, periods=30, period=0.25,
                 steps_per_period=task.steps_per_period, stuck_fraction=(0.5,) * 7,
                 transitions=((1, 0.1, "stick"), (2, 0.2, "forward slip")), creep=(1e-6,) * 7, seconds=0.1,
             )  # fmt: skip
             store.keep([(task, result)])
-        return sweep_dataset(*stored_table(sweep, store))
+        return sweep_dataset(*stored_points(sweep, store))
 
 
 @pytest.fixture
@@ -169,7 +168,7 @@ def test_a_damaged_dataset_is_refused_or_read(file, tmp_path, trials) -> None:
         damaged.write_bytes(changed[: draw.randrange(len(changed))] if seed % 5 == 0 else changed)
         try:
             read = collect_dataset(read_dataset(damaged), "")
-            table = point_table(read.result, read.truths, read.result.points)
+            table = point_table(read.result, read.result.points)
         except ParameterError as problem:
             message, refused = str(problem), refused + 1
         else:

@@ -19,8 +19,8 @@ from reports.figures.errors import (
 )
 from reports.page.section import Section
 from scenarios.studies.work_precision import FINEST_STEPS
+from scenarios.sweeps.truths import WRONG_DB
 from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.truth_error import WRONG_DB
 
 MOST_MAPS = 24
 """Variants whose maps are drawn, those that are farthest from the truth; the files hold the numbers of all."""
@@ -120,4 +120,4 @@ class OptionCurves(Section):
         singles = self.report.single_options
         defaults = dict.fromkeys(single.default.variant for single in singles)
         groups = {variant: [own for own in singles if own.default.variant == variant] for variant in defaults}
-        return {"groups": groups, "points": len({point[1:3] for point in self.report.one_option})}
+        return {"groups": groups, "points": len({point.place[1:] for point in self.report.one_option})}

@@ -30,8 +30,7 @@ from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.edges import BandEdge
 from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 MOST_PANELS = 24
 """Cases that the page shows, so that it stays small enough to be sent; the files hold all of them."""

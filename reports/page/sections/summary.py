@@ -11,8 +11,8 @@ from reports.figures.chain_drawing import chain_drawing
 from reports.figures.errors import installed_figure
 from reports.formatting import ratio
 from reports.page.section import Section
+from scenarios.sweeps.truths import WRONG_DB
 from scenarios.verdicts.finding import FLOOR_DB
-from scenarios.verdicts.truth_error import WRONG_DB
 
 
 class Summary(Section):
@@ -29,7 +29,7 @@ class Summary(Section):
 
     def context(self) -> dict[str, Any]:
         """Rows and the definitions that they need."""
-        sweep, truths = self.result.sweep, self.report.truths.values()
+        sweep, truths = self.result.sweep, self.result.truths.values()
         shown = [truth for truth in truths if truth.above_floor]
         return {
             "errors": list(self.report.errors.values()),

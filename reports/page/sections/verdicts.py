@@ -13,12 +13,11 @@ from reports.data.points import outcome
 from reports.drawing.style import compared_variants
 from reports.page.section import Section
 from reports.reproducers.script import has_reproducer
-from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.registry import CATALOGUE
+from scenarios.sweeps.point import Point
 from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.table import Point
 from scenarios.verdicts.finding import FLOOR_DB, Finding, Prediction, Verdict
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 
 class Verdicts(Section):

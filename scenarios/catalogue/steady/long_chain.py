@@ -10,8 +10,7 @@ from scenarios.runs.result import Result
 from scenarios.runs.task import SteadyStateTask
 from scenarios.verdicts.finding import PHASE, TRANSMITTANCE, phase_reader
 from scenarios.verdicts.judge import Steps
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import COARSE, FINE, FINEST, Expected, SteadyCase
+from scenarios.verdicts.steady_case import COARSE, CONVERGED, FINE, FINEST, Expected, SteadyCase
 
 CHAIN_LENGTHS = (7, 15, 30, 50)
 

@@ -27,9 +27,8 @@ from scenarios.runs.steady import run_steady_states
 from scenarios.runs.store import ResultStore, digest_of
 from scenarios.runs.task import RESULT_FORMAT, SteadyStateTask, key_of
 from scenarios.runs.transient_task import Block, BlockTask
-from scenarios.verdicts.pointwise import CONVERGED
 from scenarios.verdicts.regression import StoreComparison, TruthDirection, change, compare_stores
-from scenarios.verdicts.steady_case import EXACT
+from scenarios.verdicts.steady_case import CONVERGED, EXACT
 from scenarios.verdicts.stored import StoredResult
 from scenarios.verdicts.thresholds import Thresholds
 from tests.junit import checked_junit

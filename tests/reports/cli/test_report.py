@@ -21,7 +21,7 @@ from reports.data import collect
 from reports.data.collect import Scope, expected_tasks
 from reports.export.files import FILES, report_dataset
 from reports.plan import planned_report
-from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.local_processes import LocalWorker
 from scenarios.runs.parameters import Excitation
@@ -29,10 +29,9 @@ from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore, opened_store
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import compare_sweep
-from scenarios.sweeps.run import note_sweep, stored_table, verdict_summaries
+from scenarios.sweeps.run import note_sweep, stored_points, verdict_summaries
 from scenarios.sweeps.spec_file import read_sweep
 from scenarios.sweeps.sweep import Case, Sweep
-from scenarios.sweeps.table import points_of
 from tests.scenarios.in_process import evaluator, rub_harder
 
 SMALL = {"friction_ratios": (0.3,), "frequency_ratios": (0.3, 0.6, 0.63, 0.65, 0.7, 0.8, 0.9, 1.1)}
@@ -300,8 +299,8 @@ def test_a_report_of_a_sweep_has_its_drive_and_judges_by_its_tolerance(
     with ResultStore(store) as kept:
         asked = {(q.variant, q.frequency_ratio): q for q in read.tasks()}
         found = {place: kept.find(task) for place, task in asked.items()}
-        whole, table = stored_table(read, kept)
-        expected = verdict_summaries(whole, points_of(table))
+        whole, points = stored_points(read, kept)
+        expected = verdict_summaries(whole, points)
     with sqlite3.connect(store) as connection:
         contents = [json.loads(text)["task"] for (text,) in connection.execute("SELECT content FROM answers")]
     connection.close()

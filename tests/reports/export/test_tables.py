@@ -16,7 +16,8 @@ from reference_lcp.errors import ParameterError
 from reports.data.report import Report
 from reports.export.files import report_dataset, write_all
 from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.truths import recorded_truths
+from scenarios.sweeps.point import Truth
+from scenarios.sweeps.truths import with_recorded_truths
 from tests.reports.conftest import CONVERGED_ERROR, STEP_ERROR
 
 COLUMNS = {
@@ -137,7 +138,7 @@ def test_netcdf_holds_every_point_and_edge_with_its_labels(
 
 
 def test_points_that_were_not_asked_are_told_from_those_without_a_number(result: ComparedSweep) -> None:
-    fewer = dataclasses.replace(result, table=result.table[1:])
+    fewer = dataclasses.replace(result, points=result.points[1:])
     assert int(report_dataset(fewer).verdict.min()) == -1
     assert int(report_dataset(result).verdict.min()) == 0
 
@@ -177,12 +178,15 @@ def test_agreement_with_the_scheme_is_a_column_of_its_own(texts: dict[str, str])
 
 
 def test_a_dataset_holds_the_truth_and_gives_it_back(report: Report) -> None:
-    data = report_dataset(report.result, report.truths)
-    read = recorded_truths(data, report.result.sweep)
-    assert read == report.truths
+    data, sweep = report_dataset(report.result), report.result.sweep
+    bare = dataclasses.replace(
+        report.result, points=[dataclasses.replace(p, truth=Truth()) for p in report.result.points]
+    )
+    read = with_recorded_truths(bare, data, sweep).truths
+    assert read == report.result.truths
     assert all(truth.exact for truth in read.values())
     off = data.error_db.sel(variant="mujoco", friction_ratio=0.0, frequency_ratio=0.9)
     assert float(off) == pytest.approx(0.03 + STEP_ERROR + CONVERGED_ERROR, abs=1e-12)
-    assert recorded_truths(report_dataset(report.result), report.result.sweep) == {}
+    assert not any(truth.exact for truth in with_recorded_truths(bare, report_dataset(bare), sweep).truths.values())
     with pytest.raises(ParameterError, match="truth_error_db"):
-        recorded_truths(data.drop_vars("truth_error_db"), report.result.sweep)
+        with_recorded_truths(bare, data.drop_vars("truth_error_db"), sweep)

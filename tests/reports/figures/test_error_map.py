@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from reports.data.points import point_table
 from reports.data.report import Report
 from reports.drawing.matplotlib_backend import drawn
 from reports.drawing.plotly_backend import plot
@@ -14,7 +15,6 @@ from reports.page.sections import ErrorMaps
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.steady_case import REFERENCE
-from tests.judged import judged_table
 from tests.reports.conftest import CONVERGED_ERROR, GRID, OFF, RUNS, STEP_ERROR
 
 ERROR = STEP_ERROR + CONVERGED_ERROR
@@ -38,7 +38,7 @@ def test_a_case_with_fewer_frequencies_shows_the_nearest_of_its_own(report: Repo
     """Where one curve is resolved more finely than the others."""
     coarse = Case.of(friction_ratio=0.3)
     points = [p for p in report.result.points if p.case != coarse or p.frequency_ratio in (0.3, 0.9)]
-    result = replace(report.result, table=judged_table(points), edges=())
+    result = replace(report.result, points=points, edges=())
     (own,) = error_maps(replace(report, result=result, beside=()).points, result.cases, [RUNS])
     wrong = result.curve(RUNS, Case.of(friction_ratio=0.0))[2]
     assert own.frequency_ratios.tolist() == list(GRID)
@@ -48,11 +48,11 @@ def test_a_case_with_fewer_frequencies_shows_the_nearest_of_its_own(report: Repo
 
 
 def test_where_the_truth_is_too_small_a_map_is_blank_and_complains_of_nothing(report: Report) -> None:
-    truths = {
-        (case, eta): replace(truth, transmittance_db=-100.0) if eta == 1.3 else truth
-        for (case, eta), truth in report.truths.items()
-    }
-    (own,) = error_maps(replace(report, truths=truths).points, report.result.cases, [RUNS])
+    points = [
+        replace(point, truth=replace(point.truth, transmittance_db=-100.0)) if point.frequency_ratio == 1.3 else point
+        for point in report.result.points
+    ]
+    (own,) = error_maps(point_table(report.result, points), report.result.cases, [RUNS])
     assert np.isnan(own.error_db[:, 3]).all()
     assert np.isfinite(own.error_db[:, :3]).all()
     assert own.unsteady == ()
@@ -76,6 +76,6 @@ def test_colours_are_of_the_logarithm_and_common_to_all_maps_with_one_scale(repo
 def test_a_sweep_of_one_curve_has_no_map(result: ComparedSweep, report: Report) -> None:
     sweep = replace(result.sweep, axes={**result.sweep.axes, "friction_ratio": (0.3,)})
     points = [point for point in result.points if point.case.friction_ratio == 0.3]
-    single = replace(report, result=ComparedSweep(sweep, judged_table(points)), beside=())
+    single = replace(report, result=ComparedSweep(sweep, points), beside=())
     assert ErrorMaps(report).shown
     assert not ErrorMaps(single).shown

@@ -10,18 +10,17 @@ import pytest
 from engines.interface.presets import Option
 from engines.interface.registry import engine
 from engines.interface.variant import Variant
-from reports.data.options import option_curves
+from reports.data.options import option_curves, option_table
 from reports.data.points import point_table
 from reports.data.report import Report
 from reports.data.variants import VariantErrors
 from reports.drawing.matplotlib_backend import drawn
 from reports.drawing.plotly_backend import plot
-from reports.export.tables import option_table
 from reports.figures.errors import SMALLEST_CREEP, option_figure
 from reports.page.render import sections
 from scenarios.runs.result import Result
+from scenarios.sweeps.point import Point
 from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.table import Point
 
 SWEEPS = {"zero": 0, "three": 3, "fifty": 50}
 ERRORS = {"zero": 4.0, "three": 0.3, "fifty": 0.2}
@@ -52,10 +51,15 @@ def errors_of(*names: str) -> dict[Variant, VariantErrors]:
 
 def points(report: Report, creeps: Mapping[str, float] = CREEPS) -> pd.DataFrame:
     every = [
-        Point(Variant("mujoco", "joint", name), CASE, 0.9, Result(status="converged", creep=(0.0, creep)), (), ())
+        Point(
+            variant=Variant("mujoco", "joint", name),
+            case=CASE,
+            frequency_ratio=0.9,
+            result=Result(status="converged", creep=(0.0, creep)),
+        )
         for name, creep in creeps.items()
     ]
-    return point_table(report.result, {}, every)
+    return point_table(report.result, every)
 
 
 @pytest.mark.usefixtures("presets")

@@ -17,22 +17,20 @@ from reports.data.stick_slip import stick_slip_rows
 from reports.data.variants import VariantErrors
 from reports.export.files import FILES, files_of
 from reports.page.render import LARGEST_PAGE, sections
-from reports.page.sections import OpenPoints, Verdicts
 from reports.page.sections.motion import absent_edge
 from reports.page.sections.summary import sentence
+from reports.page.sections.verdicts import OpenPoints, Verdicts
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import Result
 from scenarios.studies.figure3 import figure3
-from scenarios.sweeps.attenuation_band import Edge, compare_edge
+from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep
-from scenarios.sweeps.edges import BandEdge
+from scenarios.sweeps.edges import BandEdge, compare_edge
+from scenarios.sweeps.point import Point
 from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.table import Point
 from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Verdict
 from scenarios.verdicts.judge import missing
-from scenarios.verdicts.pointwise import CONVERGED, refinements
-from scenarios.verdicts.steady_case import REFERENCE
-from tests.judged import judged_table
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 RUNS, MISSING = Variant("mujoco"), Variant("pybullet")
 
@@ -279,12 +277,10 @@ def test_a_page_is_written_even_if_nothing_has_a_steady_state() -> None:
     answers = {variant: Result.blocked("why") if variant == MISSING else lost for variant in asked.variants}
     result = ComparedSweep(
         asked,
-        judged_table(
-            [
-                Point(v, case, 0.6, found, (found,) * len(refinements(v)), not_compared(v, found))
-                for v, found in answers.items()
-            ]
-        ),
+        [
+            Point(variant=v, case=case, frequency_ratio=0.6, result=found, findings=not_compared(v, found))
+            for v, found in answers.items()
+        ],
         tuple(BandEdge(v, case, edge, None, compare_edge(None, None)) for v in answers for edge in Edge),
         {case: (np.array([0.6]), np.array([math.nan]))},
     )
@@ -323,10 +319,10 @@ def test_tiles_do_not_count_the_reference_beside_itself(report: Report) -> None:
 def without_faults(result: ComparedSweep) -> ComparedSweep:
     """The engine that runs does as the reference does; the other one is not installed."""
     points = [
-        point._replace(findings=tuple(map(agreeing, point.findings))) if point.variant == RUNS else point
+        replace(point, findings=tuple(map(agreeing, point.findings))) if point.variant == RUNS else point
         for point in result.points
     ]
-    return replace(result, table=judged_table(points), edges=())
+    return replace(result, points=points, edges=())
 
 
 def agreeing(finding: Finding) -> Finding:
@@ -342,7 +338,7 @@ def test_a_page_does_not_say_that_all_agree_where_an_engine_is_missing(result: C
     assert "there is no result of PyBullet" in page
     assert "The comparison does not fail: every" not in page
     assert "None: every point and every edge" not in page
-    lost = replace(whole, table=judged_table([point for point in whole.points if point.variant != MISSING]))
+    lost = replace(whole, points=[point for point in whole.points if point.variant != MISSING])
     page = said(lost)
     assert "there is no result of PyBullet" in page
     assert "None: every point and every edge" not in page

@@ -10,7 +10,6 @@ from reports.page.render import page, sections
 from scenarios.sweeps.compared import ComparedSweep
 from scenarios.sweeps.sweep import Sweep
 from scenarios.verdicts.steady_case import REFERENCE
-from tests.judged import judged_table
 
 NEW, OLD = Variant("mujoco"), Variant("mujoco@3.3.7")
 
@@ -19,17 +18,19 @@ def with_old_version(report: Report, off_db: float) -> Report:
     """Add an older version that is off at one point by so many dB; nothing of it needs to be installed."""
     result = report.result
     rows = [
-        point._replace(result=dataclasses.replace(point.result, amplification=1.0))
+        dataclasses.replace(point, result=dataclasses.replace(point.result, amplification=1.0))
         if point.variant == REFERENCE
         else point
         for point in result.points
     ]
-    old = [point._replace(variant=OLD) for point in rows if point.variant == NEW]
+    old = [dataclasses.replace(point, variant=OLD) for point in rows if point.variant == NEW]
     worst = next(k for k, point in enumerate(old) if (point.case.friction_ratio, point.frequency_ratio) == (0.3, 0.6))
     level = old[worst].result.transmittance_db
-    old[worst] = old[worst]._replace(result=dataclasses.replace(old[worst].result, transmittance_db=level + off_db))
+    old[worst] = dataclasses.replace(
+        old[worst], result=dataclasses.replace(old[worst].result, transmittance_db=level + off_db)
+    )
     sweep: Sweep = dataclasses.replace(result.sweep, variants=(*result.sweep.variants, OLD))
-    return dataclasses.replace(report, result=ComparedSweep(sweep, judged_table([*rows, *old]), result.edges))
+    return dataclasses.replace(report, result=ComparedSweep(sweep, [*rows, *old], result.edges))
 
 
 def test_one_version_has_no_section(report: Report) -> None:
@@ -50,7 +51,7 @@ def test_without_the_reference_every_difference_counts(report: Report, off_db: f
     """What residuals leave open is not known then."""
     result = with_old_version(report, off_db).result
     alone = dataclasses.replace(result.sweep, variants=(NEW, OLD))
-    rows = judged_table([point for point in result.points if point.variant in alone.variants])
+    rows = [point for point in result.points if point.variant in alone.variants]
     (pair,) = dataclasses.replace(report, result=ComparedSweep(alone, rows)).versions
     assert (pair["points"], pair["differing"]) == (7, differing)
 

@@ -8,10 +8,9 @@ from scenarios.runs.executor import InProcessExecutor
 from scenarios.runs.progress import ProgressBars
 from scenarios.runs.result import Result
 from scenarios.studies.figure3 import figure3
+from scenarios.sweeps.point import tasks_of
 from scenarios.sweeps.sweep import Case
-from scenarios.sweeps.table import grid, tasks_of
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 from tests.scenarios.runs.builders import steady
 
 
@@ -35,7 +34,7 @@ class Invented(InProcessExecutor):
 def test_the_grid_is_expected_from_the_start_and_a_task_counts_once(store) -> None:
     asked = figure3((), (0.0, 0.3), (0.5, 0.7))
     case = Case.of(friction_ratio=0.3)
-    bars = ProgressBars((), tasks_of(asked, grid(asked)))
+    bars = ProgressBars((), tasks_of(asked, list(asked.grid_points())))
     assert counts(bars) == {CONVERGED.title: (0, 4), REFERENCE.title: (0, 12)}
     on_grid, added = asked.task(REFERENCE, case, 0.5), asked.task(REFERENCE, case, 0.6)
     with Evaluator(store, Invented(), bars) as evaluator:
@@ -47,7 +46,7 @@ def test_the_grid_is_expected_from_the_start_and_a_task_counts_once(store) -> No
 
 def test_what_is_looked_up_again_counts_once(store) -> None:
     """A sweep completes its points, and reads them again to judge them."""
-    tasks = tasks_of(asked := figure3((), (0.3,), (0.5, 0.7)), grid(asked))
+    tasks = tasks_of(asked := figure3((), (0.3,), (0.5, 0.7)), list(asked.grid_points()))
     bars = ProgressBars((), tasks)
     with Evaluator(store, Invented(), bars) as evaluator:
         evaluator.complete(tasks)

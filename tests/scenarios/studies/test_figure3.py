@@ -8,7 +8,9 @@ from scipy.optimize import brentq
 
 from engines.interface.registry import default_engine_names
 from engines.interface.variant import Variant
-from reference_lcp import HarmonicBase, ParameterError, frictionless_transmittance
+from reference_lcp.chain.drives import HarmonicBase
+from reference_lcp.chain.linear_response import frictionless_transmittance
+from reference_lcp.errors import ParameterError
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.executor import run_batch
 from scenarios.runs.local_processes import LocalExecutor
@@ -20,8 +22,7 @@ from scenarios.sweeps.compared import compare_sweep
 from scenarios.sweeps.refinement import resonances
 from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.finding import Verdict
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 CONVERGED_LOWER_EDGES = {0.1: 0.753, 0.3: 0.637, 0.6: 0.756, 1.0: 0.999, 5.0: 1.17}
 """Of the scheme for Δt → 0, to the digits given; the frictionless edge has a closed form instead."""

@@ -18,7 +18,7 @@ class Here(Evaluator):
 
     def evaluate(self, tasks: list[SteadyStateTask]) -> list[Result]:
         new = self.new_tasks(tasks)
-        self._results.update(zip(new, run_batch(new), strict=True))
+        self._results.update(zip(new, run_batch(new) if new else [], strict=True))
         return [self._results[task] for task in tasks]
 
     def close(self) -> None:

@@ -13,8 +13,7 @@ from scenarios.sweeps.attenuation_band import Edge
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.finding import Verdict
-from scenarios.verdicts.pointwise import CONVERGED
-from scenarios.verdicts.steady_case import REFERENCE
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
 
 STOPPED = Variant("mujoco")
 ASKED = figure3((STOPPED,), (0.3,), (0.3, 0.62, 0.63, 0.64, 0.65, 0.9, 1.0))

@@ -7,9 +7,12 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.runs.result import Result
-from scenarios.sweeps.attenuation_band import Crossing, compare_edge
+from scenarios.sweeps.attenuation_band import Crossing
+from scenarios.sweeps.edges import compare_edge
+from scenarios.sweeps.point import Point, tolerance
+from scenarios.sweeps.sweep import Case, GivenTolerance
 from scenarios.verdicts.finding import Verdict
-from scenarios.verdicts.pointwise import CONVERGED, GivenTolerance, PointResults, point_tolerance
+from scenarios.verdicts.steady_case import CONVERGED
 
 SLOPE, WIDTH = -100.0, 1e-5
 PLACE = 0.8
@@ -23,10 +26,12 @@ def result(db, steps, status="converged") -> Result:
     )
 
 
-def point(level, own, **changes) -> PointResults:
+def point(level, own, **changes) -> Point:
     """A point whose own error halves with the step, `own` dB at the judged one; the reference's is 0.01 dB."""
-    known = PointResults(
+    known = Point(
         variant=Variant("exudyn-regularised"),
+        case=Case.of(friction_ratio=0.3),
+        frequency_ratio=PLACE,
         result=result(level + own, 400),
         others=(result(level + 2 * own, 200),),
         reference=result(level + 0.01, 400),
@@ -39,7 +44,7 @@ def point(level, own, **changes) -> PointResults:
 @pytest.mark.parametrize(("share", "verdict"), [(0.99, Verdict.AGREE), (1.01, Verdict.DISAGREE)])
 def test_an_edge_may_be_off_by_the_error_of_the_curve_over_its_slope(share, verdict) -> None:
     around = [point(3.0, 0.1), point(-3.0, 0.05)]
-    allowed = point_tolerance(around[0], CONVERGED).allowed / abs(SLOPE) + 2 * WIDTH
+    allowed = tolerance(around[0]).allowed / abs(SLOPE) + 2 * WIDTH
     assert allowed == pytest.approx(1.25 * (0.1 + 2 * 0.01 / 32) / 100 + 2 * WIDTH, rel=1e-3)
     comparison = compare_edge(Crossing(PLACE + share * allowed, SLOPE, WIDTH), TRUE, around)
     assert comparison.verdict is verdict

@@ -10,8 +10,8 @@ from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.attenuation_band import EDGE_RESOLUTION, Edge
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep
 from scenarios.sweeps.edges import BandEdge
+from scenarios.sweeps.sweep import GivenTolerance
 from scenarios.verdicts.finding import Verdict
-from scenarios.verdicts.pointwise import GivenTolerance
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.scenarios.in_process import evaluator, misread_the_chain
 

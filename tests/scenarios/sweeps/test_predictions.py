@@ -12,9 +12,8 @@ from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import ComparedSweep, compare_sweep, judged_points
 from scenarios.sweeps.dataset import sweep_dataset
 from scenarios.sweeps.dataset_reader import DatasetResults
-from scenarios.sweeps.sweep import Sweep
+from scenarios.sweeps.sweep import GivenTolerance, Sweep
 from scenarios.verdicts.finding import Finding, Verdict, failures, unexplained
-from scenarios.verdicts.pointwise import GivenTolerance
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.scenarios.in_process import be_late, evaluator, press_harder
 
@@ -80,7 +79,7 @@ def test_predictions_are_in_the_dataset_and_come_back_out_of_it() -> None:
     result = compared(planned())
     etas = tuple(sorted({point.frequency_ratio for point in result.points}))
     whole = dataclasses.replace(result.sweep, axes={**result.sweep.axes, "frequency_ratio": etas})
-    data = sweep_dataset(whole, result.table)
+    data = sweep_dataset(whole, result.points)
     assert bool((abs(data.law_left_db) <= data.law_allowed_db).sel(variant=str(LAWFUL)).any())
     assert bool(data.law_left_db.sel(variant="reference").isnull().all())
     again = DatasetResults(data)

@@ -15,14 +15,17 @@ import pytest
 import xarray as xr
 
 from engines.interface.variant import Variant
-from reference_lcp import Chain, HarmonicBase, ParameterError, steady_state
+from reference_lcp.chain.drives import HarmonicBase
+from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.console import run_command
+from reference_lcp.errors import ParameterError
+from reference_lcp.one_call import steady_state
 from reports.cli.console_script import app
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.local_processes import LocalExecutor
 from scenarios.runs.store import ResultStore
 from scenarios.sweeps.dataset import STATUSES, sweep_dataset, write_dataset
-from scenarios.sweeps.run import run_sweep, stored_table
+from scenarios.sweeps.run import run_sweep, stored_points
 from scenarios.sweeps.spec_file import EXAMPLE, read_sweep
 from scenarios.sweeps.sweep import Sweep
 
@@ -121,7 +124,7 @@ def test_what_is_not_answered_is_missing_and_the_rest_is_shown(file: Path) -> No
     with ResultStore(file.with_suffix(".sqlite")) as store:
         with Evaluator(store, LocalExecutor(1)) as evaluator:
             assert run_sweep(part, evaluator).statuses == {(Variant("reference"), "converged"): 6}
-        found = sweep_dataset(*stored_table(asked, store))
+        found = sweep_dataset(*stored_points(asked, store))
     missing = found.status == STATUSES.index("missing")
     assert int(missing.sum()) == 18
     assert bool(np.isnan(found.transmittance_db.where(missing, drop=True)).all())
@@ -129,7 +132,7 @@ def test_what_is_not_answered_is_missing_and_the_rest_is_shown(file: Path) -> No
 
 def test_written_csv_of_a_dataset_has_one_line_a_point(file: Path, tmp_path: Path) -> None:
     with ResultStore(tmp_path / "empty.sqlite") as store:
-        write_dataset(sweep_dataset(*stored_table(read_sweep(file), store)), tmp_path / "empty.csv")
+        write_dataset(sweep_dataset(*stored_points(read_sweep(file), store)), tmp_path / "empty.csv")
     assert len((tmp_path / "empty.csv").read_text().splitlines()) == 1 + 24
 
 
@@ -204,7 +207,7 @@ def interrupted_sweep(folder: Path, rows: int, kills: int) -> None:
     with ResultStore(store) as broken, ResultStore(folder / "whole.sqlite") as whole:
         with Evaluator(whole, LocalExecutor(2)) as evaluator:
             run_sweep(asked, evaluator)
-        tables = [sweep_dataset(*stored_table(asked, one)).drop_vars(["seconds", "stored"]) for one in (broken, whole)]
+        tables = [sweep_dataset(*stored_points(asked, one)).drop_vars(["seconds", "stored"]) for one in (broken, whole)]
     xr.testing.assert_identical(*tables)
     with sqlite3.connect(store) as kept:
         assert kept.execute("SELECT count(*), count(DISTINCT key) FROM answers").fetchone() == (points, points)

@@ -9,8 +9,10 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 from engines.interface.variant import Variant
-from reference_lcp import ParameterError, decibel, frictionless_transmittance
+from reference_lcp.chain.linear_response import frictionless_transmittance
 from reference_lcp.console import run_command
+from reference_lcp.errors import ParameterError
+from reference_lcp.observables.transmittance import decibel
 from reports.cli.console_script import app
 from scenarios import functions
 from scenarios.runs import dask_cluster
@@ -24,9 +26,8 @@ from scenarios.sweeps.adaptive_grid import level
 from scenarios.sweeps.dataset import STATUSES, sweep_dataset
 from scenarios.sweeps.dataset_reader import read_dataset
 from scenarios.sweeps.refinement import ForTheAccuracy
-from scenarios.sweeps.run import SweepSummary, evaluate_sweep, stored_table, verdict_summaries
+from scenarios.sweeps.run import SweepSummary, evaluate_sweep, stored_points, verdict_summaries
 from scenarios.sweeps.spec_file import read_sweep
-from scenarios.sweeps.table import points_of
 
 CONTENT = """\
 engines = ["reference:joint", "mujoco:joint"]
@@ -63,9 +64,9 @@ def test_adaptive_curves_of_the_command_are_right_between_their_points(file: Pat
     assert "unresolved" in printed
     asked = read_sweep(file)
     with ResultStore(store) as kept:
-        whole, table = stored_table(asked, kept)
-    found = sweep_dataset(whole, table)
-    counts = verdict_summaries(whole, points_of(table))[Variant("mujoco")].counts
+        whole, points = stored_points(asked, kept)
+    found = sweep_dataset(whole, points)
+    counts = verdict_summaries(whole, points)[Variant("mujoco")].counts
     curve = found.transmittance_db.sel(variant="reference", friction_ratio=0.0).dropna("frequency_ratio")
     eta = np.linspace(0.52, 1.48, 25)
     chain = ChainRatios(cells=2).chain(0.0)
@@ -84,13 +85,13 @@ def test_adaptive_curves_of_the_command_are_right_between_their_points(file: Pat
 def test_each_curve_has_points_of_its_own_and_interruption_changes_none(file: Path) -> None:
     asked = read_sweep(written(file.parent, CONTENT.replace(', "mujoco:joint"', "")))
     with ResultStore(file.with_suffix(".sqlite")) as store:
-        assert sweep_dataset(*stored_table(asked, store)).sizes["frequency_ratio"] > 0
+        assert sweep_dataset(*stored_points(asked, store)).sizes["frequency_ratio"] > 0
         with Evaluator(store, InProcessExecutor()) as evaluator:
             evaluator.evaluate([asked.task(*place) for place in ForTheAccuracy(asked).due()])
         summary = evaluate_sweep(asked, store, InProcessExecutor(), verdicts=False)
-        whole, table = stored_table(asked, store)
-        found = sweep_dataset(whole, table)
-    free, rubbing = (sorted(table["frequency_ratio"][[one == case for one in table["case"]]]) for case in asked.cases)
+        whole, points = stored_points(asked, store)
+        found = sweep_dataset(whole, points)
+    free, rubbing = (sorted(p.frequency_ratio for p in points if p.case == case) for case in asked.cases)
     assert free != rubbing
     assert summary.statuses == {(Variant("reference"), "converged"): len(free) + len(rubbing)}
     assert int((found.status == STATUSES.index("missing")).sum()) == 2 * len({*free, *rubbing}) - len(free) - len(

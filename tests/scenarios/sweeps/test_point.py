@@ -7,20 +7,11 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.runs.result import Result
+from scenarios.sweeps.point import UNBOUNDED, Point, point_findings
+from scenarios.sweeps.sweep import Case, GivenTolerance, baseline, refinements
 from scenarios.verdicts.finding import FLOOR_DB, Verdict
 from scenarios.verdicts.judge import FrictionEffect
-from scenarios.verdicts.pointwise import (
-    CONVERGED,
-    REFERENCE,
-    UNBOUNDED,
-    GivenTolerance,
-    PointResults,
-    baseline,
-    decisive,
-    point_findings,
-    refinements,
-)
-from scenarios.verdicts.steady_case import AMPLIFICATION_MARGIN
+from scenarios.verdicts.steady_case import AMPLIFICATION_MARGIN, CONVERGED, REFERENCE
 
 SHARES, OWN = Variant("mujoco"), Variant("exudyn-regularised")
 
@@ -46,8 +37,10 @@ def judged(
     variant, db, *others, reference=-10.02, converged=-10.0, amplified=1.0, given=None, late=0.0, effect=UNBOUNDED,
     status="converged",
 ):  # fmt: skip
-    known = PointResults(
+    known = Point(
         variant=variant,
+        case=Case.of(friction_ratio=0.3),
+        frequency_ratio=0.9,
         result=answer(db, late=late, status=status),
         others=others,
         reference=dataclasses.replace(answer(reference), amplification=amplified / AMPLIFICATION_MARGIN),
@@ -55,7 +48,7 @@ def judged(
         given=given,
         effect=effect,
     )
-    return decisive(point_findings(known)).comparison
+    return dataclasses.replace(known, findings=point_findings(known)).comparison
 
 
 def test_who_shares_the_scheme_equals_the_reference_at_equal_step_or_does_not_share_it() -> None:
@@ -167,8 +160,10 @@ def test_a_step_that_leaves_open_what_friction_changes_shows_nothing() -> None:
 
 
 def test_a_motion_that_is_not_certified_but_repeats_well_enough_is_compared_and_said_to_be_uncertified() -> None:
-    known = PointResults(
+    known = Point(
         variant=OWN,
+        case=Case.of(friction_ratio=0.3),
+        frequency_ratio=0.9,
         result=dataclasses.replace(answer(-10.0, status="period limit"), residual=2e-8),
         others=(answer(-10.0, 200),),
         reference=dataclasses.replace(answer(-10.02), amplification=0.5),
@@ -178,4 +173,4 @@ def test_a_motion_that_is_not_certified_but_repeats_well_enough_is_compared_and_
         (Verdict.AGREE, False)
     }
     far = dataclasses.replace(known, result=answer(-10.0, status="period limit"))
-    assert decisive(point_findings(far)).comparison.verdict is Verdict.INCONCLUSIVE
+    assert dataclasses.replace(far, findings=point_findings(far)).comparison.verdict is Verdict.INCONCLUSIVE

@@ -1,0 +1,280 @@
+"""One point of a sweep: its results beside the reference's, what it is compared with, and how far from that it may be.
+
+Presets that share the Euler scheme solve the reference's own equations: they are compared with the reference at equal
+step, and nothing is allowed but what neither can resolve. All others, the reference itself among them, are compared
+with the converged reference. They are simulated with half as many steps too, so that their own error is known; the
+reference is simulated with twice and four times as many, and is judged by them itself.
+
+The transmittance is a complex number: its level and its phase are judged alike, and the worse of both decides.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Protocol
+
+from engines.interface.variant import Variant
+from engines.reference import CONVERGED_SUBSTEPS
+from reference_lcp.steady.richardson import amplitude_in_db
+from scenarios.runs.result import Result
+from scenarios.runs.task import SteadyStateTask
+from scenarios.sweeps.sweep import Case, GivenTolerance, GridPoint, Sweep, baseline, refinements
+from scenarios.verdicts.finding import (
+    FLOOR_DB,
+    PHASE,
+    TRANSMITTANCE,
+    Comparison,
+    Finding,
+    Metric,
+    Prediction,
+    Tolerance,
+    Verdict,
+    amplitude_in_degrees,
+    phase_reader,
+)
+from scenarios.verdicts.judge import FrictionEffect, Number, Steps, certified, decide, friction_effect, missing
+from scenarios.verdicts.steady_case import CONVERGED, REFERENCE, amplification, is_resolved, resolution
+
+UNBOUNDED = FrictionEffect(math.inf, math.inf)
+"""No step is too coarse for it."""
+
+_SEVERITY = (Verdict.AGREE, Verdict.INCONCLUSIVE, Verdict.TOO_COARSE, Verdict.DISAGREE, Verdict.BLOCKED)
+
+
+class GivesResults(Protocol):
+    """What gives a result to every task: an evaluator, a store, a dataset."""
+
+    def evaluate(self, tasks: Sequence[SteadyStateTask], /) -> list[Result]:
+        """Give the results, in order; what is not known is ``missing``."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The true transmittance of a point."""
+
+    transmittance_db: float = math.nan
+    """20 log10 |U_n| / U0 [dB]; NaN where it is not known."""
+    error_db: float = math.nan
+    """Its own error bar [dB]."""
+    exact: bool = False
+    """Whether it is that of the exact motion, and not that of the converged reference."""
+
+    @property
+    def above_floor(self) -> bool:
+        """Whether a difference from it in dB says something, see `FLOOR_DB`."""
+        return self.transmittance_db > FLOOR_DB
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """One variant at one point of the grid."""
+
+    variant: Variant
+    case: Case
+    frequency_ratio: float
+    result: Result
+    others: tuple[Result, ...] = ()
+    """Its results with other numbers of steps, see `refinements`."""
+    reference: Result = field(default_factory=Result.missing)
+    converged: Result = field(default_factory=Result.missing)
+    """The reference's results at the same point, at equal step and converged."""
+    refined: tuple[Result, ...] = ()
+    """The reference's results at the same point with other numbers of steps."""
+    given: GivenTolerance | None = None
+    """The tolerance, where it is given; without it, it is derived."""
+    effect: FrictionEffect = UNBOUNDED
+    findings: tuple[Finding, ...] = ()
+    """The comparisons of its transmittance and of its phase with those of its baseline; empty until it is judged."""
+    truth: Truth = Truth()
+
+    @property
+    def place(self) -> GridPoint:
+        """Variant, case and frequency ratio."""
+        return self.variant, self.case, self.frequency_ratio
+
+    @property
+    def label(self) -> str:
+        """Case and frequency ratio, as tables print them."""
+        return f"{self.case}, η_r = {self.frequency_ratio:.6g}"
+
+    @property
+    def expected(self) -> Result:
+        """The result of its baseline."""
+        return self.reference if baseline(self.variant, self.given) == REFERENCE else self.converged
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the result is certified, or repeats well enough to be compared all the same."""
+        return self.result.converged or is_resolved(self.result, amplification(self.reference))
+
+    @property
+    def left_open(self) -> float:
+        """What the result leaves open of its amplitude, over the displacement scale."""
+        return resolution(self.variant, self.result, self.result.transmittance_db, amplification(self.reference))
+
+    @property
+    def finding(self) -> Finding:
+        """The worst finding, which decides: by its verdict, then by its difference over what is allowed."""
+        return max(self.findings, key=lambda own: (_SEVERITY.index(own.comparison.verdict), own.excess))
+
+    @property
+    def comparison(self) -> Comparison:
+        """The comparison that decides."""
+        return self.finding.comparison
+
+    def difference(self, metric: Metric) -> float:
+        """Give the difference from the baseline in the unit of a metric; NaN where it was not compared."""
+        return next((own.comparison.difference for own in self.findings if own.metric == metric), math.nan)
+
+    def allowed(self, metric: Metric) -> float:
+        """Give the largest such difference that counts as agreement; likewise."""
+        return next((own.comparison.tolerance for own in self.findings if own.metric == metric), math.nan)
+
+    def prediction(self, *metrics: Metric) -> Prediction | None:
+        """Give what the law of the variant says of the first of these metrics that it was asked about."""
+        predictions = (own.prediction for own in self.findings if own.metric in metrics)
+        return next((one for one in predictions if one is not None), None)
+
+
+def tasks_of(sweep: Sweep, places: Sequence[GridPoint]) -> list[SteadyStateTask]:
+    """Give the tasks of all places: first one each, then those with other numbers of steps."""
+    further = [(place, factor) for place in places for factor in refinements(place[0], sweep.tolerance)]
+    return [*(sweep.task(*place) for place in places), *(sweep.task(*place, factor) for place, factor in further)]
+
+
+def evaluated(sweep: Sweep, places: Sequence[GridPoint], evaluator: GivesResults) -> list[Point]:
+    """Evaluate all places at once, and give them beside the reference's results at the same place."""
+    results = iter(evaluator.evaluate(tasks_of(sweep, places)))
+    first = [next(results) for _ in places]
+    others = [tuple(next(results) for _ in refinements(place[0], sweep.tolerance)) for place in places]
+    known = dict(zip(places, zip(first, others, strict=True), strict=True))
+    points = []
+    for (variant, case, eta), (result, own) in known.items():
+        reference, refined = known.get((REFERENCE, case, eta), (Result.missing(), ()))
+        converged, _ = known.get((CONVERGED, case, eta), (Result.missing(), ()))
+        effect = _effect(sweep.task(REFERENCE, case, eta), converged.transmittance_db, converged.phase)
+        points.append(
+            Point(
+                variant=variant, case=case, frequency_ratio=eta, result=result, others=own, reference=reference,
+                converged=converged, refined=refined, given=sweep.tolerance, effect=effect,
+            )
+        )  # fmt: skip
+    return points
+
+
+@lru_cache(maxsize=10_000)
+def _effect(task: SteadyStateTask, transmittance_db: float, phase: float) -> FrictionEffect:
+    """Give how much friction changes a point at all; without limit where its steady state is not known."""
+    if math.isnan(transmittance_db) or math.isnan(phase):
+        return UNBOUNDED
+    return friction_effect(*task.setting(), transmittance_db, phase)
+
+
+def judged(points: Iterable[Point]) -> list[Point]:
+    """Compare every point with its baseline."""
+    return [replace(point, findings=point_findings(point)) for point in points]
+
+
+def point_findings(point: Point) -> tuple[Finding, ...]:
+    """Compare transmittance and phase with those of the baseline; no phase where none is expected."""
+    readers = _readers(point.expected)
+    gap = (None if point.is_known else missing("engine", [point.result])) or missing("reference", [point.expected])
+    if gap is not None:
+        return tuple(Finding.without_numbers(point.variant, point.label, readers, gap))
+    certain = certified([point.result])
+    return tuple(
+        Finding(
+            point.variant, point.label, metric, read(point.result), read(point.expected),
+            replace(_compared(point, metric, read), certified=certain),
+        )
+        for metric, read in readers.items()
+    )  # fmt: skip
+
+
+Read = Callable[[Result], float]
+"""Gives a number of a result."""
+
+
+def _level(result: Result) -> float:
+    return result.transmittance_db
+
+
+def _readers(expected: Result) -> dict[Metric, Read]:
+    """Give what is read of results, by metric."""
+    phase = {} if math.isnan(expected.phase) else {PHASE: phase_reader(expected.phase, expected.transmittance_db)}
+    return {TRANSMITTANCE: _level, **phase}
+
+
+def _compared(point: Point, metric: Metric, read: Read) -> Comparison:
+    """Compare one number of a point."""
+    expected = point.expected
+    effect = point.effect.transmittance_db if metric == TRANSMITTANCE else point.effect.phase
+    comparison = decide(metric, read(point.result), read(expected), tolerance(point, metric, read), effect)
+    comparison = unless_own_error_is_unknown(point, comparison)
+    if metric == TRANSMITTANCE:
+        return comparison
+    per_amplitude = amplitude_in_degrees(1.0, expected.transmittance_db)
+    return replace(comparison, per_amplitude=per_amplitude, reason=f"{metric.name}: {comparison.reason}")
+
+
+def unless_own_error_is_unknown(point: Point, comparison: Comparison) -> Comparison:
+    """Leave a disagreement open where the variant's own error is unknown: no steady state with other steps."""
+    if comparison.verdict is not Verdict.DISAGREE or all(other.converged for other in point.others):
+        return comparison
+    reason = f"{comparison.reason}; no steady state with other steps gives its own error"
+    return replace(comparison, verdict=Verdict.INCONCLUSIVE, reason=reason)
+
+
+def tolerance(point: Point, metric: Metric = TRANSMITTANCE, read: Read = _level) -> Tolerance:
+    """Derive how far a number of a point may be from that of its baseline, in the unit of the metric."""
+    if point.given is not None and point.given.judges(point.variant):
+        return Tolerance(given=_given(point.given.transmittance_db, metric))
+    left_open = point_resolution(point, metric, point.expected)
+    if baseline(point.variant) == REFERENCE:
+        return Tolerance(resolution=left_open)
+    scheme = scheme_by_steps(point, read)
+    finest = max(scheme)
+    own = {point.result.steps_per_period: read(point.result)} | _by_steps(read, *point.others)
+    at = point.reference.steps_per_period if point.reference.converged else finest
+    return Tolerance(
+        reference=Steps(scheme, finest).error(metric),
+        engine=Steps(own, point.result.steps_per_period).error(metric),
+        resolution=left_open,
+        # the reference itself is judged by its own steps alone: its error cannot excuse itself
+        scheme=0.0 if point.variant == REFERENCE else Steps(scheme, at).error(metric),
+    )
+
+
+def scheme_by_steps(point: Point, read: Read = _level) -> dict[int, Number]:
+    """Read a number of the reference's results by steps a period; that of the converged reference is the finest."""
+    scheme = _by_steps(read, point.reference, *point.refined)
+    if point.converged.converged:
+        scheme[point.converged.steps_per_period * CONVERGED_SUBSTEPS] = read(point.converged)
+    return scheme
+
+
+def point_resolution(point: Point, metric: Metric, expected: Result) -> float:
+    """Give what the result leaves open of a number, in the unit of the metric, near an expected result."""
+    level = max(expected.transmittance_db, FLOOR_DB)
+    return (amplitude_in_db if metric == TRANSMITTANCE else amplitude_in_degrees)(point.left_open, level)
+
+
+def _given(transmittance_db: float, metric: Metric) -> float:
+    """Give a tolerance of the transmittance for a metric: a change of amplitude of that size, in any direction."""
+    if metric == TRANSMITTANCE:
+        return transmittance_db
+    return min(180.0, math.degrees(10 ** (transmittance_db / 20) - 1))
+
+
+def own_error_db(point: Point) -> float:
+    """Estimate the error of a point from its own steps [dB]; NaN where it is known with one number of steps only."""
+    own = _by_steps(_level, point.result, *point.others)
+    if not point.result.converged or len(own) < 2:
+        return math.nan
+    return Steps(own, point.result.steps_per_period).error(TRANSMITTANCE)
+
+
+def _by_steps(read: Read, *results: Result) -> dict[int, Number]:
+    """Read a number of those that have a steady state, by steps a period."""
+    return {result.steps_per_period: read(result) for result in results if result.converged}
