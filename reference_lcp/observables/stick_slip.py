@@ -186,6 +186,16 @@ class TransitionMatch:
     time_errors: tuple[float, ...]
     """Time of each pair's observed transition less the expected one's, over the period, in [−window, window]."""
 
+    @property
+    def errors(self) -> dict[TimedTransition, float]:
+        """Time errors by the expected transition."""
+        return {expected: error for (_, expected), error in zip(self.pairs, self.time_errors, strict=True)}
+
+    @property
+    def unmatched(self) -> int:
+        """Number of transitions that only one of the two has."""
+        return len(self.missed) + len(self.spurious)
+
 
 def match_transitions(
     observed: Sequence[TimedTransition],

@@ -69,7 +69,7 @@ def _row(point: Point, expected: Result) -> dict[str, Any]:
 
 
 def _compared(result: Result, expected: Result) -> dict[str, Any]:
-    match = result.matched(expected)
+    match = result.matched(expected.transitions)
     errors = [abs(error) for error in match.time_errors]
     return {
         "stuck_fraction": mean(result.stuck_fraction),

@@ -11,13 +11,13 @@ import numpy as np
 from engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase
 from scenarios.catalogue import CATALOGUE
-from scenarios.catalogue.block.base import BlockScenario
-from scenarios.catalogue.block.breakaway import FRACTION, LEAST_SPEED, PULLS, Pull, slip_time
+from scenarios.catalogue.block.base import Throw
+from scenarios.catalogue.block.breakaway import FRACTION, LEAST_SPEED, Pull, slip_time
 from scenarios.catalogue.block.static_hold import CREEP, HOLD_TIME
-from scenarios.catalogue.block.stopping_distance import DISTANCE, THROWS
+from scenarios.catalogue.block.stopping_distance import DISTANCE
 from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
+from scenarios.catalogue.motion import MotionCase, MotionScenario
 from scenarios.catalogue.steady.figure3 import Figure3Points
-from scenarios.catalogue.transient.base import with_refined_steps
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.result import Result
 from scenarios.runs.task import SteadyStateTask
@@ -70,23 +70,25 @@ class BlockQuestion(Question):
     """A number of one block."""
 
     @property
-    def _scenario(self) -> BlockScenario:
+    def _scenario(self) -> MotionScenario[MotionCase]:
         scenario = CATALOGUE[self.scenario]
-        assert isinstance(scenario, BlockScenario), "block questions are asked of block scenarios"
+        assert isinstance(scenario, MotionScenario), "block questions are asked of scenarios of motions"
         return scenario
+
+    def _case(self, case: str) -> MotionCase:
+        return {str(each): each for each in self._scenario.cases}[case]
 
     def cases(self) -> Iterable[str]:
         """Give the names of all cases."""
-        return self._scenario.tasks_by_case(REFERENCE)
+        return map(str, self._scenario.cases)
 
     def task(self, variant: Variant, case: str) -> TransientTask:
-        """Give the motion from which the number is read."""
-        return self._scenario.tasks_by_case(variant)[case]
+        """Give the motion from which the number is read, with the step that is judged."""
+        return self._scenario.simulated(self._case(case).task(variant))[-1]
 
     def number(self, variant: Variant, case: str, evaluator: Evaluator) -> Number:
         """Give the suite's own number, as its finding has it."""
-        task = self._scenario.tasks_by_case(variant)[case]
-        findings = self._scenario.judged(variant, case, task, evaluator)
+        findings = self._scenario.case_findings(variant, self._case(case), evaluator)
         finding = next(finding for finding in findings if finding.metric is self.metric)
         reason = finding.comparison.reason if np.isnan(finding.value) else ""
         return Number(finding.value, finding.expected, reason)
@@ -109,9 +111,10 @@ class BreakawayQuestion(BlockQuestion):
 
     def readings(self, case: str, evaluator: Evaluator) -> Mapping[str, Any]:
         """Give the speed that counts, and when the reference reaches it, in finer steps."""
-        pull: Pull = PULLS[case]
+        pull = self._case(case)
+        assert isinstance(pull, Pull)
         (fine,) = evaluator.evaluate([pull.task(REFERENCE).refined(REFERENCE_REFINEMENT)])
-        time = slip_time(pull, np.array(fine.series["slip_velocity"]))
+        time = slip_time(pull, fine.series["slip_velocity"])
         return {"speed": LEAST_SPEED * pull.speed, "slip_time": time}
 
 
@@ -120,13 +123,10 @@ class StoppingQuestion(BlockQuestion):
 
     scenario, metric, case = "stopping-distance", DISTANCE, "1 kg, 4.9 m/s"
 
-    def task(self, variant: Variant, case: str) -> TransientTask:
-        """Give the motion with the finest step, which is judged."""
-        return with_refined_steps(super().task(variant, case))[-1]
-
     def readings(self, case: str, evaluator: Evaluator) -> Mapping[str, Any]:
         """Give the velocity at first, and the distance of a free block."""
-        throw = THROWS[case]
+        throw = self._case(case)
+        assert isinstance(throw, Throw)
         return {"velocity": throw.velocity, "distance": throw.distance}
 
 

@@ -4,15 +4,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
-import numpy as np
-
-from engines.interface.registry import law_of
-from engines.interface.tolerances import STEPS
 from engines.interface.variant import Variant
+from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.result import ResultStatus
 from scenarios.runs.task import SteadyStateTask
-from scenarios.runs.transient_task import TransientTask
 from scenarios.verdicts.finding import Finding, Metric
 from scenarios.verdicts.prediction import LawPeriod, needs_prediction, with_predictions
 
@@ -21,15 +16,21 @@ class Scenario(ABC):
     """A named experiment; the catalogue holds one object of each."""
 
     name: ClassVar[str]
-    """As the command line knows it: lower case, hyphens."""
-    question: ClassVar[str]
-    """The physical question, in one sentence."""
+    """As the command line knows it: lower case, hyphens; one of `DESCRIPTIONS`."""
     source: ClassVar[str]
     """Where the case is from: paper, equation, book."""
-    expects: ClassVar[str]
-    """What results are compared with: closed form, event-driven solution, reference with its error bar."""
     metrics: ClassVar[tuple[Metric, ...]]
     """What is compared."""
+
+    @property
+    def question(self) -> str:
+        """The physical question, in one sentence."""
+        return DESCRIPTIONS[self.name].question
+
+    @property
+    def expects(self) -> str:
+        """What results are compared with: closed form, event-driven solution, reference with its error bar."""
+        return DESCRIPTIONS[self.name].expects
 
     def parameters(self) -> list[str]:
         """Give the parameters of the cases that their names leave out (numbers cell by cell, for example), in lines."""
@@ -83,22 +84,3 @@ def run_with_predictions(scenario: Scenario, variants: Sequence[Variant], evalua
             own = with_predictions(own, of_law, scenario.law_periods(variant, evaluator))
         judged += own
     return judged
-
-
-def motion_distance(task: TransientTask, of_law: TransientTask, series: str, evaluator: Evaluator) -> LawPeriod:
-    """Give the largest difference of a series in the whole motion, or the reason why there is none.
-
-    What a law allows of a period adds up over the motion at most. Motions are compared where the law does not claim to
-    hold, too, for it may hold there; but not if it models other contacts than those of the task.
-    """
-    law = law_of(of_law.variant.preset)
-    assert law is not None, "it is the model of a law"
-    bound = law.period_bound * max(1.0, task.steps / STEPS)
-    own, predicted = evaluator.evaluate([task, of_law])
-    absent = (each.reason for each in (own, predicted) if each.status in (ResultStatus.BLOCKED, ResultStatus.MISSING))
-    reason = law.other_contact_reason(task.lane()) or next(absent, None)
-    if reason is not None:
-        return LawPeriod(np.nan, bound, reason)
-    motions = (np.array(result.series[series]) for result in (own, predicted))
-    distance = float(np.max(np.abs(np.subtract(*motions))))
-    return LawPeriod(distance, bound, law.unmodelled_reason(task.lane()) or "" if distance > bound else "")

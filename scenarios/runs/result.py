@@ -1,7 +1,7 @@
 """The result of a task, as plain data."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Annotated, Self
@@ -10,7 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAda
 
 from reference_lcp.chain.simulation import OrbitStatus
 from reference_lcp.errors import ParameterError, shortened
-from reference_lcp.observables.stick_slip import Mode, TransitionMatch, match_transitions
+from reference_lcp.observables.stick_slip import Mode, TimedTransition, TransitionMatch, match_transitions
 from reference_lcp.steady.orbits import LONGEST_MULTIPLE
 from scenarios.runs.parameters import first_error
 
@@ -117,9 +117,9 @@ class Result:
         pairs = zip(self.stuck_fraction, other.stuck_fraction, strict=True)
         return max((abs(one - two) for one, two in pairs), default=0.0)
 
-    def matched(self, expected: "Result") -> TransitionMatch:
+    def matched(self, expected: Sequence[TimedTransition]) -> TransitionMatch:
         """Match the transitions with the expected ones, see `match_transitions`."""
-        return match_transitions(self.transitions, expected.transitions, expected.period)
+        return match_transitions(self.transitions, expected, self.period)
 
     @classmethod
     def blocked(cls, reason: str, *, by_engine: bool = False) -> Self:

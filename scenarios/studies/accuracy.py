@@ -120,7 +120,7 @@ def accuracy_of(
         if (point := point_of(task)) in ACCURACY_MAP and task.steps_per_period == ACCURACY_MAP_STEPS
     }
     errors = {point: transmittance_error_db(result, exact[point]) for point, result in mapped.items()}
-    matches = [result.matched(exact[point]) for point, result in mapped.items()]
+    matches = [result.matched(exact[point].transitions) for point, result in mapped.items()]
     times = [abs(error) for match in matches for error in match.time_errors]
     blocked = [result.reason for result in results.values() if result.status is ResultStatus.BLOCKED]
     return Accuracy(

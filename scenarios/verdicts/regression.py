@@ -144,13 +144,12 @@ def _phase_difference(result: Result, other: Result) -> float:
 
 def _lateness(result: Result, other: Result) -> float:
     """Give the largest difference of the times of matched transitions, over the period; zero without any."""
-    return max(map(abs, result.matched(other).time_errors), default=0.0)
+    return max(map(abs, result.matched(other.transitions).time_errors), default=0.0)
 
 
 def _unmatched(result: Result, other: Result) -> float:
     """Give the number of transitions of either that the other one does not have."""
-    match = result.matched(other)
-    return len(match.missed) + len(match.spurious)
+    return result.matched(other.transitions).unmatched
 
 
 def _motion_difference(result: Result, other: Result) -> float:

@@ -29,15 +29,13 @@ counted makes in one step is allowed, and what a preset's residual slip complian
 
 import dataclasses
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from engines.interface.tolerances import CREEP
-from reference_lcp.observables.stick_slip import UNREPEATED_SLIP, Mode, TimedTransition, match_transitions
-from scenarios.runs.result import Result
+from reference_lcp.observables.stick_slip import UNREPEATED_SLIP, Mode, TimedTransition
 from scenarios.verdicts.finding import Comparison, Finding, Metric, Tolerance, Verdict
 from scenarios.verdicts.judge import Steps, decide, judge
 from scenarios.verdicts.steady_case import Evidence, Expected
@@ -104,12 +102,6 @@ def as_resolved(evidence: Evidence) -> Expected:
     return dataclasses.replace(expected, transitions=tuple(transitions), stuck_fraction=tuple(stuck), travels=())
 
 
-def matched_errors(result: Result, expected: Sequence[TimedTransition]) -> dict[TimedTransition, float]:
-    """Time error over the period of every expected transition that a result has."""
-    match = match_transitions(result.transitions, expected, result.period)
-    return {pair[1]: error for pair, error in zip(match.pairs, match.time_errors, strict=True)}
-
-
 def _missed(evidence: Evidence) -> tuple[list[TimedTransition], list[TimedTransition], int]:
     """Give the missed transitions, those of them that the coarse result has, and how many are undecided."""
     expected = evidence.expected.transitions
@@ -122,15 +114,15 @@ def _missed(evidence: Evidence) -> tuple[list[TimedTransition], list[TimedTransi
 def _all_matched_errors(evidence: Evidence) -> list[dict[TimedTransition, float]]:
     """Errors of the coarse result, of the fine one, and of the reference's."""
     results = (evidence.coarse, evidence.fine, *evidence.scheme)
-    return [matched_errors(result, evidence.expected.transitions) for result in results]
+    return [result.matched(evidence.expected.transitions).errors for result in results]
 
 
 def _spurious(evidence: Evidence) -> tuple[list[TimedTransition], list[TimedTransition], int]:
     """Give the spurious transitions, those of them that the coarse result lacks, and how many are undecided."""
-    extra = match_transitions(evidence.fine.transitions, evidence.expected.transitions, evidence.fine.period).spurious
-    scheme = [matched_errors(result, extra) for result in evidence.scheme]
+    extra = evidence.fine.matched(evidence.expected.transitions).spurious
+    scheme = [result.matched(extra).errors for result in evidence.scheme]
     spurious = [change for change in extra if not any(change in errors for errors in scheme)]
-    coarse = matched_errors(evidence.coarse, spurious)
+    coarse = evidence.coarse.matched(spurious).errors
     return spurious, [change for change in spurious if change not in coarse], len(extra) - len(spurious)
 
 
@@ -204,7 +196,7 @@ def _stuck(evidence: Evidence) -> Finding:
     judged = []
     for cell, expected in enumerate(evidence.expected.stuck_fraction):
         sticks = sum(1 for change in evidence.expected.transitions if (change[0], change[2]) == (cell + 1, _STICK))
-        read = partial(_stuck_fraction, cell)
+        read = partial(lambda cell, result: result.stuck_fraction[cell], cell)
         resolution = max(sticks, 1) / evidence.fine.steps_per_period
         comparison = judge(
             STUCK_FRACTION,
@@ -217,10 +209,6 @@ def _stuck(evidence: Evidence) -> Finding:
         judged.append((evidence.fine.stuck_fraction[cell], expected, comparison))
     fine, expected, comparison = max(judged, key=lambda contact: contact[2].excess)
     return Finding(evidence.variant, evidence.case.label, STUCK_FRACTION, fine, expected, comparison)
-
-
-def _stuck_fraction(cell: int, result: Result) -> float:
-    return result.stuck_fraction[cell]
 
 
 def _creep(evidence: Evidence) -> Finding:

@@ -1,20 +1,20 @@
 """Breakaway: a load that grows slowly, and the part of the bound of friction at which a block slips."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from engines.interface.variant import Variant
 from reference_lcp.chain.drives import GrowingAcceleration
-from reference_lcp.validation import FloatArray
 from scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, round_off
-from scenarios.catalogue.descriptions import DESCRIPTIONS, REFERENCE_REFINEMENT
+from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
 from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.transient_task import BlockTask
+from scenarios.runs.result import NamedNumbers
+from scenarios.runs.transient_task import BlockTask, TransientTask
 from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.judge import Steps, judge, missing
+from scenarios.verdicts.judge import Number
 from scenarios.verdicts.steady_case import REFERENCE
 
 RISE_TIME = 1.0
@@ -50,14 +50,12 @@ class Pull(NamedTuple):
     @property
     def base(self) -> GrowingAcceleration:
         """The acceleration of the base, with which m a reaches the bound after `RISE_TIME`."""
-        block = self.scale.block(1.0)
-        return GrowingAcceleration(block.bound / block.mass * RISE_TIME**2 / 6, RISE_TIME)
+        return GrowingAcceleration(self.scale.deceleration * RISE_TIME**2 / 6, RISE_TIME)
 
     @property
     def speed(self) -> float:
         """Velocity that friction alone gives in the rise time [m/s]."""
-        block = self.scale.block(1.0)
-        return block.bound / block.mass * RISE_TIME
+        return self.scale.deceleration * RISE_TIME
 
     def task(self, variant: Variant) -> BlockTask:
         """Give the task of a variant."""
@@ -74,16 +72,16 @@ class Pull(NamedTuple):
         return f"{self.scale.title}, {1e3 * self.time_step:g} ms"
 
 
-PULLS = {str(pull): pull for scale in SCALES for step in TIME_STEPS for pull in (Pull(scale, step),)}
+PULLS = tuple(Pull(scale, step) for scale in SCALES for step in TIME_STEPS)
 
 
-class Breakaway(BlockScenario):
+class Breakaway(BlockScenario[Pull]):
     """Dry friction holds up to its bound and not beyond; a regularised one slips from the first load on."""
 
     name = "breakaway"
-    question, expects = DESCRIPTIONS[name]
     source = "Coulomb's law: a contact slips where the load passes μ λ_N; a tilting table's angle is arctan μ."
     metrics = (FRACTION,)
+    cases = PULLS
 
     def parameters(self) -> list[str]:
         """Give the load, and what counts as a slip; see `Scenario.parameters`."""
@@ -92,29 +90,27 @@ class Breakaway(BlockScenario):
             f"{FOLLOWED * RISE_TIME:g} s; a slip counts from {LEAST_SPEED:g} μ λ_N / m · {RISE_TIME:g} s on"
         ]
 
-    def tasks_by_case(self, variant: Variant) -> Mapping[str, BlockTask]:
-        """Give the tasks; see `BlockScenario.tasks_by_case`."""
-        return {case: pull.task(variant) for case, pull in PULLS.items()}
+    def baseline(self, case: Pull) -> list[TransientTask]:
+        """Give the task of the reference in finer steps."""
+        return [case.task(REFERENCE).refined(REFERENCE_REFINEMENT)]
 
-    def baseline(self) -> list[BlockTask]:
-        """Give the tasks of the reference in finer steps."""
-        return [pull.task(REFERENCE).refined(REFERENCE_REFINEMENT) for pull in PULLS.values()]
+    def simulated(self, task: TransientTask) -> list[TransientTask]:
+        """Give the task alone: its step is that of the case."""
+        return [task]
 
-    def judged(self, variant: Variant, case: str, task: BlockTask, evaluator: Evaluator) -> list[Finding]:
+    def numbers(self, case: Pull, series: NamedNumbers) -> Mapping[Metric, Number]:
+        """Read when the block slips."""
+        return {FRACTION: slip_time(case, series["slip_velocity"])}
+
+    def judged(self, variant: Variant, case: Pull, evaluator: Evaluator) -> list[Finding]:
         """Compare with the reference in finer steps: within two steps, for a slip is seen at its end."""
-        pull = PULLS[case]
-        own, fine = evaluator.evaluate([task, pull.task(REFERENCE).refined(REFERENCE_REFINEMENT)])
-        gap = missing("", [own]) or missing("reference", [fine])
-        if gap is not None:
-            return Finding.without_numbers(variant, case, self.metrics, gap)
-        times = [slip_time(pull, np.array(result.series["slip_velocity"])) for result in (own, fine)]
-        value = times[0] / times[1]
-        late = round_off(task) / RISE_TIME / (LEAST_SPEED * pull.speed) * DELAY / 2 + 2 * task.time_step / RISE_TIME
-        comparison = judge(FRACTION, Steps({1: value}), 1.0, resolution=late)
-        return [Finding(variant, case, FRACTION, value, 1.0, comparison)]
+        task = case.task(variant)
+        read = self.read_beside(case, task, evaluator, scheme=False).over_expected()
+        late = round_off(task) / RISE_TIME / (LEAST_SPEED * case.speed) * DELAY / 2 + 2 * task.time_step / RISE_TIME
+        return [read.finding(variant, case, FRACTION, resolution=late)]
 
 
-def slip_time(pull: Pull, velocity: FloatArray) -> float:
+def slip_time(pull: Pull, velocity: Sequence[float]) -> float:
     """Give when the slip becomes as fast as counts [s]; NaN if it never does."""
     fast = np.flatnonzero(np.abs(velocity) > LEAST_SPEED * pull.speed)
     return float((fast[0] + 1) * pull.time_step) if fast.size else np.nan

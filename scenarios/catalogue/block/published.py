@@ -1,7 +1,7 @@
 """Published answers: problems of other suites that one block on a carrier can stand for, held against their numbers.
 
 The published problems have one mass on the ground, or on a table with a given motion. The carrier that stands for both
-is free along the row, but for a weak spring without a dashpot, see `CARRIER_PHASE`; then
+is free along the row, but for a weak spring without a dashpot, see `on_free_carrier`; then
 
     r̈ = (1/m + 1/M) (λ_T − k r) − a(t)
 
@@ -25,18 +25,14 @@ from reference_lcp.chain.drives import ShakingForce, StillBase
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 from reference_lcp.steady.error_bar import REFINEMENTS
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.block.base import ROUND_OFF, ROUNDINGS, BlockScenario, round_off
-from scenarios.catalogue.descriptions import DESCRIPTIONS
-from scenarios.catalogue.transient.base import read_refined, with_refined_steps
+from scenarios.catalogue.block.base import ROUND_OFF, ROUNDINGS, BlockScenario, on_free_carrier, round_off
+from scenarios.catalogue.motion import refined_counts
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.result import NamedNumbers
-from scenarios.runs.transient_task import CARRIER_MASSES, Block, BlockTask
-from scenarios.verdicts.finding import Comparison, Finding, Metric
-from scenarios.verdicts.judge import Number, judge
-from scenarios.verdicts.steady_case import EXACT, REFERENCE
-
-CARRIER_PHASE = 1e-3
-"""ω_c times the length of a motion [rad]: the carrier's spring changes what it does by 5e-7 of its way."""
+from scenarios.runs.transient_task import CARRIER_MASSES, Block, BlockTask, TransientTask
+from scenarios.verdicts.finding import Finding, Metric
+from scenarios.verdicts.judge import Number, Steps
+from scenarios.verdicts.steady_case import EXACT
 
 NO_SPRING = 1e-9
 """Force of a block's spring where there is none, over the bound of friction, for each metre of slip [1/m]."""
@@ -94,12 +90,16 @@ class Problem(NamedTuple):
 
     def task(self, variant: Variant) -> BlockTask:
         """Give the task of a variant, with its coarsest step; the carrier begins as the table goes on."""
-        block = self._block()
         shaken = self.acceleration > 0
+        block = Block(
+            mass=self.mass * (1 + 1 / CARRIER_MASSES),
+            normal_force=self.bound / FRICTION_COEFFICIENT,
+            stiffness=self.stiffness or NO_SPRING * self.bound,
+        )
         force = CARRIER_MASSES * block.mass * self.acceleration
         return BlockTask(
             variant=variant,
-            block=block,
+            block=on_free_carrier(block, self.steps * self.time_step),
             base=ShakingForce(force, self.angular_frequency, self.scale) if shaken else StillBase(self.scale),
             slip=self.slip,
             slip_velocity=self.slip_velocity,
@@ -109,30 +109,28 @@ class Problem(NamedTuple):
             every=self.every,
         )
 
-    def _block(self) -> Block:
-        return Block(
-            mass=self.mass * (1 + 1 / CARRIER_MASSES),
-            normal_force=self.bound / FRICTION_COEFFICIENT,
-            stiffness=self.stiffness or NO_SPRING * self.bound,
-            carrier_frequency=CARRIER_PHASE / (self.steps * self.time_step),
-            carrier_damping=0.0,
-        )
 
-
-class Case(NamedTuple):
+class PublishedNumber(NamedTuple):
     """A number that is read of a problem."""
 
+    name: str
     problem: Problem
     read: Callable[[Motion], float]
     round_off: Callable[[BlockTask], float]
     per_length: float
     """By how much it changes at most with each metre that a slip is off."""
-    unit: float
 
-    def value(self, series: NamedNumbers) -> float:
-        """Read the number over its unit."""
-        motion = Motion(self.problem.scale * np.array(series["slip"]), np.array(series["slid"]))
-        return self.read(motion) / self.unit
+    @property
+    def unit(self) -> float:
+        """What it is taken over, see `VALUE`."""
+        return abs(targets()[self.name].value) or targets()["sdnd104-1.01"].value
+
+    def task(self, variant: Variant) -> BlockTask:
+        """Give the task of a variant, with its coarsest step."""
+        return self.problem.task(variant)
+
+    def __str__(self) -> str:
+        return self.name
 
 
 TURN_STEPS, TURN_ROW = 100, 4
@@ -145,15 +143,15 @@ SPRING = Problem(
 """SDND100 along its axis, at 45° to x and y."""
 
 
-def _turn(number: int) -> Case:
+def _turn(number: int) -> PublishedNumber:
     """Give y at the end of a half turn of SDND100."""
     along = math.cos(math.pi / 4)
-    return Case(
+    return PublishedNumber(
+        f"sdnd100-{number}",
         SPRING,
         lambda motion: along * float(motion.slip[number * TURN_STEPS // TURN_ROW - 1]),
         lambda task: along * round_off(task),
         along,
-        abs(targets()[f"sdnd100-{number}"].value),
     )
 
 
@@ -183,7 +181,7 @@ def _wear_round_off(task: BlockTask) -> float:
     return WEAR_FORCE * ROUNDINGS * ROUND_OFF[task.variant.capabilities.precision] * abs(task.carrier_velocity)
 
 
-def _wear(amplitude: float) -> Case:
+def _wear(amplitude: float) -> PublishedNumber:
     """Give the wear power of SDND104 with one amplitude of the table's acceleration [m/s²].
 
     The printed values neglect the spring of 3e-5 N/m that is there to hold the mass: it takes 2e-5 off the first one.
@@ -193,8 +191,7 @@ def _wear(amplitude: float) -> Case:
         mass=1.0, bound=1.0, acceleration=amplitude, angular_frequency=omega,
         scale=amplitude / omega**2, time_step=WEAR_STEP, steps=round(WEAR_TO / WEAR_STEP), every=WEAR_ROW,
     )  # fmt: skip
-    value = targets()[f"sdnd104-{amplitude:g}"].value or targets()["sdnd104-1.01"].value
-    return Case(problem, _wear_power, _wear_round_off, WEAR_FORCE * TURNS_A_SECOND, value)
+    return PublishedNumber(f"sdnd104-{amplitude:g}", problem, _wear_power, _wear_round_off, WEAR_FORCE * TURNS_A_SECOND)
 
 
 BRAKE = Problem(mass=1.0, bound=1.0, slip_velocity=1.0, scale=0.5, time_step=0.002, steps=750, every=10)
@@ -205,66 +202,48 @@ OSCILLATOR = Problem(
 )
 """FrictionOscillator, in its own units."""
 
-CASES: Mapping[str, Case] = {
-    **{f"sdnd100-{number}": _turn(number) for number in (1, 2, 3, 4)},
-    **{f"sdnd104-{amplitude:g}": _wear(amplitude) for amplitude in (15.0, 1.5, 1.01, 0.99)},
-    "brake": Case(BRAKE, lambda motion: 0.1 + float(motion.slip[-1]), round_off, 1.0, targets()["brake"].value),
-    "friction-oscillator": Case(
-        OSCILLATOR, lambda motion: float(motion.slip[-1]), round_off, 1.0, targets()["friction-oscillator"].value
-    ),
-}
+NUMBERS = (
+    *(_turn(number) for number in (1, 2, 3, 4)),
+    *(_wear(amplitude) for amplitude in (15.0, 1.5, 1.01, 0.99)),
+    PublishedNumber("brake", BRAKE, lambda motion: 0.1 + float(motion.slip[-1]), round_off, 1.0),
+    PublishedNumber("friction-oscillator", OSCILLATOR, lambda motion: float(motion.slip[-1]), round_off, 1.0),
+)
 
 
-class Published(BlockScenario):
+class Published(BlockScenario[PublishedNumber]):
     """Numbers that nobody here has computed first; docs/targets has each problem in full."""
 
     name = "published"
-    question, expects = DESCRIPTIONS[name]
     source = "code_aster SDND100 and SDND104, Modelica's Brake, Siconos's FrictionOscillator: see published.csv."
     metrics = (VALUE,)
+    cases = NUMBERS
 
     def parameters(self) -> list[str]:
         """Give each number with its source, and the steps; see `Scenario.parameters`."""
-        named = [f"{name}: {target.quantity} = {target.value:g} {target.unit}" for name, target in targets().items()]
-        factors = ", ".join(str(factor) for factor in REFINEMENTS)
-        return [*(line for line in named if line.partition(":")[0] in CASES), f"steps divided by {factors}"]
+        named = ((str(case), targets()[case.name]) for case in self.cases)
+        return [
+            *(f"{name}: {target.quantity} = {target.value:g} {target.unit}" for name, target in named),
+            f"steps divided by {refined_counts(1)}",
+        ]
 
-    def tasks_by_case(self, variant: Variant) -> Mapping[str, BlockTask]:
-        """Give the tasks; see `BlockScenario.tasks_by_case`."""
-        return {name: case.problem.task(variant) for name, case in CASES.items()}
+    def baseline(self, case: PublishedNumber) -> list[TransientTask]:
+        """Give the exact motion, which says what carrier and steps of reading cost, at the finest steps."""
+        return [case.task(EXACT).refined(REFINEMENTS[-1])]
 
-    def baseline(self) -> list[BlockTask]:
-        """Give the exact motions, which say what carrier and steps of reading cost."""
-        return [_exact(case.problem) for case in CASES.values()]
+    def numbers(self, case: PublishedNumber, series: NamedNumbers) -> Mapping[Metric, Number]:
+        """Read the number over its unit."""
+        motion = Motion(case.problem.scale * np.array(series["slip"]), np.array(series["slid"]))
+        return {VALUE: case.read(motion) / case.unit}
 
-    def simulated(self, task: BlockTask) -> list[BlockTask]:
-        """Give a task with three step sizes."""
-        return with_refined_steps(task)
-
-    def judged(self, variant: Variant, case: str, task: BlockTask, evaluator: Evaluator) -> list[Finding]:
+    def judged(self, variant: Variant, case: PublishedNumber, evaluator: Evaluator) -> list[Finding]:
         """Compare with the published number; its uncertainty and what the exact motion leaves of it are allowed."""
-        number, target = CASES[case], targets()[case]
-
-        def numbers(series: NamedNumbers) -> Mapping[Metric, Number]:
-            return {VALUE: number.value(series)}
-
-        tasks = (task, number.problem.task(REFERENCE))
-        own, scheme = (read_refined(each, evaluator, numbers) for each in tasks)
-        (exact,) = evaluator.evaluate([_exact(number.problem)])
-        for gap in (own, scheme):
-            if isinstance(gap, Comparison):
-                return Finding.without_numbers(variant, case, self.metrics, gap)
-        assert not isinstance(own, Comparison), "gaps are findings"
-        assert not isinstance(scheme, Comparison), "gaps are findings"
-        expected = target.value / number.unit
-        left = abs(number.value(exact.series) - expected) + target.uncertainty / number.unit
-        allowed = left + number.round_off(task) / number.unit
-        comparison = judge(VALUE, own[VALUE], expected, scheme=scheme[VALUE], resolution=allowed)
-        per_amplitude = number.per_length * number.problem.scale / number.unit
-        comparison = replace(comparison, per_amplitude=per_amplitude)
-        return [Finding(variant, case, VALUE, float(own[VALUE].judged), expected, comparison)]
-
-
-def _exact(problem: Problem) -> BlockTask:
-    """Give the exact motion, read at the finest steps of the others."""
-    return problem.task(EXACT).refined(REFINEMENTS[-1])
+        target, task = targets()[case.name], case.task(variant)
+        read = self.read_beside(case, task, evaluator)
+        expected = target.value / case.unit
+        left = abs(float(read.expected[VALUE].judged) - expected) + target.uncertainty / case.unit
+        allowed = left + case.round_off(task) / case.unit
+        finding = read._replace(expected={VALUE: Steps({1: expected})}).finding(
+            variant, case, VALUE, resolution=allowed
+        )
+        per_amplitude = case.per_length * case.problem.scale / case.unit
+        return [replace(finding, comparison=replace(finding.comparison, per_amplitude=per_amplitude))]

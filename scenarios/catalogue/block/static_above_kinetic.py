@@ -11,23 +11,26 @@ With 1/m_r = 1/m + 1/M of block and carrier that jump is
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from engines.interface.variant import Variant
 from reference_lcp.chain.drives import ShakingForce
-from reference_lcp.steady.error_bar import REFINEMENTS
-from scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, round_off
-from scenarios.catalogue.descriptions import DESCRIPTIONS
-from scenarios.catalogue.transient.base import read_refined, with_refined_steps
+from scenarios.catalogue.block.base import (
+    SCALES,
+    THREE_STEPS,
+    TIME_STEP,
+    BlockScenario,
+    Scale,
+    on_free_carrier,
+    round_off,
+)
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.result import NamedNumbers
-from scenarios.runs.transient_task import CARRIER_MASSES, Block, BlockTask
-from scenarios.verdicts.finding import Comparison, Finding, Metric
-from scenarios.verdicts.judge import Number, judge, missing
-from scenarios.verdicts.steady_case import EXACT, REFERENCE
+from scenarios.runs.transient_task import CARRIER_MASSES, BlockTask
+from scenarios.verdicts.finding import Finding, Metric
+from scenarios.verdicts.judge import Number
 
 STATIC_RATIOS = (1.2, 1.5)
 """μ_s / μ_k: a little above one, and as for dry steel."""
@@ -43,9 +46,6 @@ FOLLOWED = 1.4
 
 JUMP_TIME = 0.1
 """π √(m_r / k) [s], the time of a jump under a load that stays; this one grows by 7 % of μ_s λ_N."""
-
-CARRIER_PHASE = 1e-3
-"""ω_c times the length of a motion [rad]: the carrier's spring changes what it does by 5e-7 of its way."""
 
 FAST = 0.1
 """Of the largest velocity of the jump: from there on a slip counts, 3 ms after it has begun."""
@@ -69,7 +69,7 @@ class Release(NamedTuple):
     def stiffness_length(self) -> float:
         """Length μ_k λ_N / k of the spring [m]."""
         reduced = self.scale.mass * CARRIER_MASSES / (1 + CARRIER_MASSES)
-        return self._bound / reduced * (JUMP_TIME / math.pi) ** 2
+        return self.scale.bound / reduced * (JUMP_TIME / math.pi) ** 2
 
     @property
     def length(self) -> float:
@@ -84,7 +84,10 @@ class Release(NamedTuple):
     @property
     def travel(self) -> float:
         """By how much the force moves the carrier with the block [m]."""
-        largest, phase = PEAK * self.static_ratio * self._bound / self.scale.mass, FOLLOWED * RISE_TIME * self.frequency
+        largest, phase = (
+            PEAK * self.static_ratio * self.scale.bound / self.scale.mass,
+            FOLLOWED * RISE_TIME * self.frequency,
+        )
         return largest * (phase - math.sin(phase)) / self.frequency**2
 
     @property
@@ -98,93 +101,55 @@ class Release(NamedTuple):
 
     def task(self, variant: Variant) -> BlockTask:
         """Give the task of a variant, with its coarsest step."""
-        force = (1 + CARRIER_MASSES) * PEAK * self.static_ratio * self._bound
+        force = (1 + CARRIER_MASSES) * PEAK * self.static_ratio * self.scale.bound
         return BlockTask(
             variant=variant,
-            block=self._block(),
+            block=on_free_carrier(self.scale.block(self.stiffness_length), FOLLOWED * RISE_TIME),
             base=ShakingForce(force, self.frequency, self.length),
             static_ratio=self.static_ratio,
             time_step=TIME_STEP,
             steps=round(FOLLOWED * RISE_TIME / TIME_STEP),
         )
 
-    @property
-    def _bound(self) -> float:
-        return self.scale.block(1.0).bound
-
-    def _block(self) -> Block:
-        phase = CARRIER_PHASE / (FOLLOWED * RISE_TIME)
-        return replace(self.scale.block(self.stiffness_length), carrier_frequency=phase, carrier_damping=0.0)
-
     def __str__(self) -> str:
         return f"{self.scale.title}, {self.static_ratio:g}"
 
 
-RELEASES = {
-    str(release): release for scale in SCALES for ratio in STATIC_RATIOS for release in (Release(scale, ratio),)
-}
+RELEASES = tuple(Release(scale, ratio) for scale in SCALES for ratio in STATIC_RATIOS)
 
 
-class StaticAboveKinetic(BlockScenario):
+class StaticAboveKinetic(BlockScenario[Release]):
     """What is held by one coefficient of friction, and slides with another, sticks and slips in jumps."""
 
     name = "static-above-kinetic"
-    question, expects = DESCRIPTIONS[name]
     source = "Coulomb's law with μ_s > μ_k: at rest up to μ_s λ_N, then m_r s̈ + k s = F − μ_k λ_N until it rests."
     metrics = (BREAKAWAY, JUMP)
+    cases = RELEASES
 
     def parameters(self) -> list[str]:
         """Give the ratios, the load and the steps; see `Scenario.parameters`."""
         ratios = ", ".join(f"{ratio:g}" for ratio in STATIC_RATIOS)
-        steps = ", ".join(f"{1e3 * TIME_STEP / factor:g}" for factor in REFINEMENTS)
         return [
             f"μ_s / μ_k = {ratios}; the load reaches μ_s λ_N after {RISE_TIME:g} s, and is followed for "
-            f"{FOLLOWED * RISE_TIME:g} s in steps of {steps} ms"
+            f"{FOLLOWED * RISE_TIME:g} s in steps of {THREE_STEPS}"
         ]
 
-    def tasks_by_case(self, variant: Variant) -> Mapping[str, BlockTask]:
-        """Give the tasks; see `BlockScenario.tasks_by_case`."""
-        return {case: release.task(variant) for case, release in RELEASES.items()}
+    def numbers(self, case: Release, series: NamedNumbers) -> Mapping[Metric, Number]:
+        """Give the load at which a slip becomes fast, NaN if none does, and the slip in the end over the length."""
+        fast = np.flatnonzero(np.abs(series["slip_velocity"]) > FAST * case.fastest)
+        load = case.load((fast[0] + 1) * TIME_STEP) if fast.size else np.nan
+        return {BREAKAWAY: float(load), JUMP: abs(float(series["slip"][-1]))}
 
-    def baseline(self) -> list[BlockTask]:
-        """Give the exact motions."""
-        return [release.task(EXACT) for release in RELEASES.values()]
-
-    def simulated(self, task: BlockTask) -> list[BlockTask]:
-        """Give a task with three step sizes."""
-        return with_refined_steps(task)
-
-    def judged(self, variant: Variant, case: str, task: BlockTask, evaluator: Evaluator) -> list[Finding]:
+    def judged(self, variant: Variant, case: Release, evaluator: Evaluator) -> list[Finding]:
         """Compare with the exact motion, at rows of the coarsest step; the scheme's own error is allowed.
 
         What breaks away two steps later does so under as much more load, and jumps as much farther over μ_s − μ_k.
         """
-        release = RELEASES[case]
-        (exact,) = evaluator.evaluate([release.task(EXACT)])
-        unknown = missing("exact motion", [exact])
-        if unknown is not None:
-            return Finding.without_numbers(variant, case, self.metrics, unknown)
-        expected = read(release, exact.series)
-
-        def numbers(series: NamedNumbers) -> Mapping[Metric, Number]:
-            return {metric: value / expected[metric] for metric, value in read(release, series).items()}
-
-        own, scheme = (read_refined(release.task(each), evaluator, numbers) for each in (variant, REFERENCE))
-        if isinstance(own, Comparison) or isinstance(scheme, Comparison):
-            gap = own if isinstance(own, Comparison) else scheme
-            assert isinstance(gap, Comparison)
-            return Finding.without_numbers(variant, case, self.metrics, gap)
-        above = (release.static_ratio - 1) / release.static_ratio
-        farther = release.two_steps / above + round_off(task) * release.travel / release.length**2
-        findings = []
-        for metric, resolution, effect in ((BREAKAWAY, release.two_steps, above), (JUMP, farther, 1.0)):
-            comparison = judge(metric, own[metric], 1.0, scheme=scheme[metric], resolution=resolution, effect=effect)
-            findings.append(Finding(variant, case, metric, float(own[metric].judged), 1.0, comparison))
-        return findings
-
-
-def read(release: Release, series: NamedNumbers) -> dict[Metric, float]:
-    """Give the load at which a slip becomes fast, NaN if none does, and the slip in the end over the length."""
-    fast = np.flatnonzero(np.abs(series["slip_velocity"]) > FAST * release.fastest)
-    load = release.load((fast[0] + 1) * TIME_STEP) if fast.size else np.nan
-    return {BREAKAWAY: float(load), JUMP: abs(float(series["slip"][-1]))}
+        task = case.task(variant)
+        read = self.read_beside(case, task, evaluator).over_expected()
+        above = (case.static_ratio - 1) / case.static_ratio
+        farther = case.two_steps / above + round_off(task) * case.travel / case.length**2
+        return [
+            read.finding(variant, case, BREAKAWAY, resolution=case.two_steps, effect=above),
+            read.finding(variant, case, JUMP, resolution=farther, effect=1.0),
+        ]

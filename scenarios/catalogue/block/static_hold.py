@@ -9,11 +9,11 @@ import numpy as np
 from engines.interface.variant import Variant
 from reference_lcp.chain.drives import StillBase, Vibration
 from scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, judged_at_one_step
-from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.transient_task import BlockTask
+from scenarios.runs.result import NamedNumbers
+from scenarios.runs.transient_task import BlockTask, TransientTask
 from scenarios.verdicts.finding import Finding, Metric
-from scenarios.verdicts.judge import missing
+from scenarios.verdicts.judge import Number
 
 HOLD_TIME = 10.0
 """How long the load lasts [s]."""
@@ -77,13 +77,13 @@ class Hold(NamedTuple):
 HOLDS = tuple(Hold(scale, load, shaken) for scale in SCALES for shaken in (False, True) for load in LOADS)
 
 
-class StaticHold(BlockScenario):
+class StaticHold(BlockScenario[Hold]):
     """Coulomb friction holds a load below its bound without any motion; regularised friction lets it creep."""
 
     name = "static-hold"
-    question, expects = DESCRIPTIONS[name]
     source = "Coulomb's law: |λ_T| < μ λ_N means no slip. As users ask it: google-deepmind/mujoco, issue 3328."
     metrics = (CREEP, GROWTH, SAG)
+    cases = HOLDS
 
     def parameters(self) -> list[str]:
         """Give load, vibration and steps; see `Scenario.parameters`."""
@@ -94,24 +94,30 @@ class StaticHold(BlockScenario):
             f"{VIBRATION_FREQUENCY / (2 * math.pi):g} Hz",
         ]
 
-    def tasks_by_case(self, variant: Variant) -> Mapping[str, BlockTask]:
-        """Give the tasks; see `BlockScenario.tasks_by_case`."""
-        return {str(hold): hold.task(variant) for hold in HOLDS}
+    def baseline(self, case: Hold) -> list[TransientTask]:
+        """Give none: nothing slips."""
+        return []
 
-    def judged(self, variant: Variant, case: str, task: BlockTask, evaluator: Evaluator) -> list[Finding]:
-        """Compare creep with none; a preset's own residual slip compliance and round-off are allowed."""
-        (result,) = evaluator.evaluate([task])
-        gap = missing("", [result])
-        if gap is not None:
-            return Finding.without_numbers(variant, case, self.metrics, gap)
-        slip = np.array([task.slip, *(SIZE * np.array(result.series["slip"]))])
+    def simulated(self, task: TransientTask) -> list[TransientTask]:
+        """Give the task alone: whatever its step, nothing slips."""
+        return [task]
+
+    def numbers(self, case: Hold, series: NamedNumbers) -> Mapping[Metric, Number]:
+        """Read the creep of four quarters of the time, and the slip that comes before."""
+        slip = np.array([case.load * LENGTH, *(SIZE * np.array(series["slip"]))])
         creep = -1e6 * np.diff(slip[:: ROWS // 4]) / (HOLD_TIME / 4)
-        values = {
+        return {
             CREEP: float(np.mean(creep[2:])),
             GROWTH: float(creep[3] - creep[1]),
             SAG: -1e6 * float(slip[1] - slip[0]),
         }
+
+    def judged(self, variant: Variant, case: Hold, evaluator: Evaluator) -> list[Finding]:
+        """Compare creep with none; a preset's own residual slip compliance and round-off are allowed."""
+        task = case.task(variant)
+        read = self.read_beside(case, task, evaluator, scheme=False)
+        values = {metric: float(own.judged) for metric, own in read.own.items()}
         return [
-            Finding(variant, case, metric, value, 0.0, judged_at_one_step(metric, value, task, READ_OVER[metric]))
+            Finding(variant, str(case), metric, value, 0.0, judged_at_one_step(metric, value, task, READ_OVER[metric]))
             for metric, value in values.items()
         ]

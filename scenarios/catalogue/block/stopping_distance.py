@@ -1,26 +1,19 @@
 """Stopping distance: a block that is thrown over its carrier stops after v² / (2 μ λ_N / m), and stays there."""
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 
 from engines.interface.variant import Variant
-from reference_lcp.chain.drives import StillBase
-from reference_lcp.steady.error_bar import REFINEMENTS
-from reference_lcp.validation import FloatArray
-from scenarios.catalogue.block.base import SCALES, TIME_STEP, BlockScenario, Scale, judged_at_one_step, round_off
-from scenarios.catalogue.descriptions import DESCRIPTIONS
-from scenarios.catalogue.transient.base import read_refined, with_refined_steps
+from scenarios.catalogue.block.base import SCALES, THREE_STEPS, BlockScenario, Throw, judged_at_one_step, round_off
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.result import NamedNumbers
 from scenarios.runs.transient_task import BlockTask
-from scenarios.verdicts.finding import Comparison, Finding, Metric
-from scenarios.verdicts.judge import Number, judge
-from scenarios.verdicts.steady_case import EXACT, REFERENCE
+from scenarios.verdicts.finding import Finding, Metric
+from scenarios.verdicts.judge import Number
 
 STOPPING_TIMES = (0.25, 1.0)
-"""T = v m / (μ λ_N) [s], which gives v."""
+"""Which give the velocities [s]."""
 
 FOLLOWED = 2
 """Times the stopping time for which a motion is followed."""
@@ -36,101 +29,54 @@ NEAR = 1e-3
 """Of the way: with a constant deceleration it is reached at 1 − √0.001 of the stopping time."""
 
 
-class Throw(NamedTuple):
+class Stop(Throw):
     """One case: a scale, and the time to rest."""
-
-    scale: Scale
-    time: float
-
-    @property
-    def distance(self) -> float:
-        """v² m / (2 μ λ_N) [m]."""
-        return self.velocity * self.time / 2
-
-    @property
-    def velocity(self) -> float:
-        """Velocity at first [m/s]."""
-        block = self.scale.block(1.0)
-        return block.bound / block.mass * self.time
 
     def task(self, variant: Variant) -> BlockTask:
         """Give the task of a variant, with its coarsest step."""
-        return BlockTask(
-            variant=variant,
-            block=self.scale.block(SPRING_LENGTH * self.distance),
-            base=StillBase(self.distance),
-            slip_velocity=self.velocity,
-            time_step=TIME_STEP,
-            steps=round(FOLLOWED * self.time / TIME_STEP),
-        )
+        return self.thrown(variant, SPRING_LENGTH, FOLLOWED)
 
     def __str__(self) -> str:
         return f"{self.scale.title}, {self.velocity:.3g} m/s"
 
 
-THROWS = {str(throw): throw for scale in SCALES for time in STOPPING_TIMES for throw in (Throw(scale, time),)}
+THROWS = tuple(Stop(scale, time) for scale in SCALES for time in STOPPING_TIMES)
 
 
-class StoppingDistance(BlockScenario):
+class StoppingDistance(BlockScenario[Stop]):
     """Sliding friction takes the velocity away at μ λ_N / m, and friction at rest keeps the block where it stops."""
 
     name = "stopping-distance"
-    question, expects = DESCRIPTIONS[name]
     source = "Motion under a constant force, v² / (2 μ g) of a block under its own weight: any textbook of mechanics."
     metrics = (DISTANCE, TIME, DRIFT)
+    cases = THROWS
 
     def parameters(self) -> list[str]:
         """Give the steps; see `Scenario.parameters`."""
-        steps = ", ".join(f"{1e3 * TIME_STEP / factor:g}" for factor in REFINEMENTS)
-        return [f"steps of {steps} ms; followed for {FOLLOWED} times the time to rest"]
+        return [f"steps of {THREE_STEPS}; followed for {FOLLOWED} times the time to rest"]
 
-    def tasks_by_case(self, variant: Variant) -> Mapping[str, BlockTask]:
-        """Give the tasks; see `BlockScenario.tasks_by_case`."""
-        return {case: throw.task(variant) for case, throw in THROWS.items()}
-
-    def baseline(self) -> list[BlockTask]:
-        """Give the exact motions."""
-        return [throw.task(EXACT) for throw in THROWS.values()]
-
-    def simulated(self, task: BlockTask) -> list[BlockTask]:
-        """Give a task with three step sizes."""
-        return with_refined_steps(task)
-
-    def judged(self, variant: Variant, case: str, task: BlockTask, evaluator: Evaluator) -> list[Finding]:
-        """Compare with the exact motion, at rows of the coarsest step; the scheme's own error is allowed."""
-        throw = THROWS[case]
-
-        def numbers(series: NamedNumbers) -> Mapping[Metric, Number]:
-            return _numbers(throw, np.array(series["slip"]))
-
-        own, scheme = (read_refined(throw.task(each), evaluator, numbers) for each in (variant, REFERENCE))
-        (exact,) = evaluator.evaluate([throw.task(EXACT)])
-        if isinstance(own, Comparison) or isinstance(scheme, Comparison):
-            gap = own if isinstance(own, Comparison) else scheme
-            assert isinstance(gap, Comparison)
-            return Finding.without_numbers(variant, case, self.metrics, gap)
-        expected = numbers(exact.series)
-        rows = 2 * FOLLOWED / len(exact.series["slip"])  # one of each reading
-        comparisons = {
-            metric: judge(metric, own[metric], expected[metric], scheme=scheme[metric], resolution=resolution)
-            for metric, resolution in ((DISTANCE, round_off(task) / throw.distance), (TIME, rows))
+    def numbers(self, case: Stop, series: NamedNumbers) -> Mapping[Metric, Number]:
+        """Read the slip over the stopping distance, at rows of the coarsest step."""
+        slip = np.array(series["slip"])
+        away = np.abs(slip - slip[-1]) > NEAR * abs(slip[-1])
+        last = int(np.flatnonzero(away)[-1]) + 1 if np.any(away) else 0
+        time = FOLLOWED * case.time / slip.size
+        quarter = slip.size // 4
+        return {
+            DISTANCE: float(slip[-1]),
+            TIME: (last + 1) * time / case.time,
+            DRIFT: 1e6 * case.distance * float(slip[-1] - slip[-1 - quarter]) / (quarter * time),
         }
-        drift = float(own[DRIFT].judged)
-        comparisons[DRIFT] = judged_at_one_step(DRIFT, drift, task, FOLLOWED * throw.time / 4)
+
+    def judged(self, variant: Variant, case: Stop, evaluator: Evaluator) -> list[Finding]:
+        """Compare with the exact motion; the scheme's own error is allowed, but of the drift."""
+        task = case.task(variant)
+        read = self.read_beside(case, task, evaluator)
+        rows = 2 * FOLLOWED / task.steps  # one of each reading
+        drift, expected = (float(readings[DRIFT].judged) for readings in (read.own, read.expected))
+        comparison = judged_at_one_step(DRIFT, drift, task, FOLLOWED * case.time / 4)
         return [
-            Finding(variant, case, metric, float(own[metric].judged), float(expected[metric]), comparison)
-            for metric, comparison in comparisons.items()
+            read.finding(variant, case, DISTANCE, resolution=round_off(task) / case.distance),
+            read.finding(variant, case, TIME, resolution=rows),
+            Finding(variant, str(case), DRIFT, drift, expected, comparison),
         ]
-
-
-def _numbers(throw: Throw, slip: FloatArray) -> dict[Metric, Number]:
-    """Read what is compared from the slip over the stopping distance, at the rows of the coarsest step."""
-    away = np.abs(slip - slip[-1]) > NEAR * abs(slip[-1])
-    last = int(np.flatnonzero(away)[-1]) + 1 if np.any(away) else 0
-    time = FOLLOWED * throw.time / slip.size
-    quarter = slip.size // 4
-    return {
-        DISTANCE: float(slip[-1]),
-        TIME: (last + 1) * time / throw.time,
-        DRIFT: 1e6 * throw.distance * float(slip[-1] - slip[-1 - quarter]) / (quarter * time),
-    }

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 from reference_lcp.exact.den_hartog import SlidingMotion
 from reference_lcp.observables.stick_slip import Mode
-from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import ClosedForm
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import Result
@@ -45,7 +44,6 @@ class DenHartog(ClosedForm):
     """
 
     name = "den-hartog"
-    question, expects = DESCRIPTIONS[name]
     source = "J. P. Den Hartog, Trans. ASME 53 (1931)"
     cases = tuple(_case(*point) for point in POINTS)
     with_stick_slip = True

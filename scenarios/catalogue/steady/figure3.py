@@ -4,7 +4,6 @@ import dataclasses
 import math
 from collections.abc import Mapping
 
-from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import SAME_STEP, SteadyScenario, point_case
 from scenarios.runs.result import Result
 from scenarios.sweeps.attenuation_band import BandDefinition
@@ -40,7 +39,6 @@ class Figure3Points(SteadyScenario):
     """The canonical chain at points of figure 3."""
 
     name = "figure3"
-    question, expects = DESCRIPTIONS[name]
     source = "Sethi, Banerjee, Manna, figure 3: mass and stiffness ratio 1, ζ = 0.01, seven cells"
     cases = (*(case for pair in EDGE_CASES.values() for case in pair), point_case(0.6, 0.9), point_case(0.1, 0.6))
     metrics = (TRANSMITTANCE, SAME_STEP, LOWER_EDGE)

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from reference_lcp.chain.linear_response import stuck_response
-from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import SteadyScenario, phase_findings, transmittance_finding
 from scenarios.catalogue.steady.linear_limits import linear_expected
 from scenarios.catalogue.steady.long_chain import expected_of
@@ -39,7 +38,6 @@ class InclinedSteadyState(SteadyScenario):
     """
 
     name = "inclined-steady-state"
-    question, expects = DESCRIPTIONS[name]
     source = "Equation (7) of Sethi, Banerjee and Manna, with a coupling of normal and tangential direction, G_NT."
     metrics = (TRANSMITTANCE, PHASE)
     cases: ClassVar[tuple[SteadyCase, ...]] = (

@@ -10,7 +10,6 @@ from reference_lcp.chain.drives import PeriodicDrive
 from reference_lcp.chain.linear_response import frictionless_response, stuck_response
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.observables.transmittance import decibel
-from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import ClosedForm, cases_over
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import Result
@@ -29,7 +28,6 @@ class FrictionlessLimit(ClosedForm):
     """No friction: the resonators move freely."""
 
     name = "frictionless-limit"
-    question, expects = DESCRIPTIONS[name]
     source = "linear theory: (K + iωC − ω²M) x = f"
     cases = cases_over((0.9, 0.5), 0.0, THREE_CELLS)
 
@@ -42,7 +40,6 @@ class LockedLimit(ClosedForm):
     """So much friction that every cell moves as one mass."""
 
     name = "locked-limit"
-    question, expects = DESCRIPTIONS[name]
     source = "linear theory with v = u + const in every cell"
     cases = cases_over((1.1, 0.7), LOCKING_FRICTION, THREE_CELLS)
 

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 
-from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import SteadyScenario
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import Result
@@ -35,7 +34,6 @@ class LongChain(SteadyScenario):
     """The canonical chain with more and more cells."""
 
     name = "long-chain"
-    question, expects = DESCRIPTIONS[name]
     source = "the canonical case with more cells, at friction ratio 0.1 and η_r 0.5"
     cases = tuple(_case(cells) for cells in CHAIN_LENGTHS)
 

@@ -6,17 +6,18 @@ the steady state is unique. For a < 1 contacts stay closed, and every formulatio
 For a > 1 they open: the inner mass flies, lands without rebound, and its impact rubs.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
-from typing import ClassVar
+from typing import NamedTuple
 
 from engines.interface.variant import Variant
 from reference_lcp.chain.preload import Flight
 from reference_lcp.observables.stick_slip import TimedTransition
 from reference_lcp.steady.richardson import amplitude_in_db
 from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import Modulation
 from scenarios.runs.result import Result
@@ -32,8 +33,7 @@ from scenarios.verdicts.finding import (
     phase_reader,
 )
 from scenarios.verdicts.judge import Steps, decide, judge, missing
-from scenarios.verdicts.steady_case import amplification
-from scenarios.verdicts.stick_slip_comparison import matched_errors
+from scenarios.verdicts.steady_case import REFERENCE, amplification
 
 CASE_STEPS = (400, 800, 1600)
 """Steps a period of the three results of every case; those with 800 are compared.
@@ -108,9 +108,8 @@ class ModulatedNormalForce(Scenario):
     """The canonical chain under a normal force that swings by a half, and by one and a half, of its mean."""
 
     name = "modulated-normal-force"
-    question, expects = DESCRIPTIONS[name]
-    source: ClassVar[str] = "equation (7) with a given preload, Sethi, Banerjee and Manna; the flight in closed form"
-    metrics: ClassVar[tuple[Metric, ...]] = (TRANSMITTANCE, PHASE, STUCK, UNMATCHED, TIMES, OPEN_FRACTION, LARGEST_GAP)
+    source = "equation (7) with a given preload, Sethi, Banerjee and Manna; the flight in closed form"
+    metrics = (TRANSMITTANCE, PHASE, STUCK, UNMATCHED, TIMES, OPEN_FRACTION, LARGEST_GAP)
 
     def period_tasks(self, variant: Variant) -> Mapping[str, SteadyStateTask]:
         """Compare a period in every case, with the steps that are judged."""
@@ -118,40 +117,102 @@ class ModulatedNormalForce(Scenario):
 
     def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
         """Run every case with every variant; see `Scenario.run`."""
-        reference = Variant("reference")
-        tasks = [
-            case.task(variant, steps) for variant in (reference, *variants) for case in CASES for steps in CASE_STEPS
-        ]
+        places = [(variant, case) for variant in (REFERENCE, *variants) for case in CASES]
+        tasks = [case.task(variant, steps) for variant, case in places for steps in CASE_STEPS]
         results = dict(zip(tasks, evaluator.evaluate(tasks), strict=True))
-        findings = []
-        for variant in variants:
-            for case in CASES:
-                own = [results[case.task(variant, steps)] for steps in CASE_STEPS]
-                expected = [results[case.task(reference, steps)] for steps in CASE_STEPS]
-                findings += _findings(variant, case, own, expected)
-        return findings
+        by_steps = {(variant, case): [results[case.task(variant, steps)] for steps in CASE_STEPS]
+                    for variant, case in places}  # fmt: skip
+        return [
+            finding
+            for variant, case in places[len(CASES) :]
+            for finding in _Motions(variant, case, by_steps[variant, case], by_steps[REFERENCE, case]).findings()
+        ]
 
 
-def _findings(variant: Variant, case: ModulatedCase, own: list[Result], expected: list[Result]) -> list[Finding]:
-    """Compare the results of one variant in one case with the reference's."""
-    flights = [] if case.modulation <= 1 else [OPEN_FRACTION, LARGEST_GAP]
-    metrics = [TRANSMITTANCE, PHASE, STUCK, UNMATCHED, TIMES, *flights]
-    gap = _missing("engine", own) or _missing("reference", expected)
-    if gap is not None:
-        return Finding.without_numbers(variant, str(case), metrics, gap)
-    amplified = amplification(expected[1])
-    judged = [
-        *_response(own, expected, amplified), _stuck_fraction(own, expected), _unmatched(own, expected),
-        _transition_times(own, expected), *_flights(case.flight(variant), case.multiple, own),
-    ]  # fmt: skip
-    return [
-        Finding(variant, str(case), metric, value, right, comparison)
-        for metric, (value, right, comparison) in zip(metrics, judged, strict=True)
-    ]
+class _Motions(NamedTuple):
+    """The results of a variant in one case, beside the reference's with the same steps."""
 
+    variant: Variant
+    case: ModulatedCase
+    own: list[Result]
+    expected: list[Result]
 
-Judged = tuple[float, float, Comparison]
-"""A number, its expected value, and their comparison."""
+    def findings(self) -> list[Finding]:
+        """Compare everything; flights only where there are some."""
+        gap = _missing("engine", self.own) or _missing("reference", self.expected)
+        if gap is None:
+            return [*self._response(), self._stuck_fraction(), self._unmatched(), self._times(), *self._flights()]
+        metrics = ModulatedNormalForce.metrics[: None if self.case.modulation > 1 else -2]
+        return Finding.without_numbers(self.variant, str(self.case), metrics, gap)
+
+    def _finding(self, metric: Metric, value: float, expected: float, comparison: Comparison) -> Finding:
+        return Finding(self.variant, str(self.case), metric, value, expected, comparison)
+
+    def _beside(self, metric: Metric, read: Callable[[Result], float], resolution: float) -> Finding:
+        """Judge a number beside the reference's at the same step, whose error bar is its own."""
+        steps, right = _steps(map(read, self.own)), _steps(map(read, self.expected))
+        expected = float(right.judged)
+        comparison = judge(metric, steps, expected, bar=right.error(metric), resolution=resolution)
+        return self._finding(metric, float(steps.judged), expected, comparison)
+
+    def _response(self) -> tuple[Finding, Finding]:
+        """Judge transmittance and phase; either amplitude is known to the residual of its steady state, amplified."""
+        own, expected = self.own[1], self.expected[1]
+        left, level = amplification(expected) * (own.residual + expected.residual), expected.transmittance_db
+        size = self._beside(TRANSMITTANCE, lambda result: result.transmittance_db, amplitude_in_db(left, level))
+        phase = self._beside(PHASE, phase_reader(expected.phase, level), amplitude_in_degrees(left, level))
+        comparison = replace(phase.comparison, per_amplitude=amplitude_in_degrees(1.0, level))
+        return size, replace(phase, comparison=comparison)
+
+    def _stuck_fraction(self) -> Finding:
+        """Judge the worst contact; a stick begins and ends to a step."""
+        changes = Counter(cell for cell, _, _ in self.expected[1].transitions)
+        return _worst(
+            self._beside(STUCK, partial(_stuck, cell), (changes[cell] + 1) / CASE_STEPS[1])
+            for cell in range(1, len(self.own[1].stuck_fraction) + 1)
+        )
+
+    def _unmatched(self) -> Finding:
+        """Judge transitions that only one has; allowed is what either loses or gains from step to step."""
+        reference, engine = (
+            max(first.matched(second.transitions).unmatched for first, second in pairwise(results))
+            for results in (self.expected, self.own)
+        )
+        count = self.own[1].matched(self.expected[1].transitions).unmatched
+        comparison = decide(UNMATCHED, count, 0.0, Tolerance(reference=reference, engine=engine))
+        return self._finding(UNMATCHED, count, 0.0, comparison)
+
+    def _times(self) -> Finding:
+        """Judge the largest distance of matching transitions; its error is the largest of theirs."""
+        own, expected = (
+            [result.matched(self.expected[1].transitions).errors for result in results]
+            for results in (self.own, self.expected)
+        )
+        size = max(map(abs, own[1].values()), default=0.0)
+        tolerance = Tolerance(
+            reference=_largest_error(expected), engine=_largest_error(own), resolution=1 / CASE_STEPS[1]
+        )
+        return self._finding(TIMES, size, 0.0, decide(TIMES, size, 0.0, tolerance))
+
+    def _flights(self) -> list[Finding]:
+        """Compare time in the air and largest gap with the exact flight, which is that of every cell."""
+        flight = self.case.flight(self.variant)
+        if flight is None:
+            return []
+        air, highest, fall = flight
+        # Lift-off and landing are each met to a step, in every cycle of the preload.
+        edges = 2 * self.case.multiple / CASE_STEPS[1]
+        parts = [
+            (OPEN_FRACTION, [result.open_fraction for result in self.own], air, edges),
+            (LARGEST_GAP, [result.largest_gap for result in self.own], highest, fall),
+        ]
+        return [
+            _worst(
+                self._finding(metric, values[1], exact, judge(metric, _steps(values), exact, resolution=resolution))
+                for values in zip(*cells, strict=True)
+            )
+            for metric, cells, exact, resolution in parts
+        ]
 
 
 def _missing(source: str, results: Sequence[Result]) -> Comparison | None:
@@ -168,81 +229,16 @@ def _steps(values: Iterable[float]) -> Steps:
     return Steps(dict(zip(CASE_STEPS, values, strict=True)), CASE_STEPS[1])
 
 
-def _judged_beside(metric: Metric, own: Iterable[float], expected: Iterable[float], resolution: float) -> Judged:
-    """Judge a number beside the reference's at the same step, whose error bar is its own."""
-    steps, right = _steps(own), _steps(expected)
-    value, wanted = float(steps.judged), float(right.judged)
-    return value, wanted, judge(metric, steps, wanted, bar=right.error(metric), resolution=resolution)
+def _stuck(cell: int, result: Result) -> float:
+    return result.stuck_fraction[cell - 1]
 
 
-def _response(own: list[Result], expected: list[Result], amplified: float) -> tuple[Judged, Judged]:
-    """Judge transmittance and phase; either amplitude is known to the residual of its steady state, amplified."""
-    resolution, level = amplified * (own[1].residual + expected[1].residual), expected[1].transmittance_db
-    values, wanted = ([result.transmittance_db for result in results] for results in (own, expected))
-    size = _judged_beside(TRANSMITTANCE, values, wanted, amplitude_in_db(resolution, level))
-    read = phase_reader(expected[1].phase, level)
-    value, right, comparison = _judged_beside(
-        PHASE, map(read, own), map(read, expected), amplitude_in_degrees(resolution, level)
-    )
-    return size, (value, right, replace(comparison, per_amplitude=amplitude_in_degrees(1.0, level)))
+def _largest_error(times: Sequence[Mapping[TimedTransition, float]]) -> float:
+    """Give the largest error of the step over the transitions that all three steps have."""
+    common = [change for change in times[1] if all(change in own for own in times)]
+    return max((_steps(own[change] for own in times).error(TIMES) for change in common), default=0.0)
 
 
-def _stuck_fraction(own: list[Result], expected: list[Result]) -> Judged:
-    judged = []
-    for cell in range(len(own[1].stuck_fraction)):
-        values, wanted = ([result.stuck_fraction[cell] for result in results] for results in (own, expected))
-        # A stick begins and ends to a step.
-        changes = sum(number == cell + 1 for number, _, _ in expected[1].transitions)
-        judged.append(_judged_beside(STUCK, values, wanted, (changes + 1) / CASE_STEPS[1]))
-    return _worst(judged)
-
-
-def _unmatched(own: list[Result], expected: list[Result]) -> Judged:
-    """Judge transitions that only one has; allowed is what either loses or gains from step to step."""
-    reference, engine = (max(_apart(*pair) for pair in pairwise(results)) for results in (expected, own))
-    count = _apart(own[1], expected[1])
-    return count, 0.0, decide(UNMATCHED, count, 0.0, Tolerance(reference=reference, engine=engine))
-
-
-def _apart(first: Result, second: Result) -> int:
-    """Count the transitions that only one of two results has."""
-    match = first.matched(second)
-    return len(match.missed) + len(match.spurious)
-
-
-def _transition_times(own: list[Result], expected: list[Result]) -> Judged:
-    """Judge the largest distance of matching transitions; its error is the largest of theirs."""
-    baseline = expected[1].transitions
-    times, scheme = ([matched_errors(result, baseline) for result in results] for results in (own, expected))
-    size = max(map(abs, times[1].values()), default=0.0)
-    engine, reference = (_largest_error(errors) for errors in (times, scheme))
-    tolerance = Tolerance(reference=reference, engine=engine, resolution=1 / CASE_STEPS[1])
-    return size, 0.0, decide(TIMES, size, 0.0, tolerance)
-
-
-def _largest_error(errors: Sequence[Mapping[TimedTransition, float]]) -> float:
-    """Largest error of the step over the transitions that all three steps have."""
-    common = [transition for transition in errors[1] if all(transition in own for own in errors)]
-    return max((_steps(own[transition] for own in errors).error(TIMES) for transition in common), default=0.0)
-
-
-def _flights(flight: tuple[float, float, float] | None, multiple: int, own: Sequence[Result]) -> list[Judged]:
-    """Compare time in the air and largest gap with the exact flight, which is that of every cell."""
-    if flight is None:
-        return []
-    air, highest, fall = flight
-    # Lift-off and landing are each met to a step, in every cycle of the preload.
-    parts = [(OPEN_FRACTION, [result.open_fraction for result in own], air, 2 * multiple / CASE_STEPS[1]),
-             (LARGEST_GAP, [result.largest_gap for result in own], highest, fall)]  # fmt: skip
-    return [
-        _worst([
-            (values[1], exact, judge(metric, _steps(values), exact, resolution=resolution))
-            for values in zip(*cells, strict=True)
-        ])
-        for metric, cells, exact, resolution in parts
-    ]  # fmt: skip
-
-
-def _worst(judged: Sequence[Judged]) -> Judged:
+def _worst(findings: Iterable[Finding]) -> Finding:
     """Give the one with the largest difference over what is allowed."""
-    return max(judged, key=lambda judged_number: judged_number[2].excess)
+    return max(findings, key=lambda own: own.excess)

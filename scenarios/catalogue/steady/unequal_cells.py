@@ -5,7 +5,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import SteadyScenario, cases_over
 from scenarios.runs.parameters import ChainRatios, Ratio
 from scenarios.verdicts.steady_case import SteadyCase
@@ -71,7 +70,6 @@ class DisorderedChain(UnequalCells):
     """Every cell has masses, springs, a dashpot and friction of its own, drawn at random."""
 
     name = "disordered-chain"
-    question, expects = DESCRIPTIONS[name]
     source = f"ratios drawn from even distributions, seed {DISORDER_SEED}"
     cases = cases_over((0.6, 0.9), *disordered())
 
@@ -80,6 +78,5 @@ class GradedChain(UnequalCells):
     """Resonators tuned lower and lower along the chain (a rainbow trap), with more and more friction."""
 
     name = "graded-chain"
-    question, expects = DESCRIPTIONS[name]
     source = "graded resonators (rainbow trapping), linear in the cell's number"
     cases = cases_over((0.6, 0.8), *graded())

@@ -1,6 +1,5 @@
 """Stick and slip of a single cell."""
 
-from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.steady.base import SteadyScenario, point_case
 from scenarios.runs.parameters import ChainRatios
 
@@ -14,7 +13,6 @@ class UnitCell(SteadyScenario):
     """One mass-in-mass cell that sticks briefly, about half of the time, for most of it, and never."""
 
     name = "unit-cell"
-    question, expects = DESCRIPTIONS[name]
     source = "Sethi, Banerjee, Manna, figure 2 with one cell, mass and stiffness ratio 1, ζ = 0.01"
     cases = tuple(point_case(*point, ONE_CELL) for point in POINTS)
     with_stick_slip = True

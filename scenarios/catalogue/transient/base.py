@@ -7,9 +7,9 @@ errors of the steps before do not grow, and time series are compared as they are
 import dataclasses
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, TypeVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,17 +17,16 @@ from engines.interface.registry import law_of
 from engines.interface.variant import Variant
 from reference_lcp.chain.drives import MovingBase
 from reference_lcp.observables.transmittance import Transmissibility, decibel, transient_transmissibility
-from reference_lcp.steady.error_bar import REFINEMENTS
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT, TRANSIENT_EXPECTS
+from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
+from scenarios.catalogue.motion import MotionScenario, NothingToCompare, refined_counts, with_refined_steps
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import NamedNumbers
 from scenarios.runs.task import Recorded, SteadyStateTask
 from scenarios.runs.transient_task import TransientTask
-from scenarios.verdicts.finding import Comparison, Finding, Metric, Verdict
-from scenarios.verdicts.judge import Number, Steps, judge, missing
+from scenarios.verdicts.finding import Finding, Metric, Verdict
+from scenarios.verdicts.judge import Number
 from scenarios.verdicts.steady_case import REFERENCE
 
 RATIOS = ChainRatios(damping_ratio=0.05, inner_damping_ratio=0.02)
@@ -107,26 +106,17 @@ class TransientCase:
         """Displacement of the base at the rows of every motion, over its scale, shape (rows,)."""
         return self.base.displacement(self.task(REFERENCE).row_times()) / self.base.amplitude
 
-    @property
-    def title(self) -> str:
-        """As tables print it."""
+    def __str__(self) -> str:
         return f"μλ_N/(k_c U0) = {self.friction_ratio:g}"
 
 
-_Transient = TypeVar("_Transient", bound=TransientTask)
-
-Readings = Mapping[Metric, Steps]
-"""What is compared, by step size."""
-
-
-class Broadband(Scenario):
+class Broadband(MotionScenario[TransientCase]):
     """A base motion that holds many frequencies, at several amplitudes."""
 
     source = (
         "Spectra: Bendat and Piersol, Random Data, chapters 6 and 9; chain: figure 3 of Sethi, Banerjee and Manna "
         "with ζ = 0.05, and 0.02 of the resonators."
     )
-    expects = TRANSIENT_EXPECTS
     metrics = (*BAND_METRICS.values(), RMS, PEAK, DIFFERENCE)
     friction_ratios: ClassVar[tuple[float, ...]]
     """Cases; zero is the linear chain."""
@@ -135,106 +125,57 @@ class Broadband(Scenario):
     def case(self, friction_ratio: float) -> TransientCase:
         """Give the base motion, and how long it is followed."""
 
+    @property
+    def cases(self) -> Sequence[TransientCase]:
+        """One a friction ratio."""
+        return [self.case(ratio) for ratio in self.friction_ratios]
+
     def spectrum(self, base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
         """Read the transmissibility of rows that are `time_step` [s] apart: Fourier transforms, unless overridden."""
         return transient_transmissibility(base, response, time_step)
 
     def parameters(self) -> list[str]:
         """Give chain, base and step sizes; see `Scenario.parameters`."""
-        case = self.case(self.friction_ratios[0])
+        case = self.cases[0]
         base = ", ".join(f"{name} {value}" for name, value in case.base.parameters().items())
-        steps = ", ".join(str(case.steps_per_period * factor) for factor in REFINEMENTS)
         return [
             f"chain: {', '.join(f'{name} {value}' for name, value in RATIOS.as_data().items())}",
             f"base (SI): {base}",
-            f"{case.periods} periods 2π / ω_r, in {steps} steps each",
+            f"{case.periods} periods 2π / ω_r, in {refined_counts(case.steps_per_period)} steps each",
         ]
 
-    def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
-        """Run every case with every variant; see `Scenario.run`."""
-        evaluator.evaluate(self.tasks(variants))
-        cases = [self.case(ratio) for ratio in self.friction_ratios]
-        exact = {case: self._read(case, self.baseline_task(case), evaluator) for case in cases}
-        scheme = {case: self._read(case, case.task(REFERENCE), evaluator) for case in cases}
-        findings = []
-        for variant in variants:
-            for case in cases:
-                own = self._read(case, case.task(variant), evaluator)
-                judged = self._findings(variant, case, own, exact[case], scheme[case])
-                if needs_step_refinement(judged):
-                    judged = self._with_refined_steps(variant, case, exact[case], evaluator) or judged
-                findings += judged
-        return findings
-
-    def _with_refined_steps(
-        self, variant: Variant, case: TransientCase, exact: Readings | Comparison, evaluator: Evaluator
-    ) -> list[Finding]:
-        """Compare with finer steps; nothing where there is no result with them."""
-        finer = (case.task(simulated).refined(STEP_REFINEMENT) for simulated in (variant, REFERENCE))
-        own, scheme = (self._read(case, task, evaluator) for task in finer)
-        if isinstance(own, Comparison):
-            return []
-        return [_annotated(finding) for finding in self._findings(variant, case, own, exact, scheme)]
-
-    def tasks(self, variants: Sequence[Variant]) -> list[TransientTask]:
-        """Give all tasks of `run`."""
-        cases = [self.case(ratio) for ratio in self.friction_ratios]
-        coarse = [self.baseline_task(case) for case in cases]
-        coarse += [case.task(variant) for variant in dict.fromkeys((REFERENCE, *variants)) for case in cases]
-        return [task for coarsest in coarse for task in with_refined_steps(coarsest)]
+    def baseline(self, case: TransientCase) -> list[TransientTask]:
+        """Give the tasks of the reference with finer steps."""
+        return with_refined_steps(case.task(REFERENCE).refined(REFERENCE_REFINEMENT))
 
     def period_tasks(self, variant: Variant) -> Mapping[str, SteadyStateTask]:
         """Compare a period of a harmonic motion of the same chain."""
-        cases = [self.case(ratio) for ratio in self.friction_ratios]
-        return {case.title: harmonic_period(variant, RATIOS, case.friction_ratio) for case in cases}
+        return {str(case): harmonic_period(variant, RATIOS, case.friction_ratio) for case in self.cases}
 
-    def baseline_task(self, case: TransientCase) -> TransientTask:
-        """Give the task of the reference, with the coarsest of its three steps."""
-        return case.task(REFERENCE).refined(REFERENCE_REFINEMENT)
-
-    def numbers(self, case: TransientCase, response: FloatArray) -> dict[Metric, float]:
-        """Read what is compared, but for the series itself, from the rows of a response."""
-        base = case.base_rows()
+    def numbers(self, case: TransientCase, series: NamedNumbers) -> Mapping[Metric, Number]:
+        """Read spectra, sizes and the response itself, over the base's scale."""
+        base, response = case.base_rows(), np.array(series["response"])
         spectrum = self.spectrum(base, response, PERIOD / ROWS_PER_PERIOD)
         bands = {
             metric: decibel(spectrum.in_band(*(RESONATOR_FREQUENCY * edge for edge in BANDS[name])))
             for name, metric in BAND_METRICS.items()
         }
         rms = float(np.sqrt(np.mean(response**2) / np.mean(base**2)))
-        return {**bands, RMS: rms, PEAK: float(np.max(np.abs(response)))}
+        return {**bands, RMS: rms, PEAK: float(np.max(np.abs(response))), DIFFERENCE: response}
 
-    def _read(self, case: TransientCase, coarsest: TransientTask, evaluator: Evaluator) -> Readings | Comparison:
-        """Read a motion with three step sizes; the response, over the base's scale, is under `DIFFERENCE`."""
-
-        def numbers(series: NamedNumbers) -> dict[Metric, Number]:
-            response = np.array(series["response"])
-            return {**self.numbers(case, response), DIFFERENCE: response}
-
-        source = "reference" if coarsest.variant.engine == REFERENCE.engine else ""
-        return read_refined(coarsest, evaluator, numbers, source)
-
-    def _findings(
-        self,
-        variant: Variant,
-        case: TransientCase,
-        own: Readings | Comparison,
-        exact: Readings | Comparison,
-        scheme: Readings | Comparison,
-    ) -> list[Finding]:
-        """Compare a variant's reading with the reference's, in finer steps and in the same ones."""
-        if isinstance(own, Comparison) or isinstance(exact, Comparison) or isinstance(scheme, Comparison):
-            gap = next(reading for reading in (own, exact, scheme) if isinstance(reading, Comparison))
-            return Finding.without_numbers(variant, case.title, self.metrics, gap)
-        findings = []
-        for metric in self.metrics:
-            expected = exact[metric]
-            comparison = judge(metric, own[metric], expected.judged, bar=expected.error(metric), scheme=scheme[metric])
-            numbers = (own[metric].judged, expected.judged)
-            value, right = (
-                (comparison.difference, 0.0) if metric is DIFFERENCE else (float(number) for number in numbers)
-            )
-            findings.append(Finding(variant, case.title, metric, value, right, comparison))
-        return findings
+    def judged(self, variant: Variant, case: TransientCase, evaluator: Evaluator) -> list[Finding]:
+        """Compare with the reference in finer steps, once more with finer steps where a disagreement may be chance."""
+        read = self.read_beside(case, case.task(variant), evaluator)
+        findings = [read.finding(variant, case, metric) for metric in self.metrics]
+        if not needs_step_refinement(findings):
+            return findings
+        finer = (with_refined_steps(case.task(each).refined(STEP_REFINEMENT)) for each in (variant, REFERENCE))
+        try:
+            own, scheme = (self.read(case, tasks, evaluator) for tasks in finer)
+        except NothingToCompare:
+            return findings
+        read = read._replace(own=own, scheme=scheme)
+        return [_annotated(read.finding(variant, case, metric)) for metric in self.metrics]
 
 
 def harmonic_period(variant: Variant, ratios: ChainRatios, friction_ratio: float) -> SteadyStateTask:
@@ -258,25 +199,3 @@ def needs_step_refinement(findings: Sequence[Finding]) -> bool:
     """Whether there is a disagreement that may be chance: without a law that predicts it, or not by far."""
     wrong = [finding for finding in findings if finding.comparison.verdict is Verdict.DISAGREE]
     return any(law_of(finding.variant.preset) is None or not finding.by_far for finding in wrong)
-
-
-def with_refined_steps(coarsest: _Transient) -> list[_Transient]:
-    """Give the tasks of a motion with three step sizes, its own first."""
-    return [coarsest.refined(factor) for factor in REFINEMENTS]
-
-
-def read_refined(
-    coarsest: TransientTask,
-    evaluator: Evaluator,
-    numbers: Callable[[NamedNumbers], Mapping[Metric, Number]],
-    source: str = "",
-) -> Readings | Comparison:
-    """Read `numbers` of a motion with three step sizes; or why there are none, a reason that begins with `source`."""
-    tasks = with_refined_steps(coarsest)
-    results = evaluator.evaluate(tasks)
-    gap = missing(source, results)
-    if gap is not None:
-        return gap
-    read = {task.steps: numbers(result.series) for task, result in zip(tasks, results, strict=True)}
-    metrics = next(iter(read.values()))
-    return {metric: Steps({steps: values[metric] for steps, values in read.items()}) for metric in metrics}

@@ -4,7 +4,6 @@ from reference_lcp.chain.transient import FilteredNoise
 from reference_lcp.defaults import BASE_AMPLITUDE
 from reference_lcp.observables.transmittance import Transmissibility, stationary_transmissibility
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import PERIOD, RESONATOR_FREQUENCY, ROWS_PER_PERIOD, Broadband, TransientCase
 
 PERIODS = 300
@@ -27,7 +26,6 @@ class FilteredNoiseScenario(Broadband):
     """
 
     name = "filtered-noise"
-    question = DESCRIPTIONS[name].question
     friction_ratios = (0.1, 0.3)
 
     def case(self, friction_ratio: float) -> TransientCase:

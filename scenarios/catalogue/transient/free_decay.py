@@ -3,26 +3,23 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from engines.interface.variant import Variant
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.steady.error_bar import REFINEMENTS
 from reference_lcp.validation import FloatArray
-from scenarios.catalogue.base import Scenario
-from scenarios.catalogue.descriptions import DESCRIPTIONS
-from scenarios.catalogue.transient.base import Readings, harmonic_period, read_refined, with_refined_steps
+from scenarios.catalogue.motion import MotionScenario, Readings, refined_counts
+from scenarios.catalogue.transient.base import harmonic_period
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.result import NamedNumbers, Result
+from scenarios.runs.result import NamedNumbers
 from scenarios.runs.task import SteadyStateTask
 from scenarios.runs.transient_task import TransientTask
-from scenarios.verdicts.finding import Comparison, Finding, Metric
-from scenarios.verdicts.judge import Number, judge, missing
-from scenarios.verdicts.steady_case import EXACT, REFERENCE
+from scenarios.verdicts.finding import Finding, Metric
+from scenarios.verdicts.judge import Number, Steps
+from scenarios.verdicts.steady_case import EXACT
 
 DECAY_STEPS = 100
 """Coarsest steps to a period 2π / ω_r; the finest of the three step sizes takes four times as many."""
@@ -86,9 +83,8 @@ class Decay:
             recorded="decay",
         )
 
-    def exact_task(self) -> TransientTask:
-        """Give the task of the exact motion, at the rows of every variant; heat is added up in finer rows."""
-        return self.task(EXACT).refined(EXACT_REFINEMENT)
+    def __str__(self) -> str:
+        return self.title
 
 
 OSCILLATOR_DECAY = Decay(
@@ -106,114 +102,85 @@ DECAYS = (
 )
 
 
-class FreeDecay(Scenario):
+RESOLUTION = {REST_TIME: 1 / DECAY_STEPS, LOSS: 1e-4}
+"""Of times, the rows; of the loss a cycle, the outer mass: it stands still in the closed form, and has 10,000 times the
+inner one's mass here."""
+
+ROUND_OFF = 1e-6
+"""Of energies and offsets: the heat of the exact motion's dashpots, see `EXACT_REFINEMENT`."""
+
+
+class FreeDecay(MotionScenario[Decay]):
     """Dry friction stops a motion after a finite time, anywhere within a dead band; dashpots never do."""
 
     name = "free-decay"
-    question, expects = DESCRIPTIONS[name]
     source = (
         "Free vibration with Coulomb damping, 4 F / k a cycle: J. P. Den Hartog, Mechanical Vibrations; chain: "
         "figure 3 of Sethi, Banerjee and Manna."
     )
     metrics = (REST_TIME, OFFSETS, DEAD_BAND, HEAT, LEFT, BALANCE, GROWTH, LOSS)
+    cases = DECAYS
 
     def parameters(self) -> list[str]:
         """Give each chain and where it starts; see `Scenario.parameters`."""
-        steps = ", ".join(str(DECAY_STEPS * factor) for factor in REFINEMENTS)
         return [
-            f"{decay.title}: {decay.shape}, {decay.ratios}, friction_ratio={decay.friction_ratio:g}; "
-            f"{decay.periods} periods 2π / ω_r, in {steps} steps each"
-            for decay in DECAYS
+            f"{decay}: {decay.shape}, {decay.ratios}, friction_ratio={decay.friction_ratio:g}; "
+            f"{decay.periods} periods 2π / ω_r, in {refined_counts(DECAY_STEPS)} steps each"
+            for decay in self.cases
         ]
 
     def period_tasks(self, variant: Variant) -> Mapping[str, SteadyStateTask]:
         """Compare a period of a harmonic motion of the same chain."""
-        return {decay.title: harmonic_period(variant, decay.ratios, decay.friction_ratio) for decay in DECAYS}
+        return {str(decay): harmonic_period(variant, decay.ratios, decay.friction_ratio) for decay in self.cases}
 
-    def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
-        """Run every decay with every variant; see `Scenario.run`. The loss a cycle is the oscillator's only."""
-        evaluator.evaluate(self.tasks(variants))
-        exact = dict(zip(DECAYS, evaluator.evaluate([decay.exact_task() for decay in DECAYS]), strict=True))
+    def case_metrics(self, case: Decay) -> Sequence[Metric]:
+        """Give what is compared: the loss a cycle is the oscillator's only."""
+        return [metric for metric in self.metrics if metric is not LOSS or case is OSCILLATOR_DECAY]
+
+    def baseline(self, case: Decay) -> list[TransientTask]:
+        """Give the task of the exact motion, at the rows of every variant; heat is added up in finer rows."""
+        return [case.task(EXACT).refined(EXACT_REFINEMENT)]
+
+    def numbers(self, case: Decay, series: NamedNumbers) -> Mapping[Metric, Number]:
+        """Read what is compared; of offsets those of all cells."""
+        left, dashpots, contacts, growth = series["energy"]
+        offsets = np.array(series["offsets"]) / case.half_width
+        return {
+            REST_TIME: series["rest"][0] / case.period,
+            OFFSETS: offsets,
+            DEAD_BAND: max(0.0, float(np.max(np.abs(offsets))) - 1),
+            HEAT: contacts,
+            LEFT: left,
+            BALANCE: 1 - left - dashpots - contacts,
+            GROWTH: growth,
+            LOSS: loss_a_cycle(np.array(series["swing"])) / (4 * case.half_width),
+        }
+
+    def judged(self, variant: Variant, case: Decay, evaluator: Evaluator) -> list[Finding]:
+        """Compare with the exact motion and closed forms, beside the error of the reference in the same steps."""
+        read = self.read_beside(case, case.task(variant), evaluator)
+        (exact,) = evaluator.evaluate(self.baseline(case))
+        left, dashpots, _, _ = exact.series["energy"]
+        # contacts' heat is what energy and dashpots leave: dashpots are smooth, friction jumps between the rows
+        known = {HEAT: 1 - left - dashpots, BALANCE: 0.0, GROWTH: 0.0, DEAD_BAND: 0.0, LOSS: 1.0}
+        closed = {metric: Steps({1: number}) for metric, number in known.items()}
+        read = read._replace(expected={**read.expected, **closed})
+        shared = max(_shared_error(read.own), _shared_error(read.scheme))
         return [
-            finding
-            for variant in variants
-            for decay in DECAYS
-            for finding in _findings(variant, decay, exact[decay], evaluator)
+            read.finding(
+                variant,
+                case,
+                metric,
+                resolution=RESOLUTION.get(metric, ROUND_OFF),
+                own=shared if metric in SHARES else 0.0,
+            )
+            for metric in self.case_metrics(case)
         ]
-
-    def tasks(self, variants: Sequence[Variant]) -> list[TransientTask]:
-        """Give all tasks of `run`."""
-        every = dict.fromkeys((REFERENCE, *variants))
-        compared = [task for variant in every for decay in DECAYS for task in with_refined_steps(decay.task(variant))]
-        return [*(decay.exact_task() for decay in DECAYS), *compared]
-
-
-def _findings(variant: Variant, decay: Decay, exact: Result, evaluator: Evaluator) -> list[Finding]:
-    """Compare one decay with the exact one, and its error with that of the reference in the same steps."""
-    metrics = [metric for metric in FreeDecay.metrics if metric is not LOSS or decay is OSCILLATOR_DECAY]
-    numbers = partial(_numbers, decay)
-    own, scheme = (read_refined(decay.task(simulated), evaluator, numbers) for simulated in (variant, REFERENCE))
-    gap = missing("exact motion", [exact])
-    if isinstance(own, Comparison) or isinstance(scheme, Comparison) or gap is not None:
-        gap = next(reading for reading in (own, scheme, gap) if isinstance(reading, Comparison))
-        return Finding.without_numbers(variant, decay.title, metrics, gap)
-    expected, shared = _expected(decay, exact.series), max(_shared_error(own), _shared_error(scheme))
-    findings = []
-    for metric in metrics:
-        comparison = judge(
-            metric,
-            own[metric],
-            expected[metric],
-            scheme=scheme[metric],
-            resolution=_resolution(metric),
-            own=shared if metric in SHARES else 0.0,
-        )
-        value = comparison.difference if metric is OFFSETS else float(own[metric].judged)
-        right = 0.0 if metric is OFFSETS else float(expected[metric])
-        findings.append(Finding(variant, decay.title, metric, value, right, comparison))
-    return findings
 
 
 def _shared_error(read: Readings) -> float:
     """Error of heat, what is left and what is missing, shares of one energy: that of one alone may vanish by chance."""
     return max(read[metric].error(metric) for metric in SHARES)
-
-
-def _numbers(decay: Decay, series: NamedNumbers) -> dict[Metric, Number]:
-    """Read what is compared; of offsets those of all cells."""
-    left, dashpots, contacts, growth = series["energy"]
-    offsets = np.array(series["offsets"]) / decay.half_width
-    return {
-        REST_TIME: series["rest"][0] / decay.period,
-        OFFSETS: offsets,
-        DEAD_BAND: max(0.0, float(np.max(np.abs(offsets))) - 1),
-        HEAT: contacts,
-        LEFT: left,
-        BALANCE: 1 - left - dashpots - contacts,
-        GROWTH: growth,
-        LOSS: loss_a_cycle(np.array(series["swing"])) / (4 * decay.half_width),
-    }
-
-
-def _expected(decay: Decay, exact: NamedNumbers) -> dict[Metric, Number]:
-    """Give the exact numbers, and those of closed forms."""
-    # contacts' heat is what energy and dashpots leave: dashpots are smooth, friction jumps between the rows
-    heat = 1 - exact["energy"][0] - exact["energy"][1]
-    return {**_numbers(decay, exact), HEAT: heat, BALANCE: 0.0, GROWTH: 0.0, DEAD_BAND: 0.0, LOSS: 1.0}
-
-
-def _resolution(metric: Metric) -> float:
-    """Give what a number leaves open beside the step: of times, the rows; of the loss, the motion of the outer mass."""
-    if metric is REST_TIME:
-        return 1 / DECAY_STEPS
-    return _OUTER_MOTION if metric is LOSS else _ROUND_OFF
-
-
-_OUTER_MOTION = 1e-4
-"""Of the loss a cycle: the closed form's outer mass stands still; here it has 10,000 times the inner one's mass."""
-
-_ROUND_OFF = 1e-6
-"""Of energies and offsets: the heat of the exact motion's dashpots, see `EXACT_REFINEMENT`."""
 
 
 def loss_a_cycle(swing: FloatArray) -> float:

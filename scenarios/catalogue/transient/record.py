@@ -6,7 +6,6 @@ from pathlib import Path
 
 from reference_lcp.chain.record import RecordedBase
 from reference_lcp.defaults import BASE_AMPLITUDE
-from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import (
     BANDS,
     BROADBAND_STEPS,
@@ -35,7 +34,6 @@ class Record(Broadband):
     """
 
     name = "record"
-    question = DESCRIPTIONS[name].question
     friction_ratios = (0.03, 0.3)
 
     def __init__(self, file: Path = FILE):

@@ -2,7 +2,6 @@
 
 from reference_lcp.chain.transient import QUIET, RickerPulse
 from reference_lcp.defaults import BASE_AMPLITUDE
-from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import RESONATOR_FREQUENCY, Broadband, TransientCase
 
 
@@ -13,7 +12,6 @@ class RickerPulseScenario(Broadband):
     """
 
     name = "ricker-pulse"
-    question = DESCRIPTIONS[name].question
     friction_ratios = (0.0, 0.03, 0.1)
 
     def case(self, friction_ratio: float) -> TransientCase:

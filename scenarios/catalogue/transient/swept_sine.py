@@ -4,7 +4,6 @@ import math
 
 from reference_lcp.chain.transient import SweptSine
 from reference_lcp.defaults import BASE_AMPLITUDE
-from scenarios.catalogue.descriptions import DESCRIPTIONS
 from scenarios.catalogue.transient.base import RESONATOR_FREQUENCY, Broadband, TransientCase
 
 SWEEP, REST = 250, 100
@@ -18,7 +17,6 @@ class SweptSineScenario(Broadband):
     """
 
     name = "swept-sine"
-    question = DESCRIPTIONS[name].question
     friction_ratios = (0.1, 0.3)
 
     def case(self, friction_ratio: float) -> TransientCase:

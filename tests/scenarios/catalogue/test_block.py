@@ -11,12 +11,13 @@ from engines.interface.variant import Variant
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 from reference_lcp.errors import ParameterError
 from scenarios.catalogue.base import run_with_predictions
-from scenarios.catalogue.block import breakaway, published, static_hold, stopping_distance
-from scenarios.catalogue.block.base import STANDARD_GRAVITY, BlockScenario
-from scenarios.catalogue.block.breakaway import PULLS, Breakaway
-from scenarios.catalogue.block.published import CASES, Published, targets
-from scenarios.catalogue.block.static_hold import CREEP, HOLDS, StaticHold
-from scenarios.catalogue.block.stopping_distance import DISTANCE, THROWS, TIME, StoppingDistance
+from scenarios.catalogue.block import breakaway, static_hold
+from scenarios.catalogue.block.base import STANDARD_GRAVITY
+from scenarios.catalogue.block.breakaway import Breakaway
+from scenarios.catalogue.block.published import VALUE, Published, targets
+from scenarios.catalogue.block.static_hold import CREEP, StaticHold
+from scenarios.catalogue.block.stopping_distance import DISTANCE, TIME, StoppingDistance
+from scenarios.catalogue.motion import MotionScenario
 from scenarios.runs.store import opened_store
 from scenarios.runs.transient import run_transients
 from scenarios.runs.transient_task import Block
@@ -32,7 +33,7 @@ SCENARIOS = (StaticHold(), Breakaway(), StoppingDistance(), Published())
 needs_mujoco = pytest.mark.needs("mujoco")
 
 
-def findings(scenario: BlockScenario, *variants: Variant) -> list[Finding]:
+def findings(scenario: MotionScenario, *variants: Variant) -> list[Finding]:
     with opened_store(None) as store, evaluator(store) as running:
         return run_with_predictions(scenario, variants, running)
 
@@ -43,25 +44,29 @@ def wrong(judged: Sequence[Finding]) -> list[Finding]:
 
 @pytest.fixture
 def one_scale(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(static_hold, "HOLDS", tuple(hold for hold in HOLDS if hold.scale.title == KILOGRAM))
-    monkeypatch.setattr(breakaway, "PULLS", {case: pull for case, pull in PULLS.items() if GRAM in case})
-    monkeypatch.setattr(stopping_distance, "THROWS", {case: throw for case, throw in THROWS.items() if GRAM in case})
-    fast = ("sdnd100-4", "sdnd104-1.5", "brake")
-    monkeypatch.setattr(published, "CASES", {case: CASES[case] for case in fast})
+    """One scale of each question, and the numbers that take the least time."""
+    for scenario, names in (
+        (StaticHold, [KILOGRAM]),
+        (Breakaway, [GRAM]),
+        (StoppingDistance, [GRAM]),
+        (Published, ["sdnd100-4", "sdnd104-1.5", "brake"]),
+    ):
+        few = [case for case in scenario.cases if any(name in str(case) for name in names)]
+        monkeypatch.setattr(scenario, "cases", few)
 
 
-@pytest.mark.parametrize("throw", THROWS.values(), ids=str)
+@pytest.mark.parametrize("throw", StoppingDistance.cases, ids=str)
 def test_exact_block_stops_after_half_of_its_velocity_squared_over_the_deceleration(throw) -> None:
     """v² / (2 μ λ_N / m) but for the spring, 1e-4 of the bound at the end, and the carrier, of 20 blocks."""
     (result,) = run_transients([throw.task(EXACT)])
-    numbers = stopping_distance._numbers(throw, np.array(result.series["slip"]))
+    numbers = StoppingDistance().numbers(throw, result.series)
     assert numbers[DISTANCE] == pytest.approx(1, abs=1e-3)
     assert numbers[TIME] == pytest.approx(1 - np.sqrt(1e-3), abs=2 * throw.task(EXACT).time_step / throw.time)
     if throw.scale.weights == 1:
         assert throw.distance == pytest.approx(throw.velocity**2 / (2 * FRICTION_COEFFICIENT * STANDARD_GRAVITY))
 
 
-@pytest.mark.parametrize("hold", HOLDS, ids=str)
+@pytest.mark.parametrize("hold", StaticHold.cases, ids=str)
 def test_scheme_holds_every_load_below_the_bound_without_any_slip(hold) -> None:
     """The reference's own vibration does not reach the bound either, or it would slip."""
     (result,) = run_transients([hold.task(REFERENCE)])
@@ -69,16 +74,16 @@ def test_scheme_holds_every_load_below_the_bound_without_any_slip(hold) -> None:
 
 
 def test_a_load_just_above_the_bound_is_not_held() -> None:
-    hold = HOLDS[0]._replace(load=1.001)
+    hold = StaticHold.cases[0]._replace(load=1.001)
     (result,) = run_transients([hold.task(REFERENCE)])
     assert result.series["slip"][-1] * static_hold.SIZE < 0.9995
 
 
-@pytest.mark.parametrize("pull", PULLS.values(), ids=str)
+@pytest.mark.parametrize("pull", Breakaway.cases, ids=str)
 def test_the_scheme_slips_when_the_inertia_of_the_block_passes_the_bound(pull) -> None:
     """The base's acceleration passes μ λ_N / m after the rise time; the slip is fast a known time later."""
     (result,) = run_transients([pull.task(REFERENCE)])
-    time = breakaway.slip_time(pull, np.array(result.series["slip_velocity"]))
+    time = breakaway.slip_time(pull, result.series["slip_velocity"])
     # the carrier lags behind the base by 2 ζ / ω, and no less than a step is seen
     lag = 0.2 / 80.0
     assert time == pytest.approx(breakaway.RISE_TIME + breakaway.DELAY + lag, abs=2 * pull.time_step + lag)
@@ -91,13 +96,13 @@ A table that is just strong enough moves the block in 104 steps of 1600, and the
 """
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_exact_block_on_a_free_carrier_gives_the_published_number(name) -> None:
+@pytest.mark.parametrize("case", Published.cases, ids=str)
+def test_exact_block_on_a_free_carrier_gives_the_published_number(case) -> None:
     """So that the carrier costs no more than the digits that are printed, and the reading."""
-    case, target = CASES[name], targets()[name]
-    (result,) = run_transients([published._exact(case.problem)])
-    left = abs(case.value(result.series) - target.value / case.unit)
-    assert left <= target.uncertainty / case.unit + CARRIER_AND_READING.get(name, 2e-6)
+    target, scenario = targets()[case.name], Published()
+    (result,) = run_transients(scenario.baseline(case))
+    left = abs(scenario.numbers(case, result.series)[VALUE] - target.value / case.unit)
+    assert left <= target.uncertainty / case.unit + CARRIER_AND_READING.get(case.name, 2e-6)
 
 
 @needs_mujoco
@@ -144,7 +149,7 @@ def test_a_bound_that_is_two_hundredths_too_small_does_not_hold_the_largest_load
 
 def test_target_sheets_have_the_answers_to_every_case() -> None:
     header = (Path(__file__).parents[3] / "docs/targets/answers.csv").read_text().splitlines()[0]
-    assert header.split(",")[1:] == list(CASES)
+    assert header.split(",")[1:] == list(map(str, Published.cases))
 
 
 @needs_mujoco
@@ -153,7 +158,7 @@ def test_friction_that_is_off_gives_other_numbers_than_those_published(factor, m
     rub_harder(monkeypatch, factor)
     # three hundredths less, and the block slips on the table that was not to move it
     held = set() if factor < 0.99 else {"sdnd104-0.99"}
-    assert {finding.case for finding in wrong(findings(Published(), MUJOCO))} == set(CASES) - held
+    assert {finding.case for finding in wrong(findings(Published(), MUJOCO))} == set(map(str, Published.cases)) - held
 
 
 @needs_mujoco

@@ -10,12 +10,12 @@ from engines.interface.law import Law
 from engines.interface.registry import law_of
 from engines.interface.variant import Variant
 from reference_lcp.chain.trajectory import Trajectory
-from scenarios.catalogue import base
-from scenarios.catalogue.block.breakaway import PULLS
-from scenarios.catalogue.block.direction import SLIDES
-from scenarios.catalogue.block.static_hold import HOLDS
-from scenarios.catalogue.block.stopping_distance import THROWS
-from scenarios.catalogue.transient.inclined_chain import CASES
+from scenarios.catalogue import motion
+from scenarios.catalogue.block.breakaway import Breakaway
+from scenarios.catalogue.block.direction import Direction
+from scenarios.catalogue.block.static_hold import StaticHold
+from scenarios.catalogue.block.stopping_distance import StoppingDistance
+from scenarios.catalogue.transient.inclined_chain import InclinedChainScenario
 from scenarios.runs.store import opened_store
 from scenarios.runs.task import Recorded, SteadyStateTask, law_identity
 from scenarios.runs.transient_task import BlockTask, TransientTask
@@ -30,7 +30,9 @@ ROUND_OFF = 1e-12
 STOPPED_SHORT = 1e-6
 """The same where it stops at its tolerance of 1e-8 in some steps: a few of 5e-4 m/s² last 2 ms each."""
 
-HELD = next(hold for hold in HOLDS if str(hold) == "1 kg, load 0.5")
+CASES = InclinedChainScenario.cases
+BLOCKS = {str(case): case for own in (StaticHold, Breakaway, StoppingDistance, Direction) for case in own.cases}
+HELD = BLOCKS["1 kg, load 0.5"]
 
 needs_mujoco = pytest.mark.needs("mujoco")
 
@@ -52,11 +54,11 @@ def distance(task: TransientTask, steps: int, law: Law | None = None) -> float:
 @pytest.mark.parametrize(
     "task",
     [
-        PULLS["1 g, 4 ms"].task(FREE),
-        PULLS["1 kg, 2 ms"].task(FREE),
-        THROWS["1 kg, 4.9 m/s"].task(FREE),
-        THROWS["1 t under 10 t, 12.3 m/s"].task(FREE),
-        *(SLIDES[f"1 kg, 4.9 m/s, {angle}°"].task(FREE) for angle in (0, 15, 45, 90)),
+        BLOCKS["1 g, 4 ms"].task(FREE),
+        BLOCKS["1 kg, 2 ms"].task(FREE),
+        BLOCKS["1 kg, 4.9 m/s"].task(FREE),
+        BLOCKS["1 t under 10 t, 12.3 m/s"].task(FREE),
+        *(BLOCKS[f"1 kg, 4.9 m/s, {angle}°"].task(FREE) for angle in (0, 15, 45, 90)),
     ],
     ids=lambda task: f"{task.block.mass:g} kg, {task.slip_velocity:.3g} m/s, {np.degrees(task.direction):.0f} deg",
 )
@@ -65,7 +67,7 @@ def test_free_block_breaks_away_and_stops_as_its_four_edges_say_to_round_off(tas
 
 
 @needs_mujoco
-@pytest.mark.parametrize("hold", [hold for hold in HOLDS if hold.scale.title == "1 kg"], ids=str)
+@pytest.mark.parametrize("hold", [hold for hold in StaticHold.cases if hold.scale.title == "1 kg"], ids=str)
 def test_free_block_creeps_as_its_four_edges_say(hold) -> None:
     task = hold.task(FREE)
     assert distance(task, task.steps // 5) <= STOPPED_SHORT
@@ -93,14 +95,14 @@ def test_a_constant_that_is_a_hundredth_off_breaks_away_elsewhere(symbol) -> Non
     assert law is not None
     constant = law.constants[symbol]
     wrong = replace(law, constants={**law.constants, symbol: replace(constant, value=1.01 * constant.value)})
-    task = PULLS["1 kg, 2 ms"].task(FREE)
+    task = BLOCKS["1 kg, 2 ms"].task(FREE)
     assert distance(task, task.steps, wrong) > 100 * ROUND_OFF
 
 
 @needs_mujoco
 def test_a_sphere_held_at_its_depth_in_a_turned_row_slides_by_all_four_edges() -> None:
     """As MuJoCo Warp has it, whose spheres are never free."""
-    task = SLIDES["1 kg, 4.9 m/s, 30°"].task(FREE)
+    task = BLOCKS["1 kg, 4.9 m/s, 30°"].task(FREE)
     held = replace(task.lane(), preload=None)
     own, predicted = (variant.build([held]).run(task.initial_state(), 0, 50)[0] for variant in (FREE, law_variant()))
     scale = held.drive.displacement_scale(held.chain)
@@ -148,10 +150,10 @@ def test_edges_press_or_let_go_whatever_the_load(seed) -> None:
 def test_a_free_block_is_not_compared_with_a_law_of_held_ones_and_the_reason_is_said(monkeypatch) -> None:
     law = law_of(FREE.preset)
     assert law is not None
-    monkeypatch.setattr(base, "law_of", lambda _: replace(law, modulated=False, lifting=False))
+    monkeypatch.setattr(motion, "law_of", lambda _: replace(law, modulated=False, lifting=False))
     tasks = [replace(HELD.task(variant), steps=100, every=50) for variant in (FREE, law_variant())]
     with opened_store(None) as store, evaluator(store) as running:
-        period = base.motion_distance(tasks[0], tasks[1], "slip", running)
+        period = motion.motion_distance(tasks[0], tasks[1], "slip", running)
     prediction = Prediction(
         value=1.0, difference=0.0, allowed=1.0, distance=period.distance, period_bound=period.bound,
         reason=period.reason,
@@ -171,7 +173,7 @@ needs_drake = pytest.mark.needs("drake")
 def test_friction_under_ten_tons_is_as_soft_as_drakes_solver_has_it_and_not_as_stiction_says(preset) -> None:
     """z = σ √2 / (3 m) h μ λ_N = 46 µm/s, of which a load of a half makes 1/√3: twice what v_s alone would."""
     variant = Variant("drake", "contact", preset)
-    task = next(hold for hold in HOLDS if str(hold) == "1 t under 10 t, load 0.5").task(variant)
+    task = BLOCKS["1 t under 10 t, load 0.5"].task(variant)
     slip = 1e6 * np.diff(moved(variant, task, 200).velocities[-1])[0]
     zone = 1e-3 * np.sqrt(2) / (3 * task.block.mass) * task.time_step * task.block.bound
     # the load is that of the first 0.4 s: the spring has hardly relaxed
@@ -183,7 +185,7 @@ def test_friction_under_ten_tons_is_as_soft_as_drakes_solver_has_it_and_not_as_s
 def test_a_box_of_ode_creeps_by_the_softness_of_its_four_points() -> None:
     """cfm / 4 times the load, to a hundredth: a box tilts by as little as its points give."""
     variant = Variant("ode", "contact", "default")
-    task = next(hold for hold in HOLDS if str(hold) == "1 kg, load 0.5").task(variant)
+    task = HELD.task(variant)
     slip = np.diff(moved(variant, task, 1000).velocities[-1])[0]
     assert -slip == pytest.approx(1e-10 / 4 * 0.5 * task.block.bound, rel=0.02)
     assert distance(task, 1000) <= 1e-10
@@ -195,9 +197,9 @@ def test_a_motion_that_a_law_does_not_claim_is_compared_and_the_distance_decides
     assert law is not None
     tasks = [replace(HELD.task(law_variant()), steps=100, every=50, slip=factor * HELD.task(FREE).slip)
              for factor in (1.0, 1.0, 0.9)]  # fmt: skip
-    monkeypatch.setattr(base, "law_of", lambda _: replace(law, unmodelled_reason=lambda _: "chance decides"))
+    monkeypatch.setattr(motion, "law_of", lambda _: replace(law, unmodelled_reason=lambda _: "chance decides"))
     with opened_store(None) as store, evaluator(store) as running:
-        near, far = (base.motion_distance(tasks[0], task, "slip", running) for task in tasks[1:])
+        near, far = (motion.motion_distance(tasks[0], task, "slip", running) for task in tasks[1:])
     assert (near.distance, near.reason) == (0.0, "")
     assert far.distance > far.bound
     assert far.reason == "chance decides"

@@ -6,18 +6,17 @@ import math
 import numpy as np
 import pytest
 
-from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from engines.shared.claims import tangents_of_the_world
 from reference_lcp import Chain, CompiledSimulation, Lane, StillBase
 from reference_lcp.errors import ParameterError
 from scenarios.catalogue.base import run_with_predictions
-from scenarios.catalogue.block import direction
-from scenarios.catalogue.block.direction import NO_DIRECTION, PART, SLIDES, Direction
+from scenarios.catalogue.block.direction import NO_DIRECTION, PART, Direction
 from scenarios.runs.store import opened_store
 from scenarios.runs.transient import run_transients
 from scenarios.verdicts.finding import Finding, Verdict
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
+from tests.installed import each_engine
 from tests.scenarios.in_process import evaluator, press_harder
 
 MUJOCO = Variant("mujoco", "contact")
@@ -52,10 +51,10 @@ def of_angle(judged: list[Finding], angle: int) -> list[Finding]:
 @pytest.fixture
 def slow_kilogram(monkeypatch: pytest.MonkeyPatch) -> None:
     """One scale and one speed, at which every engine with a pyramid shows it."""
-    monkeypatch.setattr(direction, "SLIDES", {case: each for case, each in SLIDES.items() if "1 kg, 4.9" in case})
+    monkeypatch.setattr(Direction, "cases", [slide for slide in Direction.cases if "1 kg, 4.9" in str(slide)])
 
 
-@pytest.mark.parametrize("slide", [each for each in SLIDES.values() if each.angle == 0], ids=str)
+@pytest.mark.parametrize("slide", [each for each in Direction.cases if each.angle == 0], ids=str)
 def test_exact_slide_loses_its_part_of_the_velocity_to_friction(slide) -> None:
     """The carrier, of twenty blocks, is moved as well: the slip loses at most a twentieth more."""
     (result,) = run_transients([slide.task(EXACT)])
@@ -70,10 +69,8 @@ def test_round_cones_have_no_direction(slow_kilogram) -> None:
     assert np.array([finding.value for finding in judged]) == pytest.approx(1, abs=1e-4)
 
 
-@pytest.mark.parametrize("name", ["ode", "dart"])
+@pytest.mark.parametrize("name", each_engine(["ode", "dart"]))
 def test_a_bound_a_tangent_lets_friction_grow_to_the_root_of_two_as_stated(name, slow_kilogram) -> None:
-    if engine(name).unavailable_reason() is not None:
-        pytest.skip(f"{name} is not installed")
     judged = findings(Variant(name, "contact"))
     for angle in (15, 45, 75):
         (finding,) = of_angle(judged, angle)
@@ -84,10 +81,9 @@ def test_a_bound_a_tangent_lets_friction_grow_to_the_root_of_two_as_stated(name,
     assert {finding.comparison.verdict for finding in of_angle(judged, 0) + of_angle(judged, 90)} == {Verdict.AGREE}
 
 
+@pytest.mark.needs("ode")
 def test_a_statement_excuses_no_bound_that_is_another(slow_kilogram, monkeypatch) -> None:
     ode = Variant("ode", "contact")
-    if engine("ode").unavailable_reason() is not None:
-        pytest.skip("ODE is not installed")
     press_harder(monkeypatch, ode, 1.001)
     judged = findings(ode)
     assert {finding.comparison.verdict for finding in judged} == {Verdict.DISAGREE}

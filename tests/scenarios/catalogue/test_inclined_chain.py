@@ -7,7 +7,7 @@ import pytest
 from engines.interface.variant import Variant
 from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.transient import inclined_chain
-from scenarios.catalogue.transient.inclined_chain import CASES, RESPONSE, SLIPS, STEPS_PER_PERIOD, InclinedChainScenario
+from scenarios.catalogue.transient.inclined_chain import RESPONSE, SLIPS, STEPS_PER_PERIOD, InclinedChainScenario
 from scenarios.runs.store import opened_store
 from scenarios.runs.transient import run_transients
 from scenarios.verdicts.finding import Finding, Verdict
@@ -15,14 +15,14 @@ from scenarios.verdicts.steady_case import REFERENCE
 from tests.installed import each_engine
 from tests.scenarios.in_process import departing, evaluator, incline_otherwise, press_harder
 
-ALL_CASES, THREE_PERIODS = CASES, 3 * STEPS_PER_PERIOD
+ALL_CASES, THREE_PERIODS = InclinedChainScenario.cases, 3 * STEPS_PER_PERIOD
 MUJOCO = Variant("mujoco", "contact")
 
 
 @pytest.fixture(autouse=True)
 def short_slide(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half a period of the case that slides, and a baseline that is cheaper."""
-    monkeypatch.setattr(inclined_chain, "CASES", CASES[:1])
+    monkeypatch.setattr(InclinedChainScenario, "cases", ALL_CASES[:1])
     monkeypatch.setattr(inclined_chain, "PERIODS", 1)
     monkeypatch.setattr(inclined_chain, "INCLINED_REFINEMENT", 2)
 

@@ -2,17 +2,17 @@
 
 import pytest
 
-from engines.interface.registry import engine
 from engines.interface.variant import Variant
 from scenarios.catalogue.steady import inclined_steady_state
 from scenarios.catalogue.steady.inclined_steady_state import STUCK, InclinedSteadyState
 from scenarios.runs.store import opened_store
 from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Verdict
 from scenarios.verdicts.steady_case import REFERENCE
+from tests.installed import each_variant
 from tests.scenarios.in_process import departing, evaluator, incline_otherwise
 
 SLIDING = InclinedSteadyState.cases[0]
-MUJOCO = Variant("mujoco", "contact")
+MUJOCO, ODE = Variant("mujoco", "contact"), Variant("ode", "contact")
 
 
 @pytest.fixture(autouse=True)
@@ -27,19 +27,14 @@ def findings(*variants: Variant) -> list[Finding]:
         return InclinedSteadyState().run(variants, running)
 
 
-def installed(name: str, preset: str = "tuned") -> Variant:
-    if engine(name).unavailable_reason() is not None:
-        pytest.skip(f"{name} is not installed")
-    return Variant(name, "contact", preset)
+@pytest.mark.parametrize("variant", each_variant([MUJOCO, Variant("dart", "contact", "sphere")]))
+def test_engines_that_solve_normal_and_tangential_direction_together_agree(variant) -> None:
+    assert not departing(findings(variant, REFERENCE))
 
 
-@pytest.mark.parametrize(("name", "preset"), [("mujoco", "tuned"), ("dart", "sphere")])
-def test_engines_that_solve_normal_and_tangential_direction_together_agree(name, preset) -> None:
-    assert not departing(findings(installed(name, preset), REFERENCE))
-
-
+@pytest.mark.needs("ode")
 def test_ode_slides_under_a_normal_force_that_knows_no_friction() -> None:
-    judged = findings(installed("ode"))
+    judged = findings(ODE)
     (transmittance,) = (finding for finding in departing(judged) if finding.metric is TRANSMITTANCE)
     assert -0.3 < transmittance.comparison.difference < -0.1
 
@@ -51,9 +46,10 @@ def test_another_inclination_has_another_transmittance(factor, monkeypatch) -> N
     assert TRANSMITTANCE in {finding.metric for finding in departing(findings(MUJOCO))}
 
 
+@pytest.mark.needs("ode")
 def test_stuck_chain_is_the_linear_one(monkeypatch) -> None:
     monkeypatch.setattr(InclinedSteadyState, "cases", (STUCK,))
-    judged = findings(REFERENCE, installed("ode"))
+    judged = findings(REFERENCE, ODE)
     assert not departing(judged)
     assert {abs(finding.expected + 0.503) < 1e-3 for finding in judged if finding.metric is TRANSMITTANCE} == {True}
 

@@ -10,19 +10,16 @@ import pytest
 from engines.interface.variant import Variant
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.errors import ParameterError
-from scenarios.catalogue.block import static_above_kinetic
+from scenarios.catalogue.block.base import TIME_STEP
 from scenarios.catalogue.block.static_above_kinetic import (
     BREAKAWAY,
     FAST,
     FOLLOWED,
     JUMP,
     JUMP_TIME,
-    RELEASES,
     RISE_TIME,
-    TIME_STEP,
     Release,
     StaticAboveKinetic,
-    read,
 )
 from scenarios.runs.store import opened_store
 from scenarios.runs.transient import run_transients
@@ -30,7 +27,7 @@ from scenarios.verdicts.finding import Finding, Verdict
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from tests.scenarios.in_process import evaluator
 
-KILOGRAM = "1 kg, 1.5"
+KILOGRAM = next(release for release in StaticAboveKinetic.cases if str(release) == "1 kg, 1.5")
 
 
 def findings(*variants: Variant) -> list[Finding]:
@@ -40,7 +37,7 @@ def findings(*variants: Variant) -> list[Finding]:
 
 @pytest.fixture
 def one_scale(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(static_above_kinetic, "RELEASES", {KILOGRAM: RELEASES[KILOGRAM]})
+    monkeypatch.setattr(StaticAboveKinetic, "cases", [KILOGRAM])
 
 
 def jump_under_growing_load(release: Release) -> float:
@@ -54,18 +51,18 @@ def jump_under_growing_load(release: Release) -> float:
     return (left * (1 - math.cos(angle)) + rate * (angle - math.sin(angle))) / (2 * left)
 
 
-@pytest.mark.parametrize("release", RELEASES.values(), ids=str)
+@pytest.mark.parametrize("release", StaticAboveKinetic.cases, ids=str)
 def test_exact_block_holds_the_static_bound_and_jumps_as_the_oscillator_does(release) -> None:
     """But for the sine, whose growth falls during the jump: that is up to a hundredth of it."""
     (result,) = run_transients([release.task(EXACT)])
-    numbers = read(release, result.series)
+    numbers = StaticAboveKinetic().numbers(release, result.series)
     counts = math.asin(FAST) / math.pi * JUMP_TIME
     assert numbers[BREAKAWAY] == pytest.approx(release.load(RISE_TIME + counts), abs=release.two_steps)
     assert numbers[JUMP] == pytest.approx(jump_under_growing_load(release), rel=0.01)
 
 
 def test_block_rests_where_it_has_jumped_to() -> None:
-    (result,) = run_transients([RELEASES[KILOGRAM].task(EXACT)])
+    (result,) = run_transients([KILOGRAM.task(EXACT)])
     slip = np.array(result.series["slip"])
     rested = round((RISE_TIME + 1.5 * JUMP_TIME) / TIME_STEP)
     assert rested < FOLLOWED * RISE_TIME / TIME_STEP
@@ -122,12 +119,12 @@ def test_engine_with_one_coefficient_is_blocked_with_the_reason(one_scale) -> No
 
 @pytest.mark.parametrize("ratio", [0.9, math.nan])
 def test_static_friction_below_kinetic_friction_is_refused(ratio) -> None:
-    lane = RELEASES[KILOGRAM].task(REFERENCE).lane()
+    lane = KILOGRAM.task(REFERENCE).lane()
     with pytest.raises(ParameterError, match="static_ratio"):
         dataclasses.replace(lane, static_ratio=ratio)
 
 
 def test_tasks_without_static_friction_keep_their_keys() -> None:
-    task = RELEASES[KILOGRAM].task(REFERENCE)
+    task = KILOGRAM.task(REFERENCE)
     assert "static_ratio" in task.content()["task"]
     assert "static_ratio" not in dataclasses.replace(task, static_ratio=1.0).content()["task"]
