@@ -21,9 +21,7 @@ _own = threading.local()
 
 def run_on_cluster(batch: Batch, identity: str, limit: float) -> list[Result]:
     """Run a batch as on the client's machine; see `LocalExecutor.run_for_client`."""
-    if not hasattr(_own, "executor"):
-        _own.executor = LocalExecutor(1)
-    executor: LocalExecutor = _own.executor
+    executor: LocalExecutor = vars(_own).setdefault("executor", LocalExecutor(1))  # which starts nothing so far
     return executor.run_for_client(batch, identity, limit)
 
 
@@ -63,19 +61,7 @@ class DaskExecutor(WorkerExecutor):
     A worker of the cluster gives each batch to a process of its own machine, which serves one engine, and is ended at
     the time limit, as those of `LocalExecutor` are. Workers need this suite and the engines, in the same versions; the
     points of an engine that differs are blocked. The scheduler and its workers must be trusted: what they send is
-    unpickled, which can run anything.
-
-    Parameters
-    ----------
-    address
-        Of the scheduler, such as ``tcp://node1:8786``.
-    time_limit
-        Seconds that a batch may take, > 0.
-
-    Raises
-    ------
-    ParameterError
-        If dask.distributed is not installed, there is no scheduler at the address, or the scheduler has no workers.
+    unpickled, which can run anything. An address without them is refused.
     """
 
     def __init__(self, address: str, time_limit: float = TIME_LIMIT):

@@ -10,9 +10,6 @@ from scenarios.runs.scratch import Closing
 from scenarios.runs.store import ResultStore
 from scenarios.runs.task import Task
 
-AT_ONCE = 500
-"""Tasks that are looked up in the store at a time: workers wait for it, and the rest is not in memory so far."""
-
 Ended = Callable[[Task, Result], None]
 """Takes a task and its result."""
 
@@ -70,17 +67,15 @@ class Evaluator(Closing):
 
     def _missing(self, tasks: Iterable[Task], ended: Ended) -> Iterator[Task]:
         """Give what has to be run; what is stored, and what can have no result, has ended."""
-        remaining = iter(tasks)
-        while some := list(itertools.islice(remaining, AT_ONCE)):
-            reasons = {task: reason for task in some if (reason := self._skip_reason(task)) is not None}
-            stored = self._store.results([task for task in some if task not in reasons])
-            for task in some:
-                known = Result.blocked(reasons[task]) if task in reasons else self._recalled(next(stored))
-                if known is None:
-                    yield task
-                else:
-                    self.progress.recall([task])
-                    ended(task, known)
+        tasks, looked_up = itertools.tee(tasks)
+        for task, stored in zip(tasks, self._store.results(looked_up), strict=True):
+            reason = self._skip_reason(task)
+            known = self._recalled(stored) if reason is None else Result.blocked(reason)
+            if known is None:
+                yield task
+            else:
+                self.progress.recall([task])
+                ended(task, known)
 
     def new_tasks(self, tasks: Sequence[Task]) -> list[Task]:
         """Give the tasks that this evaluator has not evaluated so far, each once."""

@@ -1,7 +1,7 @@
 """Executors: what runs batches of tasks, and gives their results as they come."""
 
 from abc import abstractmethod
-from collections import defaultdict, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Any
@@ -55,6 +55,9 @@ class Executor(Closing):
         Batches are taken one by one, when there is somewhere to run them. A batch may come back in parts.
         """
 
+    def close(self) -> None:
+        """Free what is held: nothing, unless said otherwise."""
+
 
 class InProcessExecutor(Executor):
     """Runs batches in this process, one after the other; an engine that crashes or hangs takes it along."""
@@ -63,9 +66,6 @@ class InProcessExecutor(Executor):
         """Run batches; see `Executor.run`."""
         for batch in batches:
             yield batch, run_batch(batch)
-
-    def close(self) -> None:
-        """Nothing is held."""
 
 
 class WorkerDied(RuntimeError):
@@ -114,7 +114,7 @@ class WorkerExecutor(Executor):
     def _fill(self, queue: "BatchQueue", running: dict[Run, Batch]) -> Iterator[tuple[Batch, list[Result]]]:
         """Start batches in all free slots; gives back those that are not run any more, blocked."""
         while len(running) < self._slots and (batch := queue.next()) is not None:
-            reason = queue.skip_reason(batch)
+            reason = queue.blocked.get(batch[0].variant)
             if reason is None:
                 running[self._start(batch)] = batch
             else:
@@ -144,23 +144,13 @@ class BatchQueue:
         self._batches = iter(batches)
         self._again: deque[Batch] = deque()
         self._second_chance: set[Task] = set()
-        self._failures: dict[str, list[str]] = {}
-        self._unprepared: dict[str, str] = {}
+        self._failures: Counter[Variant] = Counter()
+        self.blocked: dict[Variant, str] = {}
+        """Why a variant is not run any more: it has failed at `MOST_FAILURES` points, or could not be prepared."""
 
     def next(self) -> Batch | None:
         """Take the next batch, those that are run again first; ``None`` without any."""
         return self._again.popleft() if self._again else next(self._batches, None)
-
-    def skip_reason(self, batch: Batch) -> str | None:
-        """Give the reason to skip a batch; ``None`` without one.
-
-        Its variant has failed at `MOST_FAILURES` points, or could not be prepared.
-        """
-        variant = str(batch[0].variant)
-        if variant in self._unprepared:
-            return self._unprepared[variant]
-        seen = self._failures.get(variant, [])
-        return None if len(seen) < MOST_FAILURES else f"not run: {len(seen)} points before, {seen[-1]}"
 
     def died(self, batch: Batch, death: WorkerDied) -> list[Result]:
         """Queue the tasks of a batch one by one; one that was alone is blocked: gives its result.
@@ -168,12 +158,14 @@ class BatchQueue:
         A task whose process was killed, from outside or for want of memory, has a second chance. All are blocked where
         their variant could not be prepared: on another day, or after a look at the machine, it may be.
         """
-        alone, reason = len(batch) == 1, str(death)
+        alone, reason, variant = len(batch) == 1, str(death), batch[0].variant
         if death.preparing:
-            self._unprepared[str(batch[0].variant)] = reason
+            self.blocked[variant] = reason
             return [Result.blocked(reason)] * len(batch)
         if alone and (reason != KILLED or batch[0] in self._second_chance):
-            self._failures.setdefault(str(batch[0].variant), []).append(reason)
+            self._failures[variant] += 1
+            if self._failures[variant] >= MOST_FAILURES:
+                self.blocked[variant] = f"not run: {self._failures[variant]} points before, {reason}"
             return [Result.blocked(reason, by_engine=death.by_engine)]
         self._again.extendleft([task] for task in reversed(batch))
         self._second_chance.update(batch if alone else ())

@@ -2,28 +2,32 @@
 
 import os
 import pickle
+import re
 import select
 import signal
+import socket
 import sys
 from collections.abc import Collection, Iterator
 from concurrent.futures import Future, wait
-from contextlib import contextmanager
-from pathlib import Path
+from contextlib import contextmanager, suppress
 from threading import Thread, Timer
 
 from engines.interface import registry
+from engines.isolated.process import FATAL, place_of_crash
 from reference_lcp.errors import ParameterError
 from reference_lcp.terminal import say_in_terminal
 from scenarios.runs import TIME_LIMIT
 from scenarios.runs.executor import KILLED, Batch, Executor, InProcessExecutor, Run, WorkerDied, WorkerExecutor
 from scenarios.runs.failures import ExecutorError
 from scenarios.runs.result import Result
-from scenarios.runs.scratch import ScratchFolder
-from scenarios.runs.worker import BEGUN, KEPT_SECONDS, Preparing, identity_of, limit_reached, reason_of_death
+from scenarios.runs.worker import Begun, identity_of
 from scenarios.runs.worker_template import END_SECONDS, START_SECONDS, WorkerTemplate
 
 GRACE_SECONDS = 1.0
 """By how much a process may pass the time limit, in which it writes its crash log."""
+
+KEPT_SECONDS = 5.0
+"""What an engine has to load what it has kept, without a word to the user: MuJoCo Warp takes 2 s."""
 
 IDLE_WORKERS = 8
 """Idle processes that are kept for their engine beside the busy ones: importing an engine takes up to a second."""
@@ -36,12 +40,11 @@ class LocalWorker:
     ends, so does it, with every process that an engine has started in it; see `supervise`.
     """
 
-    def __init__(self, engine: str, template: WorkerTemplate, crash_log: Path):
+    def __init__(self, engine: str, template: WorkerTemplate):
         self.engine = engine
-        self._crash_log = crash_log
         self._late = False
         self._run: Run | None = None
-        self._connection, self._lifeline, self._supervisor = template.fork(crash_log)
+        self._connection, self._supervisor, self._crash_log = template.fork()
 
     @property
     def busy(self) -> bool:
@@ -50,7 +53,7 @@ class LocalWorker:
 
     def alive(self) -> bool:
         """Whether it would take a batch."""
-        return not (self._lifeline.closed or self._ended(0.0))
+        return not (self._late or self._ended(0.0))
 
     def run(self, batch: Batch, identity: str, limit: float) -> Run:
         """Start on a batch, see `serve`, that may take `limit` seconds; gives its results, or `WorkerDied`."""
@@ -68,33 +71,34 @@ class LocalWorker:
 
     def dismiss(self) -> None:
         """Let its supervisor end it, and every process that it has started."""
-        self._lifeline.close()
+        with suppress(OSError), socket.fromfd(self._connection.fileno(), socket.AF_UNIX, socket.SOCK_STREAM) as end:
+            end.shutdown(socket.SHUT_WR)
 
     def end(self) -> None:
         """See that they have ended, and free what is held."""
-        if self._connection.closed:
-            return
         self._stop()
         if self._run is not None:
             wait([self._run], END_SECONDS)
         self._connection.close()
+        self._crash_log.close()
         os.close(self._supervisor)
 
     def _exchange(self, batch: Batch, identity: str, limit: float) -> list[Result]:
         """Send a batch and wait for the reply, while the limit of what has begun counts."""
-        begun: str | Preparing | None = None
+        begun: Begun | None = None
         try:
             with self._stopped_after(START_SECONDS):
                 self._connection.send_bytes(pickle.dumps((batch, identity, limit)))
                 reply = self._connection.recv()
-            while reply == BEGUN or isinstance(reply, Preparing):
-                begun = reply
-                with self._stopped_after((begun.limit if isinstance(begun, Preparing) else limit) + GRACE_SECONDS):
-                    if isinstance(begun, Preparing) and not self._connection.poll(KEPT_SECONDS):
-                        say_in_terminal(begun.notice)
+            while isinstance(reply, Begun):
+                begun = reply if reply.preparation else Begun(limit=limit)
+                with self._stopped_after(begun.limit + GRACE_SECONDS):
+                    if begun.preparation and not self._connection.poll(KEPT_SECONDS):
+                        told = f"at most {begun.limit:g} s; what is made is kept for later runs"
+                        say_in_terminal(f"{begun.preparation}: {told}")
                     reply = self._connection.recv()
         except Exception:  # it has died, or its engine has written into the connection
-            raise self._death(begun, limit) from None
+            raise self._death(begun) from None
         return [Result.blocked(reply)] * len(batch) if isinstance(reply, str) else reply
 
     @contextmanager
@@ -123,20 +127,23 @@ class LocalWorker:
         end.register(self._supervisor, select.POLLIN)
         return bool(end.poll(None if within is None else 1000 * within))
 
-    def _death(self, begun: str | Preparing | None, limit: float) -> WorkerDied:
+    def _death(self, begun: Begun | None) -> WorkerDied:
         """End it, and say why its batch has no results."""
         self._stop()
-        preparing = begun if isinstance(begun, Preparing) else None
-        limit = limit if preparing is None else preparing.limit
-        crash_log = self._crash_log.read_text(errors="replace") if self._crash_log.exists() else ""
-        reason = reason_of_death(crash_log, limit)
-        if reason is None and self._late and begun is not None:
-            reason = limit_reached(limit)
-        if reason is not None and preparing is not None:
-            return WorkerDied(f"{preparing.what}: {reason}", preparing=True)
-        if reason is not None:
-            return WorkerDied(reason, by_engine=True)
-        return WorkerDied(f"no worker process started within {START_SECONDS:g} s" if self._late else KILLED)
+        self._crash_log.seek(0)
+        crash_log = self._crash_log.read().decode(errors="replace")
+        where, fault = place_of_crash(crash_log), re.search(rf"{FATAL}(.+)", crash_log)
+        if begun is None:
+            return WorkerDied(f"no worker process started within {START_SECONDS:g} s" if self._late else KILLED)
+        if fault is not None:
+            reason = f"the worker process crashed: {fault[1]}{where}"
+        elif self._late or crash_log.startswith("Timeout"):
+            reason = f"stopped at the time limit of {begun.limit:g} s{where}"
+        else:
+            return WorkerDied(KILLED)
+        if begun.preparation:
+            return WorkerDied(f"{begun.preparation}: {reason}", preparing=True)
+        return WorkerDied(reason, by_engine=True)
 
 
 def executor_here(workers: int | None = None, time_limit: float = TIME_LIMIT) -> Executor:
@@ -165,24 +172,12 @@ def unavailable_reason() -> str | None:
 class LocalExecutor(WorkerExecutor):
     """Processes on this machine, each for one engine: what an engine does to its process affects no other engine.
 
-    Parameters
-    ----------
-    workers
-        Number of processes that compute at a time; as many as there are processors without it.
-    time_limit
-        Seconds that a batch may take, > 0.
-
-    Raises
-    ------
-    ParameterError
-        If a number is outside its range.
+    As many compute at a time as there are `workers`, or processors without that.
     """
 
     def __init__(self, workers: int | None = None, time_limit: float = TIME_LIMIT):
         super().__init__(workers if workers is not None else (os.cpu_count() or 1), time_limit)
         self._workers: list[LocalWorker] = []
-        self._started = 0
-        self._folder: ScratchFolder | None = None
         self._template: WorkerTemplate | None = None
 
     def run_for_client(self, batch: Batch, identity: str, limit: float) -> list[Result]:
@@ -195,9 +190,6 @@ class LocalExecutor(WorkerExecutor):
         if self._template is not None:
             self._template.close()
             self._template = None
-        if self._folder is not None:
-            self._folder.close()
-            self._folder = None
 
     def _start(self, batch: Batch) -> Run:
         worker = self._worker_for(batch[0].variant.engine)
@@ -214,11 +206,9 @@ class LocalExecutor(WorkerExecutor):
         same = [worker for worker in idle if worker.engine == engine]
         if same:
             self._workers.remove(same[-1])
-            self._workers.append(same[-1])
-            return same[-1]
-        if len(idle) > IDLE_WORKERS:
+        elif len(idle) > IDLE_WORKERS:
             self._end(idle[:1])
-        worker = self._new_worker(engine)
+        worker = same[-1] if same else self._new_worker(engine)
         self._workers.append(worker)
         return worker
 
@@ -226,12 +216,9 @@ class LocalExecutor(WorkerExecutor):
         reason = unavailable_reason()
         if reason is not None:
             raise ExecutorError(reason)
-        if self._folder is None:
-            self._folder = ScratchFolder()
         if self._template is None:
-            self._template = WorkerTemplate(self._folder.path)
-        self._started += 1
-        return LocalWorker(engine, self._template, self._folder.path / str(self._started))
+            self._template = WorkerTemplate()
+        return LocalWorker(engine, self._template)
 
     def _end(self, workers: Collection[LocalWorker]) -> None:
         for worker in workers:

@@ -31,12 +31,8 @@ def _kind_of_ratio(value: object) -> str:
 
 _ByKind = Discriminator(_kind_of_ratio)
 _OneForAll, _OneACell = Tag("one for all"), Tag("one a cell")
-PositiveRatio = Annotated[
-    Annotated[Positive, _OneForAll] | Annotated[tuple[Positive, ...], _OneACell], _ByKind
-]  # fmt: skip
-Ratio = Annotated[
-    Annotated[NotNegative, _OneForAll] | Annotated[tuple[NotNegative, ...], _OneACell], _ByKind
-]  # fmt: skip
+PositiveRatio = Annotated[Annotated[Positive, _OneForAll] | Annotated[tuple[Positive, ...], _OneACell], _ByKind]
+Ratio = Annotated[Annotated[NotNegative, _OneForAll] | Annotated[tuple[NotNegative, ...], _OneACell], _ByKind]
 """One number for all cells, or one a cell."""
 
 
@@ -47,7 +43,9 @@ class OperatingPoint(NamedTuple):
     frequency_ratio: float
 
 
-_LeftOutOfEqualCells = Field(exclude_if=lambda value: value == 1.0)
+def left_out(usual: object) -> Any:
+    """Leave a field with its usual value out of plain data: what stores know was written before there was the field."""
+    return Field(exclude_if=lambda value: value == usual)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,9 +92,9 @@ class ChainRatios:
     stiffness_ratio: PositiveRatio = defaults.STIFFNESS_RATIO
     damping_ratio: Ratio = defaults.DAMPING_RATIO
     inner_damping_ratio: Ratio = 0.0
-    outer_mass_ratio: Annotated[PositiveRatio, _LeftOutOfEqualCells] = 1.0
-    chain_stiffness_ratio: Annotated[PositiveRatio, _LeftOutOfEqualCells] = 1.0
-    friction_profile: Annotated[Ratio, _LeftOutOfEqualCells] = 1.0
+    outer_mass_ratio: Annotated[PositiveRatio, left_out(1.0)] = 1.0
+    chain_stiffness_ratio: Annotated[PositiveRatio, left_out(1.0)] = 1.0
+    friction_profile: Annotated[Ratio, left_out(1.0)] = 1.0
     """μ λ_N of each cell over that of the friction ratio, where cells differ."""
 
     def chain(self, friction_ratio: Ratio, base_amplitude: float = defaults.BASE_AMPLITUDE) -> Chain:

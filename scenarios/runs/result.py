@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Annotated, Self
+from typing import Annotated, NoReturn, Self
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError
 
@@ -38,15 +38,11 @@ class ResultStatus(StrEnum):
     """There is no result so far: the task has not been run."""
 
     @classmethod
-    def parse(cls, text: str) -> Self:
-        """Give the status of this text."""
-        try:
-            return cls(text)
-        except ValueError:
-            raise ParameterError(f"status of a result = {text!r}; allowed: {', '.join(cls)}") from None
+    def _missing_(cls, value: object) -> NoReturn:
+        raise ParameterError(f"status of a result = {value!r}; allowed: {', '.join(cls)}")
 
 
-_Status = Annotated[ResultStatus, BeforeValidator(ResultStatus.parse)]
+_Status = Annotated[ResultStatus, BeforeValidator(ResultStatus)]
 _Number = Annotated[float, BeforeValidator(lambda value: math.nan if value is None else value)]
 """NaN is written as null."""
 _Count = Annotated[int, Field(ge=0, le=2**53)]
@@ -103,7 +99,7 @@ class Result:
     """
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "status", ResultStatus.parse(self.status))
+        object.__setattr__(self, "status", ResultStatus(self.status))
 
     @property
     def converged(self) -> bool:

@@ -58,7 +58,8 @@ def remove_abandoned() -> None:
     for file in Path(tempfile.gettempdir()).glob(f"{PREFIX}*{LOCK}"):
         folder = file.with_suffix("")
         with suppress(OSError):  # locked, removed meanwhile, or another user's
-            if _is_own(file) and not folder.is_symlink():
+            # on Windows every user has a temporary folder of their own
+            if not (hasattr(os, "getuid") and file.lstat().st_uid != os.getuid()) and not folder.is_symlink():
                 lock = _lock_of(folder)
                 lock.acquire()
                 _remove(folder, lock)
@@ -76,8 +77,3 @@ def _remove(folder: Path, lock: "BaseFileLock") -> None:
     with suppress(OSError):  # where a file that is open cannot be removed, the next process does it
         Path(lock.lock_file).unlink(missing_ok=True)
     lock.release()
-
-
-def _is_own(file: Path) -> bool:
-    """Tell whether a file is this user's; on Windows every user has a temporary folder of their own."""
-    return not hasattr(os, "getuid") or file.lstat().st_uid == os.getuid()

@@ -30,9 +30,6 @@ SPECIAL_NAMES = (":", "file:")
 ATTEMPT_SECONDS = 0.5
 """How long SQLite waits for a lock; Ctrl-C is heard between such attempts."""
 
-STEPS_A_BYTE = 1
-"""Steps of SQLite that a check may take, over the bytes of the file; an intact store takes a fiftieth of one."""
-
 STEPS_A_CALL = 100_000
 """Steps of SQLite after which it asks whether to go on: a thousandth of a second."""
 
@@ -69,8 +66,8 @@ def connected(file: Path, *, read_only: bool = False) -> sqlite3.Connection:
 
 def problems_of(connection: sqlite3.Connection, size: int) -> list[str]:
     """Give what SQLite finds wrong with pages and indices of a file of so many bytes; nothing where it is whole."""
-    calls = itertools.count()  # pages that lead to each other never end
-    connection.set_progress_handler(lambda: next(calls) * STEPS_A_CALL > STEPS_A_BYTE * size, STEPS_A_CALL)
+    calls = itertools.count()  # pages that lead to each other never end; an intact store takes a fiftieth step a byte
+    connection.set_progress_handler(lambda: next(calls) * STEPS_A_CALL > size, STEPS_A_CALL)
     try:
         texts = [row[0].decode(errors="replace") for row in connection.execute("PRAGMA integrity_check")]
     except sqlite3.DatabaseError as problem:
@@ -83,7 +80,7 @@ APPLICATION_ID = 0x4D425856
 """Marks the file as a store of this suite ("MBXV") in SQLite's header."""
 
 LOOKUP = 500
-"""Tasks that are looked up at once."""
+"""Tasks that are looked up at once: workers wait for it, and the rest is not in memory so far."""
 
 SCHEMA_VERSION = 2
 """Layout of the tables."""
@@ -141,18 +138,16 @@ class ResultStore(Closing):
 
     def __init__(self, file: Path):
         self._file = checked_path("store", file)
-        with errors_of(file):
-            self._connection = connected(file)
-            try:
-                with_retries(file, self._open)
-            except BaseException:
-                self._connection.close()
-                raise
+        with errors_of(file), ExitStack() as opened:
+            self._connection = opened.enter_context(closing(connected(file)))
+            with_retries(file, self._open)
+            opened.pop_all()
 
     def _open(self) -> None:
         # takes the write lock: a file that cannot be written is found out before any work
         made = f"PRAGMA application_id = {APPLICATION_ID}", f"PRAGMA user_version = {SCHEMA_VERSION}", *TABLES.values()
-        with self._transaction():
+        self._connection.execute("BEGIN IMMEDIATE")
+        with self._connection:
             if self._file.stat().st_size == 0:
                 for statement in made:
                     self._connection.execute(statement)
@@ -230,16 +225,23 @@ class ResultStore(Closing):
         return [row[1].decode() for row in self._read("SELECT number, sweep, digest FROM sweeps ORDER BY number DESC")]
 
     def _write(self, statement: str, rows: Sequence[_Row]) -> None:
-        """Write rows in one transaction; where the file has been taken away, they and all others go into a copy."""
+        """Write rows in one transaction; where the file has been taken away, they and all others go into a copy.
+
+        The copy lies in a new folder beside it: under its name there may be another file.
+        """
 
         def write() -> None:
-            with self._transaction():
+            self._connection.execute("BEGIN IMMEDIATE")
+            with self._connection:
                 self._connection.executemany(statement, rows)
 
         try:
             self._use(write)
         except _Moved as moved:
-            copy = self._recovered()
+            folder = self._file.parent if self._file.parent.is_dir() else None
+            copy = Path(mkdtemp(prefix=f"{self._file.stem}-", dir=folder)) / self._file.name
+            with errors_of(self._file, while_running=True):
+                self._connection.execute("VACUUM INTO ?", (str(copy),))
             with closing(sqlite3.connect(copy)) as connection, connection:
                 connection.executemany(statement, rows)
             raise RunError(f"{moved}; all its results are in {copy}") from None
@@ -247,21 +249,6 @@ class ResultStore(Closing):
     def _use(self, action: Callable[[], _Value]) -> _Value:
         with errors_of(self._file, while_running=True):
             return with_retries(self._file, action)
-
-    def _recovered(self) -> Path:
-        """Copy the open file, whose name is gone or another file's, into a new folder beside it."""
-        folder = self._file.parent if self._file.parent.is_dir() else None
-        copy = Path(mkdtemp(prefix=f"{self._file.stem}-", dir=folder)) / self._file.name
-        with errors_of(self._file, while_running=True):
-            self._connection.execute("VACUUM INTO ?", (str(copy),))
-        return copy
-
-    @contextmanager
-    def _transaction(self) -> Iterator[None]:
-        """Hold the write lock; everything inside is written, or nothing."""
-        self._connection.execute("BEGIN IMMEDIATE")
-        with self._connection:
-            yield
 
     def close(self) -> None:
         """Close the file."""

@@ -40,10 +40,14 @@ def check_store(file: Path) -> StoreCheck:
         size = file.stat().st_size
         damage = [f"file: {text}" for text in problems_of(connection, size)]
         good: dict[str, list[Row]] = {}
-        for table in COLUMNS:
+        for table, columns in COLUMNS.items():
             good[table] = []
             for number in sorted(_numbers(connection, table, size // LEAST_ROW)):
-                row = _row(connection, table, number)
+                query = f"SELECT {', '.join(columns)} FROM {table} WHERE rowid = ?"
+                try:
+                    row = connection.execute(query, (number,)).fetchone()
+                except (sqlite3.Error, MemoryError):
+                    row = None
                 if row is not None and intact(row):
                     good[table].append(row)
                 else:
@@ -62,21 +66,12 @@ def salvage(check: StoreCheck, new: Path) -> None:
             with closing(connected(part)) as connection, connection:
                 connection.execute("BEGIN IMMEDIATE")
                 for table, columns in COLUMNS.items():
-                    _insert(connection, table, columns, check.good[table])
+                    texts = ", ".join("?" if name == "digest" else "CAST(? AS TEXT)" for name in columns)
+                    insert = f"INSERT OR IGNORE INTO {table} ({', '.join(columns)}) VALUES ({texts})"
+                    connection.executemany(insert, check.good[table])  # texts as they were read, which is as bytes
         except (sqlite3.Error, ParameterError, RunError) as problem:
             part.with_name(f"{part.name}-journal").unlink(missing_ok=True)
             raise RunError(f"--salvage = {new} cannot be written: {problem}; it is not there") from None
-
-
-def _insert(connection: sqlite3.Connection, table: str, columns: Sequence[str], rows: Sequence[Row]) -> None:
-    """Write rows as they were read: texts as bytes, a digest at the end."""
-    values = [
-        tuple(part.decode() if isinstance(part, bytes) and name != "digest" else part
-              for name, part in zip(columns, row, strict=True))
-        for row in rows
-    ]  # fmt: skip
-    marks = ", ".join("?" * len(columns))
-    connection.executemany(f"INSERT OR IGNORE INTO {table} ({', '.join(columns)}) VALUES ({marks})", values)
 
 
 def _numbers(connection: sqlite3.Connection, table: str, most: int) -> set[int]:
@@ -89,13 +84,3 @@ def _numbers(connection: sqlite3.Connection, table: str, most: int) -> set[int]:
         except sqlite3.Error:
             continue
     return found
-
-
-def _row(connection: sqlite3.Connection, table: str, number: int) -> Row | None:
-    """Give the columns of a row; ``None`` if it cannot be read."""
-    try:
-        query = f"SELECT {', '.join(COLUMNS[table])} FROM {table} WHERE rowid = ?"
-        row: Row | None = connection.execute(query, (number,)).fetchone()
-    except (sqlite3.Error, MemoryError):
-        return None
-    return row

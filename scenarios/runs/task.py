@@ -7,7 +7,7 @@ from enum import StrEnum
 from functools import cache
 from typing import Annotated, Any, Self
 
-from pydantic import Field, TypeAdapter
+from pydantic import TypeAdapter
 from pydantic_core import to_json
 
 from engines.interface.presets import Preset
@@ -18,7 +18,7 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane, steps_per_period_for
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.observables.stick_slip import STICK_MARGIN
-from scenarios.runs.parameters import ChainRatios, Excitation, Modulation, Ratio
+from scenarios.runs.parameters import ChainRatios, Excitation, Modulation, Ratio, left_out
 
 RESULT_FORMAT = 4
 """Increased when the meaning of a result changes: results of other formats are not taken from a store."""
@@ -98,6 +98,9 @@ class Recorded(StrEnum):
     """
 
 
+DEFAULT_EXCITATION = Excitation()
+
+
 @dataclass(frozen=True, kw_only=True)
 class SteadyStateTask(Task):
     """The steady state of one chain under one harmonic excitation, by one variant."""
@@ -106,16 +109,14 @@ class SteadyStateTask(Task):
     """ω / ω_r, with ω_r of the first cell."""
     steps_per_period: int = MINIMUM_STEPS_PER_PERIOD
     """Fewest steps a period; more are taken where dt ω_max <= 0.4 needs them."""
-    excitation: Annotated[Excitation, Field(exclude_if=lambda value: value == DEFAULT_EXCITATION)] = field(
-        default_factory=Excitation
-    )
+    excitation: Annotated[Excitation, left_out(DEFAULT_EXCITATION)] = DEFAULT_EXCITATION
     """What drives the chain; a moving base unless something else is given."""
-    modulation: Annotated[Modulation | None, Field(exclude_if=lambda value: value is None)] = None
+    modulation: Annotated[Modulation | None, left_out(None)] = None
     """How the normal force changes over the period; ``None`` where it is constant."""
-    inclination: Annotated[float, Field(exclude_if=lambda value: value == 0.0)] = 0.0
+    inclination: Annotated[float, left_out(0.0)] = 0.0
     """α of the contact faces to the row [rad]; other than zero, it needs a `modulation`, be it of zero."""
-    start: Annotated[Start, Field(exclude_if=lambda value: value == Start.LAW)] = Start.LAW
-    recorded: Annotated[Recorded, Field(exclude_if=lambda value: value == Recorded.NOTHING)] = Recorded.NOTHING
+    start: Annotated[Start, left_out(Start.LAW)] = Start.LAW
+    recorded: Annotated[Recorded, left_out(Recorded.NOTHING)] = Recorded.NOTHING
 
     @property
     def chain(self) -> Chain:
@@ -150,9 +151,6 @@ class SteadyStateTask(Task):
     def content(self) -> dict[str, Any]:
         """Everything that the result depends on: the law, too, where one is compared with."""
         return super().content() | (law_identity(self.variant) if self.recorded is Recorded.LAW else {})
-
-
-DEFAULT_EXCITATION = Excitation()
 
 
 @cache

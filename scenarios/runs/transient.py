@@ -22,7 +22,6 @@ AT_REST = 0.01
 The creep of a stuck contact, and slip too small to matter, are below.
 """
 
-
 OPEN_GAP = 1e-3
 """A contact is open from this gap on, over the displacement scale: engines find a contact where masses overlap, and let
 closed ones part by some 1e-5 for a step."""
@@ -57,7 +56,7 @@ class _Record:
     """Recorded rows of one motion, and what is added up over all of its steps."""
 
     def __init__(self, lane: Lane, task: TransientTask):
-        self._lane, self._task = lane, task
+        self._lane, self._task, self._scale = lane, task, lane.drive.displacement_scale(lane.chain)
         initial = task.initial_state()
         self._last_positions, self._last_velocities = initial.positions, initial.velocities
         self._rows: list[FloatArray] = []
@@ -90,24 +89,20 @@ class _Record:
         mass, v − u of every cell, row after row, the largest gap, the parts of the time in which a contact is open and
         in which it sticks, means over all, and the number of landings. ``decay``: see `_decay`.
         """
-        rows = np.concatenate(self._rows)
-        chain = self._lane.chain
-        rows /= self._lane.drive.displacement_scale(chain)
+        rows, chain = np.concatenate(self._rows) / self._scale, self._lane.chain
         if self._task.recorded == "decay":
             return self._decay(rows)
         if self._task.recorded == "slip":
-            velocities = np.concatenate(self._slip_velocities)
             return {
                 "slip": tuple((rows[:, chain.cells] - rows[:, 0]).tolist()),
-                "slip_velocity": tuple(velocities.tolist()),
+                "slip_velocity": tuple(np.concatenate(self._slip_velocities).tolist()),
                 "slid": tuple(np.concatenate(self._slid).tolist()),
             }
         if self._task.recorded == "contact modes":
-            scale = self._lane.drive.displacement_scale(chain)
             return {
                 "response": tuple(rows[:, chain.cells - 1].tolist()),
                 "slips": tuple((rows[:, chain.cells :] - rows[:, : chain.cells]).ravel().tolist()),
-                "highest": (self._highest_gap / scale,),
+                "highest": (self._highest_gap / self._scale,),
                 "open": (self._open_steps / (self._task.steps * chain.cells),),
                 "stuck": (self._stuck_steps / (self._task.steps * chain.cells),),
                 "landings": (float(self._landings),),
@@ -121,9 +116,8 @@ class _Record:
         contacts, and the largest growth of the chain's energy over the least so far.
         """
         chain, n = self._lane.chain, self._lane.chain.cells
-        scale = self._lane.drive.displacement_scale(chain)
         slip = rows[:, n:] - rows[:, :n]
-        near = AT_REST * chain.friction_bound / chain.inner_stiffness / scale
+        near = AT_REST * chain.friction_bound / chain.inner_stiffness / self._scale
         away = np.any(np.abs(slip - slip[-1]) > near, axis=1)
         last = int(np.flatnonzero(away)[-1]) + 1 if np.any(away) else 0
         left = float(mechanical_energy(chain, self._last_positions, self._last_velocities)[0])
@@ -138,7 +132,7 @@ class _Record:
     def _count_modes(self, run: Trajectory, gap: FloatArray) -> None:
         """Add up the steps in which contacts are open and stuck, and the landings; keep the largest gap."""
         chain, margin = self._lane.chain, self._task.variant.preset.stick_margin
-        opened = gap > OPEN_GAP * self._lane.drive.displacement_scale(chain)
+        opened = gap > OPEN_GAP * self._scale
         before = np.vstack([self._were_open, opened[:-1]])
         holds = np.abs(run.friction) < (1 - margin) * chain.friction_coefficient * run.normal_force
         self._open_steps += int(np.count_nonzero(opened))

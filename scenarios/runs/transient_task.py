@@ -17,7 +17,7 @@ from reference_lcp.chain.trajectory import State
 from reference_lcp.defaults import FRICTION_COEFFICIENT, LARGEST_PHASE_STEP
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar
-from scenarios.runs.parameters import ChainRatios, Modulation, Ratio
+from scenarios.runs.parameters import ChainRatios, Modulation, Ratio, left_out
 from scenarios.runs.task import Task
 
 SHAPES = ("undeformed", "stretched", "inner masses displaced")
@@ -180,11 +180,11 @@ class BlockTask(TransientTask):
     """By how much the block is moved on the carrier at first [m]."""
     slip_velocity: float = 0.0
     """Velocity of the block on the carrier at first [m/s]."""
-    direction: Annotated[float, Field(exclude_if=lambda value: value == 0)] = 0.0
+    direction: Annotated[float, left_out(0.0)] = 0.0
     """Angle by which the row is turned in the plane of the contact [rad]."""
     carrier_velocity: float = 0.0
     """Velocity of the carrier at first [m/s]."""
-    static_ratio: Annotated[float, Field(exclude_if=lambda value: value == 1)] = 1.0
+    static_ratio: Annotated[float, left_out(1.0)] = 1.0
     """μ_s / μ_k >= 1 of the contact; μ λ_N of the block is the friction of a slip."""
     recorded: str = "slip"
     friction_ratio: Annotated[Ratio, Field(exclude=True)] = 0.0

@@ -5,7 +5,11 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from engines.interface.variant import Variant
+from scenarios.runs.evaluator import Evaluator
+from scenarios.runs.executor import Executor
 from scenarios.runs.parameters import ChainRatios
+from scenarios.runs.result import Result
+from scenarios.runs.store import opened_store
 from scenarios.runs.task import SteadyStateTask
 
 
@@ -32,3 +36,23 @@ def ended(processes: Iterable[int], within: float) -> bool:
     while any(map(running, left)) and time.monotonic() < until:
         time.sleep(0.01)
     return not any(map(running, left))
+
+
+def evaluated(
+    engines: Iterable[str], ratios: Iterable[float], executor: Executor, store: Path | None = None
+) -> dict[tuple[str, float], Result]:
+    """Evaluate tasks of these engines at these frequency ratios, all together; gives results by engine and ratio."""
+    tasks = {(name, eta): steady(eta, name) for name in engines for eta in ratios}
+    with opened_store(store) as opened, Evaluator(opened, executor) as evaluator:
+        return dict(zip(tasks, evaluator.evaluate(list(tasks.values())), strict=True))
+
+
+def statuses(results: dict[tuple[str, float], Result]) -> dict[tuple[str, float], str]:
+    """Give how each task ended."""
+    return {place: str(result.status) for place, result in results.items()}
+
+
+def numbers(engines: Iterable[str], ratios: Iterable[float], executor: Executor) -> list[tuple[object, ...]]:
+    """Evaluate tasks, see `evaluated`; gives what must not depend on who runs them, bit for bit."""
+    results = evaluated(engines, ratios, executor).values()
+    return [(result.transmittance_db, result.residual, result.transitions) for result in results]

@@ -1,42 +1,35 @@
 """One wrong number in what an engine reports blocks its point, with the array, the time and the cell."""
 
 import dataclasses
-import json
 import re
 
 import numpy as np
 import pytest
 
-from reference_lcp import Chain, HarmonicBase, Lane
+from engines.interface.variant import Variant
+from reference_lcp import Chain, HarmonicBase, Lane, RickerPulse, StillBase
 from reference_lcp.chain.trajectory import State
 from reference_lcp.schemes.euler import CompiledSimulation
-from scenarios.runs.failures import TIME_MARGIN, TrajectoryFault, check_trajectory
-
-SCRIPT = """
-import json, sys
-from engines.interface.variant import Variant
-from reference_lcp import RickerPulse, StillBase
 from scenarios.runs.executor import run_batch
+from scenarios.runs.failures import TIME_MARGIN, TrajectoryFault, check_trajectory
 from scenarios.runs.parameters import ChainRatios, Modulation
-from scenarios.runs.task import Recorded, SteadyStateTask
+from scenarios.runs.result import Result
+from scenarios.runs.task import Recorded, Task
 from scenarios.runs.transient_task import TransientTask
+from tests.scenarios.runs.builders import steady
 
 SMALL = ChainRatios(cells=2)
 
-def tasks(name):
+
+def tasks_of(name: str) -> list[Task]:
+    """Give a task of every kind that an engine can represent."""
     variant, lifts = Variant(name), name in ("faulty-gap", "faulty-internal")
-    steady = SteadyStateTask(
-        variant=variant, friction_ratio=0.3, frequency_ratio=0.9, ratios=SMALL,
-        modulation=Modulation(modulation=1.5) if lifts else None,
-    )
+    periodic = steady(variant=variant, modulation=Modulation(modulation=1.5) if lifts else None)
     usual = {"variant": variant, "ratios": SMALL, "friction_ratio": 0.1, "time_step": 1e-3, "steps": 400, "every": 4}
     pulse = TransientTask(base=RickerPulse(0.01, 31.6, 0.35), **usual)
     decay = TransientTask(base=StillBase(0.01), shape="stretched", recorded="decay", **usual)
-    return [steady, steady.recording(Recorded.PERIOD), *([] if lifts else [pulse, decay])]
+    return [periodic, periodic.recording(Recorded.PERIOD), *([] if lifts else [pulse, decay])]
 
-rows = {name: [(str(r.status), r.reason) for t in tasks(name) for r in run_batch([t])] for name in sys.argv[1:]}
-print(json.dumps(rows))
-"""
 
 NUMBER = r" at \d\S* s in cell 2"
 FAULTS = {
@@ -52,22 +45,20 @@ FAULTS = {
 
 
 @pytest.fixture(scope="module")
-def rows(install, tmp_path_factory) -> dict[str, list[tuple[str, str]]]:
-    """Status and reason of every kind of task, by engine."""
-    script = tmp_path_factory.mktemp("checked") / "ask.py"
-    script.write_text(SCRIPT)
-    return json.loads(install("mutations").run(str(script), "faulty-sound", *FAULTS))
+def rows(faulty) -> dict[str, list[Result]]:
+    """Results of every kind of task, by engine."""
+    return {name: [run_batch([task])[0] for task in tasks_of(name)] for name in ("faulty-sound", *FAULTS)}
 
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_wrong_number_blocks_every_kind_of_task_and_is_named(rows, name) -> None:
-    for status, reason in rows[name]:
-        assert status == "blocked"
-        assert re.fullmatch(f"the engine's {FAULTS[name]}", reason), reason
+    for result in rows[name]:
+        assert result.status == "blocked"
+        assert re.fullmatch(f"the engine's {FAULTS[name]}", result.reason), result.reason
 
 
 def test_sound_engine_passes(rows) -> None:
-    assert [status for status, _ in rows["faulty-sound"]] == ["converged", "converged", "finished", "finished"]
+    assert [result.status for result in rows["faulty-sound"]] == ["converged", "converged", "finished", "finished"]
 
 
 @pytest.fixture

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from engines.interface.variant import Variant
 from reference_lcp import ParameterError
 from reference_lcp.console import run_command
 from reference_lcp.errors import ExitCode, RunError
@@ -15,12 +14,10 @@ from reports.cli.console_script import app
 from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore
 from scenarios.runs.store_check import check_store, salvage
-from scenarios.runs.task import SteadyStateTask
 from scenarios.verdicts.stored import read_all
+from tests.scenarios.runs.builders import steady
 
-TASKS = [
-    SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.5 + k / 10) for k in range(12)
-]
+TASKS = [steady(0.5 + k / 10) for k in range(12)]
 RESULTS = [
     Result(
         status="converged", transmittance_db=-k / 3, residual=1e-9, periods=30 + k, steps_per_period=400, period=0.25,

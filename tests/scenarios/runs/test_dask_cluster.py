@@ -1,7 +1,6 @@
 """The workers of a dask cluster, started by hand on a port of its own: the same answers, bit for bit."""
 
 import contextlib
-import json
 import re
 import sqlite3
 import subprocess
@@ -14,29 +13,11 @@ import pytest
 
 from reference_lcp import ParameterError
 from reference_lcp.errors import ExitCode
-from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.local_processes import LocalExecutor
-from scenarios.runs.store import ResultStore
-from tests.scenarios.runs.builders import steady
+from tests.scenarios.runs.builders import evaluated, numbers, statuses
 
 pytest.importorskip("distributed")
 from scenarios.runs.dask_cluster import DaskExecutor
-
-CLIENT = """
-import json, sys
-from engines.interface.variant import Variant
-from scenarios.runs.dask_cluster import DaskExecutor
-from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.task import SteadyStateTask
-
-tasks = [
-    SteadyStateTask(variant=Variant(name), friction_ratio=0.3, frequency_ratio=0.9, ratios=ChainRatios(cells=2))
-    for name in sys.argv[2:]
-]
-with DaskExecutor(sys.argv[1], 5.0) as executor:
-    found = {b[0].variant.engine: (str(r[0].status), r[0].reason) for b, r in executor.run([task] for task in tasks)}
-print(json.dumps(found))
-"""
 
 
 @contextlib.contextmanager
@@ -59,55 +40,39 @@ def running(module: str, *options: str, environment=None, says: str) -> Iterator
         process.stderr.close()
 
 
-@contextlib.contextmanager
-def started(module: str, *options: str, environment=None, says: str) -> Iterator[str]:
-    """Run a command of dask until the end of the context; gives what matched in its output."""
-    with running(module, *options, environment=environment, says=says) as (_, text):
-        yield text
-
-
 @pytest.fixture(scope="module")
 def scheduler(install) -> Iterator[str]:
     """Address of a scheduler with two workers, for which the faulty engines are installed."""
     environment = {**install("mutations").environment, "FAULTY_VERSION": "9.9.9"}
     quiet = ("--no-dashboard",)
-    with started("distributed.cli.dask_scheduler", "--port", "0", *quiet, says=r"tcp://\S+:\d+") as address:
+    with running("distributed.cli.dask_scheduler", "--port", "0", *quiet, says=r"tcp://\S+:\d+") as (_, address):
         options = ("--nworkers", "2", "--nthreads", "1", *quiet)
-        with started(
+        with running(
             "distributed.cli.dask_worker", address, *options, environment=environment, says="Registered to|Starting"
         ):
             time.sleep(5)
             yield address
 
 
-def test_cluster_and_local_processes_give_the_same_table(scheduler, tmp_path) -> None:
-    asked = [steady(eta, name) for eta in (0.4, 0.6, 0.9) for name in ("mujoco", "reference")]
-    tables = []
-    for name, executor in (("local", LocalExecutor(2)), ("cluster", DaskExecutor(scheduler))):
-        with ResultStore(tmp_path / f"{name}.sqlite") as store, Evaluator(store, executor) as evaluator:
-            tables.append([(a.transmittance_db, a.residual, a.transitions) for a in evaluator.evaluate(asked)])
-    assert tables[0] == tables[1]
+def test_cluster_and_local_processes_give_the_same_table(scheduler) -> None:
+    executors = LocalExecutor(2), DaskExecutor(scheduler)
+    here, there = (numbers(("mujoco", "reference"), (0.4, 0.6, 0.9), executor) for executor in executors)
+    assert here == there
 
 
-def test_engine_of_another_version_on_the_cluster_is_blocked_with_both_named(scheduler, install, tmp_path) -> None:
-    script = tmp_path / "ask.py"
-    script.write_text(CLIENT)
-    reasons = json.loads(install("mutations").run(str(script), scheduler, "faulty-sound", "faulty-version"))
-    assert reasons["faulty-sound"] == ["converged", ""]
-    status, reason = reasons["faulty-version"]
-    assert status == "blocked"
+def test_engine_of_another_version_on_the_cluster_is_blocked_with_both_named(scheduler, faulty) -> None:
+    results = evaluated(["faulty-sound", "faulty-version"], (0.9,), DaskExecutor(scheduler, 5.0))
+    assert list(statuses(results).values()) == ["converged", "blocked"]
+    reason = results["faulty-version", 0.9].reason
     assert reason.startswith("not the same in the worker: faulty-version 9.9.9, Python ")
     assert "; expected: faulty-version 1.0.0, Python " in reason
 
 
-def test_an_engine_prepares_itself_on_the_cluster_in_no_tasks_time(scheduler, install, tmp_path) -> None:
+def test_an_engine_prepares_itself_on_the_cluster_in_no_tasks_time(scheduler, faulty) -> None:
     """One takes 6 s, where a batch may take 5; the other does not end within the 2 s that it names."""
-    script = tmp_path / "ask.py"
-    script.write_text(CLIENT)
-    reasons = json.loads(install("mutations").run(str(script), scheduler, "faulty-slowly-ready", "faulty-never-ready"))
-    assert reasons["faulty-slowly-ready"] == ["converged", ""]
-    status, reason = reasons["faulty-never-ready"]
-    assert status == "blocked"
+    results = evaluated(["faulty-slowly-ready", "faulty-never-ready"], (0.9,), DaskExecutor(scheduler, 5.0))
+    assert list(statuses(results).values()) == ["converged", "blocked"]
+    reason = results["faulty-never-ready", 0.9].reason
     assert reason.startswith("Sound compiles nothing: stopped at the time limit of 2 s, in prepare")
 
 

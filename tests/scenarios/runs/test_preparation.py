@@ -1,17 +1,17 @@
 """What engines do before their first run, such as compiling: in no task's time, and limited by itself."""
 
-import json
-import os
-import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from engines.interface.variant import Variant
+from reference_lcp import terminal
 from reference_lcp.schemes.sequential import SequentialSimulation
-from scenarios.runs.worker import LAW_LIMIT, Preparations
-from tests.scenarios.runs.test_local_processes import LIMIT, SCRIPT
+from scenarios.runs.local_processes import LocalExecutor
+from scenarios.runs.worker import LAW_LIMIT, Worker
+from tests.scenarios.runs.builders import evaluated
 
 BATCH_SECONDS = 5.0
 """What a batch may take: less than `faulty-slowly-ready` takes to be ready."""
@@ -21,24 +21,15 @@ RATIOS = [0.4, 0.6, 0.7, 0.8, 0.9]
 
 
 @pytest.fixture
-def run(install, tmp_path: Path):
+def run(faulty, tmp_path: Path, monkeypatch, capsys):
     """Run points of an engine on two workers; gives their status and reason, and what a terminal is told."""
-    script = tmp_path / "ask.py"
-    script.write_text(SCRIPT.replace(f"(2, {LIMIT})", f"(2, {BATCH_SECONDS})"))
-    environment = {**install("mutations").environment, "FAULTY_PREPARED": str(tmp_path / "prepared")}
+    monkeypatch.setenv("FAULTY_PREPARED", str(tmp_path / "prepared"))
+    monkeypatch.setattr(terminal._State, "said", set())
 
     def ran(engine: str, ratios=tuple(RATIOS)) -> tuple[list[tuple[str, str]], str]:
-        reader, terminal = os.openpty()
-        done = subprocess.run(
-            [sys.executable, str(script), engine, str(tmp_path / "store.sqlite"), json.dumps(ratios)],
-            env=environment, stdout=subprocess.PIPE, stderr=terminal, check=True, timeout=120,
-        )  # fmt: skip
-        os.set_blocking(reader, False)
-        os.write(terminal, b"\n")  # reading from an empty terminal fails
-        told = os.read(reader, 100_000).decode()
-        os.close(terminal)
-        os.close(reader)
-        return [(status, reason) for _, _, status, reason, _ in json.loads(done.stdout)], told
+        monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+        results = evaluated([engine], ratios, LocalExecutor(2, BATCH_SECONDS), tmp_path / "store.sqlite").values()
+        return [(str(result.status), result.reason) for result in results], capsys.readouterr().err
 
     return ran
 
@@ -84,12 +75,10 @@ def test_points_whose_engine_could_not_be_prepared_are_run_again(run, tmp_path) 
 
 
 @pytest.mark.parametrize("fails", [False, True])
-def test_the_model_of_a_law_is_compiled_once_for_each_length_and_never_blocks_a_point(fails, monkeypatch) -> None:
+def test_the_model_of_a_law_is_compiled_once_for_each_length_and_never_blocks_a_point(
+    fails, monkeypatch, tmp_path
+) -> None:
     begun, compiled = [], []
-
-    def within(beginning, prepare) -> None:
-        begun.append((beginning.what, beginning.limit))
-        prepare()
 
     def advance(self, state, start, steps):
         compiled.append((state.positions.shape, steps))
@@ -98,10 +87,11 @@ def test_the_model_of_a_law_is_compiled_once_for_each_length_and_never_blocks_a_
         return state
 
     monkeypatch.setattr(SequentialSimulation, "advance", advance)
-    preparations = Preparations(within)
-    for cells in (2, 7, 2):
-        assert preparations.problem(Variant.parse("mujoco:joint:default"), cells) is None
-    assert begun == 2 * [("the law of MuJoCo is compiled", LAW_LIMIT)]
-    assert compiled == [((1, 4), 1), ((1, 14), 1)]
-    assert preparations.problem(Variant("mujoco"), 7) is None, "the reference's step is compiled already"
-    assert len(begun) == 2
+    with (tmp_path / "crash log").open("w") as crash_log:
+        worker = Worker(SimpleNamespace(send=begun.append), crash_log)
+        for cells in (2, 7, 2):
+            assert worker.preparation_problem(Variant.parse("mujoco:joint:default"), cells) is None
+        assert begun == 2 * [("the law of MuJoCo is compiled", LAW_LIMIT)]
+        assert compiled == [((1, 4), 1), ((1, 14), 1)]
+        assert worker.preparation_problem(Variant("mujoco"), 7) is None, "the reference's step is compiled already"
+        assert len(begun) == 2

@@ -2,12 +2,8 @@
 
 import pytest
 
-from engines.box2d import Box2D
-from engines.exudyn import ExudynBristle, ExudynRegularised
 from engines.interface.registry import law_of
 from engines.interface.variant import Variant
-from engines.mujoco import MuJoCo
-from engines.pymunk import Pymunk
 from reference_lcp.steady.neighbours import NEWTON_PERIODS
 from reference_lcp.steady.orbits import LONGEST_MULTIPLE, periodic_orbits
 from scenarios.runs.executor import run_batch
@@ -28,17 +24,13 @@ def tasks_of(variant: Variant, start: Start = Start.LAW, **more) -> list[SteadyS
     ]
 
 
-def installed(engine) -> pytest.MarkDecorator:
-    return pytest.mark.skipif(engine().unavailable_reason() is not None, reason="not installed")
-
-
 @pytest.mark.parametrize(
     ("name", "allowed_db"),
     [
-        pytest.param("pymunk", 1e-5, marks=installed(Pymunk), id="the reference's scheme"),
-        pytest.param("mujoco:joint:default", 1e-5, marks=installed(MuJoCo), id="soft friction"),
-        pytest.param("exudyn-bristle", 1e-5, marks=installed(ExudynBristle), id="bristles, internal state"),
-        pytest.param("box2d", 1e-2, marks=installed(Box2D), id="single precision"),
+        pytest.param("pymunk", 1e-5, marks=pytest.mark.needs("pymunk"), id="the reference's scheme"),
+        pytest.param("mujoco:joint:default", 1e-5, marks=pytest.mark.needs("mujoco"), id="soft friction"),
+        pytest.param("exudyn-bristle", 1e-5, marks=pytest.mark.needs("exudyn-bristle"), id="bristles, internal state"),
+        pytest.param("box2d", 1e-2, marks=pytest.mark.needs("box2d"), id="single precision"),
     ],
 )
 def test_an_engine_that_obeys_its_law_is_certified_by_its_first_period(name, allowed_db) -> None:
@@ -53,7 +45,7 @@ def test_an_engine_that_obeys_its_law_is_certified_by_its_first_period(name, all
         assert one.residual <= variant.capabilities.residual
 
 
-@installed(Pymunk)
+@pytest.mark.needs("pymunk")
 def test_an_engine_that_does_not_obey_its_law_ends_where_it_would_have(monkeypatch) -> None:
     """A tenth more friction than it is given: the first period does not repeat, and the search goes on."""
     variant = Variant("pymunk")
@@ -64,7 +56,7 @@ def test_an_engine_that_does_not_obey_its_law_ends_where_it_would_have(monkeypat
         assert one.transmittance_db == pytest.approx(other.transmittance_db, abs=1e-5)
 
 
-@installed(ExudynRegularised)
+@pytest.mark.needs("exudyn-regularised")
 def test_a_preset_whose_steps_are_not_modelled_is_searched_beside_the_reference() -> None:
     variant = Variant.parse("exudyn-regularised:contact:default")
     beside, balanced = (run_batch(tasks_of(variant, start)[:1])[0] for start in (Start.LAW, Start.HARMONIC_BALANCE))
@@ -74,7 +66,7 @@ def test_a_preset_whose_steps_are_not_modelled_is_searched_beside_the_reference(
     assert beside.transmittance_db == pytest.approx(balanced.transmittance_db, abs=1e-5)
 
 
-@installed(ExudynBristle)
+@pytest.mark.needs("exudyn-bristle")
 def test_where_the_law_itself_has_no_steady_state_the_engine_is_given_some_periods_and_no_more() -> None:
     """A bristle sticks at the ends of substeps only: here the motion never repeats, in the law and in the engine."""
     variant = Variant("exudyn-bristle")
@@ -137,14 +129,11 @@ def test_point_that_needs_too_many_steps_is_blocked_and_its_neighbours_are_compu
 DEFAULT = Variant("exudyn-regularised", "joint", "default")
 
 
-@installed(ExudynRegularised)
+@pytest.mark.needs("exudyn-regularised")
 def test_law_is_compared_where_it_does_not_claim_to_hold_and_the_reason_is_noted() -> None:
     """Newton's iteration may fail where friction kicks beyond two zones; where it does not, the law holds."""
-    tasks = [
-        SteadyStateTask(recorded=Recorded.LAW, variant=DEFAULT, friction_ratio=friction_ratio, frequency_ratio=0.9)
-        for friction_ratio in (0.1, 0.3, 0.6)
-    ]
-    within, holds, fails = run_batch(tasks)
+    usual = {"variant": DEFAULT, "frequency_ratio": 0.9, "recorded": Recorded.LAW}
+    within, holds, fails = run_batch([SteadyStateTask(friction_ratio=bound, **usual) for bound in (0.1, 0.3, 0.6)])
     law = law_of(DEFAULT.preset)
     assert law is not None
     assert all(result.status is ResultStatus.FINISHED for result in (within, holds, fails))

@@ -64,6 +64,14 @@ def locked(file: Path, statement: str):
         yield other
 
 
+def full(file: Path) -> ResultStore:
+    """Open a store that may have no further page."""
+    store = ResultStore(file)
+    pages = store._connection.execute("PRAGMA page_count").fetchone()[0]
+    store._connection.execute(f"PRAGMA max_page_count = {pages}")
+    return store
+
+
 @pytest.mark.parametrize("statement", ["BEGIN", "BEGIN EXCLUSIVE"], ids=["reader", "writer"])
 def test_a_lock_that_is_given_back_is_waited_for_with_one_message(file, statement, monkeypatch, capsys) -> None:
     monkeypatch.setattr(module, "PATIENCE_SECONDS", 0.2)
@@ -100,10 +108,8 @@ def test_a_writer_does_not_wait_for_one_who_reads_all_results(file) -> None:
 def test_a_disk_that_has_room_again_in_time_loses_nothing(file, monkeypatch, capsys) -> None:
     monkeypatch.setattr(module, "PATIENCE_SECONDS", 0.0)
     large = result(0.9, values=10_000)
-    with ResultStore(file) as store:
+    with full(file) as store:
         connection = store._connection
-        pages = connection.execute("PRAGMA page_count").fetchone()[0]
-        connection.execute(f"PRAGMA max_page_count = {pages}")
         monkeypatch.setattr(
             module, "print", lambda *_, **__: connection.execute("PRAGMA max_page_count = 1000000"), raising=False
         )
@@ -113,11 +119,8 @@ def test_a_disk_that_has_room_again_in_time_loses_nothing(file, monkeypatch, cap
 
 
 def test_a_disk_that_stays_full_keeps_what_is_stored(file, impatient, capsys) -> None:
-    with ResultStore(file) as store:
-        pages = store._connection.execute("PRAGMA page_count").fetchone()[0]
-        store._connection.execute(f"PRAGMA max_page_count = {pages}")
-        with pytest.raises(RunError, match="database or disk is full; what it holds stays"):
-            store.keep([(steady(0.9), result(0.9, values=10_000))])
+    with full(file) as store, pytest.raises(RunError, match="database or disk is full; what it holds stays"):
+        store.keep([(steady(0.9), result(0.9, values=10_000))])
     assert "is on a full disk; waiting up to 1.5 s" in capsys.readouterr().err
     assert kept(file, [0.5, 0.9]) == [0.5]
 

@@ -19,16 +19,16 @@ from scenarios.runs import store as store_file
 from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore, digest_of
 from scenarios.runs.store_check import check_store
-from scenarios.runs.task import SteadyStateTask
 from scenarios.sweeps.dataset import SWEEP
 from scenarios.sweeps.run import noted_sweeps
 from scenarios.sweeps.sweep import Sweep
 from scenarios.verdicts.stored import read_all
+from tests.scenarios.runs.builders import steady
 
 PAGE, COUNT_OF_PAGES = 4096, 28
 """Size of a page of SQLite [bytes], and where the header of the file has the number of pages."""
 
-TASK = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9)
+TASK = steady()
 RESULT = Result(status="converged", transmittance_db=-1.5, periods=30)
 SWEEP_OF_TASK = Sweep((Variant("reference"),), {"friction_ratio": (0.3,), "frequency_ratio": (0.9,)})
 
@@ -163,38 +163,21 @@ def test_a_noted_sweep_of_the_wrong_form_is_refused(file, tmp_path, text) -> Non
 @pytest.mark.parametrize(
     "name", [":memory:", "", "file:results.sqlite", "file::memory:?cache=shared", ":", "/dev/full"]
 )
-def test_a_store_that_would_keep_nothing_is_refused(tmp_path, monkeypatch, capsys, name) -> None:
-    (tmp_path / "sweep.toml").write_text(
-        'engines = ["reference:joint"]\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]'
-    )
-    monkeypatch.chdir(tmp_path)
+def test_a_store_that_would_keep_nothing_is_refused(sweep_folder, capsys, name) -> None:
     assert run_command(app, ["sweep", "sweep.toml", "--store", name]) == ExitCode.WRONG_INPUT
     assert capsys.readouterr().err.startswith("error: store ")
     with pytest.raises(ParameterError, match=r"store .*allowed"):
         sweep("reference", 0.3, 0.9, store=name)
-    assert [path.name for path in tmp_path.iterdir()] == ["sweep.toml"]
 
 
 @pytest.mark.parametrize(
-    ("command", "arguments"),
-    [
-        (app, ["sweep", "sweep.toml"]),
-        (app, ["run", "unit-cell"]),
-        (app, ["run", "all"]),
-        (app, ["run", "record"]),
-        (app, ["report", "--quick"]),
-        (app, ["report", "--sweep", "sweep.toml"]),
-    ],
+    "command",
+    ["sweep sweep.toml", "run unit-cell", "run all", "run record", "report --quick", "report --sweep sweep.toml"],
 )
-def test_a_misspelt_store_is_not_made_where_nothing_is_run(tmp_path, monkeypatch, capsys, command, arguments) -> None:
-    (tmp_path / "sweep.toml").write_text(
-        'engines = ["reference:joint"]\n[grid]\nfriction_ratio = [0.3]\nfrequency_ratio = [0.9]'
-    )
-    monkeypatch.chdir(tmp_path)
-    assert run_command(command, [*arguments, "--no-run", "--store", "misspelt.sqlite"]) == ExitCode.WRONG_INPUT
-    printed = capsys.readouterr().err
-    assert printed.startswith("error: store misspelt.sqlite does not exist")
-    assert [path.name for path in tmp_path.iterdir()] == ["sweep.toml"]
+def test_a_misspelt_store_is_not_made_where_nothing_is_run(sweep_folder, capsys, command) -> None:
+    arguments = [*command.split(), "--no-run", "--store", "misspelt.sqlite"]
+    assert run_command(app, arguments) == ExitCode.WRONG_INPUT
+    assert capsys.readouterr().err.startswith("error: store misspelt.sqlite does not exist")
 
 
 def open_together(file: Path, barrier, refused) -> None:

@@ -43,7 +43,7 @@ def note(process):
     part = Path(sys.argv[1] + ".part")
     part.write_text(str(process))
     part.rename(sys.argv[1])
-supervise(int(sys.argv[2]), os.open(os.devnull, os.O_RDONLY))
+supervise(int(sys.argv[2]))
 """
 
 

@@ -28,6 +28,7 @@ from scenarios.runs.store import ResultStore
 from scenarios.runs.task import RESULT_FORMAT, SteadyStateTask
 from scenarios.runs.transient import run_transients
 from scenarios.runs.transient_task import SHAPES, TransientTask, initial_positions
+from tests.scenarios.runs.builders import steady
 
 SMALL = ChainRatios(cells=2)
 PULSE = RickerPulse(0.01, 31.6, 0.35)
@@ -94,8 +95,7 @@ def test_content_of_a_question_for_a_steady_state_is_what_stores_have() -> None:
 
 
 def test_motions_and_steady_states_are_answered_side_by_side_and_kept(tmp_path) -> None:
-    steady = SteadyStateTask(variant=Variant("reference"), friction_ratio=0.3, frequency_ratio=0.9, ratios=SMALL)
-    asked = [motion(), steady, motion(steps=400)]
+    asked = [motion(), steady(), motion(steps=400)]
     with ResultStore(tmp_path / "store.sqlite") as store, Evaluator(store, LocalExecutor(1)) as evaluator:
         first = evaluator.evaluate(asked)
         assert [answer.status for answer in first] == ["finished", "converged", "finished"]

@@ -16,7 +16,6 @@ from reports.cli.console_script import app
 from scenarios.functions import check, sweep
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.local_processes import LocalExecutor
-from scenarios.runs.store import ResultStore
 from tests.scenarios.runs.builders import steady
 
 BESIDE, OWN, CRASHES, HANGS = (Variant(f"mujoco{version}") for version in ("", "@3.99.0", "@3.97.0", "@3.96.0"))
@@ -33,10 +32,10 @@ def test_results_of_a_version_are_its_own() -> None:
     assert '"version":"3.99.0"' in steady(variant=OWN, cells=1).text()
 
 
-def test_a_version_that_crashes_or_hangs_dies_alone_and_says_where(tmp_path: Path) -> None:
-    with ResultStore(tmp_path / "store.sqlite") as store, Evaluator(store, LocalExecutor(2, LIMIT)) as evaluator:
-        results = evaluator.evaluate([steady(variant=variant, cells=1) for variant in (BESIDE, OWN, CRASHES, HANGS)])
-    beside, own, crashed, hung = results
+def test_a_version_that_crashes_or_hangs_dies_alone_and_says_where(store) -> None:
+    with Evaluator(store, LocalExecutor(2, LIMIT)) as evaluator:
+        tasks = [steady(variant=variant, cells=1) for variant in (BESIDE, OWN, CRASHES, HANGS)]
+        beside, own, crashed, hung = evaluator.evaluate(tasks)
     assert own.converged
     assert own.transmittance_db == beside.transmittance_db
     assert re.search(r"mujoco@3\.97\.0 crashed with signal 11 \(SIGSEGV\) during 'build', in string_at", crashed.reason)
@@ -62,17 +61,13 @@ MISSING = (
 
 
 @pytest.mark.parametrize(
-    "arguments",
-    [
-        ["run", "unit-cell", "--engine", "mujoco@3.98.0"],
-        ["run", "cost", "--engine", "mujoco@3.98.0:joint:default"],
-        ["run", "accuracy", "--engine", "mujoco@3.98.0"],
-    ],
+    ("command", "engine"),
+    [("unit-cell", "mujoco@3.98.0"), ("cost", "mujoco@3.98.0:joint:default"), ("accuracy", "mujoco@3.98.0")],
 )
 def test_a_command_that_names_a_missing_version_ends_with_the_command_that_installs_it(
-    arguments: list[str], capsys: pytest.CaptureFixture[str]
+    command: str, engine: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run_command(app, arguments) == 2
+    assert run_command(app, ["run", command, "--engine", engine]) == 2
     assert re.fullmatch(f"error: engine = {MISSING}\n", capsys.readouterr().err)
 
 

@@ -4,6 +4,7 @@ import json
 import os
 import resource
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -119,7 +120,7 @@ def test_fresh_worker_is_out_of_reach_of_the_terminal_and_engines_find_the_folde
     """Nor does a signal to the group of the template or of a worker reach a supervisor."""
     for process in ("os.getpid()", "os.getppid()"):
         assert said(shared, f"str({process} == os.getpgid({process}) == os.getsid({process}))") == "True"
-    assert said(shared, "os.environ['TMPDIR']") == str(shared._folder.path)
+    assert said(shared, "os.environ['TMPDIR']") == str(shared._template.folder.path)
 
 
 def test_template_and_workers_have_one_thread_in_linear_algebra_too(shared) -> None:
@@ -161,47 +162,47 @@ os.fork = refuse
     ],
     ids=["the template ends", "no process can be forked"],
 )
-def test_worker_that_cannot_be_started_is_an_error_with_the_reason(monkeypatch, tmp_path, program, reason) -> None:
+def test_worker_that_cannot_be_started_is_an_error_with_the_reason(monkeypatch, program, reason) -> None:
     monkeypatch.setattr(worker_template, "_START", program)
     before = descriptors()
     with (
-        WorkerTemplate(tmp_path) as template,
+        WorkerTemplate() as template,
         pytest.raises(ExecutorError, match=f"^a worker process cannot be started: {reason}$"),
     ):
-        template.fork(tmp_path / "log")
+        template.fork()
     assert descriptors() == before
 
 
-def test_interrupted_start_leaves_neither_processes_nor_descriptors(monkeypatch, tmp_path) -> None:
+def test_interrupted_start_leaves_neither_processes_nor_descriptors(monkeypatch) -> None:
     started = []
 
     def interrupt(*_):
         started.append(template._process)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(worker_template.socket, "recv_fds", interrupt)
+    monkeypatch.setattr(socket.socket, "recv", interrupt)
     before = descriptors()
-    with WorkerTemplate(tmp_path) as template:
+    with WorkerTemplate() as template:
         with pytest.raises(KeyboardInterrupt):
-            template.fork(tmp_path / "log")
+            template.fork()
         assert started[0].returncode is not None
-        assert descriptors() == before
+    assert descriptors() == before
 
 
 CLIENT = """
-import json, sys, time
+import json, time
 from pathlib import Path
 from scenarios.runs.worker_template import WorkerTemplate
-template = WorkerTemplate(Path(sys.argv[1]))
-worker = template.fork(Path(sys.argv[1]) / "log")
-supervisor = next(line for line in Path(f"/proc/self/fdinfo/{worker.supervisor}").open() if line.startswith("Pid:"))
+template = WorkerTemplate()
+connection, supervisor, crash_log = template.fork()
+supervisor = next(line for line in Path(f"/proc/self/fdinfo/{supervisor}").open() if line.startswith("Pid:"))
 print(json.dumps([template._process.pid, int(supervisor.split()[1])]), flush=True)
 time.sleep(1000)
 """
 
 
-def test_template_that_is_stopped_ends_with_a_client_that_is_killed(tmp_path) -> None:
-    client = subprocess.Popen([sys.executable, "-c", CLIENT, str(tmp_path)], stdout=subprocess.PIPE)
+def test_template_that_is_stopped_ends_with_a_client_that_is_killed() -> None:
+    client = subprocess.Popen([sys.executable, "-c", CLIENT], stdout=subprocess.PIPE)
     processes = json.loads(client.stdout.readline())
     client.stdout.close()
     assert all(map(running, processes))
