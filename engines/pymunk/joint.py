@@ -1,6 +1,6 @@
 """pymunk's joint formulation: in every cell a pivot joint of bounded force, without its pull on positions."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -53,7 +53,7 @@ class PymunkJoints(PymunkSimulation):
     def _reader(self, world: World) -> Callable[[], list[float]]:
         return lambda: [joint.impulse for joint in world.holds]
 
-    def _contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> Sequence[FloatArray]:
+    def _contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> Iterable[FloatArray]:
         # Sizes of impulses get the sign of the momentum that the other forces do not explain.
         cells, before = self._cells, motions[:-1].copy()
         if self._own_springs:

@@ -7,7 +7,7 @@ of a space, such a call costs little. Lanes share a space when they share its ti
 import functools
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -85,15 +85,15 @@ class PymunkSimulation(LanesInUnits):
         if taken:
             given = self._preloads(start, steps)[:taken]
             friction[:taken], normal[:taken] = self._contact_forces(read, motions[: taken + 1], given)
-        for lane in np.flatnonzero(stopped < steps):
-            last = stopped[lane]
-            motions[last + 1 :, lane] = motions[last, lane]
+        for index in np.flatnonzero(stopped < steps):
+            last = stopped[index]
+            motions[last + 1 :, index] = motions[last, index]
             for rows in (friction, normal):
-                rows[last:, lane] = rows[last - 1, lane] if last else 0.0
+                rows[last:, index] = rows[last - 1, index] if last else 0.0
         moved, trajectories, half = self._moved(motions[1:], 1.0), [], 2 * self._cells
-        for index, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True)):
-            position, velocity = moved[:, index, :half] * units.length, moved[:, index, half:] * units.velocity
-            forces = friction[:, index] * units.force, normal[:, index] * units.force
+        for number, (lane, units) in enumerate(zip(self.lanes, self._units, strict=True)):
+            position, velocity = moved[:, number, :half] * units.length, moved[:, number, half:] * units.velocity
+            forces = friction[:, number] * units.force, normal[:, number] * units.force
             trajectories.append(Trajectory(lane.times(start, steps), position, velocity, *forces))
         self._check_ends(np.stack([trajectory.positions[-1] for trajectory in trajectories]))
         return trajectories
@@ -128,7 +128,7 @@ class PymunkSimulation(LanesInUnits):
         """Give what reads, after a step, what pymunk reports of the contacts of all lanes."""
 
     @abstractmethod
-    def _contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> Sequence[FloatArray]:
+    def _contact_forces(self, read: list[Any], motions: FloatArray, given: FloatArray) -> Iterable[FloatArray]:
         """Turn what was read of each step into friction on inner masses and normal force, shape (steps, lanes, n) each.
 
         `motions` are those at the start and at the end of each step, shape (steps + 1, lanes, 4n); `given` is the

@@ -31,17 +31,17 @@ class LanesInUnits:
 
     def _loads(self, start: int, steps: int) -> FloatArray:
         """Give the force on cell 1 in every step, shape (steps, lanes)."""
-        return self._forces(lambda lane: lane.loads(start, steps))
+        return self._of_lanes(lambda lane: lane.loads(start, steps))
 
     def _preloads(self, start: int, steps: int) -> FloatArray:
         """Give λ_N of every contact in every step, shape (steps, lanes, n)."""
-        return self._forces(lambda lane: lane.preloads(start, steps))
+        return self._of_lanes(lambda lane: lane.preloads(start, steps))
 
     def _bounds(self, start: int, steps: int) -> FloatArray:
         """Give μ λ_N of every contact in every step, shape (steps, lanes, n)."""
-        return self._forces(lambda lane: lane.chain.friction_coefficient * lane.preloads(start, steps))
+        return self._of_lanes(lambda lane: lane.chain.friction_coefficient * lane.preloads(start, steps))
 
-    def _forces(self, of: Callable[[Lane], FloatArray]) -> FloatArray:
+    def _of_lanes(self, of: Callable[[Lane], FloatArray]) -> FloatArray:
         return np.stack([of(lane) / units.force for lane, units in zip(self.lanes, self._units, strict=True)], axis=1)
 
 
