@@ -1,7 +1,6 @@
 """The numbers of a card: one engine, default beside tuned, each against the truth."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from engines.interface.law import NotModelled
@@ -10,11 +9,12 @@ from engines.interface.variant import Variant, check_installed
 from reports.reproducers.questions import QUESTIONS, Number
 from reports.reproducers.script import Reproduction, checked, has_reproducer, script
 from scenarios.catalogue import CATALOGUE
-from scenarios.catalogue.steady.figure3 import LOWER_EDGE
+from scenarios.catalogue.steady.figure3 import lower_edges
 from scenarios.runs.evaluator import Evaluator
 from scenarios.studies.accuracy import SIX_POINTS, accuracies
 from scenarios.studies.work_precision import StepPoint, step_study
-from scenarios.verdicts.finding import Finding
+from scenarios.sweeps.edges import BandEdge
+from scenarios.verdicts.steady_case import CONVERGED
 
 PRESETS = ("default", "tuned")
 """What a card shows of each formulation: as the engine comes, and the best options that are known."""
@@ -22,8 +22,8 @@ PRESETS = ("default", "tuned")
 GOAL_DB = 0.1
 """Error to the truth that costs are compared at [dB]."""
 
-EDGE_CASE = "friction 0.3"
-"""Of the band edge: where the band is widest."""
+EDGE_FRICTION = 0.3
+"""Friction ratio of the band edge: where the band is widest."""
 
 DIRECTION = "direction"
 """Scenario of the bound against direction; a catalogue without it leaves the line out."""
@@ -144,7 +144,9 @@ def card(name: str, evaluator: Evaluator) -> Card:
     variants = card_variants(name)
     exactness = accuracies(variants, evaluator)
     steps = step_study(variants, evaluator)
-    edges = {finding.variant: finding for finding in _edges(variants, evaluator)}
+    edges = {
+        edge.variant: edge for edge in lower_edges(variants, evaluator) if edge.case.friction_ratio == EDGE_FRICTION
+    }
     adapter = engine(name)
     return Card(
         name=name,
@@ -162,7 +164,7 @@ def card(name: str, evaluator: Evaluator) -> Card:
                 certified=own.certified,
                 points=own.points,
                 rows=(
-                    _edge_row(edges[variant]),
+                    _edge_row(edges[variant], edges[CONVERGED]),
                     *_block_rows(variant, evaluator),
                     *_direction_rows(variant, evaluator),
                 ),
@@ -176,14 +178,10 @@ def card(name: str, evaluator: Evaluator) -> Card:
     )
 
 
-def _edges(variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
-    findings = CATALOGUE["figure3"].run(variants, evaluator)
-    return [finding for finding in findings if finding.metric is LOWER_EDGE and finding.case == EDGE_CASE]
-
-
-def _edge_row(finding: Finding) -> Row:
-    reason = "" if math.isfinite(finding.value) else finding.comparison.reason
-    return Row("lower band edge", "η_r", finding.value, finding.expected, EDGE_CASE, reason)
+def _edge_row(edge: BandEdge, truth: BandEdge) -> Row:
+    own, exact = edge.finding, truth.finding
+    reason = "" if math.isfinite(own.value) else own.comparison.reason
+    return Row("lower band edge", "η_r", own.value, exact.value, str(edge.case), reason)
 
 
 def _block_rows(variant: Variant, evaluator: Evaluator) -> list[Row]:

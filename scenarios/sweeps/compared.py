@@ -85,11 +85,12 @@ def compare_sweep(sweep: Sweep, evaluator: GivesResults) -> ComparedSweep:
     The converged reference is among the variants, see `Sweep.with_reference`.
     """
     points = judged(evaluated(sweep, resolved_grid(sweep, evaluator), evaluator))
-    edges = band_edges(sweep, points, evaluator)
+    results = {point.place: point.result for point in points}
+    edges = band_edges(sweep, results, evaluator)
     return ComparedSweep(
         sweep,
         predicted(sweep, points, evaluator),
-        predicted_edges(sweep, points, edges, evaluator),
+        predicted_edges(sweep, results, edges, evaluator),
         _dense_reference(sweep, evaluator),
     )
 

@@ -42,13 +42,8 @@ class RefinedEdges:
     """Curves that lack a result, on the grid or on the way."""
 
 
-def refined_edges(
-    sweep: Sweep, results: Results, evaluator: GivesResults, amplified: Mapping[Case, float] | None = None
-) -> RefinedEdges:
-    """Refine all edges of all curves together, by simulations of their own variants.
-
-    `amplified` is by how much residuals are amplified in each case, see `largest_amplification`.
-    """
+def refined_edges(sweep: Sweep, results: Results, evaluator: GivesResults) -> RefinedEdges:
+    """Refine all edges of all curves together, by simulations of their own variants."""
     brackets = {
         (*key, edge): bracket
         for key, curve in curves_of(results).items()
@@ -56,6 +51,10 @@ def refined_edges(
     }
     owners = list(brackets)
     incomplete = {place[:2] for place, result in results.items() if result.status is ResultStatus.MISSING}
+    amplified: dict[Case, float] = defaultdict(float)  # where that is most
+    for (variant, case, _), result in results.items():
+        if variant == REFERENCE:
+            amplified[case] = max(amplified[case], amplification(result))
     open_db: dict[int, float] = defaultdict(float)
 
     def transmittance_db(index: NDArray[np.intp], eta: FloatArray) -> FloatArray:
@@ -65,7 +64,7 @@ def refined_edges(
             if result.status is ResultStatus.MISSING:
                 incomplete.add(point[:2])
             if not result.converged and result.residual <= EDGE_RESIDUAL:
-                growth = (amplified or {}).get(point[1], math.nan)
+                growth = amplified.get(point[1], math.nan)
                 open_db[k] = max(open_db[k], amplitude_in_db(result.residual * growth, sweep.band.threshold_db))
         return np.array([decided_db(result) for result in found])
 
@@ -75,15 +74,6 @@ def refined_edges(
         for k, (edge, crossing) in enumerate(zip(brackets, narrowed, strict=True))
     }
     return RefinedEdges(crossings, incomplete)
-
-
-def largest_amplification(points: Iterable[Point]) -> dict[Case, float]:
-    """Give by how much residuals are amplified in each case, at the point of the reference where that is most."""
-    largest: dict[Case, float] = {}
-    for point in points:
-        if point.variant == REFERENCE:
-            largest[point.case] = max(largest.get(point.case, 0.0), amplification(point.result))
-    return largest
 
 
 @dataclass(frozen=True)
@@ -104,39 +94,43 @@ class BandEdge:
     @property
     def finding(self) -> Finding:
         """The edge as a finding."""
-        value = math.nan if self.frequency_ratio is None else self.frequency_ratio
-        expected = value - self.comparison.difference
+        value, expected = (math.nan if eta is None else eta for eta in (self.frequency_ratio, self.expected))
         label = f"{self.case}, {self.edge} edge"
         return Finding(self.variant, label, BAND_EDGE, value, expected, self.comparison, self.prediction)
 
 
-def band_edges(sweep: Sweep, points: Sequence[Point], evaluator: GivesResults) -> tuple[BandEdge, ...]:
-    """Refine all edges, and compare them with those of what each variant is compared with."""
+def band_edges(sweep: Sweep, results: Results, evaluator: GivesResults) -> tuple[BandEdge, ...]:
+    """Refine all edges of curves, and compare them with those of what each variant is compared with."""
     curves: dict[CurveKey, list[Result]] = defaultdict(list)
-    for point in points:
-        curves[point.variant, point.case].append(point.result)
-    results = {point.place: point.result for point in points}
-    refined = refined_edges(sweep, results, evaluator, largest_amplification(points))
-    at_edges = _at_edges(sweep, list(curves), refined, evaluator)
-    known = {point.place: point for point in (*points, *at_edges)}
+    for (variant, case, _), result in results.items():
+        curves[variant, case].append(result)
+    refined = refined_edges(sweep, results, evaluator)
+    known = _around_edges(sweep, list(curves), refined, evaluator)
     return tuple(_judged(key, edge, own, refined, known, sweep) for key, own in curves.items() for edge in Edge)
 
 
-def _at_edges(sweep: Sweep, curves: Sequence[CurveKey], refined: RefinedEdges, evaluator: GivesResults) -> list[Point]:
-    """Evaluate every curve whose own error counts at the converged edges, where that error is what moves its edge."""
-    places = {
-        (owner, case, expected.frequency_ratio)
-        for variant, case in curves
-        if refinements(variant, sweep.tolerance)
-        for edge in Edge
-        if (expected := refined.crossings.get((CONVERGED, case, edge))) is not None
-        and not math.isnan(expected.frequency_ratio)
-        for owner in (variant, REFERENCE, CONVERGED)
-    }
+def _around_edges(
+    sweep: Sweep, curves: Sequence[CurveKey], refined: RefinedEdges, evaluator: GivesResults
+) -> dict[GridPoint, Point]:
+    """Evaluate what says how far edges may be apart: points of the grid on both sides of the baseline's edge.
+
+    Curves whose own error counts are evaluated at the edge itself too, where that error is what moves it.
+    """
+    places = set()
+    for variant, case in curves:
+        against = baseline(variant, sweep.tolerance)
+        for edge in Edge:
+            expected = refined.crossings.get((against, case, edge))
+            if expected is None:
+                continue
+            etas = list(expected.bracket)
+            if refinements(variant, sweep.tolerance) and not math.isnan(expected.frequency_ratio):
+                etas.append(expected.frequency_ratio)
+            places |= {(owner, case, eta) for owner in (variant, REFERENCE, CONVERGED) for eta in etas}
     order = {variant: number for number, variant in enumerate(sweep.variants)}
     ordered = sorted(places, key=lambda place: (order[place[0]], place[1].values, place[2]))
-    points = evaluated(sweep, ordered, evaluator)
-    refined.incomplete.update(point.place[:2] for point in points if point.result.status is ResultStatus.MISSING)
+    points = {point.place: point for point in evaluated(sweep, ordered, evaluator)}
+    refined.incomplete.update(place[:2] for place, own in points.items() if own.result.status is ResultStatus.MISSING)
     return points
 
 

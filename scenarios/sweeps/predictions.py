@@ -11,11 +11,13 @@ from dataclasses import replace
 from engines.interface.variant import Variant
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.task import Recorded
-from scenarios.sweeps.edges import BandEdge, RefinedEdges, largest_amplification, refined_edges
+from scenarios.sweeps.edges import BandEdge, RefinedEdges, refined_edges
 from scenarios.sweeps.point import GivesResults, Point, point_findings, point_resolution
+from scenarios.sweeps.refinement import Results
 from scenarios.sweeps.sweep import Sweep
 from scenarios.verdicts.finding import Comparison, Finding, Verdict
 from scenarios.verdicts.prediction import LawPeriod, needs_prediction, with_predictions
+from scenarios.verdicts.steady_case import REFERENCE
 
 
 def predicted(sweep: Sweep, points: Sequence[Point], evaluator: GivesResults) -> list[Point]:
@@ -55,23 +57,20 @@ def _with_resolution(point: Point) -> list[Finding]:
 
 
 def predicted_edges(
-    sweep: Sweep, points: Sequence[Point], edges: Sequence[BandEdge], evaluator: GivesResults
+    sweep: Sweep, results: Results, edges: Sequence[BandEdge], evaluator: GivesResults
 ) -> tuple[BandEdge, ...]:
     """Give judged edges, those that disagree with what the law of the variant says."""
     open_edges = [edge for edge in edges if edge.comparison.verdict is Verdict.DISAGREE and edge.variant.law]
-    curves = {(edge.variant, edge.case): edge.variant.law for edge in open_edges}
-    grid = [
-        (law, *point.place[1:])
-        for key, law in curves.items()
-        for point in points
-        if point.place[:2] == key and law is not None
-    ]
-    results = dict(zip(grid, evaluator.evaluate([sweep.task(*place) for place in grid]), strict=True))
-    of_laws = refined_edges(sweep, results, evaluator, largest_amplification(points))
-    places = [edge.expected if edge.frequency_ratio is None else edge.frequency_ratio for edge in open_edges]
+    curves = dict.fromkeys((edge.variant, edge.case) for edge in open_edges)
+    places = [place for key in curves for place in results if place[:2] == key]
+    grid = [(law, case, eta) for variant, case, eta in places if (law := variant.law) is not None]
+    own = dict(zip(grid, evaluator.evaluate([sweep.task(*place) for place in grid]), strict=True))
+    references = {place: result for place, result in results.items() if place[0] == REFERENCE}
+    of_laws = refined_edges(sweep, references | own, evaluator)
+    etas = [edge.expected if edge.frequency_ratio is None else edge.frequency_ratio for edge in open_edges]
     tasks = [
         sweep.task(edge.variant, edge.case, eta).recording(Recorded.LAW)
-        for edge, eta in zip(open_edges, places, strict=True)
+        for edge, eta in zip(open_edges, etas, strict=True)
         if eta is not None
     ]
     periods = {

@@ -124,12 +124,12 @@ class SteadyScenario(Scenario):
         places = [(variant, case) for variant in variants for case in self.cases if (variant, case.label) in close]
         if not places:
             return findings
-        results |= _results_of([third_task(*place) for place in places], evaluator)
+        results |= results_of([third_task(*place) for place in places], evaluator)
         return judged()
 
     def _simulated(self, variants: Sequence[Variant], evaluator: Evaluator) -> tuple[_Results, _Skipped]:
         """Run every case, stage after stage; gives the results, and why cases are skipped."""
-        results = _results_of(self.baseline(), evaluator)
+        results = results_of(self.baseline(), evaluator)
         skipped: _Skipped = {}
         before: tuple[SteadyCase, ...] = ()
         for cases in self.stages():
@@ -139,7 +139,7 @@ class SteadyScenario(Scenario):
                     if reason is not None:
                         skipped[variant, case] = reason
             due = [(variant, case) for variant in variants for case in cases if (variant, case) not in skipped]
-            results |= _results_of([task for variant, case in due for task in case_tasks(variant, case)], evaluator)
+            results |= results_of([task for variant, case in due for task in case_tasks(variant, case)], evaluator)
             before = cases
         return results, skipped
 
@@ -181,7 +181,7 @@ class ClosedForm(SteadyScenario):
         return []
 
 
-def _results_of(tasks: Sequence[SteadyStateTask], evaluator: Evaluator) -> _Results:
+def results_of(tasks: Sequence[SteadyStateTask], evaluator: Evaluator) -> _Results:
     """Run tasks, each once."""
     unique = list(dict.fromkeys(tasks))
     return dict(zip(unique, evaluator.evaluate(unique), strict=True))

@@ -1,38 +1,28 @@
 """Figure 3 of the paper: transmittance of the seven cells, and where the attenuation band begins."""
 
-import dataclasses
-import math
-from collections.abc import Mapping
+from collections.abc import Sequence
 
-from scenarios.catalogue.steady.base import SAME_STEP, SteadyScenario, point_case
-from scenarios.runs.result import Result
-from scenarios.sweeps.attenuation_band import BandDefinition
-from scenarios.verdicts.finding import TRANSMITTANCE, Comparison, Finding, Metric, Verdict
-from scenarios.verdicts.judge import Steps, judge
-from scenarios.verdicts.steady_case import Evidence, Expected, SteadyCase
-
-LOWER_EDGE = Metric(
-    "lower edge",
-    "η_r",
-    f"of the low-frequency attenuation band ({BandDefinition()}): where the straight line through two points of the "
-    "curve, one on either side, crosses the threshold; read alike from the exact curve",
-)
+from engines.interface.variant import Variant
+from scenarios.catalogue.steady.base import SAME_STEP, SteadyScenario, point_case, results_of, skip_reason
+from scenarios.runs.evaluator import Evaluator
+from scenarios.studies.figure3 import figure3
+from scenarios.sweeps.attenuation_band import Edge
+from scenarios.sweeps.edges import BAND_EDGE, BandEdge, band_edges
+from scenarios.sweeps.sweep import Case
+from scenarios.verdicts.finding import TRANSMITTANCE, Finding
+from scenarios.verdicts.steady_case import case_tasks
 
 HALF_WIDTH = 0.004
-"""Distance in η_r of the two points from the edge: the line between them crosses the threshold within 0.0003 of
-where the exact curve does."""
-
-LONGEST_EXTRAPOLATION = 0.05
-"""Distance in η_r from the two points up to which the line through them is extrapolated."""
+"""Distance in η_r from an edge of the two points whose transmittance is compared, on its flanks."""
 
 LOWER_EDGES = {0.3: 0.637, 1.0: 0.999}
 """Friction ratios of the widest band and of cells that nearly lock; its lower edges, to three digits."""
 
+SIDES = (-0.05, -0.025, -HALF_WIDTH, HALF_WIDTH, 0.025, 0.05)
+"""Distances in η_r from these edges of the points between which the edge of a curve is looked for."""
 
-EDGE_CASES = {
-    friction: [point_case(friction, round(edge + side, 6)) for side in (-HALF_WIDTH, HALF_WIDTH)]
-    for friction, edge in LOWER_EDGES.items()
-}
+DEEP = {0.3: 1.1, 1.0: 1.3}
+"""Frequency ratios within the band, where the attenuation is deep."""
 
 
 class Figure3Points(SteadyScenario):
@@ -40,58 +30,46 @@ class Figure3Points(SteadyScenario):
 
     name = "figure3"
     source = "Sethi, Banerjee, Manna, figure 3: mass and stiffness ratio 1, ζ = 0.01, seven cells"
-    cases = (*(case for pair in EDGE_CASES.values() for case in pair), point_case(0.6, 0.9), point_case(0.1, 0.6))
-    metrics = (TRANSMITTANCE, SAME_STEP, LOWER_EDGE)
-
-    def judged(self, by_case: Mapping[SteadyCase, Evidence]) -> list[Finding]:
-        """Judge transmittance point by point, then the edges."""
-        edges = [
-            edge_finding(f"friction {friction:g}", by_case[below], by_case[above])
-            for friction, (below, above) in EDGE_CASES.items()
-        ]
-        return [*super().judged(by_case), *edges]
-
-
-def edge_finding(label: str, below: Evidence, above: Evidence) -> Finding:
-    """Compare a lower edge, from the evidence at a point on either side of it."""
-    missing = below.missing or above.missing
-    if missing is not None:
-        return Finding(below.variant, label, LOWER_EDGE, math.nan, math.nan, missing)
-    expected, coarse, fine = (
-        crossing(below.case, above.case, getattr(below, name), getattr(above, name))
-        for name in ("expected", "coarse", "fine")
+    cases = (
+        *(
+            point_case(f, round(edge + side, 6))
+            for f, edge in LOWER_EDGES.items()
+            for side in (-HALF_WIDTH, HALF_WIDTH)
+        ),
+        point_case(0.6, 0.9),
+        point_case(0.1, 0.6),
     )
-    if math.isnan(fine):
-        reason = f"no edge within {LONGEST_EXTRAPOLATION:g} of {expected:.3f} in η_r"
-        return Finding(below.variant, label, LOWER_EDGE, math.nan, expected, Comparison(Verdict.DISAGREE, reason))
-    scheme = {
-        low.steps_per_period: crossing(below.case, above.case, low, high)
-        for low, high in zip(below.scheme, above.scheme, strict=True)
-    }
-    shifted = crossing(below.case, above.case, *(_shifted(side) for side in (below, above)))
-    comparison = judge(
-        LOWER_EDGE,
-        Steps({below.coarse.steps_per_period: coarse, below.fine.steps_per_period: fine}),
-        expected,
-        scheme=Steps(scheme, below.scheme[1].steps_per_period),
-        resolution=abs(shifted - expected),
-    )
-    return Finding(below.variant, label, LOWER_EDGE, fine, expected, comparison)
+    metrics = (TRANSMITTANCE, SAME_STEP, BAND_EDGE)
+
+    def run(self, variants: Sequence[Variant], evaluator: Evaluator) -> list[Finding]:
+        """Judge transmittance point by point, then the edges; those of variants that are too slow are skipped."""
+        findings = super().run(variants, evaluator)
+        tasks = [task for variant in variants for task in case_tasks(variant, self.cases[0])]
+        results = results_of(tasks, evaluator)
+        skipped = {variant: skip_reason(variant, self.cases[:1], 1.0, results) for variant in variants}
+        edges = lower_edges([variant for variant in variants if skipped[variant] is None], evaluator)
+        judged = []
+        for variant in variants:
+            judged += [finding for finding in findings if finding.variant == variant]
+            reason = skipped[variant]
+            if reason is None:
+                judged += [edge.finding for edge in edges if edge.variant == variant]
+            else:
+                for friction in LOWER_EDGES:
+                    judged += Finding.without_numbers(variant, edge_label(friction), [BAND_EDGE], reason)
+        return judged
 
 
-def crossing(below: SteadyCase, above: SteadyCase, low: Result | Expected, high: Result | Expected) -> float:
-    """Give η_r where the straight line through two points crosses the threshold; NaN where it does not nearby."""
-    threshold = BandDefinition().threshold_db
-    fall = low.transmittance_db - high.transmittance_db
-    if fall <= 0:
-        return math.nan
-    width = above.frequency_ratio - below.frequency_ratio
-    eta = below.frequency_ratio + width * (low.transmittance_db - threshold) / fall
-    middle = (below.frequency_ratio + above.frequency_ratio) / 2
-    return eta if abs(eta - middle) <= LONGEST_EXTRAPOLATION else math.nan
+def edge_label(friction: float) -> str:
+    """Name the lower edge at a friction ratio, as `BandEdge.finding` does."""
+    return f"{Case.of(friction_ratio=friction)}, {Edge.LOWER} edge"
 
 
-def _shifted(evidence: Evidence) -> Expected:
-    """Give what is expected, raised by what the engine cannot resolve."""
-    rise = evidence.resolution_db(evidence.expected.transmittance_db)
-    return dataclasses.replace(evidence.expected, transmittance_db=evidence.expected.transmittance_db + rise)
+def lower_edges(variants: Sequence[Variant], evaluator: Evaluator) -> list[BandEdge]:
+    """Give the lower edges of the attenuation band, of these variants, of the reference and of the converged one."""
+    etas = {f: sorted([*(round(edge + side, 6) for side in SIDES), DEEP[f]]) for f, edge in LOWER_EDGES.items()}
+    sweep = figure3(variants, tuple(LOWER_EDGES), sorted({eta for own in etas.values() for eta in own}))
+    by_case = [(case, eta) for case in sweep.cases for eta in etas[case.friction_ratio]]
+    places = [(variant, *place) for variant in sweep.variants for place in by_case]
+    results = dict(zip(places, evaluator.evaluate([sweep.task(*place) for place in places]), strict=True))
+    return [edge for edge in band_edges(sweep, results, evaluator) if edge.edge is Edge.LOWER]

@@ -13,10 +13,11 @@ from reference_lcp.defaults import CHAIN_STIFFNESS
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.steady.base import LONGEST_SECONDS, SAME_STEP, SteadyScenario
 from scenarios.catalogue.steady.den_hartog import POINTS, expected_motion
-from scenarios.catalogue.steady.figure3 import LOWER_EDGE, LOWER_EDGES
+from scenarios.catalogue.steady.figure3 import LOWER_EDGES
 from scenarios.catalogue.steady.linear_limits import LOCKING_FRICTION
 from scenarios.catalogue.steady.unequal_cells import DISORDER_SEED
 from scenarios.runs.result import Result
+from scenarios.sweeps.edges import BAND_EDGE
 from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
 from tests.reference_lcp.cases import STANDING
 
@@ -127,7 +128,7 @@ def test_bound_of_the_locked_chain_is_four_times_the_force_that_holds() -> None:
 
 @pytest.mark.slow
 def test_edges_of_figure_3_are_where_the_exact_curve_has_them(verdicts) -> None:
-    edges = [finding for finding in verdicts(CATALOGUE["figure3"]) if finding.metric == LOWER_EDGE]
+    edges = [finding for finding in verdicts(CATALOGUE["figure3"]) if finding.metric == BAND_EDGE]
     assert [finding.expected for finding in edges] == pytest.approx(list(LOWER_EDGES.values()), abs=5e-4)
 
 
