@@ -206,19 +206,16 @@ class LocalExecutor(WorkerExecutor):
         same = [worker for worker in idle if worker.engine == engine]
         if same:
             self._workers.remove(same[-1])
-        elif len(idle) > IDLE_WORKERS:
-            self._end(idle[:1])
-        worker = same[-1] if same else self._new_worker(engine)
-        self._workers.append(worker)
-        return worker
-
-    def _new_worker(self, engine: str) -> LocalWorker:
+            self._workers.append(same[-1])
+            return same[-1]
         reason = unavailable_reason()
         if reason is not None:
             raise ExecutorError(reason)
-        if self._template is None:
-            self._template = WorkerTemplate()
-        return LocalWorker(engine, self._template)
+        if len(idle) > IDLE_WORKERS:
+            self._end(idle[:1])
+        self._template = self._template or WorkerTemplate()
+        self._workers.append(LocalWorker(engine, self._template))
+        return self._workers[-1]
 
     def _end(self, workers: Collection[LocalWorker]) -> None:
         for worker in workers:

@@ -40,12 +40,15 @@ class ScratchFolder(Closing):
     """A folder that is removed when it is closed, or by the next one if its process was killed."""
 
     def __init__(self) -> None:
-        remove_abandoned()
-        self.path = Path(tempfile.gettempdir()) / f"{PREFIX}{uuid.uuid4().hex}"
+        temporary = Path(tempfile.gettempdir())
+        for file in temporary.glob(f"{PREFIX}*{LOCK}"):
+            folder = file.with_suffix("")
+            with suppress(OSError):  # locked by a living process, removed meanwhile, or another user's
+                if _is_own(file) and not folder.is_symlink():
+                    _remove(folder, _locked(folder))
+        self.path = temporary / f"{PREFIX}{uuid.uuid4().hex}"
         # locked before it is made: a folder whose lock is free is nobody's any more
-        lock = _lock_of(self.path)
-        lock.acquire()
-        self._remove = weakref.finalize(self, _remove, self.path, lock)
+        self._remove = weakref.finalize(self, _remove, self.path, _locked(self.path))
         self.path.mkdir(mode=0o700)
 
     def close(self) -> None:
@@ -53,23 +56,18 @@ class ScratchFolder(Closing):
         self._remove()
 
 
-def remove_abandoned() -> None:
-    """Remove the folders of processes that have ended without it; those of living ones and of other users stay."""
-    for file in Path(tempfile.gettempdir()).glob(f"{PREFIX}*{LOCK}"):
-        folder = file.with_suffix("")
-        with suppress(OSError):  # locked, removed meanwhile, or another user's
-            # on Windows every user has a temporary folder of their own
-            if not (hasattr(os, "getuid") and file.lstat().st_uid != os.getuid()) and not folder.is_symlink():
-                lock = _lock_of(folder)
-                lock.acquire()
-                _remove(folder, lock)
+def _is_own(file: Path) -> bool:
+    """Tell whether a file is this user's; on Windows every user has a temporary folder of their own."""
+    return not hasattr(os, "getuid") or file.lstat().st_uid == os.getuid()
 
 
-def _lock_of(folder: Path) -> "BaseFileLock":
-    """Give the lock of a folder; taking it is a `TimeoutError` at once where another process has it."""
+def _locked(folder: Path) -> "BaseFileLock":
+    """Lock a folder, or raise a `TimeoutError` at once where another process has done it."""
     from filelock import FileLock  # on first use: not every command needs a folder
 
-    return FileLock(folder.with_name(folder.name + LOCK), timeout=0, thread_local=False)
+    lock = FileLock(folder.with_name(folder.name + LOCK), timeout=0, thread_local=False)
+    lock.acquire()
+    return lock
 
 
 def _remove(folder: Path, lock: "BaseFileLock") -> None:
