@@ -1,5 +1,6 @@
 """Coordinates of engines, from absolute ones and back, and the friction along them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from typing import Self
@@ -12,7 +13,20 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.validation import FloatArray
 
 
-class ChainCoordinates(Enum):
+class _Coordinates:
+    absolute: Callable[..., FloatArray]
+
+    def force_matrix(self, chain: Chain) -> FloatArray:
+        """Give the matrix that turns coordinates and velocities into generalised forces, shape (2n, 4n).
+
+        The force of a joint acts on its own mass and back on the one that carries it.
+        """
+        # A column has the absolute positions for one unit of a coordinate.
+        columns = self.absolute(np.eye(2 * chain.cells)).T
+        return -np.hstack([columns.T @ matrix @ columns for matrix in (chain.stiffness_matrix, chain.damping_matrix)])
+
+
+class ChainCoordinates(_Coordinates, Enum):
     """What a vector of 2n coordinates holds; velocities likewise.
 
     Every map is a chain of single additions, so that it gives the same bits for one row and for many.
@@ -51,26 +65,9 @@ class ChainCoordinates(Enum):
             inner = outer + inner
         return np.concatenate([outer, inner], axis=-1)
 
-    def force_matrix(self, chain: Chain) -> FloatArray:
-        """Give the matrix that turns coordinates and velocities into generalised forces, shape (2n, 4n).
-
-        The force of a joint acts on its own mass and back on the one that carries it.
-        """
-        return generalised_force_matrix(chain, self.absolute(np.eye(2 * chain.cells)).T)
-
-
-def generalised_force_matrix(chain: Chain, absolute: FloatArray) -> FloatArray:
-    """Give the matrix that turns coordinates and velocities into generalised forces, shape (2n, 4n).
-
-    A column of `absolute`, shape (2n, 2n), has the absolute positions for one unit of a coordinate.
-    """
-    stiffness = absolute.T @ chain.stiffness_matrix @ absolute
-    damping = absolute.T @ chain.damping_matrix @ absolute
-    return -np.hstack([stiffness, damping])
-
 
 @dataclass(frozen=True)
-class CarriedCoordinates:
+class CarriedCoordinates(_Coordinates):
     """(a_i, b_i - a_i): joints on the ground carry the heavier mass a_i of every cell, and this the other one, b_i.
 
     `inner_carries`, shape (n,), tells the cells whose inner mass is the heavier one.
@@ -101,10 +98,6 @@ class CarriedCoordinates:
         outer, inner = np.split(values, 2, axis=-1)
         first, second = np.where(self.inner_carries, (inner, outer), (outer, inner))
         return np.concatenate([first, second], axis=-1)
-
-    def force_matrix(self, chain: Chain) -> FloatArray:
-        """Give the matrix that turns coordinates and velocities into generalised forces, shape (2n, 4n)."""
-        return generalised_force_matrix(chain, self.absolute(np.eye(2 * chain.cells)).T)
 
     @property
     def loaded(self) -> int | slice:
