@@ -45,31 +45,24 @@ class RapierContactLane(PressedLane, RapierLane):
         for below, above, friction in zip(outer, inner, self._chain.friction_coefficient.tolist(), strict=True):
             # Rapier takes the mean of the coefficients of the two.
             width = plate if self.lane.direction else radius
-            shapes = [(below, Collider.cuboid(plate, width, radius)), (above, Collider.ball(radius))]
-            self._colliders.append(
-                [
-                    world.add_collider(shape.density(0.0).friction(friction).restitution(0.0), body)
-                    for body, shape in shapes
-                ]
-            )
+            shapes = (below, Collider.cuboid(plate, width, radius)), (above, Collider.ball(radius))
+            rough = [(shape.density(0.0).friction(friction).restitution(0.0), body) for body, shape in shapes]
+            self._colliders.append([world.add_collider(*each) for each in rough])
 
     def _begin(self, motion: FloatArray) -> Step:
-        step = super()._begin(motion)
-        return self._begun_twice(step, motion) if self._preset["warmstart_coefficient"] else step
+        step, start = super()._begin(motion), motion.copy()
+        cold = bool(self._preset["warmstart_coefficient"])
 
-    def _begun_twice(self, step: Step, motion: FloatArray) -> Step:
-        """Take the first step, put bodies back, and go on: contacts then start as if they had acted before."""
-        start, acted = motion.copy(), False
-
-        def stepping(force: FloatArray) -> None:
-            nonlocal acted
-            if not acted:
+        def warm_step(force: FloatArray) -> None:
+            nonlocal cold
+            if cold:
+                # The first step is taken, and bodies put back: contacts then start as if they had acted before.
                 step(force)
                 self._put(start)
-                acted = True
+                cold = False
             step(force)
 
-        return stepping
+        return warm_step if cold else step
 
     def _put(self, motion: FloatArray) -> None:
         """Give the bodies this motion; contacts remember their impulses."""

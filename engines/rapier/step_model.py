@@ -27,8 +27,6 @@ FASTEST = "normalized_max_linear_velocity"
 LARGEST_MOTION = 8.0
 """Over the displacement scale, at resonances too."""
 
-FORMULA = "{count} times, with h = Δt/{count} and F = f(t) e_1 − C q̇ − K q of the start of the step: "
-
 
 def motor_substeps(preset: Preset) -> Law:
     """Give the law of motors, whose impulses are found before positions move, and reported of the last substep."""
@@ -56,7 +54,7 @@ def contact_substeps(preset: Preset) -> Law:
 def _substeps(preset: Preset, formula: str, *, friction_first: bool) -> Law:
     count = preset["num_solver_iterations"]
     return Law(
-        formula=FORMULA.format(count=count) + formula,
+        formula=f"{count} times, with h = Δt/{count} and F = f(t) e_1 − C q̇ − K q of the start of the step: {formula}",
         model=functools.partial(_SubsteppedLane, substeps=count, friction_first=friction_first),
         period_bound=SINGLE_PRECISION_PERIOD,
         bound_growth=0.5,
@@ -97,8 +95,7 @@ class _SubsteppedLane(KernelLane):
         """Run the kernel; gives the end, whose internal state is the friction by which positions move next."""
         lane, chain = self.lane, self.lane.chain
         motion = np.concatenate([state.positions[0], state.velocities[0]])
-        bounds = np.ascontiguousarray(chain.friction_coefficient * lane.preloads(start, steps))
-        friction, loads = np.zeros(chain.cells), lane.loads(start, steps)
+        friction, loads, bounds = np.zeros(chain.cells), lane.loads(start, steps), self._bounds(start, steps)
         length = lane.time_step / self._substeps
         numbers = length, self._substeps, self._friction_first, self._slowness, self._yielding
         given = self._force, self._masses, numbers
@@ -135,7 +132,9 @@ def advance(
             velocity += h * force / masses
             if friction_first:
                 _rub(velocity, friction, bounds[step], masses, h, yielding)
-                _move(position, velocity, h, slowness)
+                # Velocities are cut off before positions move by them.
+                velocity /= np.maximum(1.0, slowness * np.abs(velocity))
+                position += h * velocity
             else:
                 position += h * velocity
                 _push(position, h * h * friction, masses)
@@ -144,14 +143,6 @@ def advance(
         if record.shape[0] > 0:
             record[step, :count], record[step, count : 2 * count] = position, velocity
             record[step, 2 * count :] = friction if friction_first else total / substeps
-
-
-@Kernel
-def _move(position: Any, velocity: Any, h: Any, slowness: Any) -> None:
-    """Cut velocities off, and let positions move by them."""
-    for mass in range(velocity.size):
-        velocity[mass] /= max(1.0, slowness * abs(velocity[mass]))
-        position[mass] += h * velocity[mass]
 
 
 @Kernel
