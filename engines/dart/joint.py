@@ -74,20 +74,12 @@ class DartJointLane(ExplicitForcesLane):
 
         world, skeleton = new_world(self._time_step, self._preset["deactivation"]), dartpy.dynamics.Skeleton()
         chain, carriers = self._chain, [None]
-        friction = zip(chain.outer_mass, chain.chain_stiffness, chain.chain_damping, np.zeros(chain.cells), strict=True)
-        for mass, stiffness, damping, bound in friction:
-            carrier = carriers[-1] if self._own_springs else None
-            carriers.append(self._add_slider(skeleton, carrier, mass, stiffness, damping, bound))
-        inner = zip(
-            carriers[1:],
-            chain.inner_mass,
-            chain.inner_stiffness,
-            chain.inner_damping,
-            chain.friction_bound,
-            strict=True,
-        )
-        for values in inner:
-            self._add_slider(skeleton, *values)
+        outer = chain.outer_mass, chain.chain_stiffness, chain.chain_damping, np.zeros(chain.cells)
+        for values in zip(*outer, strict=True):
+            carriers.append(self._add_slider(skeleton, carriers[-1] if self._own_springs else None, *values))
+        inner = chain.inner_mass, chain.inner_stiffness, chain.inner_damping, chain.friction_bound
+        for carrier, *numbers in zip(carriers[1:], *inner, strict=True):
+            self._add_slider(skeleton, carrier, *numbers)
         world.addSkeleton(skeleton)
         return world, skeleton
 
