@@ -1,6 +1,5 @@
 """Options and presets of PyBullet, and the laws of its damping, which slows every mass down against the ground."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +7,7 @@ import numpy as np
 from engines.interface.law import Constant, Law
 from engines.interface.presets import NormalForce, Option, Preset
 from reference_lcp.chain.simulation import Lane
-from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep, ScalarFriction
+from reference_lcp.schemes.linear_implicit import LinearImplicitLane, LinearStep
 
 
 def damped_joints(preset: Preset) -> Law:
@@ -20,7 +19,7 @@ def damped_joints(preset: Preset) -> Law:
             "k": Constant(damping, "1/s", "linearDamping"),
             "k_2": Constant(damping, "1/m", "linearDamping: the force of a link is m v (k + k |v|), |v| in m/s"),
         },
-        model=_damped_joints,
+        model=lambda lane, of: _damped(lane, 1 - lane.time_step * of["k"], of["k_2"]),
         modulated=True,
     )
 
@@ -30,25 +29,16 @@ def damped_bodies(preset: Preset) -> Law:
     return Law(
         formula="equation (5) from q̇ (1 − k)^h, h in s, with springs and dashpots from q̇ itself",
         constants={"k": Constant(preset["linearDamping"], "", "linearDamping: the part lost in a second")},
-        model=_damped_bodies,
+        model=lambda lane, of: _damped(lane, (1 - of["k"]) ** lane.time_step),
         modulated=True,
     )
 
 
-def _damped_joints(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
-    chain, h = lane.chain, lane.time_step
-    mass = chain.mass_matrix
-    velocity = (1 - h * constants["k"]) * mass - h * chain.damping_matrix
-    drag = np.full(2 * chain.cells, constants["k_2"])
-    step = replace(LinearStep.of(chain, h, mass, velocity, (1.0, 0.0)), quadratic_drag=drag)
-    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(chain.cells))
-
-
-def _damped_bodies(lane: Lane, constants: Mapping[str, float]) -> LinearImplicitLane:
-    chain, h = lane.chain, lane.time_step
-    mass = chain.mass_matrix
-    step = LinearStep.of(chain, h, mass, (1 - constants["k"]) ** h * mass - h * chain.damping_matrix, (1.0, 0.0))
-    return LinearImplicitLane(lane, step, ScalarFriction.coulomb(chain.cells))
+def _damped(lane: Lane, kept: float, drag: float = 0.0) -> LinearImplicitLane:
+    """Give the step in which this part of a mass's velocity is left before forces act."""
+    chain, h, mass = lane.chain, lane.time_step, lane.chain.mass_matrix
+    step = LinearStep.of(chain, h, mass, kept * mass - h * chain.damping_matrix, (1.0, 0.0))
+    return LinearImplicitLane(lane, replace(step, quadratic_drag=np.full(2 * chain.cells, drag)))
 
 
 UNITS = Option.own("SI", "The chain in SI units.")
