@@ -27,11 +27,6 @@ UNITS_AND_DRIVES = (
 parts to small machines, from 2 to 25 Hz, since some presets have a time or a velocity of their own."""
 
 
-def label(variant: Variant) -> str:
-    """Name a variant in the names of tests."""
-    return f"{variant.engine}-{variant.formulation}-{variant.preset_name}"
-
-
 def lane_of(friction_ratio: float, frequency_ratio: float, steps: int = STEPS) -> Lane:
     """Give the canonical chain of figure 3 at a point of it."""
     chain = Chain.from_ratios(friction_ratio=friction_ratio)

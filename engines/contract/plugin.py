@@ -1,10 +1,15 @@
-"""The plugin that gives pytest the option ``--xval-engine``: with ``--pyargs``, a conftest is read too late for it.
+"""The plugin that runs the contract, on the engines of ``--xval-engine``: a conftest is read too late for an option.
 
 Every session of pytest imports it where the suite is installed: the option has the suite's own prefix, since other
 projects have options too, and nothing of the suite is imported before it is used.
 """
 
+from typing import TYPE_CHECKING
+
 import pytest
+
+if TYPE_CHECKING:
+    from engines.interface.variant import Variant
 
 OPTION = "--xval-engine"
 """Names an engine that is held to the contract."""
@@ -35,3 +40,45 @@ def pytest_configure(config: pytest.Config) -> None:
             raise pytest.UsageError(f"{OPTION}: {problem}") from problem
         if missing is not None:
             raise pytest.UsageError(f"{OPTION} {name}: {missing}")
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Run a test of the contract once for everything that its argument stands for.
+
+    ``tested`` is every variant, ``tuned`` the best known options, ``default`` what a newcomer gets,
+    ``sharing`` those that share the reference's scheme, ``following`` those whose normal force may change in
+    time, ``lifting`` the tuned ones whose contacts may open, ``turning`` those whose row may have any direction,
+    ``inclining`` the tuned ones whose contacts may be inclined, ``holding`` the tuned ones with static friction of its
+    own, ``installed`` the name of an engine.
+    """
+    if metafunc.module.__package__ != "engines.contract":
+        return
+    from engines.interface.presets import NormalForce
+    from engines.interface.registry import engine, engine_names
+    from engines.interface.variant import variants_of
+
+    named: list[str] = metafunc.config.getoption(OPTION)
+    names = named or [name for name in engine_names() if engine(name).unavailable_reason() is None]
+    every = [variant for name in names for variant in variants_of(name, optional=True)]
+    variants = [variant for variant in every if variant.unavailable_reason is None]
+    tuned = [variant for variant in variants if variant.preset_name == "tuned"]
+    cases = {
+        "tested": variants,
+        "tuned": tuned,
+        "default": [variant for variant in variants if variant.preset_name == "default"],
+        "following": [variant for variant in variants if variant.preset.represents(NormalForce.MODULATED)],
+        "lifting": [variant for variant in tuned if variant.preset.represents(NormalForce.LIFTING)],
+        "turning": [variant for variant in variants if variant.preset.turns],
+        "inclining": [variant for variant in tuned if variant.preset.inclines],
+        "holding": [variant for variant in tuned if variant.preset.static_friction],
+        "sharing": [variant for variant in variants if variant.preset.shares_scheme and variant.engine != "reference"],
+    }
+    for argument, chosen in cases.items():
+        if argument in metafunc.fixturenames:
+            metafunc.parametrize(argument, chosen, ids=_label)
+    if "installed" in metafunc.fixturenames:
+        metafunc.parametrize("installed", names)
+
+
+def _label(variant: "Variant") -> str:
+    return f"{variant.engine}-{variant.formulation}-{variant.preset_name}"

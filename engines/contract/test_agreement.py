@@ -1,8 +1,15 @@
 """Against the reference: steady states at six points, and whole motions of those that share its scheme."""
 
 import numpy as np
+import pytest
 
-from engines.contract.lanes import lane_of, pulse_lane_of, random_state, run_of, tolerance_of
+from engines.contract.lanes import (
+    lane_of,
+    pulse_lane_of,
+    random_state,
+    run_of,
+    tolerance_of,
+)
 from engines.interface.registry import engine, law_of
 from engines.interface.tolerances import (
     CONVERGED_TOLERANCE_DB,
@@ -10,6 +17,7 @@ from engines.interface.tolerances import (
     PULSE_TOLERANCE,
     SAME_CHAIN,
     SCHEME_TOLERANCE_DB,
+    SINGLE,
     STEPS,
     TRAJECTORY_TOLERANCE,
 )
@@ -80,20 +88,26 @@ def test_pulse_of_the_base_moves_the_chain_as_it_moves_the_reference(tuned: Vari
     assert difference <= tolerance, "this is another drive"
 
 
-def test_cells_that_differ_are_each_built_as_given(sharing: Variant) -> None:
-    """Every mass, spring, dashpot and bound its own."""
+@pytest.mark.parametrize("friction", [0.0, 0.3, 5.0], ids=["frictionless", "slipping", "stuck"])
+def test_cells_that_differ_are_each_built_as_given(sharing: Variant, friction: float) -> None:
+    """Every mass, spring, dashpot and bound its own, and one cell without friction."""
     rng = np.random.default_rng(5)
-    mass, stiffness, friction, outer, springs = rng.uniform(0.5, 2, (5, 7))
+    mass, stiffness, rubbing, outer, springs = rng.uniform(0.5, 2, (5, 7))
     chain_dashpot, inner_dashpot = rng.uniform(0.01, 0.1, (2, 7))
+    rubbing[2] = 0.0
     chain = Chain.from_ratios(
-        mass_ratio=mass, stiffness_ratio=stiffness, friction_ratio=friction,
+        mass_ratio=mass, stiffness_ratio=stiffness, friction_ratio=friction * rubbing,
         damping_ratio=chain_dashpot, inner_damping_ratio=inner_dashpot,
         outer_mass_ratio=outer, chain_stiffness_ratio=springs,
     )  # fmt: skip
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9, BASE_AMPLITUDE), STEPS)
-    run, expected = (run_of(variant, lane, random_state(1), STEPS) for variant in (sharing, Variant("reference")))
+    run, expected = (run_of(variant, lane, random_state(1), 2 * STEPS) for variant in (sharing, Variant("reference")))
     motion = np.max(np.abs(run.positions - expected.positions)) / np.max(np.abs(expected.positions))
     assert motion <= tolerance_of(sharing, TRAJECTORY_TOLERANCE), "some cell is not the one that was given"
+    if sharing.capabilities.precision == "single":
+        assert motion > SINGLE / 10, "a finer result than single precision can have is another engine's"
+    force, bound = np.max(np.abs(run.friction - expected.friction)), np.max(chain.friction_bound)
+    assert force <= tolerance_of(sharing, FRICTION_TOLERANCE) * bound, "some cell has another friction"
 
 
 def test_default_stays_finite_and_near_the_reference_for_a_period(default: Variant) -> None:

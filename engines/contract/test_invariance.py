@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from engines.contract.lanes import drive_of, lane_of, random_state, run_of, tolerance_of
+from engines.interface.presets import FrictionLaw
 from engines.interface.tolerances import ROUND_OFF, SINGLE, STEPS
 from engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase, StillBase
@@ -14,13 +15,17 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.defaults import BASE_AMPLITUDE
 from reference_lcp.errors import ParameterError
+from reference_lcp.validation import FloatArray
 
 SAME_MOTION = {"double": 1e-12, "single": 10 * np.sqrt(STEPS) * SINGLE}
 """Of positions over a period, over the largest: round-off, in single precision three standard deviations of it, for
 motions of some six displacement scales."""
 
-PARTS = 40
-"""Runs that a period is split into."""
+OWN_SOLVER = 10
+"""What it may round, over that of the scheme."""
+
+PARTS, ROUND_OFF_SPLIT = 40, 1e-12
+"""Runs that a period is split into, and a split tolerance that is round-off of a state, and no other beginning."""
 
 FAR = {"joint": 1e4, "contact": 100.0}
 """Times the displacement scale: far above any motion of a chain, and within the plates of contacts."""
@@ -33,16 +38,19 @@ STILL = 1e-15
 """Of the displacement scale, and of the speed of the drive's at it: less than the last place of any motion."""
 
 
-def assert_moves_as_the_reference(sharing: Variant, lane: Lane, state: State, steps: int, what: str) -> Trajectory:
-    """Compare a motion with the reference's, and give it; an engine may also say that it takes no such numbers."""
+def run_or_skip(variant: Variant, lane: Lane, state: State, steps: int = STEPS) -> Trajectory:
+    """Run one lane; an engine may also say that it takes no such numbers."""
     try:
-        run = run_of(sharing, lane, state, steps)
+        return run_of(variant, lane, state, steps)
     except (ParameterError, RuntimeError) as refusal:
         pytest.skip(f"refused: {refusal}")
-    expected = run_of(Variant("reference"), lane, state, steps).positions
-    difference = np.max(np.abs(run.positions - expected)) / np.max(np.abs(expected))
-    assert difference <= tolerance_of(sharing, SAME_MOTION), f"{what}: off by {difference:.2g} of the largest position"
-    return run
+
+
+def assert_same_motion(tested: Variant, positions: FloatArray, expected: FloatArray, what: str) -> None:
+    """Compare positions, in the same unit; a solver of an engine's own rounds more than the step of the scheme."""
+    difference = np.max(np.abs(positions - expected)) / np.max(np.abs(expected))
+    allowed = tolerance_of(tested, SAME_MOTION) * (1 if tested.preset.shares_scheme else OWN_SOLVER)
+    assert difference <= allowed, f"{what}: off by {difference:.2g} of the largest position"
 
 
 @pytest.mark.parametrize(
@@ -50,11 +58,12 @@ def assert_moves_as_the_reference(sharing: Variant, lane: Lane, state: State, st
     [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)],
     ids=["nanometres", "hundred metres", "micrometres"],
 )
-def test_units_do_not_matter(sharing: Variant, mass: float, stiffness: float, length: float) -> None:
+def test_units_do_not_matter(tuned: Variant, mass: float, stiffness: float, length: float) -> None:
     """Nanometres at gigahertz move as metres at hertz do; mass [kg], stiffness [N/m], displacement scale [m]."""
     chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
     lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS)
-    assert_moves_as_the_reference(sharing, lane, State.at_rest(1, 7), STEPS, "units matter")
+    run, usual = (run_or_skip(tuned, each, State.at_rest(1, 7)) for each in (lane, lane_of(0.3, 0.6)))
+    assert_same_motion(tuned, run.positions / length, usual.positions / BASE_AMPLITUDE, "units matter")
 
 
 @pytest.mark.parametrize(
@@ -64,22 +73,28 @@ def test_only_the_bound_enters_whatever_the_coefficient(
     sharing: Variant, coefficient: float | tuple[float, ...]
 ) -> None:
     """The same μ λ_N of another coefficient and another normal force."""
-    lane = lane_of(0.3, 0.6)
+    usual = lane_of(0.3, 0.6)
     coefficients = np.broadcast_to(coefficient, 7).astype(float)
-    normal_force = lane.chain.friction_bound / coefficients
-    chain = dataclasses.replace(lane.chain, friction_coefficient=coefficients, normal_force=normal_force)
-    lane = dataclasses.replace(lane, chain=chain)
-    run = assert_moves_as_the_reference(sharing, lane, random_state(1), STEPS, "the coefficient matters")
+    normal_force = usual.chain.friction_bound / coefficients
+    chain = dataclasses.replace(usual.chain, friction_coefficient=coefficients, normal_force=normal_force)
+    lane = dataclasses.replace(usual, chain=chain)
+    run, expected = run_or_skip(sharing, lane, random_state(1)), run_of(sharing, usual, random_state(1), STEPS)
+    assert_same_motion(sharing, run.positions, expected.positions, "the coefficient matters")
     pressed = np.max(np.abs(run.normal_force / normal_force - 1))
     assert pressed <= tolerance_of(sharing, ROUND_OFF), f"the normal force is off by {pressed:.2g}"
 
 
 def test_motion_far_above_the_displacement_scale_is_not_cut_off(sharing: Variant) -> None:
     """Largest velocities, and what else an engine bounds, are no part of the chain."""
+    if sharing.preset_name != "tuned":
+        pytest.skip("how far a default is off is a finding of reports")
     state = random_state(1)
     far = FAR[sharing.formulation]
     fast = State(far * state.positions, far * state.velocities)
-    assert_moves_as_the_reference(sharing, lane_of(0.3, 0.6), fast, STEPS // 8, "a large motion is cut off")
+    run, expected = (
+        run_or_skip(variant, lane_of(0.3, 0.6), fast, STEPS // 8) for variant in (sharing, Variant("reference"))
+    )
+    assert_same_motion(sharing, run.positions, expected.positions, "a large motion is cut off")
 
 
 def test_chain_at_rest_without_a_drive_stays_there(tested: Variant) -> None:
@@ -100,12 +115,15 @@ def test_stuck_contact_does_not_creep(sharing: Variant) -> None:
     assert creep <= allowed, f"a stuck contact creeps with {creep:.2g} of the drive's velocity"
 
 
-def test_state_is_rounded_once_and_not_with_every_run(sharing: Variant) -> None:
-    """A period in forty parts is the whole one, to what the preset states for two halves."""
-    simulation = sharing.build([lane_of(0.3, 0.6)])
+def test_state_is_rounded_once_and_not_with_every_run(tested: Variant) -> None:
+    """A period in forty parts is the whole one, to what the preset states for two halves, or for each part."""
+    if tested.capabilities.friction_law is FrictionLaw.BRISTLE:
+        pytest.skip("its Newton method begins every run from another guess")
+    simulation = tested.build([lane_of(0.3, 0.6)])
     whole = simulation.advance(random_state(1), 0, STEPS)
     state = random_state(1)
     for part in range(PARTS):
         state = simulation.advance(state, part * STEPS // PARTS, STEPS // PARTS)
     off = np.max(np.abs(state.positions - whole.positions)) / BASE_AMPLITUDE
-    assert off <= sharing.preset.split_tolerance, f"off by {off:.2g} U0 after {PARTS} runs"
+    stated = tested.preset.split_tolerance
+    assert off <= stated * (1 if stated <= ROUND_OFF_SPLIT else PARTS), f"off by {off:.2g} U0 after {PARTS} runs"

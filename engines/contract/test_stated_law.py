@@ -14,11 +14,7 @@ from engines.interface.tolerances import STEPS
 from engines.interface.variant import Variant
 from engines.shared.law_distance import allowed_distance, stepped_by
 from reference_lcp.chain.simulation import Lane, Simulation
-from reference_lcp.chain.trajectory import Trajectory
 from reference_lcp.validation import FloatArray
-
-MODULATION = 0.5
-"""Of a normal force that changes by half, in contacts that stay closed."""
 
 
 def test_preset_says_by_which_law_it_steps(tested: Variant) -> None:
@@ -41,7 +37,7 @@ def test_stated_law_holds_under_a_modulated_normal_force(following: Variant) -> 
     law = law_of(following.preset)
     if law is None or not law.modulated:
         pytest.skip("it states no law for a modulated normal force")
-    distances = _distances(following, law, [modulated_lane(MODULATION)])
+    distances = _distances(following, law, [modulated_lane(0.5)])
     assert np.max(distances) <= law.period_bound, f"off by {distances} displacement scales"
 
 
@@ -63,20 +59,16 @@ def _distances(tested: Variant, expected: Engine | Law, given: Sequence[Lane] = 
 
     The lanes are random ones unless some are given; those that the law leaves out are left out.
     """
-    lanes = [lane for lane in given or random_lanes() if _is_predicted(tested, lane)]
+    law = law_of(tested.preset)
+    lanes = [lane for lane in given or random_lanes() if law is None or law.unclaimed_reason(lane) is None]
     state = scaled_state(lanes)
     simulations: list[Simulation] = [tested.build(lanes), expected.build(lanes)]
     runs = [simulation.run(state, 0, STEPS) for simulation in simulations]
     for simulation in simulations:
         simulation.close()
-    return np.array([_distance(lane, *pair) for lane, *pair in zip(lanes, *runs, strict=True)])
-
-
-def _is_predicted(tested: Variant, lane: Lane) -> bool:
-    law = law_of(tested.preset)
-    return law is None or law.unclaimed_reason(lane) is None
-
-
-def _distance(lane: Lane, run: Trajectory, expected: Trajectory) -> float:
-    difference = run.positions - expected.positions
-    return float(np.max(np.abs(difference))) / lane.drive.displacement_scale(lane.chain)
+    return np.array(
+        [
+            np.max(np.abs(run.positions - predicted.positions)) / lane.drive.displacement_scale(lane.chain)
+            for lane, run, predicted in zip(lanes, *runs, strict=True)
+        ]
+    )

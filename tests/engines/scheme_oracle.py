@@ -80,14 +80,6 @@ def scheme(lane: Lane, state: State, steps: int) -> tuple[np.ndarray, np.ndarray
     return positions, velocities, friction
 
 
-def bounded_impulses(impulse: np.ndarray, delassus: np.ndarray, slip: np.ndarray, bound: np.ndarray) -> None:
-    """Stop the slip of each contact within its bound: sixty sweeps of projected Gauss–Seidel, in place."""
-    for _ in range(60):
-        for cell in range(impulse.size):
-            change = slip[cell] + delassus[cell] @ impulse
-            impulse[cell] = np.clip(impulse[cell] - change / delassus[cell, cell], -bound[cell], bound[cell])
-
-
 def assert_equals_scheme(
     lane: Lane, state: State, trajectory: Trajectory, scale: float = AMPLITUDE, round_off: float = ROUND_OFF
 ) -> None:

@@ -27,6 +27,7 @@ def test_a_body_that_leaves_its_plate_is_reported(name: str) -> None:
     [
         pytest.param("box2d", ROUND_OFF["single"], marks=pytest.mark.needs("box2d")),
         pytest.param("pymunk", 1e-9, marks=pytest.mark.needs("pymunk")),
+        pytest.param("rapier", ROUND_OFF["single"], marks=pytest.mark.needs("rapier")),
     ],
 )
 def test_a_pressed_box_neither_bounces_nor_sinks_nor_is_pushed_out(name: str, tolerance: float, preset: str) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant, variants_of
+from engines.interface.variant import Variant
 from reference_lcp.chain.trajectory import State
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
@@ -54,29 +54,3 @@ def test_an_unstable_motion_ends_as_numbers_and_leaves_later_runs_alone(one: Var
     before = simulation.advance(State.at_rest(1, 7), 0, 3)
     assert np.max(np.abs(simulation.advance(State.at_rest(1, 7), 0, 400).positions)) > 1e6 * AMPLITUDE
     assert np.array_equal(simulation.advance(State.at_rest(1, 7), 0, 3).positions, before.positions)
-
-
-ROUNDED = [
-    *(one for one in [*variants_of("pinocchio"), *variants_of("dart")] if one.formulation == "joint"),
-    *variants_of("pymunk"),
-]
-
-
-@pytest.mark.parametrize(
-    ("one", "tolerance"),
-    [
-        *(pytest.param(*one.values, 1e-12, id=one.id, marks=one.marks) for one in each_variant(ROUNDED)),
-        pytest.param(Variant.parse("dart:contact"), 1e-6, id="dart:contact", marks=pytest.mark.needs("dart")),
-        pytest.param(
-            Variant.parse("dart:contact:sphere"), 1e-5, id="dart:contact:sphere", marks=pytest.mark.needs("dart")
-        ),
-    ],
-)
-def test_the_rounding_of_a_state_is_not_passed_on(one: Variant, tolerance: float) -> None:
-    """Joint coordinates, and positions of the step before, are differences: a state is rounded. DART settles anew."""
-    simulation = one.build([lane_of()])
-    whole = simulation.run(random_state(), 0, STEPS)[0]
-    state = random_state()
-    for step in range(0, STEPS, 10):
-        state = simulation.advance(state, step, 10)
-    np.testing.assert_allclose(state.positions[0], whole.positions[-1], rtol=0, atol=tolerance * AMPLITUDE)

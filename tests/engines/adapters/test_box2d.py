@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from engines.box2d import Box2D
-from engines.interface.tolerances import FRICTION_TOLERANCE, SINGLE
+from engines.interface.tolerances import SINGLE
 from reference_lcp.chain.drives import StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -21,7 +21,6 @@ from tests.engines.scheme_oracle import (
     distance,
     lane_of,
     random_state,
-    scheme,
     uneven_lane,
 )
 
@@ -76,35 +75,11 @@ def test_slow_chains_do_not_fall_asleep() -> None:
     assert distance(lane, state, asleep) > 0.1
 
 
-def test_friction_of_a_stuck_contact_is_what_it_takes_and_does_not_creep() -> None:
-    lane = lane_of(5.0, 0.3)
-    motion = run(lane, State.at_rest(1, 7), 3 * STEPS)
-    expected = scheme(lane, State.at_rest(1, 7), 3 * STEPS)[2]
-    speed = np.max(np.abs(motion.velocities))
-    assert np.max(np.abs(motion.relative_velocity)) <= 4 * SINGLE * speed
-    assert np.max(np.abs(motion.friction - expected)) <= FRICTION_TOLERANCE["single"] * np.max(np.abs(expected))
-
-
-def test_own_springs_are_implicit_and_take_energy() -> None:
-    chain = Chain.from_ratios(damping_ratio=0.0, friction_ratio=0.0)
-    lane = Lane(chain, StillBase(AMPLITUDE), lane_of().time_step)
-    state = State(random_state().positions, np.zeros((1, 14)))
-    motion = Box2D().build([lane], preset="default").run(state, 0, STEPS)[0]
-    moving, stretched = motion.velocities[-1], motion.positions[-1]
-    energy = stretched @ chain.stiffness_matrix @ stretched + moving @ chain.mass_matrix @ moving
-    assert 0.05 < energy / (state.positions[0] @ chain.stiffness_matrix @ state.positions[0]) < 0.95
-
-
 def test_warnings_as_errors_do_not_end_the_interpreter() -> None:
     """Box2D's own module warns while it is loaded, and dies if that is raised."""
     program = "from engines.box2d.joint import import_box2d; print(import_box2d().b2World().bodyCount)"
     done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout.strip(), done.stderr) == (0, "0", "")
-
-
-def test_boxes_of_uneven_cells_equal_the_scheme_to_single_precision() -> None:
-    lane, state = uneven_lane(), random_state()
-    assert distance(lane, state, run(lane, state, STEPS, "contact")) < ROUNDINGS
 
 
 def test_one_sweep_from_nothing_finds_no_friction() -> None:

@@ -10,7 +10,7 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError
-from tests.engines.scheme_oracle import AMPLITUDE, STEPS, built_with, lane_of, random_state, scheme, with_coefficients
+from tests.engines.scheme_oracle import STEPS, built_with, lane_of, scheme, with_coefficients
 
 pytestmark = pytest.mark.needs("dart")
 
@@ -26,28 +26,6 @@ def test_a_stuck_contact_keeps_the_softness_of_what_friction_takes_from_it() -> 
     left = -motion.relative_velocity / np.max(np.abs(taken), axis=0)
     expected = JOINT_MIXING * taken / np.max(np.abs(taken), axis=0)
     np.testing.assert_allclose(left, expected, rtol=0, atol=1e-5 * JOINT_MIXING)
-
-
-def test_friction_is_read_the_same_however_long_a_run_is() -> None:
-    """Skeleton.getConstraintForces divides what it reads by the time step once more at every call."""
-    lane, state = lane_of(), random_state()
-    motion = run(lane, state, 3 * STEPS)
-    np.testing.assert_allclose(motion.friction, scheme(lane, state, 3 * STEPS)[2], atol=1e-7 * AMPLITUDE * 1000)
-
-
-def test_own_springs_are_implicit_and_take_energy() -> None:
-    """At a tenth of the step they take a tenth as much: their error is of the first order."""
-    losses = []
-    for steps in (STEPS, 10 * STEPS):
-        chain = Chain.from_ratios(damping_ratio=0.0, friction_ratio=0.0)
-        lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, 1e-12), steps)
-        state = State(random_state().positions, np.zeros((1, 14)))
-        motion = Dart().build([lane], preset="default").run(state, 0, steps)[0]
-        stretched, moving = motion.positions[-1], motion.velocities[-1]
-        energy = stretched @ chain.stiffness_matrix @ stretched + moving @ chain.mass_matrix @ moving
-        losses.append(1 - energy / (state.positions[0] @ chain.stiffness_matrix @ state.positions[0]))
-    assert 0.05 < losses[0] < 0.9
-    assert losses[0] / losses[1] == pytest.approx(10, rel=0.5)
 
 
 def test_slow_chains_do_not_fall_asleep() -> None:

@@ -1,16 +1,11 @@
 """Drake: what its actuators, its steps and its records do, and what of that the adapter has to mind."""
 
 import dataclasses
-import os
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from engines.drake import Drake
-from engines.interface.engine import NativeStepping
 from engines.interface.registry import law_of
 from engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase, StillBase
@@ -140,53 +135,12 @@ def test_default_creeps_by_three_millimetres_a_second_at_three_newtons() -> None
     np.testing.assert_allclose(motion.relative_velocity, -motion.friction / 1e3, rtol=1e-6, atol=1e-12)
 
 
-@both_formulations
-@pytest.mark.parametrize(("mass", "stiffness", "length"), [(1e-15, 1e6, 1e-9), (1e9, 1e3, 100.0), (1e-3, 1e15, 1e-6)])
-def test_units_do_not_matter(mass: float, stiffness: float, length: float, formulation: str) -> None:
-    """Nanometres at gigahertz move as metres at hertz do."""
-    chain = Chain.from_ratios(friction_ratio=0.3, outer_mass=mass, chain_stiffness=stiffness, base_amplitude=length)
-    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6, length), STEPS)
-    usual = lane_of(0.3, 0.6)
-    motion, expected = (run(one, State.at_rest(1, 7), STEPS, formulation).positions for one in (lane, usual))
-    np.testing.assert_allclose(motion / length, expected / AMPLITUDE, rtol=0, atol=1e-9)
-
-
-@both_formulations
-def test_bare_steps_leave_nothing_behind(formulation: str) -> None:
-    model = Drake().build([lane_of()], formulation).models[0]  # type: ignore[attr-defined]
-    assert isinstance(model, NativeStepping)
-    before = model.advance(random_state(), 0, 10).positions
-    model.native_steps(100)
-    assert np.array_equal(model.advance(random_state(), 0, 10).positions, before)
-
-
 def test_a_motion_that_diverges_stops_with_drakes_reason_and_leaves_nothing_behind() -> None:
     simulation = Drake().build([unstable_lane()])
     before = simulation.advance(State.at_rest(1, 7), 0, 3).positions
     with pytest.raises(RuntimeError, match=r"drake stopped in step \d+ of 4000: .*NaN"):
         simulation.advance(State.at_rest(1, 7), 0, 4000)
     assert np.array_equal(simulation.advance(State.at_rest(1, 7), 0, 3).positions, before)
-
-
-def test_it_is_silent_imports_late_and_writes_nothing(tmp_path: Path) -> None:
-    program = (
-        "import sys; from engines.drake import Drake; from reference_lcp.chain.trajectory import State\n"
-        "from engines.contract.lanes import lane_of\n"
-        "assert 'pydrake' not in sys.modules\n"
-        "for formulation, presets in Drake().capabilities.presets.items():\n"
-        "    for preset in presets:\n"
-        "        Drake().build([lane_of(0.3, 0.6)], formulation, preset).run(State.at_rest(1, 7), 0, 20)\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-B", "-c", program],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_reason_for_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

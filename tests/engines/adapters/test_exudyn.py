@@ -1,10 +1,5 @@
 """Exudyn: its two friction laws, its restarts and its units."""
 
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -140,18 +135,6 @@ def test_rows_lie_at_the_ends_of_the_steps(engine: Engine) -> None:
     np.testing.assert_allclose(trajectory.positions[122], middle.positions[0], rtol=0, atol=1e-9 * AMPLITUDE)
 
 
-@both_laws
-def test_units_of_the_chain_do_not_matter(engine: Engine) -> None:
-    amplitude = 1e-9
-    tiny = Chain.from_ratios(friction_ratio=0.3, base_amplitude=amplitude, outer_mass=1e-6, chain_stiffness=1e7)
-    lanes = [
-        lane_of(0.3, 0.6),
-        Lane.periodic(tiny, HarmonicBase.from_ratio(tiny, 0.6, amplitude), STEPS),
-    ]
-    ends = [engine.build([lane]).advance(State.at_rest(1, 7), 0, STEPS).positions[0] for lane in lanes]
-    np.testing.assert_allclose(ends[1] / amplitude, ends[0] / AMPLITUDE, rtol=0, atol=1e-7)
-
-
 class Sampled:
     """A drive that the engine does not know, with the load of another."""
 
@@ -180,30 +163,6 @@ def test_fresh_bristle_carries_the_load_that_it_meets() -> None:
     kept, lost = (simulation.run(start, 0, STEPS)[0] for start in (state, forgotten))
     difference = np.max(np.abs(kept.positions - lost.positions)) / AMPLITUDE
     assert 0 < difference < 1e-3
-
-
-def test_nothing_is_printed_and_no_file_is_written(tmp_path: Path) -> None:
-    program = (
-        "from reference_lcp.chain.mass_in_mass import Chain; from reference_lcp.chain.drives import HarmonicBase\n"
-        "from reference_lcp.chain.simulation import Lane; from reference_lcp.chain.trajectory import State\n"
-        "from engines.exudyn import ExudynBristle, ExudynRegularised\n"
-        "chain = Chain.from_ratios(friction_ratio=0.3)\n"
-        "lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.6), 400)\n"
-        "for engine in (ExudynBristle(), ExudynRegularised()):\n"
-        "    engine.build([lane]).run(State.at_rest(1, 7), 0, 10)\n"
-    )
-    root = Path(__file__).parents[3]
-    result = subprocess.run(
-        [sys.executable, "-c", program],
-        cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(root)},
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
-    assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_disc_moves_as_the_connector_of_the_same_zone_does() -> None:

@@ -5,69 +5,27 @@ import sys
 import numpy as np
 import pytest
 
-from engines.interface.variant import Variant, variants_named
 from engines.ode import INSTALLATION, ODE
 from engines.ode.presets import BOUNCE
-from reference_lcp.chain.drives import StillBase
-from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
     ROUND_OFF,
     STEPS,
-    assert_equals_scheme,
-    bounded_impulses,
     built_with,
     lane_of,
     random_state,
     scheme,
-    uneven_lane,
 )
-from tests.installed import each_variant
 
 pytestmark = pytest.mark.needs("ode")
-
-both_formulations = pytest.mark.parametrize("formulation", ["joint", "contact"])
 
 
 def run(
     lane: Lane, state: State, steps: int = STEPS, formulation: str = "joint", preset: str = "tuned", **options: object
 ) -> Trajectory:
     return built_with(ODE(), lane, formulation, preset, **options).run(state, 0, steps)[0]
-
-
-def implicit_euler(lane: Lane, state: State, steps: int) -> np.ndarray:
-    """Springs and dashpots at the end of a step, bounded impulses by projected Gauss–Seidel; gives positions."""
-    chain, dt, directions = lane.chain, lane.time_step, lane.chain.contact_directions
-    effective = chain.mass_matrix + dt * chain.damping_matrix + dt**2 * chain.stiffness_matrix
-    inverse = np.linalg.inv(effective)
-    delassus = directions.T @ inverse @ directions
-    position, velocity, impulse = state.positions[0], state.velocities[0], np.zeros(chain.cells)
-    rows = []
-    for load in lane.loads(0, steps):
-        force = -chain.stiffness_matrix @ position
-        force[0] += load
-        free = inverse @ (chain.mass_matrix @ velocity + dt * force)
-        slip = directions.T @ free
-        bounded_impulses(impulse, delassus, slip, chain.friction_bound * dt)
-        velocity = free + inverse @ directions @ impulse
-        position = position + dt * velocity
-        rows.append(position)
-    return np.array(rows)
-
-
-@both_formulations
-@pytest.mark.parametrize("friction_ratio", [0.0, 0.1, 0.3, 1.0, 5.0])
-def test_motion_equals_the_scheme_from_frictionless_to_locked(friction_ratio: float, formulation: str) -> None:
-    lane, state = lane_of(friction_ratio), random_state(size=0.3)
-    assert_equals_scheme(lane, state, run(lane, state, formulation=formulation))
-
-
-@both_formulations
-def test_uneven_cells_and_inner_dashpots_equal_the_scheme(formulation: str) -> None:
-    lane = uneven_lane()
-    assert_equals_scheme(lane, random_state(), run(lane, random_state(), 2 * STEPS, formulation))
 
 
 def test_the_binding_names_another_parameter_for_the_largest_force() -> None:
@@ -86,34 +44,6 @@ def test_soft_constraints_make_a_stuck_contact_creep_and_hard_ones_do_not() -> N
     assert 1e-11 < np.max(np.abs(soft.relative_velocity)) / speed < 1e-6
     assert np.max(np.abs(hard.relative_velocity)) / speed <= 1e-13
     assert np.max(np.abs(hard.inner_positions - hard.outer_positions)) <= 1e-12 * AMPLITUDE
-
-
-def test_own_springs_are_implicit_euler_with_exact_friction() -> None:
-    lane, state = uneven_lane(), random_state()
-    motion = run(lane, state, 200, preset="stops")
-    np.testing.assert_allclose(motion.positions, implicit_euler(lane, state, 200), rtol=0, atol=1e-7 * AMPLITUDE)
-
-
-@pytest.mark.parametrize("preset", ["tuned", "default", "stops"])
-def test_a_motor_without_force_reports_no_friction(preset: str) -> None:
-    """ODE leaves the record of such a motor as it was allocated."""
-    motion = run(uneven_lane(), random_state(), 50, preset=preset)
-    assert np.all(motion.friction[:, 2] == 0)
-    assert np.all(np.any(np.delete(motion.friction, 2, axis=1) != 0, axis=0))
-
-
-def test_own_springs_take_energy_out_that_no_dashpot_takes() -> None:
-    """Implicit Euler damps: a decibel and more where the scheme errs by a hundredth."""
-    chain = Chain.from_ratios(damping_ratio=0.0)
-    lane = Lane(chain, StillBase(AMPLITUDE), 2e-3)
-    state = random_state()
-    own, forces = (run(lane, state, 2000, preset=one) for one in ("stops", "default"))
-    energy = [
-        np.einsum("i,ij,j", one.positions[-1], chain.stiffness_matrix, one.positions[-1])
-        + np.einsum("i,ij,j", one.velocities[-1], chain.mass_matrix, one.velocities[-1])
-        for one in (own, forces)
-    ]
-    assert energy[0] < 0.5 * energy[1]
 
 
 @pytest.mark.parametrize("mode", [BOUNCE, 0x1000])
@@ -141,22 +71,6 @@ def test_a_contact_outside_the_surface_layer_is_pushed_out() -> None:
     )
     assert np.max(np.abs(pushed - 1)) > 1e-3
     assert np.max(np.abs(left - 1)) < 1e-12
-
-
-@both_formulations
-def test_motion_far_above_the_displacement_scale_is_not_cut_off(formulation: str) -> None:
-    lane, state = lane_of(), random_state(size=1e4)
-    assert_equals_scheme(lane, state, run(lane, state, formulation=formulation), scale=1e4 * AMPLITUDE)
-
-
-@pytest.mark.parametrize(
-    "one", each_variant(variants_named(["ode", "ode:joint:stops", "ode:contact", "siconos", "siconos:contact"]))
-)
-def test_the_bare_engine_steps_in_every_formulation(one: Variant) -> None:
-    simulation = one.build([lane_of()])
-    before = simulation.advance(random_state(), 0, 10)
-    simulation.models[0].native_steps(20)
-    assert np.array_equal(simulation.advance(random_state(), 0, 10).positions, before.positions)
 
 
 def test_a_python_without_ode_is_a_reason_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:

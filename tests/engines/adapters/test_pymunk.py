@@ -38,12 +38,6 @@ def test_joints_with_their_own_bias_pull_contacts_back_to_where_they_started() -
     assert gaps[1] > 0.5
 
 
-def test_one_sweep_is_as_good_as_ten() -> None:
-    lane = uneven_lane()
-    one, ten = (run(lane, random_state(), iterations=count) for count in (1, 10))
-    np.testing.assert_allclose(one.positions, ten.positions, rtol=0, atol=1e-13 * AMPLITUDE)
-
-
 @pytest.mark.parametrize("preset", ["tuned", "default"])
 def test_reported_friction_explains_the_momentum_of_every_inner_mass(preset: str) -> None:
     """pymunk tells the size of an impulse, and not its sign."""
@@ -63,33 +57,6 @@ def test_what_is_read_is_written_by_pymunk_into_its_own_memory() -> None:
     del simulations[::3]
     again = [simulation.advance(random_state(), 0, 50).positions for simulation in simulations]
     assert all(any(np.array_equal(one, other) for other in ends[:2]) for one in again)
-
-
-def test_stuck_boxes_do_not_creep() -> None:
-    lane = lane_of(5.0, 0.3)
-    motion = Pymunk().build([lane], "contact").run(State.at_rest(1, 7), 0, 3 * STEPS)[0]
-    assert np.max(np.abs(motion.inner_positions - motion.outer_positions)) <= 1e-12 * AMPLITUDE
-
-
-SHARED_FRICTION = [0.0, 0.3, 0.3, 1.0] * 4
-"""Of sixteen lanes in one space, equal ones among them."""
-
-
-def shared_lanes() -> list[Lane]:
-    return [lane_of(friction, 0.5 + 0.05 * index) for index, friction in enumerate(SHARED_FRICTION)]
-
-
-@pytest.mark.parametrize("formulation", ["joint", "contact"])
-def test_chains_in_one_space_move_as_each_alone(formulation: str) -> None:
-    """Bodies of different chains lie in one another, and must not touch."""
-    lanes, state = shared_lanes(), random_state(16)
-    together = Pymunk().build(lanes, formulation).run(state, 0, STEPS)
-    for index, lane in enumerate(lanes):
-        alone = Pymunk().build([lane], formulation).run(state.subset([index]), 0, STEPS)[0]
-        np.testing.assert_allclose(together[index].positions, alone.positions, rtol=0, atol=1e-11 * AMPLITUDE)
-        np.testing.assert_allclose(
-            together[index].friction, alone.friction, rtol=0, atol=1e-9 * max(np.max(lane.chain.friction_bound), 1e-3)
-        )
 
 
 def test_a_chain_that_diverges_leaves_its_neighbours_alone() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from engines.interface.registry import engine, law_of
-from engines.interface.tolerances import ROUND_OFF, SINGLE
+from engines.interface.tolerances import SINGLE
 from engines.rapier import Rapier
 from engines.rapier.contact import RapierContactLane
 from engines.rapier.step_model import SINGLE_PRECISION_PERIOD
@@ -190,17 +190,6 @@ def test_friction_of_all_substeps_explains_the_momentum_of_inner_masses() -> Non
     gained = np.diff(motion.velocities[:, 7:], axis=0) * lane.chain.inner_mass / lane.time_step
     rounding = 10 * SINGLE * np.max(np.abs(motion.velocities)) * np.max(lane.chain.inner_mass) / lane.time_step
     np.testing.assert_allclose(motion.friction[1:], gained - force, rtol=0, atol=rounding)
-
-
-@pytest.mark.parametrize("preset", ["tuned", "default"])
-def test_a_pressed_sphere_neither_bounces_nor_sinks_nor_is_pushed_out(preset: str) -> None:
-    """Over thirty periods every contact is there in every step, with the force that presses it."""
-    lane = lane_of(0.3, 0.9)
-    simulation = Rapier().build([lane], "contact", preset)
-    state = simulation.advance(random_state(), 0, 30 * STEPS)
-    motion = simulation.run(state, 0, STEPS)[0]
-    given = np.broadcast_to(lane.chain.normal_force, (STEPS, 7))
-    np.testing.assert_allclose(motion.normal_force, given, rtol=ROUND_OFF["single"])
 
 
 def test_a_builder_is_left_as_it_was_and_a_force_stays() -> None:

@@ -22,7 +22,7 @@ from tests.engines.scheme_oracle import (
 )
 from tests.installed import each_engine
 
-NAMES = each_engine(["dart", "pymunk", "box2d", "pinocchio", "rapier", "sapien"])
+NAMES = each_engine(["dart", "pymunk", "box2d", "pinocchio", "rapier", "sapien", "drake", "ode", "siconos"])
 
 Coordinates = ChainCoordinates | CarriedCoordinates
 
