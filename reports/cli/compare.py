@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from reference_lcp.errors import ExitCode
-from reports.cli.options import check_outs
-from scenarios.runs import TIME_LIMIT
+from reference_lcp.output import write_whole
+from reference_lcp.terminal import visible
+from reports.cli.options import Work, check_outs
 from scenarios.verdicts.thresholds import Thresholds
 
 if TYPE_CHECKING:
@@ -73,8 +74,7 @@ def compare(
 
     Example: multibody-xval compare before/results.sqlite now/results.sqlite --out changes.md
     """
-    outs = check_outs(out, ENDINGS, [first, second])
-    from reference_lcp.output import write_whole
+    outs = check_outs(out, ENDINGS, first, second)
     from reports.export.changes import CHANGE_FORMATS, Regression
     from scenarios.verdicts.regression import compare_stores
 
@@ -89,28 +89,23 @@ def compare(
 
 def _computed(tasks: Sequence[Task]) -> list[Result]:
     """Compute exact motions, which are not kept."""
-    from reports.cli.evaluation import evaluator_of_run
-    from scenarios.runs.dask_cluster import executor_for
     from scenarios.verdicts.steady_case import EXACT
 
-    with evaluator_of_run(None, executor_for(None, TIME_LIMIT, None), [EXACT]) as evaluator:
+    with Work().evaluator(None, [EXACT]) as evaluator:
         return evaluator.evaluate(tasks)
 
 
 def _print(regression: Regression) -> None:
-    from rich.console import Console
-
     from reports.export.changes import PRINTED_COLUMNS, counted_by_variant, identities
-    from scenarios.tables import plain, print_table, text_table
+    from scenarios import tables
 
-    console = Console()
     for line in (*counted_by_variant(regression.comparison), *identities(regression.comparison)):
-        console.print(plain(line), soft_wrap=True)
+        print(visible(line))
     shown = regression.comparison.beyond[:MOST_ROWS]
     for variant in dict.fromkeys(change.variant for change in shown):
         own = [change for change in shown if change.variant == variant]
-        print_table(text_table(PRINTED_COLUMNS, own), title=variant)
+        tables.print_table(tables.text_table(PRINTED_COLUMNS, own), title=variant)
     left = len(regression.comparison.beyond) - len(shown)
     if left:
-        console.print(f"{left} more changed points; --out writes all of them")
-    console.print(plain(regression.summary), soft_wrap=True)
+        print(f"{left} more changed points; --out writes all of them")
+    print(visible(regression.summary))

@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from engines.completion import complete_engine, complete_variant
+from engines.isolated import environment as isolated
 from reference_lcp.errors import ExitCode, ParameterError
-from reference_lcp.terminal import visible
+from reference_lcp.terminal import print_table, visible
+from reports.cli.options import NAME_METAVAR
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from engines.interface.law import Law
     from engines.interface.variant import Variant
-    from engines.isolated.environment import Environment
     from engines.isolated.versioned_engine import Requirement
 
 app = typer.Typer(name="multibody-xval engines", add_completion=False, pretty_exceptions_enable=False)
@@ -46,10 +45,7 @@ def engines(
 
 @app.command()
 def law(
-    name: Annotated[
-        str,
-        typer.Argument(metavar="NAME[:FORMULATION[:PRESET]]", help="The variant.", autocompletion=complete_variant),
-    ],
+    name: Annotated[str, typer.Argument(metavar=NAME_METAVAR, help="The variant.", autocompletion=complete_variant)],
 ) -> None:
     """Print the law of a preset: its formula, its constants and their origin, and the distance between engine and law.
 
@@ -57,24 +53,21 @@ def law(
 
     Example: multibody-xval engines law mujoco:joint:default
     """
-    from rich.console import Console
-
     from engines.interface.law import NotModelled
     from engines.interface.variant import Variant
-    from reference_lcp.terminal import print_table
 
-    variant, console = Variant.parse(name), Console()
+    variant = Variant.parse(name)
     stated = variant.preset.stated_law()
     if stated is None:
         step = "the step of the reference, equation (5)" if variant.preset.shares_scheme else "none"
-        console.print(f"{variant}: {step}")
+        print(f"{variant}: {step}")
     elif isinstance(stated, NotModelled):
-        console.print(f"{variant} is not modelled: {visible(stated.reason)}", markup=False, soft_wrap=True)
+        print(visible(f"{variant} is not modelled: {stated.reason}"))
     else:
-        console.print(f"{variant}: {stated.formula}", markup=False, soft_wrap=True)
+        print(f"{variant}: {stated.formula}")
         rows = [(symbol, f"{each.value:g}", each.unit, each.source) for symbol, each in stated.constants.items()]
         print_table(("constant", "value", "unit", "from"), rows)
-        console.print(_measured(variant, stated), markup=False, soft_wrap=True)
+        print(_measured(variant, stated))
 
 
 def _measured(variant: Variant, law: Law) -> str:
@@ -98,9 +91,7 @@ def install_engine(
     name: Annotated[
         str,
         typer.Argument(
-            metavar="NAME[@VERSION]",
-            help="The engine, or a version of it.",
-            autocompletion=complete_engine,
+            metavar="NAME[@VERSION]", help="The engine, or a version of it.", autocompletion=complete_engine
         ),
     ],
     python: Annotated[
@@ -126,13 +117,12 @@ def install_engine(
 
     Example: multibody-xval engines install mujoco@3.3.7
     """
-    from engines.isolated.environment import edited_fault
     from engines.isolated.installation import Plan, install
 
     requirement = _requirement(name)
     environment = requirement.environment
     record = environment.record()
-    if record is None or environment.fault() is not None or edited_fault(environment) is not None:
+    if record is None or environment.fault() is not None or isolated.edited_fault(environment) is not None:
         plan = Plan.of(requirement, python)
         print(visible(str(plan)), flush=True)
         if requirement.adapter.capabilities.terms and not agreed:
@@ -167,14 +157,8 @@ def list_environments(context: typer.Context) -> None:
     """
     if context.invoked_subcommand is not None:
         return
-    from rich.console import Console
-
-    from engines.isolated.environment import environments as every_environment
-    from engines.isolated.environment import environments_folder
-    from reference_lcp.terminal import print_table
-
     rows, faults = [], []
-    for environment in every_environment():
+    for environment in isolated.environments():
         record, fault = environment.record(), environment.fault()
         held = [""] * 4
         if record is not None:
@@ -183,9 +167,8 @@ def list_environments(context: typer.Context) -> None:
         if fault is not None:
             faults.append(f"{environment.name} {fault}; {environment.remedy}")
     print_table(("environment", "Python", "packages", "MB", "made in s"), rows)
-    console = Console()
-    for line in [*faults, f"in {environments_folder()}"]:
-        console.print(visible(line), markup=False, soft_wrap=True)
+    for line in [*faults, f"in {isolated.environments_folder()}"]:
+        print(visible(line))
 
 
 @environments.command(name="check")
@@ -200,11 +183,9 @@ def check_environments(
 
     Example: multibody-xval engines environments check mujoco@3.3.7
     """
-    from engines.isolated.environment import edited_fault
-
     whole = True
-    for environment in _named(names or []):
-        fault = environment.fault() or edited_fault(environment) or _import_fault(environment)
+    for environment in _named(names):
+        fault = environment.fault() or isolated.edited_fault(environment) or _import_fault(environment)
         print(visible(f"{environment.name} {fault}; {environment.remedy}" if fault else f"{environment.name} is whole"))
         whole = whole and fault is None
     if not whole:
@@ -226,12 +207,12 @@ def remove_environments(
 
     if bool(names) == every:
         raise ParameterError("nothing or both is named to be removed; allowed: NAME ..., or --all")
-    for environment in _named(names or []):
+    for environment in _named(names):
         remove(environment)
         print(visible(f"{environment.name} is removed"))
 
 
-def _import_fault(environment: Environment) -> str | None:
+def _import_fault(environment: isolated.Environment) -> str | None:
     from engines.isolated.process import EngineProcessError
     from engines.isolated.versioned_engine import tried_versions
 
@@ -250,17 +231,14 @@ def _requirement(name: str) -> Requirement:
     return Requirement.of(registered_engine(engine), version if at else None)
 
 
-def _named(names: Sequence[str]) -> list[Environment]:
+def _named(names: list[str] | None) -> list[isolated.Environment]:
     """Give the environments of these names, or all; they are there."""
-    from engines.isolated.environment import environments as every_environment
-
-    known = every_environment()
-    by_name = {environment.name: environment for environment in known}
-    for name in names:
-        if name not in by_name:
-            allowed = ", ".join(by_name) or "none is installed"
+    known = {environment.name: environment for environment in isolated.environments()}
+    for name in names or ():
+        if name not in known:
+            allowed = ", ".join(known) or "none is installed"
             raise ParameterError(f"environment = {name!r} is not installed; allowed: {allowed}")
-    return [by_name[name] for name in dict.fromkeys(names)] if names else known
+    return [known[name] for name in dict.fromkeys(names or known)]
 
 
 def described(name: str) -> dict[str, Any]:
@@ -270,17 +248,16 @@ def described(name: str) -> dict[str, Any]:
     broken = broken_reason(name)
     if broken is not None:
         return {"engine": name, "version": None, "python": None, "presets": {}, "missing": broken}
-    described_engine = engine(name)
-    abilities = described_engine.capabilities
-    missing = described_engine.unavailable_reason()
+    own = engine(name)
+    abilities, missing = own.capabilities, own.unavailable_reason()
     return {
         "engine": name,
         "title": abilities.title,
         "package": abilities.package,
         "licence": abilities.licence,
         "terms": abilities.terms,
-        "version": described_engine.version() if missing is None else None,
-        "python": described_engine.python() if missing is None else None,
+        "version": own.version() if missing is None else None,
+        "python": own.python() if missing is None else None,
         "friction_law": str(abilities.friction_law),
         "presets": {str(formulation): list(presets) for formulation, presets in abilities.presets.items()},
         "normal_force": {
@@ -296,26 +273,13 @@ def described(name: str) -> dict[str, Any]:
 
 def _print(rows: list[dict[str, Any]]) -> None:
     """Print the engines as a table, then the reasons of those that are missing."""
-    from rich.console import Console
-
-    from reference_lcp.terminal import print_table
-
     lines = []
     for row in rows:
-        presets = [f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items()]
         arithmetic = row.get("precision", "") + ("" if row.get("deterministic", True) else ", varies")
-        law = row.get("friction_law", "")
-        lines.append(
-            (
-                row["engine"],
-                row["version"] or "missing",
-                row["python"] or "",
-                f"{law}\n{arithmetic}",
-                "\n".join(presets),
-            )
-        )
+        law = f"{row.get('friction_law', '')}\n{arithmetic}"
+        presets = "\n".join(f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items())
+        lines.append((row["engine"], row["version"] or "missing", row["python"] or "", law, presets))
     print_table(("engine", "version", "Python", "friction law, precision", "formulation: presets"), lines)
-    console = Console()
     for row in rows:
         if row["missing"] is not None:
-            console.print(visible(f"{row['engine']}: {row['missing']}"), markup=False, soft_wrap=True)
+            print(visible(f"{row['engine']}: {row['missing']}"))

@@ -1,15 +1,31 @@
-"""Options that several commands have in common, and their checks; see `evaluation`."""
+"""What several commands have in common: options, one by one and in groups, and how a command computes with them."""
+
+from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, fields, is_dataclass
+from functools import wraps
+from inspect import Parameter, Signature, signature
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
 from engines.completion import complete_variant
-from reference_lcp.errors import ParameterError
+from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.output import checked_output_file
+from reference_lcp.process import announce_interrupt
+from reference_lcp.terminal import announce_compilation
+from scenarios.runs import TIME_LIMIT
+
+if TYPE_CHECKING:
+    from engines.interface.variant import Variant
+    from scenarios.runs.evaluator import Evaluator
+    from scenarios.runs.executor import Executor
+    from scenarios.runs.store import ResultStore
+    from scenarios.runs.task import Task
 
 NAME_METAVAR = "NAME[:FORMULATION[:PRESET]]"
 
@@ -18,15 +34,6 @@ ENGINE_HELP = (
     "formulations or presets. May be repeated. "
 )
 
-Chosen = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--engine",
-        metavar=NAME_METAVAR,
-        help=f"{ENGINE_HELP}Without it: all:all:all.",
-        autocompletion=complete_variant,
-    ),
-]
 Settings = Annotated[
     list[str] | None,
     typer.Option(
@@ -39,63 +46,147 @@ Store = Annotated[
     Path | None,
     typer.Option(help="File that stores every result; a stopped run continues from it. Without it, nothing is stored."),
 ]
-TableFile = Annotated[Path | None, typer.Option(help="Write the table here: Markdown as .md, full precision as .csv.")]
 Workers = Annotated[int | None, typer.Option(help="Number of worker processes; without it, one for each processor.")]
 Limit = Annotated[
     float, typer.Option(help="Time limit of a batch of points, in seconds; an engine that hangs is then stopped.")
 ]
-Scheduler = Annotated[
-    str | None, typer.Option(help="Address of a dask scheduler; its workers compute instead of this machine.")
-]
-Retry = Annotated[
-    bool,
-    typer.Option(
-        "--retry-blocked",
-        help="Run again the stored points at which an engine failed: it crashed, raised an error or passed the time "
-        "limit.",
-    ),
-]
 
 
-TABLE_ENDINGS = (".md", ".csv")
-"""Formats of a `TableFile`."""
+@dataclass(frozen=True)
+class Engines:
+    """The variants that a command is about."""
+
+    chosen: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--engine",
+            metavar=NAME_METAVAR,
+            help=f"{ENGINE_HELP}Without it: all:all:all.",
+            autocompletion=complete_variant,
+        ),
+    ] = None
+    settings: Settings = None
+
+    @property
+    def names(self) -> list[str]:
+        """The chosen names, of which the only one has the settings too."""
+        names = list(self.chosen or [])
+        if not self.settings:
+            return names
+        if len(names) != 1:
+            problem = f"--set {self.settings[0]} beside {len(names)} --engine"
+            raise ParameterError(f"{problem}; allowed: one, or --engine NAME:OPTION=VALUE for each")
+        return [":".join([names[0], *self.settings])]
+
+    def variants(self) -> list[Variant]:
+        """Give the variants of these names, those of every engine without any."""
+        from engines.interface.variant import EVERY_VARIANT, variants_named
+
+        return variants_named(self.names or [EVERY_VARIANT])
+
+    def command(self, name: str, options: Sequence[str] = ()) -> str:
+        """Give the command that made a document: `run` with its name, the chosen engines and other options."""
+        return shlex.join(["multibody-xval", "run", name, *(f"--engine={each}" for each in self.names), *options])
 
 
-def check_out(out: Path | None, endings: tuple[str, ...], inputs: Iterable[Path | None]) -> None:
-    """Refuse a file that cannot be written, whose ending names no format, or that is one of `inputs`."""
-    if out is None:
-        return
-    if out.suffix not in endings:
-        raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(endings)}")
-    checked_output_file("--out", out, inputs)
+@dataclass(frozen=True)
+class Work:
+    """What computes."""
+
+    workers: Workers = None
+    time_limit: Limit = TIME_LIMIT
+    scheduler: Annotated[
+        str | None, typer.Option(help="Address of a dask scheduler; its workers compute instead of this machine.")
+    ] = None
+    retry_blocked: Annotated[
+        bool,
+        typer.Option(
+            "--retry-blocked",
+            help="Run again the stored points at which an engine failed: it crashed, raised an error or passed the "
+            "time limit.",
+        ),
+    ] = False
+
+    def check(self, *, run: bool) -> None:
+        """Refuse to run points again where nothing is run."""
+        if self.retry_blocked and not run:
+            raise ParameterError("--retry-blocked with --no-run, which runs nothing; allowed: one of the two")
+
+    def executor(self) -> Executor:
+        """Give the workers."""
+        from scenarios.runs.dask_cluster import executor_for
+
+        return executor_for(self.workers, self.time_limit, self.scheduler)
+
+    @contextmanager
+    def evaluator(
+        self, store: Path | None, shown: Sequence[Variant], expected: Sequence[Task] = (), *, run: bool = True
+    ) -> Iterator[Evaluator]:
+        """Evaluate with the store of a run, see `opened`, and bars on the way; without `run`, give what it has."""
+        from scenarios.runs.evaluator import Evaluator, StoredResults
+        from scenarios.runs.progress import ProgressBars
+        from scenarios.runs.store import existing_store
+
+        if not run:
+            with opened(existing_store(store)) as stored, StoredResults(stored) as known:
+                yield known
+            return
+        executor = self.executor()
+        with (
+            opened(store) as stored,
+            ProgressBars(shown, expected) as bars,
+            Evaluator(stored, executor, bars, retry_blocked=self.retry_blocked) as evaluator,
+        ):
+            yield evaluator
 
 
-def check_outs(outs: Sequence[Path] | None, endings: tuple[str, ...], inputs: Sequence[Path | None]) -> list[Path]:
-    """Give the files of an option that may be repeated; refuse what `check_out` refuses, and a file named twice."""
+@contextmanager
+def opened(store: Path | None) -> Iterator[ResultStore]:
+    """Open the store of a run, a temporary one if none is named; see `keeping`."""
+    from scenarios.runs.store import opened_store
+
+    announce_compilation()
+    with opened_store(store) as stored, keeping(store):
+        yield stored
+
+
+@contextmanager
+def keeping(store: Path | None) -> Iterator[None]:
+    """Print what is kept at Ctrl-C, and end the command."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        where = "nothing is kept without --store"
+        if store is not None:
+            where = f"results are kept in {store}; the same command goes on from there"
+        announce_interrupt(f"interrupted: {where}")
+        raise typer.Exit(ExitCode.INTERRUPTED) from None
+
+
+def grouped(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command in which every field of the records that it takes is an option of its own."""
+    kinds = get_type_hints(command, include_extras=True)
+    groups: dict[str, Any] = {name: kind for name, kind in kinds.items() if is_dataclass(kind)}
+
+    @wraps(command)
+    def of_options(**given: Any) -> None:
+        for name, kind in groups.items():
+            given[name] = kind(**{each.name: given.pop(each.name) for each in fields(kind)})
+        command(**given)
+
+    options: list[Parameter] = []
+    for name, parameter in signature(command, eval_str=True).parameters.items():
+        options += signature(groups[name], eval_str=True).parameters.values() if name in groups else [parameter]
+    shown = Signature([option.replace(kind=Parameter.KEYWORD_ONLY) for option in options])
+    vars(of_options)["__signature__"] = shown
+    return of_options
+
+
+def check_outs(outs: Iterable[Path | None] | None, endings: Sequence[str], *inputs: Path | None) -> list[Path]:
+    """Give the files to write; refuse one that cannot be written, of no known ending, named twice or of `inputs`."""
     checked: list[Path] = []
-    for out in outs or ():
-        check_out(out, endings, [*inputs, *checked])
-        checked.append(out)
+    for out in filter(None, outs or ()):
+        if out.suffix not in endings:
+            raise ParameterError(f"--out = {out} has the ending {out.suffix!r}; allowed: {' or '.join(endings)}")
+        checked.append(checked_output_file("--out", out, [*inputs, *checked]))
     return checked
-
-
-def check_retry(run: bool, retry_blocked: bool) -> None:
-    """Refuse to run points again where nothing is run."""
-    if retry_blocked and not run:
-        raise ParameterError("--retry-blocked with --no-run, which runs nothing; allowed: one of the two")
-
-
-def with_settings(chosen: Sequence[str] | None, settings: Sequence[str] | None) -> list[str]:
-    """Give the chosen names, of which the only one has the settings too."""
-    names = list(chosen or [])
-    if not settings:
-        return names
-    if len(names) != 1:
-        problem = f"--set {settings[0]} beside {len(names)} --engine"
-        raise ParameterError(f"{problem}; allowed: one, or --engine NAME:OPTION=VALUE for each")
-    return [":".join([names[0], *settings])]
-
-
-def command_text(name: str, chosen: Sequence[str] | None, options: Sequence[str] = ()) -> str:
-    """Give the command that made a document: `run` with its name, the chosen engines and other options."""
-    return shlex.join(["multibody-xval", "run", name, *(f"--engine={c}" for c in chosen or []), *options])

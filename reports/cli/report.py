@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import shlex
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,20 +12,8 @@ import typer
 
 from engines.completion import complete_variant
 from reference_lcp.errors import ExitCode, ParameterError
-from reference_lcp.process import announce_interrupt
-from reference_lcp.terminal import visible
-from reports.cli.options import (
-    ENGINE_HELP,
-    NAME_METAVAR,
-    Limit,
-    Retry,
-    Scheduler,
-    Settings,
-    Workers,
-    check_retry,
-    with_settings,
-)
-from scenarios.runs import TIME_LIMIT
+from reference_lcp.terminal import announce_compilation, visible
+from reports.cli.options import ENGINE_HELP, NAME_METAVAR, Engines, Settings, Work, grouped, keeping
 
 if TYPE_CHECKING:
     from reports.write import Written
@@ -33,48 +22,52 @@ RARE_COLLECTIONS = (200_000, 20, 100)
 """Thresholds of Python's collector of cycles: searching millions of live results and curves takes an eighth of
 the time of a report of 20,000 points with the default threshold of 700 objects."""
 
-Folder = Annotated[Path, typer.Option(help="Folder of the page and its files; made if it is missing.")]
-Quick = Annotated[bool, typer.Option("--quick", help="Take a small grid: the whole report takes about a minute.")]
-Chosen = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--engine",
-        metavar=NAME_METAVAR,
-        help=f"{ENGINE_HELP}Without it: the engines that come with the suite, tuned and default.",
-        autocompletion=complete_variant,
-    ),
-]
-SweepFile = Annotated[
-    Path | None, typer.Option(help="Sweep file with engines, chain and grid; multibody-xval example prints one.")
-]
-Dataset = Annotated[
-    Path | None, typer.Option(help="Dataset of a sweep (NetCDF); its results are shown, and nothing is run.")
-]
-Store = Annotated[Path | None, typer.Option(help="File that stores every result; without it, results.sqlite in --out.")]
-Run = Annotated[
-    bool,
-    typer.Option(
-        "--run/--no-run", help="Run missing points; --no-run shows only stored results, and names missing ones."
-    ),
-]
+FOLDER = typer.Option(help="Folder of the page and its files; made if it is missing.")
 
 app = typer.Typer(name="multibody-xval report", add_completion=False, pretty_exceptions_enable=False)
 
 
+@dataclass(frozen=True)
+class Shown:
+    """What a page shows."""
+
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Take a small grid: the whole report takes about a minute.")
+    ] = False
+    chosen: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--engine",
+            metavar=NAME_METAVAR,
+            help=f"{ENGINE_HELP}Without it: the engines that come with the suite, tuned and default.",
+            autocompletion=complete_variant,
+        ),
+    ] = None
+    settings: Settings = None
+    sweep: Annotated[
+        Path | None, typer.Option(help="Sweep file with engines, chain and grid; multibody-xval example prints one.")
+    ] = None
+    data: Annotated[
+        Path | None, typer.Option(help="Dataset of a sweep (NetCDF); its results are shown, and nothing is run.")
+    ] = None
+
+
 @app.command()
+@grouped
 def report(
-    out: Folder = Path("report"),
-    quick: Quick = False,
-    chosen: Chosen = None,
-    settings: Settings = None,
-    sweep: SweepFile = None,
-    data: Dataset = None,
-    store: Store = None,
-    run: Run = True,
-    workers: Workers = None,
-    time_limit: Limit = TIME_LIMIT,
-    scheduler: Scheduler = None,
-    retry_blocked: Retry = False,
+    *,
+    out: Annotated[Path, FOLDER] = Path("report"),
+    shown: Shown,
+    store: Annotated[
+        Path | None, typer.Option(help="File that stores every result; without it, results.sqlite in --out.")
+    ] = None,
+    run: Annotated[
+        bool,
+        typer.Option(
+            "--run/--no-run", help="Run missing points; --no-run shows only stored results, and names missing ones."
+        ),
+    ] = True,
+    work: Work,
 ) -> None:
     """Compare every engine with the reference on the frictional chain, and write a page about it.
 
@@ -89,56 +82,43 @@ def report(
 
     Example: multibody-xval report --quick --engine mujoco --engine mujoco:contact --engine mujoco:joint:default
     """
-    check_retry(run, retry_blocked)
-    names = with_settings(chosen, settings)
-    from reference_lcp.terminal import announce_compilation
-    from reports.plan import planned_report
-    from reports.write import STORE, check_folder, write_sweep_report
-    from scenarios.runs.dask_cluster import executor_for
-    from scenarios.runs.store import existing_store
-
-    if data is not None:
-        _report_of_dataset(data, out, alone=not (sweep or names or quick))
-        return
-    gc.set_threshold(*RARE_COLLECTIONS)
-    kept = store or out / STORE
-    planned = planned_report(names, sweep, quick=quick, stored_in=None if run else kept)
-    executor = executor_for(workers, time_limit, scheduler)
-    announce_compilation()
-    if not run:
-        existing_store(kept)
-    check_folder("--out", out, [kept, sweep])
-    try:
-        written = write_sweep_report(
-            planned.sweep, out, planned.command,
-            store=kept, run=run, scope=planned.scope, executor=executor, retry_blocked=retry_blocked,
-        )  # fmt: skip
-    except KeyboardInterrupt:
-        announce_interrupt(f"interrupted: results are kept in {kept}; the same command goes on from there")
-        raise typer.Exit(ExitCode.INTERRUPTED) from None
-    _end(written)
-
-
-def _report_of_dataset(data: Path, out: Path, *, alone: bool) -> None:
-    """Write the report of a dataset, which has to be `alone`; nothing is run."""
-    from reports.plan import PROGRAM
-    from reports.write import write_dataset_report
-    from scenarios.sweeps.dataset_reader import read_dataset
-
-    if not alone:
-        raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
-    _end(write_dataset_report(read_dataset(data), out, shlex.join([*PROGRAM, "--data", str(data)]), data))
-
-
-def _end(written: Written) -> None:
-    """Print the page, the verdicts, and why the comparison fails, which is the exit code then."""
+    work.check(run=run)
+    names = Engines(shown.chosen, shown.settings).names
+    from scenarios import tables
     from scenarios.catalogue.verdict_table import verdict_table
-    from scenarios.tables import print_table
 
+    written = _written(shown, names, out, store, work, run=run)
     print(written.page)
     if written.findings:
-        print_table(verdict_table(written.findings))
+        tables.print_table(verdict_table(written.findings))
     for line in written.failures:
         print(visible(line))
     if written.failures:
         raise typer.Exit(ExitCode.FAILED)
+
+
+def _written(shown: Shown, names: list[str], out: Path, store: Path | None, work: Work, *, run: bool) -> Written:
+    """Write the report of a dataset, of which nothing is run, or of a sweep."""
+    from reports.plan import PROGRAM, planned_report
+    from reports.write import STORE, check_folder, write_dataset_report, write_sweep_report
+    from scenarios.runs.store import existing_store
+    from scenarios.sweeps.dataset_reader import read_dataset
+
+    if shown.data is not None:
+        if shown.sweep or names or shown.quick:
+            raise ParameterError("--data holds its sweep; allowed beside it: neither --sweep, --engine nor --quick")
+        command = shlex.join([*PROGRAM, "--data", str(shown.data)])
+        return write_dataset_report(read_dataset(shown.data), out, command, shown.data)
+    gc.set_threshold(*RARE_COLLECTIONS)
+    kept = store or out / STORE
+    planned = planned_report(names, shown.sweep, quick=shown.quick, stored_in=None if run else kept)
+    executor = work.executor()
+    announce_compilation()
+    if not run:
+        existing_store(kept)
+    check_folder("--out", out, [kept, shown.sweep])
+    with keeping(kept):
+        return write_sweep_report(
+            planned.sweep, out, planned.command,
+            store=kept, run=run, scope=planned.scope, executor=executor, retry_blocked=work.retry_blocked,
+        )  # fmt: skip

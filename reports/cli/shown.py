@@ -14,7 +14,7 @@ from engines.completion import complete_engine, complete_variant
 from reference_lcp.errors import ExitCode, ParameterError
 from reference_lcp.output import replacing
 from reference_lcp.terminal import visible
-from reports.cli.options import NAME_METAVAR, Limit, Settings, Store, Workers, check_out, with_settings
+from reports.cli.options import NAME_METAVAR, Engines, Limit, Settings, Store, Work, Workers, check_outs, opened
 from scenarios.runs import TIME_LIMIT
 
 if TYPE_CHECKING:
@@ -44,16 +44,13 @@ def card(
 
     Example: multibody-xval card mujoco --store results.sqlite
     """
-    from reports.cards.card import card as collected
-    from reports.cards.card import card_variants
+    from reports.cards import card as cards
     from reports.cards.write import check_card_files, write_card
-    from reports.cli.evaluation import evaluator_of_run
-    from scenarios.runs.dask_cluster import executor_for
 
-    variants = card_variants(engine)
+    variants = cards.card_variants(engine)
     check_card_files(engine, out, store)
-    with evaluator_of_run(store, executor_for(workers, time_limit, None), variants) as evaluator:
-        shown = collected(engine, evaluator)
+    with Work(workers, time_limit).evaluator(store, variants) as evaluator:
+        shown = cards.card(engine, evaluator)
     print(write_card(shown, out)[0])
 
 
@@ -84,13 +81,11 @@ def reproduce(
     Example: multibody-xval reproduce mujoco:joint:default static-hold "1 kg, load 0.5" > repro.py
     """
     from engines.interface.variant import check_installed
-    from reports.cli.evaluation import evaluator_of_run
     from reports.reproducers.script import checked, script
-    from scenarios.runs.dask_cluster import executor_for
 
     shown = checked(variant, scenario, case)
     check_installed(shown.variant.engine, shown.variant.unavailable_reason)
-    with evaluator_of_run(store, executor_for(1, time_limit, None), [shown.variant]) as evaluator:
+    with Work(1, time_limit).evaluator(store, [shown.variant]) as evaluator:
         text = script(shown, evaluator)
     print(text, end="")
 
@@ -131,12 +126,11 @@ def animate(
     """
     from reference_lcp.validation import checked_count
 
-    variant = with_settings([chosen], settings)[0]
-    task = planned_task(variant, friction_ratio, frequency_ratio, chain or [], sweep)
+    task = planned_task(Engines([chosen], settings).names[0], friction_ratio, frequency_ratio, chain or [], sweep)
     checked_count("frames", frames, 8)
     if frames > 400:
         raise ParameterError(f"frames = {frames}; allowed: 8 to 400")
-    check_out(out, (".gif", ".html"), [])
+    check_outs([out], (".gif", ".html"))
     period = period_of(task, time_limit)
     if not period.known:
         print(visible(f"{task.variant.title}: {period.reason}"), file=sys.stderr)
@@ -206,11 +200,9 @@ def _number(text: str) -> float | int | str:
 
 def period_of(task: SteadyStateTask, time_limit: float) -> RecordedPeriod:
     """Compute the period that is drawn, in a worker process that may take so many seconds."""
-    from reports.cli.evaluation import store_of_run
     from scenarios.runs.evaluator import Evaluator
-    from scenarios.runs.local_processes import executor_here
     from scenarios.runs.recorded import RecordedPeriod
     from scenarios.runs.task import Recorded
 
-    with store_of_run(None) as store, Evaluator(store, executor_here(1, time_limit)) as evaluator:
+    with opened(None) as store, Evaluator(store, Work(1, time_limit).executor()) as evaluator:
         return RecordedPeriod.of_result(evaluator.evaluate([task.recording(Recorded.PERIOD)])[0])

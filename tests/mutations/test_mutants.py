@@ -7,9 +7,9 @@ from engines.contract.lanes import modulated_lane, random_lanes, scaled_state
 from engines.interface.presets import NormalForce
 from engines.interface.registry import default_engine_names, engine, engine_names, law_of, registered_names
 from engines.interface.tolerances import STEPS
+from engines.interface.variant import variants_named
 from reference_lcp.chain.trajectory import Trajectory
 from reference_lcp.errors import ParameterError
-from reports.cli.evaluation import chosen_variants
 from tests.mutations.catalogue import MUTANTS
 from tests.mutations.mutant import Mutant, Original, claimed_preset
 
@@ -64,7 +64,7 @@ def test_mutants_are_engines_that_nobody_lists() -> None:
     wrong = MUTANTS["bound"].variant(0.1)
     assert engine(wrong.engine).name == "mutant@bound@0.1"
     assert wrong.preset.shares_scheme
-    listed = [*registered_names(), *engine_names(), *default_engine_names(), *map(str, chosen_variants(["all"]))]
+    listed = [*registered_names(), *engine_names(), *default_engine_names(), *map(str, variants_named(["all"]))]
     assert not [name for name in listed if "mutant@" in name]
 
 
