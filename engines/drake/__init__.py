@@ -2,15 +2,7 @@
 
 from typing import ClassVar
 
-from engines.drake import contact, joint
-from engines.drake.presets import (
-    CONTACT_DEFAULT,
-    CONTACT_SAP,
-    CONTACT_SIMILAR,
-    CONTACT_TUNED,
-    JOINT_DEFAULT,
-    JOINT_TUNED,
-)
+from engines.drake import contact, joint, presets
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.shared.pip_engine import PipEngine
 from engines.shared.script_units import script_in_si
@@ -28,12 +20,12 @@ class Drake(PipEngine):
         licence="BSD-3-Clause",
         friction_law=FrictionLaw.REGULARISED,
         presets={
-            Formulation.JOINT: {"tuned": JOINT_TUNED, "default": JOINT_DEFAULT},
+            Formulation.JOINT: {"tuned": presets.JOINT_TUNED, "default": presets.JOINT_DEFAULT},
             Formulation.CONTACT: {
-                "tuned": CONTACT_TUNED,
-                "sap": CONTACT_SAP,
-                "similar": CONTACT_SIMILAR,
-                "default": CONTACT_DEFAULT,
+                "tuned": presets.CONTACT_TUNED,
+                "sap": presets.CONTACT_SAP,
+                "similar": presets.CONTACT_SIMILAR,
+                "default": presets.CONTACT_DEFAULT,
             },
         },
         notes=(

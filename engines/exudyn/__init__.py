@@ -7,16 +7,9 @@ on planes have the first law only.
 
 from typing import ClassVar
 
+from engines.exudyn import presets
 from engines.exudyn.contact import ContactLane
 from engines.exudyn.joint import BristleLane, RegularisedLane
-from engines.exudyn.presets import (
-    BRISTLE_DEFAULT,
-    BRISTLE_TUNED,
-    CONTACT_DEFAULT,
-    CONTACT_TUNED,
-    REGULARISED_DEFAULT,
-    REGULARISED_TUNED,
-)
 from engines.exudyn.reproducer import bristle_numbers, disc_numbers, zone_numbers
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
 from engines.shared.pip_engine import PipEngine
@@ -35,8 +28,8 @@ class ExudynRegularised(PipEngine):
         licence="BSD-3-Clause",
         friction_law=FrictionLaw.REGULARISED,
         presets={
-            Formulation.JOINT: {"tuned": REGULARISED_TUNED, "default": REGULARISED_DEFAULT},
-            Formulation.CONTACT: {"tuned": CONTACT_TUNED, "default": CONTACT_DEFAULT},
+            Formulation.JOINT: {"tuned": presets.REGULARISED_TUNED, "default": presets.REGULARISED_DEFAULT},
+            Formulation.CONTACT: {"tuned": presets.CONTACT_TUNED, "default": presets.CONTACT_DEFAULT},
         },
         notes=(
             "Friction is proportional to the relative velocity below the width of a zone, so that a stuck contact "
@@ -61,7 +54,7 @@ class ExudynBristle(PipEngine):
         package="exudyn",
         licence="BSD-3-Clause",
         friction_law=FrictionLaw.BRISTLE,
-        presets={Formulation.JOINT: {"tuned": BRISTLE_TUNED, "default": BRISTLE_DEFAULT}},
+        presets={Formulation.JOINT: {"tuned": presets.BRISTLE_TUNED, "default": presets.BRISTLE_DEFAULT}},
         notes=(
             "A stuck contact is a stiff spring and dashpot and gives way by F / k_s; a slipping one sticks only from "
             "the end of a substep on, so that the period map jumps, and some orbits repeat to 1e-3 and not to 1e-8."

@@ -54,7 +54,10 @@ class ExudynLane(LaneModel):
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state`; sensors record the ends of the steps."""
         self._start(state, start, steps, record=True)
-        positions, velocities = self._recorded_motion(steps)
+        positions, velocities = (
+            self._along(np.concatenate([self._recorded(sensor, steps) for sensor in sensors], axis=1))
+            for sensors in self._motion_sensors
+        )
         friction, normal_force = self._recorded_forces(steps)
         return Trajectory(
             self.lane.times(start, steps),
@@ -94,14 +97,6 @@ class ExudynLane(LaneModel):
         """Give all of Exudyn's coordinates for displacements; velocities likewise."""
         return along
 
-    def _recorded_motion(self, steps: int) -> tuple[FloatArray, FloatArray]:
-        """Displacements and velocities of all masses at the ends of the steps, in the units of the lane."""
-        positions, velocities = (
-            self._along(np.concatenate([self._recorded(sensor, steps) for sensor in sensors], axis=1))
-            for sensors in self._motion_sensors
-        )
-        return positions, velocities
-
     def _recorded_forces(self, steps: int) -> tuple[FloatArray, FloatArray]:
         """Friction and normal force of every contact [N]."""
         friction = np.zeros((steps, self._chain.cells))
@@ -118,13 +113,13 @@ class ExudynLane(LaneModel):
         """Give the internal state of the friction law at the end of a run."""
         return None
 
-    def _start(self, state: State, start: int, steps: int, record: bool) -> None:
+    def _start(self, state: State, start: int, steps: int, *, record: bool) -> None:
         checked_count("steps", steps)
         self._set_friction_state(state, start)
-        units = self._units
-        self._solve(state.positions[0] / units.length, state.velocities[0] / units.velocity, start, steps, record)
+        position, velocity = state.positions[0] / self._units.length, state.velocities[0] / self._units.velocity
+        self._solve(position, velocity, start, steps, record=record)
 
-    def _solve(self, position: FloatArray, velocity: FloatArray, start: int, steps: int, record: bool) -> None:
+    def _solve(self, position: FloatArray, velocity: FloatArray, start: int, steps: int, *, record: bool) -> None:
         """Run the solver, a new one each time: none of its data outlive a run."""
         data, initial = self._system.systemData, self._exudyn.ConfigurationType.Initial
         data.SetODE2Coordinates(self._coordinates(position), initial)

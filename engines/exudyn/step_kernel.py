@@ -10,7 +10,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from engines.exudyn.step_model import BRISTLE, DISC, DISC_CORRECTIONS, ZONE
+from engines.exudyn.step_model import BRISTLE, DISC, DISC_CORRECTIONS
 from reference_lcp.schemes.linear_implicit_kernel import solve_contacts
 
 _UNKNOWN = 9.0
@@ -18,52 +18,9 @@ _UNKNOWN = 9.0
 
 
 @numba.njit(cache=True, error_model="numpy")
-def force_of(elongation: Any, slip: Any, contacts: Any, kind: Any, numbers: Any, i: Any) -> Any:
-    """Give φ of a contact whose motion is known."""
-    bound, first, second = numbers[0, i], numbers[1, i], numbers[2, i]
-    if kind != BRISTLE:
-        return _in_zone(slip, bound, first)
-    if contacts[0, i] == 0 and bound > 0:
-        return first * (elongation - contacts[1, i]) + second * slip
-    return contacts[0, i]
-
-
-@numba.njit(cache=True, error_model="numpy")
 def _in_zone(slip: Any, bound: Any, width: Any) -> Any:
     """Give φ of a zone."""
     return bound * min(max(slip / width, -1.0), 1.0)
-
-
-@numba.njit(cache=True, error_model="numpy")
-def new_workspace(cells: Any) -> Any:
-    """Give the workspace of a run: its regimes are those of no contact."""
-    return np.full((cells + 2, cells), _UNKNOWN)
-
-
-@numba.njit(cache=True, error_model="numpy")
-def solve_friction(
-    elongation: Any,
-    slip: Any,
-    compliance: Any,
-    mobility: Any,
-    contacts: Any,
-    kind: Any,
-    numbers: Any,
-    tolerance: Any,
-    workspace: Any,
-    force: Any,
-) -> None:
-    """Replace `force`, the last λ = −φ, by that from x_free, w_free, P and V; `contacts` change.
-
-    Of zones it finds the regime too: only where the last one does not hold.
-    """
-    if kind == ZONE:
-        _find_regime(slip, mobility, numbers, workspace, force)
-    elif kind == DISC:
-        _correct_discs(slip, mobility, contacts, numbers, tolerance, workspace, force)
-    else:
-        _hold_bristles(elongation, slip, compliance, mobility, contacts, numbers, workspace, force)
-        _correct_bristles(elongation, slip, compliance, mobility, contacts, numbers, force)
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -87,7 +44,7 @@ def _added(free: Any, matrix: Any, i: Any, force: Any) -> Any:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def regime_holds(slip: Any, mobility: Any, numbers: Any, workspace: Any, force: Any) -> Any:
+def _regime_holds(slip: Any, mobility: Any, numbers: Any, workspace: Any, force: Any) -> Any:
     """Solve zones in the regime of the last substep, 0 in the zone and ±1 beyond, and say whether it still holds."""
     cells = slip.size
     if workspace[0, 0] == _UNKNOWN:
@@ -108,7 +65,7 @@ def regime_holds(slip: Any, mobility: Any, numbers: Any, workspace: Any, force: 
 
 @numba.njit(cache=True, error_model="numpy")
 def _find_regime(slip: Any, mobility: Any, numbers: Any, workspace: Any, force: Any) -> None:
-    """Solve zones by sweeps, and keep the regime that they find."""
+    """Solve zones by sweeps, and keep the regime that they find, where the last one does not hold."""
     bound, softness, none = numbers[0], numbers[1] / numbers[0], np.zeros(slip.size)
     solve_contacts(slip, mobility, bound, (softness, none, none), force)
     matrix = np.zeros(mobility.shape)
@@ -206,10 +163,14 @@ def _correct_bristles(
 def forces(motion: Any, contacts: Any, kind: Any, numbers: Any) -> Any:
     """Give φ of all contacts in a state."""
     cells = numbers.shape[1]
-    forces = np.empty(cells)
+    forces = contacts[0].copy()
     for i in range(cells):
+        bound, first, second = numbers[0, i], numbers[1, i], numbers[2, i]
         elongation, slip = motion[0, cells + i] - motion[0, i], motion[1, cells + i] - motion[1, i]
-        forces[i] = force_of(elongation, slip, contacts, kind, numbers, i)
+        if kind != BRISTLE:
+            forces[i] = _in_zone(slip, bound, first)
+        elif forces[i] == 0 and bound > 0:
+            forces[i] = first * (elongation - contacts[1, i]) + second * slip
     return forces
 
 
@@ -252,7 +213,7 @@ def advance(
     acceleration = first.copy()
     algorithmic = first.copy()
     force, elongation, slip = np.zeros(cells), np.empty(cells), np.empty(cells)
-    workspace = new_workspace(cells)
+    workspace = np.full((cells + 2, cells), _UNKNOWN)
     for index in range(1, loads.size):
         for i in range(2 * cells):
             base = algorithmic_part * algorithmic[i] + previous_part * acceleration[i]
@@ -266,9 +227,13 @@ def advance(
             outer, inner = acceleration[i], acceleration[cells + i]
             elongation[i] = (q[cells + i] + place * inner) - (q[i] + place * outer)
             slip[i] = (v[cells + i] + speed * inner) - (v[i] + speed * outer)
-        # What nearly every substep does is compiled into the loop: it takes two thirds of the time.
-        if kind != ZONE or not regime_holds(slip, mobility, numbers, workspace, force):
-            solve_friction(elongation, slip, compliance, mobility, contacts, kind, numbers, tolerance, workspace, force)
+        if kind == DISC:
+            _correct_discs(slip, mobility, contacts, numbers, tolerance, workspace, force)
+        elif kind == BRISTLE:
+            _hold_bristles(elongation, slip, compliance, mobility, contacts, numbers, workspace, force)
+            _correct_bristles(elongation, slip, compliance, mobility, contacts, numbers, force)
+        elif not _regime_holds(slip, mobility, numbers, workspace, force):
+            _find_regime(slip, mobility, numbers, workspace, force)
         _add_product(response, force, acceleration)
         for i in range(2 * cells):
             q[i] += place * acceleration[i]

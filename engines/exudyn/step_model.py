@@ -15,7 +15,8 @@ nothing for a zone; for a disc the slip velocity of the last correction; for a b
 stick, and the place of its foot.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -54,43 +55,39 @@ FAILS = (
 
 def zone(preset: Preset) -> Law:
     """Give the law of connectors with a zone."""
-
-    def model(lane: Lane, constants: Mapping[str, float]) -> "GeneralisedAlphaLane":
-        return GeneralisedAlphaLane(lane, preset, _rule(constants), ZONE, zone_widths(lane, preset, constants))
-
-    return Law(
-        formula=f"φ = F clip(w / z, ±1), w at the end of a substep; {_terms(preset)}",
-        constants=_constants(preset),
-        model=model,
-        period_bound=ACCELERATED * preset["relative_tolerance"],
-        bound_reason=STOPS,
-        unmodelled_reason=lambda lane: _failure_of_newton(lane, preset),
-    )
+    law = _zone_law(preset, ZONE, "φ = F clip(w / z, ±1), w at the end of a substep")
+    return replace(law, unmodelled_reason=lambda lane: _failure_of_newton(lane, preset))
 
 
 def disc(preset: Preset) -> Law | NotModelled:
     """Give the law of discs whose zone is linear."""
-    if not preset["useLinearProportionalZone"]:
-        return NotModelled(
-            "friction s (2 − s) falls again beyond the zone, until the next correction cuts it off: the equations of a "
-            "step have several roots, and the path of Newton's iteration decides between them"
-        )
+    if preset["useLinearProportionalZone"]:
+        correction = "w_d the slip velocity of the last of up to five corrections"
+        return _zone_law(preset, DISC, f"φ = F w / z if |w_d| ≤ z, else F sgn w_d, {correction}")
+    return NotModelled(
+        "friction s (2 − s) falls again beyond the zone, until the next correction cuts it off: the equations of a "
+        "step have several roots, and the path of Newton's iteration decides between them"
+    )
+
+
+def _zone_law(preset: Preset, kind: int, formula: str) -> Law:
+    """Give the law of a zone of friction, with the width of the zone and the integrator."""
 
     def model(lane: Lane, constants: Mapping[str, float]) -> "GeneralisedAlphaLane":
-        tolerance = preset["discontinuous_tolerance"] * Units.in_steps(preset["units"], lane).force
+        force = Units.in_steps(preset["units"], lane).force
+        tolerance = preset["discontinuous_tolerance"] * force if kind == DISC else 0.0
         widths = zone_widths(lane, preset, constants)
-        return GeneralisedAlphaLane(lane, preset, _rule(constants), DISC, widths, tolerance=tolerance)
+        return GeneralisedAlphaLane(lane, preset, _rule(constants), kind, widths, tolerance=tolerance)
 
-    return Law(
-        formula=(
-            "φ = F w / z if |w_d| ≤ z, else F sgn w_d, w_d the slip velocity of the last of up to five corrections; "
-            f"{_terms(preset)}"
-        ),
-        constants=_constants(preset),
-        model=model,
-        period_bound=ACCELERATED * preset["relative_tolerance"],
-        bound_reason=STOPS,
-    )
+    width = "" if "frictionProportionalZone" in preset.options else "z = max(z_s s ω_r, z_k F h / m_red); "
+    return _law(preset, f"{formula}; {width}{_steps(preset)}", _constants(preset), model)
+
+
+def _law(
+    preset: Preset, formula: str, constants: Mapping[str, Constant], model: Callable[..., "GeneralisedAlphaLane"]
+) -> Law:
+    bound = ACCELERATED * preset["relative_tolerance"]
+    return Law(formula=formula, constants=constants, model=model, period_bound=bound, bound_reason=STOPS)
 
 
 def bristle(preset: Preset) -> Law | NotModelled:
@@ -106,19 +103,15 @@ def bristle(preset: Preset) -> Law | NotModelled:
         springs = bristle_numbers(lane.chain, lane.time_step, preset["substeps"], *phase_and_damping)
         return BristleModelLane(lane, preset, TRAPEZOIDAL, BRISTLE, *springs)
 
-    return Law(
-        formula=(
-            "stick: φ = k_s (x − foot) + d_s w, k_s = m_red (θ / h)², d_s = 2 ζ √(k_s m_red), until |φ| > F after a "
-            f"substep; slip: φ = F sgn w, until w has reversed after a substep; {_steps(preset)}"
-        ),
-        constants={
-            "θ": Constant(preset["bristle_phase"], "", "bristle_phase, and so stickingStiffness"),
-            "ζ": Constant(preset["bristle_damping"], "", "bristle_damping, and so stickingDamping"),
-        },
-        model=model,
-        period_bound=ACCELERATED * preset["relative_tolerance"],
-        bound_reason=STOPS,
+    formula = (
+        "stick: φ = k_s (x − foot) + d_s w, k_s = m_red (θ / h)², d_s = 2 ζ √(k_s m_red), until |φ| > F after a "
+        f"substep; slip: φ = F sgn w, until w has reversed after a substep; {_steps(preset)}"
     )
+    constants = {
+        "θ": Constant(preset["bristle_phase"], "", "bristle_phase, and so stickingStiffness"),
+        "ζ": Constant(preset["bristle_damping"], "", "bristle_damping, and so stickingDamping"),
+    }
+    return _law(preset, formula, constants, model)
 
 
 def zone_widths(lane: Lane, preset: Preset, constants: Mapping[str, float] | None = None) -> FloatArray:
@@ -136,8 +129,7 @@ def zone_widths(lane: Lane, preset: Preset, constants: Mapping[str, float] | Non
 
 def reduced_mass(chain: Chain) -> FloatArray:
     """Give m_red of every cell, shape (n,)."""
-    mass: FloatArray = 1 / (1 / chain.outer_mass + 1 / chain.inner_mass)
-    return mass
+    return 1 / (1 / chain.outer_mass + 1 / chain.inner_mass)
 
 
 def bristle_numbers(
@@ -227,8 +219,7 @@ class GeneralisedAlphaLane(KernelLane):
         elastic = chain.stiffness_matrix @ motion[0] + chain.damping_matrix @ motion[1]
         rest = -(elastic + chain.contact_directions @ forces)
         rest[0] += load
-        accelerations: FloatArray = self._inverse_mass @ rest
-        return accelerations
+        return self._inverse_mass @ rest
 
     def _contacts_at(self, state: State, load: float) -> FloatArray:
         """Give what contacts keep at the start of a run, shape (2, n), with `load` [N] on cell 1."""
@@ -251,14 +242,7 @@ class BristleModelLane(GeneralisedAlphaLane):
         return np.concatenate([contacts[0], self._elongation(positions) - contacts[1]])[None]
 
     def _elongation(self, positions: FloatArray) -> FloatArray:
-        elongation: FloatArray = self.lane.chain.contact_directions.T @ positions
-        return elongation
-
-
-def _terms(preset: Preset) -> str:
-    """Say what makes the zone and the steps."""
-    width = "" if "frictionProportionalZone" in preset.options else "z = max(z_s s ω_r, z_k F h / m_red); "
-    return width + _steps(preset)
+        return self.lane.chain.contact_directions.T @ positions
 
 
 def _steps(preset: Preset) -> str:
