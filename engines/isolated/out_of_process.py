@@ -4,7 +4,6 @@ import functools
 import os
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -30,54 +29,16 @@ def system_python() -> str:
     return shutil.which("python3", path=search) or "python3"
 
 
-@dataclass(frozen=True)
-class Installation:
-    """An engine that runs in another Python."""
-
-    name: str
-    """Under which the engine is registered."""
-    server: Path
-    """File that serves it there; see `engines.isolated.worker`."""
-    variable: str
-    """Environment variable that names its Python; the system's is taken without it."""
-    remedy: str
-    """What to do where it is missing, as the end of a sentence."""
-
-    @property
-    def interpreter(self) -> str:
-        """The Python that is chosen, as a path or as a command."""
-        return os.environ.get(self.variable) or system_python()
-
-    def process(self) -> EngineProcess:
-        """Give the worker process that all lanes of this engine share."""
-        return _process(self, self.interpreter)
-
-    def versions(self) -> dict[str, str]:
-        """Give versions as the server states them; the engine's own is under ``"engine"``."""
-        versions = _versions_or_reason(self, self.interpreter)
-        if isinstance(versions, str):
-            raise EngineProcessError(versions)
-        return dict(versions)
-
-    def unavailable_reason(self) -> str | None:
-        """Reason why the engine cannot be used, and what to do; ``None`` if it can. Each Python is tried once."""
-        try:
-            self.versions()
-        except EngineProcessError as problem:
-            return f"{problem}; {self.remedy}, or let {self.variable} name a Python that has it"
-        return None
+@functools.cache
+def _process(engine: str, interpreter: str, server: Path) -> EngineProcess:
+    return EngineProcess(engine, shutil.which(interpreter) or interpreter, server)
 
 
 @functools.cache
-def _process(engine: Installation, interpreter: str) -> EngineProcess:
-    return EngineProcess(engine.name, shutil.which(interpreter) or interpreter, engine.server)
-
-
-@functools.cache
-def _versions_or_reason(engine: Installation, interpreter: str) -> dict[str, str] | str:
-    """Give the versions, or the reason why the engine cannot be used in this Python."""
+def _versions_or_reason(engine: str, interpreter: str, server: Path) -> dict[str, str] | str:
+    """Give the versions that the server states, or why it cannot be used there: each Python is tried once."""
     try:
-        stated = _process(engine, interpreter).request("versions", START_LIMIT)
+        stated = _process(engine, interpreter, server).request("versions", START_LIMIT)
     except EngineProcessError as problem:
         return str(problem)
     return {name: str(value) for name, value in stated.items()}
@@ -183,23 +144,46 @@ class OutOfProcessLane(LaneModel):
 
 
 class OutOfProcessEngine(Engine):
-    """An engine whose lanes live in a worker process; an adapter adds name, capabilities and installation."""
+    """An engine whose lanes live in a worker process; an adapter adds name, capabilities and server."""
 
-    installation: ClassVar[Installation]
+    server: ClassVar[Path]
+    """File that serves it in another Python; see `engines.isolated.worker`."""
     lane_model: ClassVar[type[OutOfProcessLane]] = OutOfProcessLane
+
+    @property
+    def variable(self) -> str:
+        """Environment variable that names its Python; the system's is taken without it."""
+        return f"MULTIBODY_XVAL_{self.name.upper()}_PYTHON"
+
+    @property
+    def interpreter(self) -> str:
+        """The Python that is chosen, as a path or as a command."""
+        return os.environ.get(self.variable) or system_python()
+
+    def process(self) -> EngineProcess:
+        """Give the worker process that all lanes of this engine share."""
+        return _process(self.name, self.interpreter, self.server)
+
+    def _stated(self, name: str) -> str:
+        versions = _versions_or_reason(self.name, self.interpreter, self.server)
+        if isinstance(versions, str):
+            raise EngineProcessError(versions)
+        return versions[name]
 
     def version(self) -> str:
         """Version of the engine, as its server states it."""
-        return self.installation.versions()["engine"]
+        return self._stated("engine")
 
     def python(self) -> str:
         """Version of the Python that it runs in."""
-        return self.installation.versions()["python"]
+        return self._stated("python")
 
     def unavailable_reason(self) -> str | None:
-        """Reason why the engine cannot be used here; another Python is tried once."""
-        return self.installation.unavailable_reason()
+        """Reason why the engine cannot be used, and what to do; ``None`` if it can."""
+        versions = _versions_or_reason(self.name, self.interpreter, self.server)
+        remedy = f"apt install {self.capabilities.package}, or let {self.variable} name a Python that has it"
+        return f"{versions}; {remedy}" if isinstance(versions, str) else None
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        process = self.installation.process()
+        process = self.process()
         return SequentialSimulation([self.lane_model(process, lane, preset, str(formulation)) for lane in lanes])

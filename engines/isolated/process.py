@@ -107,7 +107,7 @@ class EngineProcess:
                 raise
         if "error" in reply:
             kind, text = str(reply["kind"]), str(reply["error"])
-            if kind == ParameterError.__name__:  # of the suite's own adapter, where that runs there
+            if kind == ParameterError.__name__:
                 raise ParameterError(text)
             failure = EngineProcessError(f"{self.engine} in {self._command[0]}: {kind}: {text}")
             failure.add_note(str(reply["traceback"]))
@@ -144,12 +144,11 @@ class EngineProcess:
                 raise EngineProcessError(f"{self.engine} sent something other than a reply: {problem}") from problem
             except (EOFError, OSError) as problem:
                 how, where, printed = worker.how_it_ended()
-                what = f"{self.engine} {how} during {message['request']!r}{where}{printed}"
+                request = repr(message["request"])
+                what = f"{how} during {request}{where}{printed}"
                 if expired.is_set():
-                    what = (
-                        f"{self.engine} did not finish {message['request']!r} within {limit:g} s and was killed{where}"
-                    )
-                raise EngineProcessError(what) from problem
+                    what = f"did not finish {request} within {limit:g} s and was killed{where}"
+                raise EngineProcessError(f"{self.engine} {what}") from problem
 
     def _lose(self) -> None:
         if self._worker is not None:
@@ -161,6 +160,7 @@ class _WorkerProcess:
     """One process, its pipes and its error stream."""
 
     def __init__(self, command: list[str]):
+        caches = {name: os.environ[name] for name in CACHE_VARIABLES if name in os.environ}
         with contextlib.ExitStack() as undone:
             self._errors = undone.enter_context(tempfile.TemporaryFile())
             _append(self._errors)
@@ -170,7 +170,7 @@ class _WorkerProcess:
                 stdout=subprocess.PIPE,
                 stderr=self._errors,
                 # Nothing else of this environment: paths and libraries of this Python would be the wrong ones there.
-                env={"PATH": os.defpath, "LC_ALL": "C.UTF-8", **ONE_THREAD, **_caches()},
+                env={"PATH": os.defpath, "LC_ALL": "C.UTF-8", **ONE_THREAD, **caches},
                 cwd=tempfile.gettempdir(),
                 start_new_session=True,
             )
@@ -199,7 +199,8 @@ class _WorkerProcess:
         """Give the signal or the code, where it was, and a quotation of what was printed last."""
         self._process.wait()
         code = self._process.returncode
-        how = f"crashed with signal {-code} ({_signal_name(-code)})" if code < 0 else f"ended with code {code}"
+        name = signal.Signals(-code).name if -code in set(signal.Signals) else "unknown"
+        how = f"crashed with signal {-code} ({name})" if code < 0 else f"ended with code {code}"
         self._errors.seek(0)
         printed, _, crash_log = self._errors.read().decode(errors="replace").partition(FATAL)
         quoted = " | ".join(line[:LONGEST_LINE] for line in printed.strip().splitlines()[-LAST_LINES:])
@@ -245,10 +246,6 @@ def _append(file: Any) -> None:
     fcntl.fcntl(file, fcntl.F_SETFL, fcntl.fcntl(file, fcntl.F_GETFL) | os.O_APPEND)
 
 
-def _caches() -> dict[str, str]:
-    return {name: os.environ[name] for name in CACHE_VARIABLES if name in os.environ}
-
-
 def _end(process: subprocess.Popen[bytes], errors: Any, owner: int) -> None:
     """End a process for good and free its pipes; in a fork of its owner, only free them."""
     streams: tuple[Any, ...] = (process.stdin, process.stdout, errors)
@@ -258,13 +255,6 @@ def _end(process: subprocess.Popen[bytes], errors: Any, owner: int) -> None:
     if process.returncode is None and os.getpid() == owner:
         process.kill()
         process.wait()
-
-
-def _signal_name(number: int) -> str:
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return "unknown"
 
 
 REQUEST_LIMIT = 60.0

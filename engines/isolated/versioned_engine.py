@@ -104,13 +104,9 @@ def started(adapter: type[Engine], environment: Environment) -> EngineProcess:
     return EngineProcess(environment.name, str(environment.interpreter), SERVER, served)
 
 
-def shared_process(adapter: Engine, environment: Environment) -> EngineProcess:
-    """Give the worker process that all lanes of an engine share."""
-    return _shared(type(adapter), environment, environment.folder)
-
-
 @functools.cache
-def _shared(adapter: type[Engine], environment: Environment, _folder: Path) -> EngineProcess:
+def shared_process(adapter: type[Engine], environment: Environment, _folder: Path) -> EngineProcess:
+    """Give the worker process that all lanes of an engine share."""
     return started(adapter, environment)
 
 
@@ -141,13 +137,11 @@ class EnvironmentSimulation(Simulation):
 
     def run(self, state: State, start: int, steps: int) -> list[Trajectory]:
         """Advance every lane; see `Simulation.run`."""
-        trajectories: list[Trajectory] = self._call(steps, "run", state, start, steps)
-        return trajectories
+        return self._call(steps, "run", state, start, steps)
 
     def advance(self, state: State, start: int, steps: int) -> State:
         """Advance every lane, keep the final state; see `Simulation.advance`."""
-        end: State = self._call(steps, "advance", state, start, steps)
-        return end
+        return self._call(steps, "advance", state, start, steps)
 
     def native_steps(self, steps: int) -> None:
         """Take steps of the engine alone, in one request; see `engines.interface.engine.NativeStepping`."""
@@ -224,7 +218,7 @@ class EnvironmentEngine(VersionedEngine):
         return unavailable_reason(self._environment)
 
     def _build(self, lanes: tuple[Lane, ...], formulation: Formulation, preset: Preset) -> Simulation:
-        process = shared_process(self._adapter, self._environment)
+        process = shared_process(type(self._adapter), self._environment, self._environment.folder)
         return EnvironmentSimulation(process, lanes, str(formulation), self._name_of(formulation, preset))
 
     def _recorded(self) -> Record:

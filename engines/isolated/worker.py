@@ -9,18 +9,17 @@ It is started as ``python3 -I worker.py SERVER``, where SERVER is a file that de
   ``across``, gaps and their rates at the start, and gives ``gap`` and ``gap_rate``, recorded or not. One that
   runs an adapter of the suite has ``call(pickled)`` instead, see `engines.isolated.server`.
 
-A message is two numbers of eight bytes, its length and that of its head; the head, a JSON list of name, data type
-and shape of every array; and what the arrays hold, one after the other. An ``npz`` file holds the same, and takes as
-long as a hundred steps of a fast engine. This file runs in Pythons whose packages are older than the suite's: it needs
-NumPy only, and never imports the suite.
+A message is a pickled dictionary of the data type, the shape and the bytes of every array: a pickled array would need
+the other side's version of NumPy. An ``npz`` file holds the same, and takes as long as a hundred steps of a fast
+engine. This file runs in Pythons whose packages are older than the suite's: it needs NumPy only, and never imports the
+suite.
 """
 
 import faulthandler
-import json
 import os
+import pickle
 import platform
 import signal
-import struct
 import sys
 import traceback
 from collections.abc import Callable, Mapping
@@ -32,9 +31,6 @@ import numpy as np
 
 Message = dict[str, Any]
 """Arrays by name."""
-
-LARGEST_MESSAGE = 1 << 32
-"""Bytes; a length beyond this is not a length."""
 
 MOTION = ("position", "velocity")
 """What is left of the rows of a run of which only the end is requested."""
@@ -49,44 +45,24 @@ class NotAMessage(ValueError):
 
 def write_message(stream: BinaryIO, message: Mapping[str, Any]) -> None:
     """Write arrays, numbers and texts by name."""
-    arrays = [(name, np.asarray(value)) for name, value in message.items()]
-    head = json.dumps([(name, array.dtype.str, array.shape) for name, array in arrays]).encode()
-    body = b"".join([head, *(array.tobytes() for _, array in arrays)])
-    stream.write(struct.pack("<QQ", len(body), len(head)) + body)
+    arrays = {name: np.asarray(value) for name, value in message.items()}
+    plain = {name: (array.dtype.str, array.shape, array.tobytes()) for name, array in arrays.items()}
+    pickle.dump(plain, stream, protocol=4)
     stream.flush()
 
 
 def read_message(stream: BinaryIO) -> Message:
     """Read arrays by name; raises `EOFError` at the end of the stream, and `NotAMessage` for anything else."""
-    length, place = struct.unpack("<QQ", _exactly(stream, 16))
-    if length > LARGEST_MESSAGE:
-        raise NotAMessage(f"a message announces {length} bytes; allowed: at most {LARGEST_MESSAGE}")
-    body, arrays = _exactly(stream, length), {}
+    arrays: Message = {}
     try:
-        for name, text, shape in json.loads(body[:place].decode()):
-            # Their places count bytes: copies are aligned, and may be written to.
-            arrays[str(name)] = array = np.ndarray(tuple(shape), _plain(text), body, place).copy()
-            place += array.nbytes
-    except (ValueError, TypeError, OverflowError) as problem:
-        raise NotAMessage(f"a message of {length} bytes holds no arrays: {problem}") from problem
-    if place != length:
-        raise NotAMessage(f"a message of {length} bytes holds arrays of {place}")
+        for name, (kind, shape, held) in pickle.load(stream).items():
+            assert not np.dtype(kind).hasobject, "addresses of another process are among them"
+            arrays[name] = np.ndarray(shape, kind, held).copy()  # which may be written to
+    except EOFError:
+        raise
+    except Exception as problem:  # of whatever other bytes are taken for
+        raise NotAMessage(f"what arrived holds no arrays: {problem}") from problem
     return arrays
-
-
-def _plain(name: str) -> Any:
-    """Give a data type by name; one of Python's objects would be addresses in another process."""
-    kind = np.dtype(name)
-    if kind.hasobject:
-        raise TypeError("Python's objects are among them")
-    return kind
-
-
-def _exactly(stream: BinaryIO, length: int) -> bytes:
-    body = stream.read(length)
-    if len(body) != length:
-        raise EOFError(f"the stream ends after {len(body)} of {length} bytes")
-    return body
 
 
 class Service:

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.isolated.out_of_process import Installation, OutOfProcessEngine, OutOfProcessLane
+from engines.isolated.out_of_process import OutOfProcessEngine, OutOfProcessLane
 from engines.ode.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_STOPS, JOINT_TUNED
 from engines.shared.script_units import script_in_si
 
@@ -16,10 +16,6 @@ PLATE = 2.0**20
 
 SPACING = 8 * BOX
 """Distance of neighbouring cells over the displacement scale, across the motion."""
-
-INSTALLATION = Installation(
-    "ode", Path(__file__).with_name("server.py"), "MULTIBODY_XVAL_ODE_PYTHON", "apt install python3-pyode"
-)
 
 
 class ODELane(OutOfProcessLane):
@@ -48,7 +44,7 @@ class ODE(OutOfProcessEngine):
             "the start of each step. In contacts, mu is a force unless a mode says otherwise."
         ),
     )
-    installation: ClassVar[Installation] = INSTALLATION
+    server: ClassVar[Path] = Path(__file__).with_name("server.py")
     lane_model: ClassVar[type[OutOfProcessLane]] = ODELane
     reproducers: ClassVar = {
         Formulation.JOINT: script_in_si("reproducer_joint.py.jinja"),

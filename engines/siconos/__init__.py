@@ -4,20 +4,13 @@ from pathlib import Path
 from typing import ClassVar
 
 from engines.interface.presets import Capabilities, Formulation, FrictionLaw
-from engines.isolated.out_of_process import Installation, OutOfProcessEngine, OutOfProcessLane
+from engines.isolated.out_of_process import OutOfProcessEngine, OutOfProcessLane
 from engines.shared.script_units import script_in_si
 from engines.siconos.presets import CONTACT_DEFAULT, CONTACT_TUNED, JOINT_DEFAULT, JOINT_EULER, JOINT_TUNED
 from reference_lcp.validation import FloatArray
 
 DEEP = 1e9
 """Depth at which every relay starts, over the displacement scale: no motion brings it to the surface."""
-
-INSTALLATION = Installation(
-    "siconos",
-    Path(__file__).with_name("server.py"),
-    "MULTIBODY_XVAL_SICONOS_PYTHON",
-    "apt install python3-siconos",
-)
 
 
 class SiconosLane(OutOfProcessLane):
@@ -53,7 +46,7 @@ class Siconos(OutOfProcessEngine):
             "gives no warning: all presets of the joint start it deep below."
         ),
     )
-    installation: ClassVar[Installation] = INSTALLATION
+    server: ClassVar[Path] = Path(__file__).with_name("server.py")
     lane_model: ClassVar[type[OutOfProcessLane]] = SiconosLane
     reproducers: ClassVar = {
         Formulation.JOINT: script_in_si("reproducer_joint.py.jinja", deep=DEEP),

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from engines.ode import INSTALLATION, ODE
+from engines.ode import ODE
 from engines.ode.presets import BOUNCE
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
@@ -76,7 +76,7 @@ def test_a_contact_outside_the_surface_layer_is_pushed_out() -> None:
 def test_a_python_without_ode_is_a_reason_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MULTIBODY_XVAL_ODE_PYTHON", sys.executable)
     reason = ODE().unavailable_reason()
-    INSTALLATION.process().close()
+    ODE().process().close()
     assert reason is not None
     assert "No module named 'ode'; apt install python3-pyode, or let MULTIBODY_XVAL_ODE_PYTHON" in reason
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from engines.isolated.process import EngineProcessError
-from engines.siconos import INSTALLATION, Siconos
+from engines.siconos import Siconos
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import Lane
@@ -79,7 +79,7 @@ def test_without_a_threshold_lemke_parts_a_contact_and_presses_twice_in_the_next
 def test_a_python_without_siconos_is_a_reason_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MULTIBODY_XVAL_SICONOS_PYTHON", sys.executable)
     reason = Siconos().unavailable_reason()
-    INSTALLATION.process().close()
+    Siconos().process().close()
     assert reason is not None
     assert "apt install python3-siconos" in reason
     assert "MULTIBODY_XVAL_SICONOS_PYTHON" in reason

@@ -2,9 +2,9 @@
 
 import io
 import os
+import pickle
 import re
 import signal
-import struct
 import subprocess
 import sys
 import textwrap
@@ -18,9 +18,10 @@ import numpy as np
 import pytest
 
 from engines.interface.presets import Option, Preset
-from engines.isolated.out_of_process import Installation, OutOfProcessLane
+from engines.isolated.out_of_process import OutOfProcessEngine, OutOfProcessLane
 from engines.isolated.process import EngineProcess, EngineProcessError
 from engines.isolated.worker import NotAMessage, read_message, write_message
+from engines.ode import ODE
 from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError
 from tests.engines.scheme_oracle import lane_of, random_state
@@ -151,13 +152,13 @@ def test_a_message_is_read_as_it_was_written() -> None:
 
 
 @pytest.mark.parametrize(
-    "array", ["1", '["a", "|O", [1]]', '["a", "<f8", [2]]', '["a", "<f8", [-2]]', '["a", "x", []]', "["]
+    "array", [1, ("|O", (1,), bytes(8)), ("<f8", (2,), bytes(8)), ("<f8", (-2,), b""), ("x", (), b"")]
 )
-def test_what_holds_no_arrays_is_no_message(array: str) -> None:
-    head = f"[{array}]".encode()
-    stream = io.BytesIO(struct.pack("<QQ", len(head) + 8, len(head)) + head + bytes(8))
-    with pytest.raises(NotAMessage):
-        read_message(stream)
+def test_what_holds_no_arrays_is_no_message(array: object) -> None:
+    whole = pickle.dumps({"a": array})
+    for sent in (whole, whole[:-1], b"Warning", pickle.dumps(array)):
+        with pytest.raises(NotAMessage):
+            read_message(io.BytesIO(sent))
 
 
 @pytest.mark.parametrize("trouble", ["garble", "half"])
@@ -319,22 +320,28 @@ def test_a_state_that_is_not_finite_never_reaches_the_engine(process: EngineProc
     assert process.generation == 0
 
 
+class Tested(OutOfProcessEngine):
+    name = "tested"
+    capabilities = ODE.capabilities
+    server = SERVER
+
+
 def test_a_missing_interpreter_is_a_reason_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
-    engine = Installation("tested", SERVER, "TESTED_PYTHON", "apt install python3-tested")
-    monkeypatch.setenv("TESTED_PYTHON", "/nowhere/python3")
-    reason = engine.unavailable_reason()
+    monkeypatch.setenv("MULTIBODY_XVAL_TESTED_PYTHON", "/nowhere/python3")
+    reason = Tested().unavailable_reason()
     assert reason is not None
     assert "/nowhere/python3 does not start" in reason
-    assert reason.endswith("apt install python3-tested, or let TESTED_PYTHON name a Python that has it")
+    remedy = "apt install python3-pyode, or let MULTIBODY_XVAL_TESTED_PYTHON name a Python that has it"
+    assert reason.endswith(remedy)
 
 
 def test_a_python_without_the_engine_is_tried_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     server, log = tmp_path / "server.py", tmp_path / "log"
     server.write_text(f"open({str(log)!r}, 'a').write('asked ')\nimport no_such_engine\n")
-    engine = Installation("tested", server, "TESTED_PYTHON", "apt install python3-tested")
-    monkeypatch.setenv("TESTED_PYTHON", sys.executable)
-    reasons = {engine.unavailable_reason() for _ in range(3)}
+    monkeypatch.setattr(Tested, "server", server)
+    monkeypatch.setenv("MULTIBODY_XVAL_TESTED_PYTHON", sys.executable)
+    reasons = {Tested().unavailable_reason() for _ in range(3)}
     assert len(reasons) == 1
     assert "No module named 'no_such_engine'; apt install" in str(reasons.pop())
     assert log.read_text() == "asked "
-    engine.process().close()
+    Tested().process().close()

@@ -80,7 +80,7 @@ needs_mujoco = pytest.mark.needs("mujoco")
 def python_of(variant: Variant) -> str:
     """Give the Python that has the engine of a variant."""
     adapter = engine(variant.engine)
-    return adapter.installation.interpreter if isinstance(adapter, OutOfProcessEngine) else sys.executable
+    return adapter.interpreter if isinstance(adapter, OutOfProcessEngine) else sys.executable
 
 
 def printed_by(text: str, folder, variant: Variant) -> float:
