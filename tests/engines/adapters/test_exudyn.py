@@ -67,17 +67,6 @@ def test_steady_state_transmittance_is_the_event_driven_one(
     assert decibels(orbit.trajectory) == pytest.approx(exact, abs=0.05)
 
 
-@both_laws
-def test_friction_stays_within_its_bound_and_takes_energy(engine: Engine) -> None:
-    lane = lane_of(np.array([0.3, 0.1, 0.0, 0.5, 0.2, 1.0, 0.05]), 0.9)
-    (trajectory,) = engine.build([lane]).run(random_state(), 0, 2 * STEPS)
-    assert np.all(np.abs(trajectory.friction) <= lane.chain.friction_bound * (1 + 1e-8))
-    assert np.any(np.abs(trajectory.friction[:, 0]) > 0.99 * lane.chain.friction_bound[0])
-    power = trajectory.friction * trajectory.relative_velocity
-    assert np.all(np.sum(power, axis=0)[lane.chain.friction_bound > 0] < 0)
-    assert np.all(trajectory.friction[:, lane.chain.friction_bound == 0] == 0)
-
-
 def test_regularised_friction_never_drives() -> None:
     lane = lane_of(0.3, 0.9)
     (trajectory,) = ExudynRegularised().build([lane]).run(random_state(), 0, STEPS)
@@ -113,15 +102,20 @@ def test_stuck_bristle_gives_way_by_force_over_stiffness() -> None:
     assert elongation == pytest.approx(np.ptp(trajectory.friction) / stiffness, rel=0.05)
 
 
-@both_laws
 @pytest.mark.parametrize("split", [1, 177, 399])
-def test_run_split_in_two_equals_the_whole(engine: Engine, split: int) -> None:
+@pytest.mark.parametrize(
+    ("engine", "formulation"),
+    [(ExudynRegularised(), "joint"), (ExudynBristle(), "joint"), (ExudynRegularised(), "contact")],
+    ids=["zone", "bristle", "disc"],
+)
+def test_run_split_in_two_equals_the_whole(engine: Engine, formulation: str, split: int) -> None:
+    """Of discs nothing is kept but positions and velocities: they are at their static depth, and slip follows."""
     lane = lane_of(0.3, 0.6)
-    simulation = engine.build([lane])
+    simulation = engine.build([lane], formulation)
     start = simulation.advance(random_state(), 0, STEPS)
     whole = simulation.advance(start, 0, STEPS)
     halves = simulation.advance(simulation.advance(start, 0, split), split, STEPS - split)
-    assert distance(whole, halves, lane) <= engine.preset("joint", "tuned").split_tolerance
+    assert distance(whole, halves, lane) <= engine.preset(formulation, "tuned").split_tolerance
 
 
 @both_laws
@@ -175,17 +169,6 @@ def test_a_disc_moves_as_the_connector_of_the_same_zone_does() -> None:
     )
     assert np.max(np.abs(pressed.positions - joined.positions)) < 1e-3 * AMPLITUDE
     assert pressed.normal_force == pytest.approx(np.broadcast_to(lane.chain.normal_force, (STEPS, 7)), rel=1e-6)
-
-
-@pytest.mark.parametrize("split", [1, 177])
-def test_a_run_of_discs_split_in_two_equals_the_whole(split: int) -> None:
-    """Nothing is kept but positions and velocities: discs are at their static depth, and slip follows."""
-    lane = lane_of(0.3, 0.6)
-    simulation = ExudynRegularised().build([lane], "contact")
-    start = simulation.advance(random_state(), 0, STEPS)
-    whole = simulation.advance(start, 0, STEPS)
-    halves = simulation.advance(simulation.advance(start, 0, split), split, STEPS - split)
-    assert distance(whole, halves, lane) <= ExudynRegularised().preset("contact", "tuned").split_tolerance
 
 
 def largest_creep(engine: Engine, lane: Lane, preset: str) -> float:

@@ -1,23 +1,15 @@
 """MuJoCo Warp: what only its graph, its worlds, its single precision and its solver do."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
-from engines.interface.tolerances import ROUND_OFF
 from engines.mujoco_warp import MuJoCoWarp
-from reference_lcp.chain.drives import HarmonicBase
-from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.errors import ParameterError
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
     ROUNDINGS,
     STEPS,
-    assert_same_bits,
     built_with,
     distance,
     lane_of,
@@ -36,43 +28,6 @@ every_preset = pytest.mark.parametrize(
 
 def run(lane: Lane, state: State, steps: int = STEPS, formulation: str = "joint", **options: object) -> Trajectory:
     return built_with(MuJoCoWarp(), lane, formulation, **options).run(state, 0, steps)[0]
-
-
-@both_formulations
-@pytest.mark.parametrize("ratio", [1e-6, 1e-4, 1e-3, 1e-2, 10.0])
-def test_light_and_heavy_inner_masses_move_by_the_scheme(ratio: float, formulation: str) -> None:
-    """Friction beside a heavy outer mass: a contact of a small mass, in units of a large one, has none."""
-    chain = Chain.from_ratios(mass_ratio=ratio, stiffness_ratio=ratio, friction_ratio=0.3 * ratio)
-    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.8), STEPS)
-    motion = MuJoCoWarp().build([lane], formulation).run(State.at_rest(1, 7), 0, STEPS)[0]
-    assert distance(lane, State.at_rest(1, 7), motion) < ROUNDINGS
-
-
-@pytest.mark.parametrize(("formulation", "largest", "allowed"), [("joint", 100.0, 2e-5), ("contact", 20.0, ROUNDINGS)])
-def test_inner_masses_beside_which_single_precision_loses_the_outer_are_refused(
-    formulation: str, largest: float, allowed: float
-) -> None:
-    """At the limit a period is still that of the scheme."""
-
-    def lane(ratio: float) -> Lane:
-        chain = Chain.from_ratios(mass_ratio=ratio, friction_ratio=0.3)
-        return Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), STEPS)
-
-    motion = MuJoCoWarp().build([lane(largest)], formulation).run(State.at_rest(1, 7), 0, STEPS)[0]
-    assert distance(lane(largest), State.at_rest(1, 7), motion) < allowed
-    with pytest.raises(ParameterError, match=rf"= {2 * largest:g}; allowed: at most {largest:g} in MuJoCo Warp"):
-        MuJoCoWarp().build([lane(0.5), lane(2 * largest)], formulation)
-
-
-def test_a_world_whose_bounds_change_in_time_leaves_those_of_the_others_alone() -> None:
-    constant, state = uneven_lane(), random_state(2)
-    preload = Preload(modulation=0.5, angular_frequency=2 * lane_of().drive.angular_frequency)
-    modulated = dataclasses.replace(lane_of(), preload=preload)
-    together = MuJoCoWarp().build([modulated, constant]).run(state, 3, 200)
-    for index, lane in enumerate([modulated, constant]):
-        assert_same_bits(MuJoCoWarp().build([lane]).run(state.subset([index]), 3, 200)[0], together[index])
-    bound = lane_of().chain.friction_coefficient * modulated.preloads(3, 200)
-    assert np.max(np.abs(together[0].friction) / bound) == pytest.approx(1, abs=ROUND_OFF["single"])
 
 
 def test_a_solver_that_ends_before_it_has_converged_is_off_without_a_word(capfd: pytest.CaptureFixture[str]) -> None:

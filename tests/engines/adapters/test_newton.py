@@ -9,7 +9,6 @@ import pytest
 
 from engines.interface.law import Law
 from engines.interface.registry import law_of
-from engines.interface.tolerances import ROUND_OFF, SINGLE
 from engines.newton import Newton
 from engines.newton.step_model import ANCHORED_PERIOD
 from engines.newton.worlds import JointWorlds, NewtonWorlds, import_newton
@@ -19,7 +18,6 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.errors import ParameterError
 from tests.engines.scheme_oracle import (
     AMPLITUDE,
     ROUNDINGS,
@@ -28,9 +26,7 @@ from tests.engines.scheme_oracle import (
     built_with,
     distance,
     lane_of,
-    random_state,
     scheme,
-    uneven_lane,
 )
 
 pytestmark = pytest.mark.needs("newton")
@@ -61,29 +57,6 @@ def from_law(lane: Lane, law: Law, motion: Trajectory) -> float:
     """Largest distance of a motion from rest from the law's, over the displacement scale."""
     predicted = law.build([lane]).run(State.at_rest(1, 7), 0, motion.steps)[0].positions
     return float(np.max(np.abs(motion.positions - predicted))) / lane.drive.displacement_scale(lane.chain)
-
-
-@both_formulations
-@pytest.mark.parametrize("ratio", [1e-6, 1e-4, 1e-2, 10.0, 100.0])
-def test_light_and_heavy_inner_masses_move_by_the_scheme(ratio: float, formulation: str) -> None:
-    chain = Chain.from_ratios(mass_ratio=ratio, stiffness_ratio=min(ratio, 1.0), friction_ratio=0.3 * min(ratio, 1.0))
-    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.8), STEPS)
-    motion = Newton().build([lane], formulation).run(State.at_rest(1, 7), 0, STEPS)[0]
-    assert distance(lane, State.at_rest(1, 7), motion) < ROUNDINGS
-
-
-@every_preset
-def test_inner_masses_beside_which_single_precision_loses_the_outer_are_refused(formulation: str, preset: str) -> None:
-    """At the limit a period is still that of the scheme to 5e-5."""
-
-    def lane(ratio: float) -> Lane:
-        chain = Chain.from_ratios(mass_ratio=ratio, friction_ratio=0.3)
-        return Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), STEPS)
-
-    motion = Newton().build([lane(1000.0)], formulation, preset).run(State.at_rest(1, 7), 0, STEPS)[0]
-    assert distance(lane(1000.0), State.at_rest(1, 7), motion) < 5e-5
-    with pytest.raises(ParameterError, match=r"= 2000; allowed: at most 1000 in Newton \(SolverSteel\)"):
-        Newton().build([lane(0.5), lane(2000.0)], formulation, preset)
 
 
 @pytest.mark.parametrize(("formulation", "cells"), [("joint", 40), ("contact", 12)])
@@ -173,28 +146,6 @@ def test_kamino_takes_the_step_of_the_scheme_too(monkeypatch: pytest.MonkeyPatch
     slips = scheme(lane, state, 40)[2] / chain.friction_bound
     assert 0 < np.sum(np.abs(slips) == 1) < slips.size
     assert distance(lane, state, run(lane, state, 40, units="SI")) < ROUNDINGS
-
-
-def test_a_drive_that_is_not_hard_lets_stuck_contacts_creep() -> None:
-    lane = lane_of(5.0, 0.3)
-    hard, soft = (run(lane, State.at_rest(1, 7), target_kd=value) for value in (1e20, 10.0))
-    speed = np.max(np.abs(hard.velocities))
-    assert np.max(np.abs(hard.relative_velocity)) <= 4 * SINGLE * speed
-    assert np.max(np.abs(soft.relative_velocity)) > 1e-4 * speed
-
-
-def test_a_world_whose_bounds_change_in_time_leaves_those_of_the_others_alone() -> None:
-    """Down to zero, which Newton takes for no limit."""
-    constant, state = uneven_lane(), random_state(2)
-    preload = Preload(modulation=1.0, angular_frequency=STEPS / 4 * lane_of().drive.angular_frequency)
-    modulated = dataclasses.replace(lane_of(), preload=preload)
-    assert np.min(modulated.preloads(0, 4)) == 0
-    together = Newton().build([modulated, constant]).run(state, 0, 200)
-    for index, lane in enumerate([modulated, constant]):
-        assert_same_bits(Newton().build([lane]).run(state.subset([index]), 0, 200)[0], together[index])
-    bound = lane_of().chain.friction_coefficient * modulated.preloads(0, 200)
-    round_off = ROUND_OFF["single"] * lane_of().chain.friction_bound
-    assert np.all(np.abs(together[0].friction) <= bound + round_off)
 
 
 @pytest.mark.parametrize(("symbol", "factor"), [("β", 1.01), ("ε", 1.1), ("s", 1.1)])
