@@ -247,8 +247,7 @@ def actuator_gains(chain: Chain, time_step: float, preset: Preset) -> FloatArray
     if "PdControllerGains.d" in preset.options:
         return np.full(chain.cells, preset["PdControllerGains.d"])
     reduced_mass = 1 / (1 / chain.outer_mass + 1 / chain.inner_mass)
-    gains: FloatArray = preset["d"] * reduced_mass / time_step
-    return gains
+    return preset["d"] * reduced_mass / time_step
 
 
 def script_numbers(lane: Lane, preset: Preset, _start: State) -> Mapping[str, Any]:

@@ -136,8 +136,7 @@ def _softness(lane: Lane, share: float) -> FloatArray:
 
     Drake takes the root of the mean square of the three directions of the masses' inverses for one of them.
     """
-    softness: FloatArray = share * np.sqrt(2) / (3 * lane.chain.inner_mass)
-    return softness
+    return share * np.sqrt(2) / (3 * lane.chain.inner_mass)
 
 
 def _stiction_speeds(lane: Lane, speed: float, share: float) -> FloatArray:

@@ -103,13 +103,11 @@ class Scene:
 
     def friction(self, forces: FloatArray) -> FloatArray:
         """Give the friction on the inner masses in the step that was taken under these forces."""
-        friction: FloatArray = (self._chain.get_dofs_force().numpy() - forces)[:, 1::2]
-        return friction
+        return (self._chain.get_dofs_force().numpy() - forces)[:, 1::2]
 
     def normal_force(self) -> FloatArray:
         """Give the normal force on the inner masses in the step that was taken."""
-        force: FloatArray = self._chain.get_links_net_contact_force().numpy()[:, self._links[1::2], 2]
-        return force
+        return self._chain.get_links_net_contact_force().numpy()[:, self._links[1::2], 2]
 
 
 def constraint_parameters(time_constant: float, ratio: float, impedance: tuple[float, float]) -> FloatArray:

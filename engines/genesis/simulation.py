@@ -72,6 +72,5 @@ class JointSimulation(GenesisSimulation):
     def _time_constant(self, lane: Lane) -> float:
         """Give the time constant of friction in time steps; Genesis takes at least two."""
         if "time constant" not in self._preset.options:
-            steps: float = self._preset["time constant in steps"]
-            return steps
+            return self._preset["time constant in steps"]
         return max(2.0, self._preset["time constant"] / lane.time_step)

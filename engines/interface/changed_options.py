@@ -1,7 +1,8 @@
 """Presets with changed options: ``PRESET:NAME=VALUE:…``, read by the types that its options have."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections import UserDict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -62,25 +63,16 @@ def _law_of_changed(unchanged: Preset, changes: Sequence[str], preset: Preset) -
     return stated or NotModelled(f"no model says what {', '.join(changes)} changes")
 
 
-class _ReadOptions(Mapping[str, Option]):
+class _ReadOptions(UserDict[str, Option]):
     """Options that note which of them are read."""
 
     def __init__(self, options: Mapping[str, Option]):
-        self._options = options
         self.read: set[str] = set()
+        super().__init__(options)
 
     def __getitem__(self, name: str) -> Option:
         self.read.add(name)
-        return self._options[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._options
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._options)
-
-    def __len__(self) -> int:
-        return len(self._options)
+        return super().__getitem__(name)
 
 
 def value_text(value: Any) -> str:
@@ -158,12 +150,8 @@ def _type_text(preset: Preset, option: str, known: Sequence[Preset]) -> str:
     value = preset[option]
     if isinstance(value, tuple):
         if _is_set_of_flags(value):
-            return f"any of {_either(option, known, ', ')} with commas between, or nothing"
+            return f"any of {', '.join(_texts(option, known))} with commas between, or nothing"
         return f"{len(value)} values with commas between"
     if isinstance(value, str):
-        return _either(option, known, " or ")
+        return " or ".join(_texts(option, known))
     return {bool: "true or false", int: "an integer >= 0", float: "a number"}[type(value)]
-
-
-def _either(option: str, known: Sequence[Preset], between: str) -> str:
-    return between.join(_texts(option, known))

@@ -73,8 +73,7 @@ class Engine(ABC):
         ParameterError
             If it has no versions, or its adapter does not take this one.
         """
-        built: Engine = import_module(VERSIONS).versioned_engine(self, version)
-        return built
+        return import_module(VERSIONS).versioned_engine(self, version)
 
     @property
     def states_laws_of(self) -> str:

@@ -201,8 +201,7 @@ def registered_engine(name: str) -> Engine:
     reason = broken_reason(name)
     if reason is not None:
         raise ParameterError(f"engine = {name!r} cannot be used: {reason}")
-    registered: Engine = _loaded(name)()
-    return registered
+    return _loaded(name)()
 
 
 @cache

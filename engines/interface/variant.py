@@ -213,10 +213,5 @@ def default_variants() -> list[Variant]:
 
     Those of the engines that come with the suite.
     """
-    return [
-        Variant(name, str(formulation), preset_name)
-        for name in default_engine_names()
-        for formulation, presets in engine(name).capabilities.presets.items()
-        for preset_name in ("tuned", "default")
-        if preset_name in presets
-    ]
+    every = (variant for name in default_engine_names() for variant in variants_of(name, optional=True))
+    return [variant for variant in every if variant.preset_name in ("tuned", "default")]

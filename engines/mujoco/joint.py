@@ -27,6 +27,11 @@ class CompiledLane:
     normal_share: FloatArray | float = 1.0
     """λ_N of each cell over that with which its contact is pressed, shape (n,)."""
 
+    def measured(self, sensors: FloatArray, given: FloatArray) -> FloatArray:
+        """Give λ_N [N] of rows of the sensors; cells without friction have no contact."""
+        measured = sensors[:, ::3] * self.units.force * self.normal_share
+        return np.where(self.lane.chain.friction_bound > 0, measured, given)
+
 
 def new_spec(time_step: float, preset: Preset) -> Any:
     """Begin a model, with what holds for the whole of it."""

@@ -97,10 +97,8 @@ class MuJoCoSimulation(LanesInUnits):
         """Give the force on cell 1 in every step, and the normal loads where masses can leave their plates."""
         controls = []
         for lane, units in zip(self.lanes, self._units, strict=True):
-            columns = [lane.loads(start, steps)[:, None]]
-            if self._opens:
-                columns.append(-lane.preloads(start, steps))
-            forces = np.hstack(columns)
+            normal = [-lane.preloads(start, steps)] if self._opens else []
+            forces = np.hstack([lane.loads(start, steps)[:, None], *normal])
             largest, allowed = float(np.max(np.abs(forces), initial=0.0)), LARGEST_NUMBER * units.force
             if largest > allowed:  # MuJoCo would take zero without a message
                 raise ParameterError(f"forces reach {largest:g} N; allowed by MuJoCo: {allowed:g} N")
@@ -110,10 +108,8 @@ class MuJoCoSimulation(LanesInUnits):
     def _state(self, part: Callable[[str], FloatArray]) -> State:
         """Give the state of all lanes, whose parts, shape (lanes, size), are given by their names in MuJoCo."""
         qpos, qvel = part("qpos"), part("qvel")
-        position, velocity = (
-            absolute_coordinates(qpos, self._joints) * self._length,
-            absolute_coordinates(qvel, self._joints) * self._velocity,
-        )
+        position = absolute_coordinates(qpos, self._joints) * self._length
+        velocity = absolute_coordinates(qvel, self._joints) * self._velocity
         if not self._opens:
             return State(position, velocity)
         gap, speed = (
@@ -155,29 +151,19 @@ class MuJoCoSimulation(LanesInUnits):
         return math.cos(inclination) * along + math.sin(inclination) * force[:, 3 :: self._joints]
 
     def _normal_force(self, index: int, record: Mapping[str, FloatArray], start: int, steps: int) -> FloatArray:
-        """λ_N as the sensors of the contacts measured it; cells without friction have no contact."""
-        lane = self.lanes[index]
-        given = lane.preloads(start, steps)
-        if "sensordata" not in record:
-            return given
-        share = self._compiled[index].normal_share
-        measured = record["sensordata"][index, :, ::3] * self._units[index].force * share
-        return np.where(lane.chain.friction_bound > 0, measured, given)
+        """λ_N as the sensors of the contacts measured it, if there are any."""
+        given = self.lanes[index].preloads(start, steps)
+        return self._compiled[index].measured(record["sensordata"][index], given) if "sensordata" in record else given
 
 
 class ModulatedJointSimulation(MuJoCoSimulation):
     """Lanes whose joints rub harder and softer: a bound is a part of the model, and set before every step."""
 
     def _rolled(self, controls: FloatArray, start: int, record: Sequence[str]) -> dict[str, FloatArray]:
-        steps = controls.shape[1]
-        bounds = [
-            lane.chain.friction_coefficient * lane.preloads(start, steps) / units.force
-            for lane, units in zip(self.lanes, self._units, strict=True)
-        ]
         rows = []
-        for step in range(steps):
+        for step, bounds in enumerate(self._bounds(start, controls.shape[1])):
             for model, bound in zip(self._models, bounds, strict=True):
-                model.dof_frictionloss[1::2] = bound[step]
+                model.dof_frictionloss[1::2] = bound
             rows.append(super()._rolled(controls[:, step : step + 1], start + step, record))
         return {name: np.concatenate([row[name] for row in rows], axis=1) for name in record}
 

@@ -180,8 +180,7 @@ def _edges(lane: Lane, normal: FloatArray) -> FloatArray:
     along, aside = lane.axis
     tangents = np.array([[along * normal[2], -aside, -normal[0]], [aside, along, 0.0]])
     coefficient = np.maximum(lane.chain.friction_coefficient, LEAST_COEFFICIENT)
-    edges: FloatArray = normal + coefficient[:, None, None] * np.vstack([tangents, -tangents])
-    return edges
+    return normal + coefficient[:, None, None] * np.vstack([tangents, -tangents])
 
 
 def _masses(lane: Lane) -> FloatArray:

@@ -52,8 +52,5 @@ class ModelsSimulation(WorldsSimulation):
         return np.where(rubs, rows[:, 1 :: self._joints] * self._units[index].force, 0.0)
 
     def _normal_force(self, index: int, rows: FloatArray, given: FloatArray) -> FloatArray:
-        """λ_N as the sensors of the contacts measured it; cells without friction have no contact."""
-        if rows.shape[-1] == 0:
-            return given
-        measured = rows[:, ::3] * self._units[index].force * self._compiled[index].normal_share
-        return np.where(self.lanes[index].chain.friction_bound > 0, measured, given)
+        """λ_N as the sensors of the contacts measured it, if there are any."""
+        return self._compiled[index].measured(rows, given) if rows.size else given

@@ -22,8 +22,7 @@ from reference_lcp.validation import FloatArray
 
 def yield_stiffness(chain: Chain, time_step: float, phase: float) -> FloatArray:
     """Give k_s [N/m], shape (n,): a stuck contact oscillates by the angle `phase` in a step."""
-    stiffness: FloatArray = (phase / time_step) ** 2 / (1 / chain.outer_mass + 1 / chain.inner_mass)
-    return stiffness
+    return (phase / time_step) ** 2 / (1 / chain.outer_mass + 1 / chain.inner_mass)
 
 
 def deflections_at(state: State, lane: Lane, start: int, stiffness: FloatArray) -> FloatArray:
@@ -47,8 +46,7 @@ def deflections_at(state: State, lane: Lane, start: int, stiffness: FloatArray) 
         shapes = f"{internal_state.shape}; allowed: {(1, chain.cells)}"
         raise ParameterError(f"the internal state of a lane has the shape {shapes}")
     limit = chain.friction_bound / stiffness
-    clipped: FloatArray = np.clip(deflection, -limit, limit)
-    return clipped
+    return np.clip(deflection, -limit, limit)
 
 
 def compiled_springs(lane: Lane, preset: Preset) -> CompiledLane:
@@ -85,12 +83,9 @@ class YieldingSimulation(MuJoCoSimulation):
 
     def _set_internal_state(self, state: State, start: int) -> None:
         """Set where the springs are slack: MuJoCo keeps two ends a tendon, which are one here."""
-        deflection = np.stack(
-            [
-                deflections_at(state.subset([index]), lane, start, self._stiffness[index])
-                for index, lane in enumerate(self.lanes)
-            ]
-        )
+        each = zip(self.lanes, self._stiffness, strict=True)
+        given = [deflections_at(state.subset([k]), lane, start, own) for k, (lane, own) in enumerate(each)]
+        deflection = np.stack(given)
         slack = self._batch.bind("qpos")[:, 1 :: self._joints] - deflection / self._length
         self._batch.bind("plastic")[:] = np.repeat(slack, 2, axis=1)
 
@@ -100,8 +95,7 @@ class YieldingSimulation(MuJoCoSimulation):
 
     def _friction(self, index: int, record: Mapping[str, FloatArray]) -> FloatArray:
         deflection = self._deflection(record["qpos"][index], record["plastic"][index]) * self._units[index].length
-        friction: FloatArray = -self._stiffness[index] * deflection
-        return friction
+        return -self._stiffness[index] * deflection
 
     def _deflection(self, qpos: FloatArray, plastic: FloatArray) -> FloatArray:
         return qpos[..., 1 :: self._joints] - plastic[..., ::2]
