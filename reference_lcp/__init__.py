@@ -1,11 +1,13 @@
 """The reference: LCP time stepping of the frictional mass-in-mass chain after Sethi, Banerjee and Manna.
 
 What a study of a chain needs is here, each name imported from its folder when it is first used, which spares a command
-the compiled solvers that it does not need; type checkers read the imports under `TYPE_CHECKING`. The rest is in the
+the compiled solvers that it does not need: the imports under `TYPE_CHECKING` say where it is. The rest is in the
 folders themselves.
 """
 
+import ast
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -16,12 +18,12 @@ if TYPE_CHECKING:
     from reference_lcp.chain.linear_response import stuck_transmittance as stuck_transmittance
     from reference_lcp.chain.mass_in_mass import Chain as Chain
     from reference_lcp.chain.preload import Preload as Preload
-    from reference_lcp.chain.record import RecordedBase as RecordedBase
     from reference_lcp.chain.simulation import Lane as Lane
     from reference_lcp.chain.simulation import PeriodicOrbit as PeriodicOrbit
     from reference_lcp.chain.trajectory import State as State
     from reference_lcp.chain.trajectory import Trajectory as Trajectory
     from reference_lcp.chain.transient import FilteredNoise as FilteredNoise
+    from reference_lcp.chain.transient import RecordedBase as RecordedBase
     from reference_lcp.chain.transient import RickerPulse as RickerPulse
     from reference_lcp.chain.transient import SweptSine as SweptSine
     from reference_lcp.errors import ParameterError as ParameterError
@@ -51,37 +53,13 @@ if TYPE_CHECKING:
     from reference_lcp.steady.error_bar import measured_error_bars as measured_error_bars
     from reference_lcp.steady.orbits import periodic_orbits as periodic_orbits
 
-_NAMES = {
-    "chain.drives": ["HarmonicBase", "HarmonicForce", "StillBase"],
-    "chain.linear_response": ["frictionless_transmittance", "stuck_transmittance"],
-    "chain.mass_in_mass": ["Chain"],
-    "chain.preload": ["Preload"],
-    "chain.record": ["RecordedBase"],
-    "chain.simulation": ["Lane", "PeriodicOrbit"],
-    "chain.trajectory": ["State", "Trajectory"],
-    "chain.transient": ["FilteredNoise", "RickerPulse", "SweptSine"],
-    "errors": ["ParameterError"],
-    "exact.event_driven_system": ["EventDrivenSystem"],
-    "lcp.lemke": ["lemke"],
-    "lcp.polyhedral_friction": ["PolyhedralStep", "solve_polyhedral_step"],
-    "lcp.systems": [
-        "FrictionContact",
-        "FrictionalSystem",
-        "Harmonic",
-        "MassSpringSystem",
-        "Piecewise",
-        "Spring",
-        "simulate_system",
-    ],
-    "lcp.time_step": ["FrictionalStep"],
-    "observables.stick_slip": ["Mode", "dissipated_energy", "stuck_fraction", "transitions"],
-    "observables.transmittance": ["decibel", "transmittance"],
-    "one_call": ["SteadyState", "exact_steady_state", "simulate", "steady_state"],
-    "schemes.euler": ["CompiledSimulation"],
-    "steady.error_bar": ["measured_error_bars"],
-    "steady.orbits": ["periodic_orbits"],
+_MODULES = {
+    alias.name: str(node.module)
+    for node in ast.walk(ast.parse(Path(__file__).read_text(encoding="utf-8")))
+    if isinstance(node, ast.ImportFrom) and str(node.module).startswith(__name__)
+    for alias in node.names
 }
-_MODULES = {name: module for module, names in _NAMES.items() for name in names}
+"""Where the imports above take each public name from."""
 
 __all__ = list(_MODULES)
 
@@ -90,7 +68,7 @@ def __getattr__(name: str) -> Any:
     """Import a public name from its folder."""
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    public = getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+    public = getattr(import_module(_MODULES[name]), name)
     globals()[name] = public
     return public
 

@@ -18,7 +18,7 @@ from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.defaults import DEFAULT_PERIODS, DEFAULT_RESIDUAL, EXACT_RESIDUAL, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.exact.event_driven import EventDrivenSimulation
-from reference_lcp.exact.exact_orbit import ExactPeriod, exact_orbit
+from reference_lcp.exact.exact_orbit import exact_orbit
 from reference_lcp.observables.stick_slip import STICK_MARGIN, Transition, stuck_fraction, transitions
 from reference_lcp.observables.transmittance import complex_transmittance, decibel
 from reference_lcp.schemes.euler import CompiledSimulation, LemkeSimulation
@@ -47,10 +47,7 @@ class SteadyState:
     transitions: list[Transition]
     """Changes between stick and slip over the period."""
     travels: FloatArray | None = None
-    """Distance [m] that a contact slips in the phase that each transition begins.
-
-    ``None`` unless by the exact solver.
-    """
+    """Distance [m] that a contact slips in the phase that each transition begins; by the exact solver only."""
     error_bar: ErrorBar | None = None
     """Error of the step, of the residual and of round-off; ``None`` if it was not requested, or there is none."""
     exact_db: float | None = None
@@ -63,18 +60,14 @@ class SteadyState:
         ratio = complex_transmittance(orbit)
         return cls(orbit, decibel(abs(ratio)), cmath.phase(ratio), stuck, changes)
 
-    @classmethod
-    def of_exact(cls, orbit: PeriodicOrbit, period: ExactPeriod) -> "SteadyState":
-        """Read the observables of an orbit from its segments, free of sampling error."""
-        travels = np.array(period.travels)
-        ratio = period.complex_transmittance
-        modes = period.stuck_fraction, period.transitions
-        return cls(orbit, decibel(abs(ratio)), cmath.phase(ratio), *modes, travels)
-
     def as_dict(self) -> dict[str, Any]:
         """Give the numbers, ready for JSON; those of the error bar if there is one."""
         bar = {} if self.error_bar is None else self.error_bar.as_dict()
         exact = {} if self.exact_db is None else {"exact_db": self.exact_db}
+        changes = [change.as_dict() for change in self.transitions]
+        if self.error_bar is not None:
+            for change, error in zip(changes, self.error_bar.transition_time.tolist(), strict=True):
+                change["error_bar_s"] = None if math.isnan(error) else error
         return {
             "transmittance_db": self.transmittance_db,
             "phase_rad": self.phase,
@@ -83,17 +76,10 @@ class SteadyState:
             "periods": self.orbit.periods,
             "steps_per_period": self.orbit.trajectory.steps,
             "stuck_fraction": self.stuck_fraction.tolist(),
-            "transitions": self._transition_dicts(),
+            "transitions": changes,
             **bar,
             **exact,
         }
-
-    def _transition_dicts(self) -> list[dict[str, Any]]:
-        """Give the transitions, ready for JSON; with the error bars of their times if there are any."""
-        if self.error_bar is None:
-            return [change.as_dict() for change in self.transitions]
-        bars = zip(self.transitions, self.error_bar.transition_time.tolist(), strict=True)
-        return [change.as_dict() | {"error_bar_s": None if math.isnan(bar) else bar} for change, bar in bars]
 
 
 def steady_state(
@@ -157,9 +143,6 @@ def exact_steady_state(
 ) -> SteadyState:
     """Find the steady state of `chain` under `drive` by event-driven integration.
 
-    Newton's method leads from the Euler scheme's steady state to round-off. Where it does not, Anderson acceleration
-    leads from rest to a residual of `DEFAULT_RESIDUAL`, and Newton's method from there.
-
     Transmittance, stuck fractions and times of transitions carry no error of a time step or of
     sampling: what is left is round-off and the periodicity residual.
 
@@ -182,7 +165,9 @@ def exact_steady_state(
     orbit, period = exact_orbit(
         chain, drive, steps_per_period=steps_per_period, tolerance=tolerance, max_periods=max_periods
     )
-    return SteadyState.of_exact(orbit, period)
+    ratio = period.complex_transmittance
+    modes, travels = (period.stuck_fraction, period.transitions), np.array(period.travels)
+    return SteadyState(orbit, decibel(abs(ratio)), cmath.phase(ratio), *modes, travels)
 
 
 def simulate(
@@ -217,16 +202,10 @@ def simulate(
     """
     build = SOLVERS[checked_choice("solver", solver, list(SOLVERS))]
     check_record_size(chain.cells, checked_count("steps", steps))
-    start = State(
-        _initial("positions", positions, chain.cells)[None, :], _initial("velocities", velocities, chain.cells)[None, :]
-    )
+    rest, given = np.zeros(2 * chain.cells), {"positions": positions, "velocities": velocities}
+    start = [checked_array(f"initial {name}", rest if values is None else values) for name, values in given.items()]
+    for name, array in zip(given, start, strict=True):
+        if array.shape != rest.shape:
+            raise ParameterError(f"initial {name} have shape {array.shape}; allowed: {rest.shape}")
     simulation = build([Lane(chain, drive, time_step)])
-    return simulation.run(start, 0, steps)[0]
-
-
-def _initial(name: str, values: FloatArray | None, cells: int) -> FloatArray:
-    """Give initial positions or velocities, zero without any, if there is one for each mass."""
-    array = checked_array(f"initial {name}", np.zeros(2 * cells) if values is None else values)
-    if array.shape != (2 * cells,):
-        raise ParameterError(f"initial {name} have shape {array.shape}; allowed: ({2 * cells},)")
-    return array
+    return simulation.run(State(start[0][None, :], start[1][None, :]), 0, steps)[0]

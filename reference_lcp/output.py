@@ -21,10 +21,7 @@ PROBED = 4096
 
 @contextmanager
 def replacing(file: Path) -> Iterator[Path]:
-    """Give a path to write to, with the ending of `file`; what is written there takes its place at the end.
-
-    A `RunError` if it cannot be written, on a full disk for instance; `file` is as it was then.
-    """
+    """Give a path to write to, with the ending of `file`; what is written there takes its place at the end."""
     target = file.resolve()
     part = target.with_name(f".{uuid.uuid4().hex}.part{target.suffix}")
     try:
@@ -49,7 +46,10 @@ def checked_output_file(name: str, file: Path, inputs: Iterable[Path | None] = (
     checked_path(name, file)
     _refuse_package(name, file)
     for other in inputs:
-        if other is not None and _same_file(file, other):
+        if other is None:
+            continue
+        there = file.exists() and other.exists()  # links too lead to one file
+        if file.samefile(other) if there else file.resolve() == other.resolve():
             raise ParameterError(f"{name} = {file} would overwrite {other}, which the command uses; allowed: another")
     if file.is_dir():
         raise ParameterError(f"{name} = {file} is a folder; allowed: a file")
@@ -83,15 +83,7 @@ def _refuse_package(name: str, path: Path) -> None:
         raise ParameterError(f"{name} = {path} lies in the Python package {package}; allowed: outside of it")
 
 
-def _same_file(file: Path, other: Path) -> bool:
-    """Tell whether two names lead to one file, through links too; neither has to be there."""
-    if file.exists() and other.exists():
-        return file.samefile(other)
-    return file.resolve() == other.resolve()
-
-
 def _is_database(file: Path) -> bool:
-    """Tell by its first bytes whether a file is an SQLite database."""
     if not file.is_file():
         return False
     try:

@@ -1,11 +1,11 @@
-"""How the process of a command begins and ends.
+"""How a command begins and ends: with an exit code of one table, and one clear line where it is not 0.
 
-Ctrl-C ends a command within two seconds, with one line and its exit code, also while its modules are imported. With
-``python -m``, what lies in the working folder is not taken for the suite. This module imports little but the standard
-library: a command calls `heed_interrupts` and `refuse_shadows` before it imports anything else.
+Ctrl-C ends a command within two seconds, also while its modules are imported: it calls `heed_interrupts`, and with
+``python -m`` `refuse_shadows`, before it imports anything else, so that this module imports the standard library only.
 """
 
 import importlib.util
+import io
 import os
 import select
 import signal
@@ -16,15 +16,18 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from threading import Thread
+from typing import TYPE_CHECKING, Any
 
-from reference_lcp.errors import ExitCode
+from reference_lcp.errors import SHOWN, ExitCode, ParameterError, RunError
+
+if TYPE_CHECKING:
+    import typer
 
 CLOSE_SECONDS = 1.5
 """What a command has to close what it holds; then it ends as it is. Stores and outputs bear that."""
 
-
-PACKAGES = ("reference_lcp", "engines", "scenarios", "reports")
-"""What the suite imports of itself."""
+LONGEST_MESSAGE = 1000
+"""Characters of an error that are printed; of a longer one, beginning and end."""
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -39,11 +42,7 @@ class _State:
 
 
 def heed_interrupts() -> None:
-    """Let Ctrl-C end this process at once, and in `closing_on_interrupt` after a moment to close.
-
-    A thread waits for the signal, so that the main thread need not come to it. Where Ctrl-C is ignored, as in a shell's
-    background jobs, or somebody else's, it stays so.
-    """
+    """Let Ctrl-C end this process at once, and in `closing_on_interrupt` after a moment to close."""
     if _State.watched or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         return
     _State.watched = True
@@ -119,10 +118,9 @@ def _wait_for_interrupt(reader: socket.socket, seconds: float | None) -> None:
 
 
 def refuse_shadows() -> None:
-    """End a command of ``python -m`` where a package of the suite is hidden by something of the working folder.
+    """End a command of ``python -m`` where a package of the suite is hidden by something of the working folder."""
+    from reference_lcp.terminal import PACKAGES
 
-    Nothing can be said where it is the package itself that ``python -m`` names: then Python runs what hides it.
-    """
     for name in PACKAGES:
         spec = importlib.util.find_spec(name)
         origin = None if spec is None else spec.origin
@@ -133,3 +131,82 @@ def refuse_shadows() -> None:
                 file=sys.stderr,
             )
             raise SystemExit(ExitCode.WRONG_INPUT)
+
+
+def run_command(app: "typer.Typer", arguments: list[str] | None = None) -> int:
+    """Run a command line and give its `ExitCode`."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # an output in ASCII has no μ
+    os.environ["MPLBACKEND"] = "agg"  # commands draw into files; a backend that there is not ends matplotlib
+    with closing_on_interrupt():
+        try:
+            code = _exit_code(app, sys.argv[1:] if arguments is None else arguments)
+        except KeyboardInterrupt:
+            code = ExitCode.INTERRUPTED
+        except Exception:
+            if not interrupt_pending():
+                raise
+            code = ExitCode.INTERRUPTED  # a module that was being imported may turn Ctrl-C into an error of its own
+        if code == ExitCode.INTERRUPTED:
+            announce_interrupt("error: interrupted")
+            end_interrupted()
+        return code
+
+
+def _exit_code(app: "typer.Typer", arguments: list[str]) -> int:
+    import typer
+
+    usage_error: Any = typer.BadParameter.__base__  # of wrong options too; typer exports only this subclass
+    try:
+        with _standard_output():
+            result = typer.main.get_command(app).main(arguments, prog_name=app.info.name, standalone_mode=False)
+    except typer.Abort:
+        return ExitCode.INTERRUPTED
+    except usage_error as problem:
+        _print_error(_message(problem, arguments))
+    except ParameterError as problem:
+        _print_error(str(problem))
+    except RunError as problem:
+        _print_error(str(problem))
+        return ExitCode.RUN_FAILED
+    else:
+        return result if isinstance(result, int) else ExitCode.DONE
+    return ExitCode.WRONG_INPUT
+
+
+@contextmanager
+def _standard_output() -> Iterator[None]:
+    """Make sure at the end that all that was printed has arrived: it may go into a file on a full disk."""
+    try:
+        yield
+        sys.stdout.flush()
+    except (OSError, SystemExit) as problem:  # click ends the program where a pipe is closed, and after a completion
+        if getattr(problem, "filename", None) is not None or getattr(problem, "code", None) == 0:
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python writes what is left at its end
+        reason = getattr(problem, "strerror", "closed pipe")
+        raise RunError(f"standard output cannot be written: {reason}") from None
+
+
+def _print_error(text: str) -> None:
+    """Print an error as one line that any terminal shows, whatever somebody has written into a name."""
+    from reference_lcp.terminal import visible
+
+    line = visible(" ".join(text.split()))
+    if len(line) > LONGEST_MESSAGE:
+        half = LONGEST_MESSAGE // 2
+        line = f"{line[:half]} … {line[-half:]}"
+    print(f"error: {line}", file=sys.stderr)
+
+
+def _message(problem: Any, arguments: list[str]) -> str:
+    """Say in one line what is wrong, with the value that was given for an option."""
+    message = " ".join(problem.format_message().split())
+    names = getattr(getattr(problem, "param", None), "opts", [])
+    for name, value in zip(arguments, [*arguments[1:], None], strict=True):
+        if name in names and value is not None:
+            return f"{message} (given: {value[:SHOWN]})"
+        if name.partition("=")[0] in names:
+            return f"{message} (given: {name.partition('=')[2][:SHOWN]})"
+    return message

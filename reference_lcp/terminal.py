@@ -7,10 +7,10 @@ import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from threading import Event, RLock, Thread
 from time import monotonic
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -25,7 +25,6 @@ _CONTROLS = re.compile(
     "]"
 )
 
-
 READABLE = 24
 """Columns that a column of texts has at least, if its texts are that long: narrower ones are hard to read."""
 
@@ -33,8 +32,7 @@ LONGEST_NAME = 44
 """Columns of a name in the first column; a longer one, with many options, is wrapped."""
 
 LINE_SECONDS = 10.0
-"""Time after which a line is printed, whatever has happened [s]: CI services stop what is silent for long. Where the
-work has grown within it, nothing says how much is left."""
+"""Time after which a line is printed, whatever has happened [s], and after which work that has grown is estimated."""
 
 LINE_PART = 0.05
 """Part of the work after which a line is printed."""
@@ -44,11 +42,11 @@ LEAST_SECONDS = 1.0
 
 _Item = TypeVar("_Item")
 
-SUITE = ("reference_lcp", "engines", "scenarios", "reports")
-"""Packages whose functions are compiled; those of others have their own ways."""
+PACKAGES = ("reference_lcp", "engines", "scenarios", "reports")
+"""What the suite imports of itself."""
 
 NOTICE = "compiling the solvers for this machine: this takes up to half a minute, once; they are kept for later runs"
-"""The longest that was measured for one command is a quarter of a minute, on a core that is busy with nothing else."""
+"""Said once, before results."""
 
 
 def visible(text: str) -> str:
@@ -63,10 +61,7 @@ def print_table(
     title: str | None = None,
     console: "Console | None" = None,
 ) -> None:
-    """Print a table of texts; columns that do not fit follow in a table below, with the first column again.
-
-    Numbers and names are never wrapped, texts and headings are, at spaces; what would control a terminal is shown.
-    """
+    """Print a table of texts; columns that do not fit follow in a table below, with the first column again."""
     from rich.console import Console  # rich is imported once something is shown
 
     console = console or Console()
@@ -96,10 +91,8 @@ def _column(heading: str, cells: Sequence[str], number: int) -> _Column:
     heading, cells = visible(heading), ["\n".join(map(visible, cell.split("\n"))) for cell in cells]
     widest = max((len(line) for cell in cells for line in cell.split("\n")), default=0)
     word = max(map(len, heading.split()), default=1)
-    if number == 0:
-        least = min(widest, LONGEST_NAME)
-    else:
-        least = min(widest, READABLE) if any(" " in cell for cell in cells) else widest
+    texts = any(" " in cell for cell in cells)
+    least = min(widest, LONGEST_NAME if number == 0 else READABLE if texts else widest)
     return _Column(heading, cells, max(least, word), max(widest, word))
 
 
@@ -179,8 +172,7 @@ class ProgressLines:
         return (self._computed + self._known) / self._total if self._total > 0 else 0.0
 
     def _text(self) -> str:
-        done = self._computed + self._known
-        seconds = self._clock() - self._start
+        done, seconds = self._computed + self._known, self._clock() - self._start
         left = self._total - done
         known = f", {self._known:,} of them known before" if self._known else ""
         counts = f"{done:,} of {self._total:,} {self._unit} ({self._part_done:.0%}){known}"
@@ -203,15 +195,12 @@ class ProgressLines:
         self._thread.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_problem: object) -> None:
         self._end.set()
         self._thread.join()
 
 
 def _duration(seconds: float) -> str:
-    """Give a time as people say it."""
     if seconds < 90:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60)
@@ -243,44 +232,26 @@ def counted(unit: str, total: int) -> Iterator[Callable[[], None]]:
         yield lambda: lines.advance(1)
 
 
+@cache
 def announce_compilation() -> None:
-    """Say it in a terminal when something has to be compiled, once a process; commands call this before they compute.
-
-    Output into files and pipes stays as it is.
-    """
+    """Say it in a terminal when the suite has to be compiled, once; commands call this before they compute."""
     if not sys.stderr.isatty():
         return
     from numba.core import event as compiler
 
     class Notice(compiler.Listener):  # type: ignore[misc]
-        """Prints a line at the first compilation, and is silent from then on."""
-
         def on_start(self, event: Any) -> None:
-            """Print the line, if the function is one of the suite."""
-            if _is_of_suite(event.data["dispatcher"]):
+            if str(event.data["dispatcher"].py_func.__module__).partition(".")[0] in PACKAGES:
                 say_in_terminal(NOTICE)
 
         def on_end(self, event: Any) -> None:
             """Nothing is said at the end: results follow."""
 
-    if not _State.listening:
-        _State.listening = True
-        compiler.register("numba:compile", Notice())
+    compiler.register("numba:compile", Notice())
 
 
+@cache
 def say_in_terminal(line: str) -> None:
     """Print a line to standard error if that is a terminal, once a process."""
-    if sys.stderr.isatty() and line not in _State.said:
-        _State.said.add(line)
+    if sys.stderr.isatty():
         print(line, file=sys.stderr, flush=True)
-
-
-class _State:
-    """Whether compilations are listened to, and what the user has been told."""
-
-    listening = False
-    said: ClassVar[set[str]] = set()
-
-
-def _is_of_suite(dispatcher: Any) -> bool:
-    return str(dispatcher.py_func.__module__).partition(".")[0] in SUITE

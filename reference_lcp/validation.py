@@ -2,7 +2,6 @@
 
 import math
 import operator
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 from reference_lcp.errors import ParameterError, shown
 
 FloatArray = NDArray[np.float64]
-
 
 LARGEST_NUMBER = 1e100
 """Largest size of any number: squares and products of three stay below the 1.8e308 of float64."""
@@ -41,12 +39,6 @@ LONGEST_TIME_LIMIT = 1e6
 
 MOST_WORKERS = 1024
 """Most worker processes on a machine; more processors than that are in no machine so far."""
-
-_REQUIREMENTS: dict[str, Callable[[FloatArray], NDArray[np.bool_]]] = {
-    "> 0": lambda values: values > 0,
-    ">= 0": lambda values: values >= 0,
-    "finite": np.isfinite,
-}
 
 
 def checked_array(
@@ -86,19 +78,15 @@ def _plainly_allowed(array: FloatArray, requirement: str, largest: float) -> boo
 
 def _check_values(name: str, array: FloatArray, requirement: str, largest: float) -> None:
     """Raise a `ParameterError` if a number is not finite, breaks the requirement, or has no allowed size."""
-    fulfilled = np.isfinite(array) & _REQUIREMENTS[requirement](array)
+    fulfilled = np.isfinite(array)
+    if requirement != "finite":
+        fulfilled &= array > 0 if requirement == "> 0" else array >= 0
     if not np.all(fulfilled):
         wrong = array[~fulfilled].flat[0]
         raise ParameterError(f"{name} = {wrong:g} is outside its range; allowed: {requirement}, finite")
-    if requirement != "finite":
-        _check_size(name, array, "0, or " if requirement == ">= 0" else "", largest)
-
-
-def _check_size(name: str, array: FloatArray, zero: str, largest: float) -> None:
-    """Raise a `ParameterError` unless numbers are zero, or from the reciprocal of `largest` to `largest`."""
     extreme = (array > largest) | ((array > 0) & (array < 1 / largest))
-    if np.any(extreme):
-        allowed = f"{zero}{1 / largest:g} to {largest:g}"
+    if requirement != "finite" and np.any(extreme):
+        allowed = f"{'0, or ' if requirement == '>= 0' else ''}{1 / largest:g} to {largest:g}"
         raise ParameterError(f"{name} = {array[extreme].flat[0]:g} is outside its range; allowed: {allowed}")
 
 

@@ -9,8 +9,8 @@ import pytest
 
 from engines.interface.variant import Variant
 from engines.mujoco import MuJoCo
-from reference_lcp.console import run_command
 from reference_lcp.errors import ExitCode, ParameterError, RunError
+from reference_lcp.process import run_command
 from reports.cli.console_script import app
 from scenarios.catalogue.descriptions import ALL_SCENARIOS, DESCRIPTIONS
 from scenarios.runs.result import Result

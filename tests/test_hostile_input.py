@@ -8,8 +8,8 @@ import pytest
 import typer
 
 import reference_lcp.one_call
-from reference_lcp.console import run_command
 from reference_lcp.errors import ExitCode
+from reference_lcp.process import run_command
 from reports.cli.console_script import app
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.executor import WorkerExecutor

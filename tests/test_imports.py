@@ -17,7 +17,7 @@ COMPUTING = ("numba", "scipy", "pandas", "xarray", "h5py", "matplotlib", "plotly
 
 HELP = """
 import contextlib, io, json, sys
-from reference_lcp.console import run_command
+from reference_lcp.process import run_command
 from reports.cli.console_script import app
 commands, heavy = json.loads(sys.argv[1])
 imported = {}
@@ -58,7 +58,7 @@ def test_engines_are_listed_without_anything_that_computes(arguments) -> None:
     script = (
         "import json, sys\n"
         "from reports.cli.engines import app\n"
-        "from reference_lcp.console import run_command\n"
+        "from reference_lcp.process import run_command\n"
         "code = run_command(app, json.loads(sys.argv[1]))\n"
         "print()\n"
         "print(json.dumps([code, [name for name in json.loads(sys.argv[2]) if name in sys.modules]]))"

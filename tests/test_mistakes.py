@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from reference_lcp.console import run_command
 from reference_lcp.errors import ExitCode
+from reference_lcp.process import run_command
 from reports.cli.console_script import app
 from scenarios.catalogue import CATALOGUE
 

@@ -9,9 +9,9 @@ import pytest
 import reference_lcp
 import reports
 from reference_lcp import ParameterError
-from reference_lcp.console import run_command
 from reference_lcp.errors import ExitCode, RunError
 from reference_lcp.output import checked_output_file, checked_output_folder
+from reference_lcp.process import run_command
 from reports.cli.console_script import app
 from scenarios.functions import sweep
 from scenarios.runs.store import ResultStore

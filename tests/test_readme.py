@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from engines import engine
-from reference_lcp.console import run_command
+from reference_lcp.process import run_command
 from reports.cli import console_script
 from tests.test_help import COMMANDS
 

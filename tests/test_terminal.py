@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from reference_lcp.console import run_command
 from reference_lcp.errors import ExitCode
+from reference_lcp.process import run_command
 from reference_lcp.terminal import visible
 from reports.cli.console_script import COMMANDS, app
 

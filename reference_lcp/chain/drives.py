@@ -65,8 +65,19 @@ class MovingBase(_Parametric, ABC):
         return self.amplitude
 
 
+class _Periodic:
+    """What repeats after a period."""
+
+    angular_frequency: float
+
+    @property
+    def period(self) -> float:
+        """2π / ω [s]."""
+        return 2 * np.pi / self.angular_frequency
+
+
 @dataclass(frozen=True)
-class HarmonicBase(MovingBase):
+class HarmonicBase(_Periodic, MovingBase):
     """The base moves as U0 sin ωt."""
 
     kind: ClassVar[str] = "harmonic base"
@@ -92,11 +103,6 @@ class HarmonicBase(MovingBase):
         length = checked_scalar("base_amplitude", amplitude, "> 0", LARGEST_UNIT)
         return cls(length, ratio * chain.resonator_frequency)
 
-    @property
-    def period(self) -> float:
-        """2π / ω [s]."""
-        return 2 * np.pi / self.angular_frequency
-
     def displacement(self, time: FloatArray) -> FloatArray:
         """Displacement of the base [m]."""
         return self.amplitude * np.sin(self.angular_frequency * time)
@@ -107,7 +113,7 @@ class HarmonicBase(MovingBase):
 
 
 @dataclass(frozen=True)
-class HarmonicForce(_Parametric):
+class HarmonicForce(_Periodic, _Parametric):
     """The force P0 sin ωt acts on the outer mass of cell 1; the base stands still."""
 
     kind: ClassVar[str] = "harmonic force"
@@ -119,11 +125,6 @@ class HarmonicForce(_Parametric):
     def __post_init__(self) -> None:
         checked_scalar("force amplitude", self.amplitude, "> 0", LARGEST_UNIT)
         checked_scalar("angular_frequency", self.angular_frequency, "> 0")
-
-    @property
-    def period(self) -> float:
-        """2π / ω [s]."""
-        return 2 * np.pi / self.angular_frequency
 
     def load(self, chain: Chain, time: FloatArray) -> FloatArray:
         """P0 sin ωt [N]."""

@@ -22,10 +22,7 @@ def stuck_response(chain: Chain, drive: PeriodicDrive) -> NDArray[np.complex128]
 
 
 def sliding_mass(chain: Chain, inclination: float) -> NDArray[np.float64]:
-    """Mass matrix [kg], shape (2n, 2n), with the inertia across the row of masses on inclined faces.
-
-    Closed contacts lift the inner mass by tan α (v − u): the slip has the inertia m_i tan² α besides.
-    """
+    """Mass matrix [kg], shape (2n, 2n), with the inertia across the row of masses on inclined faces."""
     slip = chain.contact_directions
     return chain.mass_matrix + np.tan(inclination) ** 2 * (slip * chain.inner_mass) @ slip.T
 
@@ -37,16 +34,12 @@ def stuck_basis(chain: Chain) -> NDArray[np.float64]:
 
 def frictionless_transmittance(chain: Chain, drive: PeriodicDrive) -> float:
     """|U_n| over the displacement scale with friction left out."""
-    return _transmittance(frictionless_response(chain, drive), chain, drive)
+    return float(np.abs(frictionless_response(chain, drive)[chain.cells - 1]) / drive.displacement_scale(chain))
 
 
 def stuck_transmittance(chain: Chain, drive: PeriodicDrive) -> float:
     """|U_n| over the displacement scale with every contact stuck."""
-    return _transmittance(stuck_response(chain, drive), chain, drive)
-
-
-def _transmittance(response: NDArray[np.complex128], chain: Chain, drive: PeriodicDrive) -> float:
-    return float(np.abs(response[chain.cells - 1]) / drive.displacement_scale(chain))
+    return float(np.abs(stuck_response(chain, drive)[chain.cells - 1]) / drive.displacement_scale(chain))
 
 
 def _response(

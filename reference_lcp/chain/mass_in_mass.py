@@ -109,15 +109,10 @@ class Chain:
         ParameterError
             If a ratio is outside its range; the message names the ratio.
         """
-        units = {
-            "outer_mass": outer_mass,
-            "chain_stiffness": chain_stiffness,
-            "base_amplitude": base_amplitude,
-            "friction_coefficient": friction_coefficient,
-        }
-        checked = (checked_scalar(name, value, "> 0", LARGEST_UNIT) for name, value in units.items())
-        mass, stiffness, amplitude, mu = checked
+        unit = partial(checked_scalar, requirement="> 0", largest=LARGEST_UNIT)
         positive = partial(checked_array, requirement="> 0", largest=LARGEST_PARAMETER)
+        mass, stiffness = unit("outer_mass", outer_mass), unit("chain_stiffness", chain_stiffness)
+        amplitude, mu = unit("base_amplitude", base_amplitude), unit("friction_coefficient", friction_coefficient)
         outer = positive("outer_mass_ratio", outer_mass_ratio) * mass
         springs = positive("chain_stiffness_ratio", chain_stiffness_ratio) * stiffness
         inner_mass = positive("mass_ratio", mass_ratio) * outer
@@ -179,7 +174,6 @@ class Chain:
         return {name: getattr(self, name).tolist() for name in _REQUIREMENTS}
 
     def _element_matrix(self, between_cells: FloatArray, within_cells: FloatArray) -> FloatArray:
-        """Sum the matrices of the elements between neighbours and inside the cells."""
         elongation = np.eye(self.cells) - np.eye(self.cells, k=-1)
         row = elongation.T @ np.diag(between_cells) @ elongation
         inside = np.diag(within_cells)
@@ -198,10 +192,7 @@ def _dashpot(name: str, ratio: ArrayLike, stiffness: FloatArray, mass: FloatArra
 
 
 def mechanical_energy(chain: Chain, positions: FloatArray, velocities: FloatArray) -> FloatArray:
-    """Kinetic energy and energy of the springs [J], shape (times,), of states (times, 2n); the base at zero.
-
-    Sums over the elements: no matrix of the chain is built, however long it is.
-    """
+    """Kinetic energy and energy of the springs [J], shape (times,), of states (times, 2n); the base at zero."""
     cells = chain.cells
     outer, inner = positions[:, :cells], positions[:, cells:]
     kinetic = velocities[:, :cells] ** 2 @ chain.outer_mass + velocities[:, cells:] ** 2 @ chain.inner_mass

@@ -4,12 +4,9 @@ An actuator in every cell presses the inner mass on the outer one, across the ro
 
     N_i(t) = N0_i (1 + a sin(Ω t + φ)),
 
-N0_i being the chain's `normal_force`: faces lie along the row. Nothing couples the normal
-direction to the motion along the row then (G_NT = 0): λ_N(t) is known before the row moves, friction under it is
-monotone, and a steady state is as unique as under a constant normal force.
-
-For a <= 1 the contact stays closed, and λ_N = N. For a > 1 the actuator pulls the inner mass off for a part of each
-cycle; it flies, falls back, and lands without rebound.
+N0_i being the chain's `normal_force`. With faces along the row nothing couples the normal direction to the motion along
+it: λ_N(t) is known before the row moves. For a <= 1 the contact stays closed, and λ_N = N. For a > 1 the actuator pulls
+the inner mass off for a part of each cycle; it flies, falls back, and lands without rebound.
 """
 
 import math
@@ -44,13 +41,7 @@ class Preload:
 
     @classmethod
     def at_multiple(cls, drive: PeriodicDrive, modulation: float, multiple: float = 1.0, phase: float = 0.0) -> Self:
-        """Modulate at Ω = `multiple` ω, with ω of the drive.
-
-        Raises
-        ------
-        ParameterError
-            If a value is not finite or outside its range.
-        """
+        """Modulate at Ω = `multiple` ω, with ω of the drive; a `ParameterError` outside the range."""
         ratio = checked_scalar("modulation_multiple", multiple, "> 0")
         return cls(modulation=modulation, angular_frequency=ratio * drive.angular_frequency, phase=phase)
 
@@ -66,11 +57,7 @@ class Preload:
 
 @dataclass(frozen=True)
 class Flight:
-    """The exact flight of an inner mass under a preload that opens its contact, once in a cycle of the preload.
-
-    With y'' = −N(t) / m from lift-off, where N falls through zero, to y = 0. Times do not depend on the masses, nor
-    does the impulse of the landing, ∫ N dt.
-    """
+    """The exact flight of an inner mass under a preload that opens its contact, once in a cycle of the preload."""
 
     lift_off: float
     """Phase Ω t + φ [rad] of the preload, in (π, 3π/2)."""

@@ -21,9 +21,8 @@ from reference_lcp.validation import MOST_STEPS, FloatArray, check_record_size, 
 def uniqueness_margin(chain: Chain, inclination: float) -> FloatArray:
     """Give m_i (G_NN − μ |G_NT|) = 1 + (sin² α − μ |sin α cos α|) m_i / m_o of every contact, shape (n,).
 
-    Where it is positive a step of a contact has one solution. Where it is not, friction that a normal force makes
-    presses a slipping contact together more than that force parts it (Painlevé, 1895): there may be several solutions
-    or none. That takes outer masses below m_i (√(1 + μ²) − 1) / 2.
+    Where it is not positive, friction presses a slipping contact together more than the normal force parts it
+    (Painlevé, 1895): a step may have several solutions or none.
     """
     along, across = math.cos(inclination), math.sin(inclination)
     coupling = across**2 - chain.friction_coefficient * abs(across * along)
@@ -56,21 +55,14 @@ class Lane:
     preload: Preload | None = None
     """How the normal force changes in time; ``None`` where it is constant."""
     direction: float = 0.0
-    """Angle by which the row is turned in the plane of the contacts [rad], −π/2 to π/2.
-
-    Coulomb's law does not depend on it. Rows of one cell are turned alone: cells stand side by side across the row.
-    """
+    """Angle by which the row, of one cell, is turned in the plane of the contacts [rad], −π/2 to π/2."""
     inclination: float = 0.0
     """α of the contact faces to the row [rad], see `reference_lcp.schemes.inclined`.
 
-    The inner masses move in the plane of row and normal, and normal forces depend on the motion. It needs a preload,
-    which acts along the normals, and is refused where the motion would not be unique.
+    It needs a preload, which acts along the normals, and is refused where the motion would not be unique.
     """
     static_ratio: float = 1.0
-    """μ_s / μ_k >= 1 of all contacts.
-
-    Friction at rest holds up to μ_s λ_N, that of a slip is μ_k λ_N, with the chain's coefficient of friction as μ_k.
-    """
+    """μ_s / μ_k >= 1 of all contacts, with the chain's coefficient of friction as μ_k."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time_step", checked_scalar("time_step", self.time_step, "> 0"))
@@ -139,9 +131,8 @@ def steps_per_period_for(chain: Chain, drive: PeriodicDrive, minimum: int = MINI
     checked_count("steps_per_period", minimum, FEWEST_STEPS_PER_PERIOD, MOST_STEPS)
     stable = drive.period * chain.highest_natural_frequency / LARGEST_PHASE_STEP
     if stable > MOST_STEPS:
-        slow = (
-            f"a period of {drive.period:.4g} s with a natural frequency of {chain.highest_natural_frequency:.4g} rad/s"
-        )
+        fastest = f"a natural frequency of {chain.highest_natural_frequency:.4g} rad/s"
+        slow = f"a period of {drive.period:.4g} s with {fastest}"
         raise ParameterError(f"{slow} needs {stable:.3g} steps; allowed: ratios that need <= {MOST_STEPS}")
     steps = max(minimum, math.ceil(stable))
     check_record_size(chain.cells, steps)

@@ -23,9 +23,8 @@ class State:
     """What a history-dependent friction law carries beside these (the anchor of a bristle, say), shape (lanes, k).
 
     ``None`` for laws without any, and for a fresh start. Where there are several values a contact, the first of every
-    contact, then the second: values of a kind share their size in the periodicity residual. A search of periodic orbits
-    may set any values near those that a run has given. Where contacts open, the gap of every contact [m], then its rate
-    [m/s]: see `normal_state`.
+    contact, then the second: values of a kind share their size in the periodicity residual. Where contacts open, the
+    gap of every contact [m], then its rate [m/s].
     """
 
     def __post_init__(self) -> None:
@@ -39,13 +38,7 @@ class State:
         return cls(np.zeros((lanes, 2 * cells)), np.zeros((lanes, 2 * cells)))
 
     def normal_state(self, cells: int) -> tuple[FloatArray, FloatArray]:
-        """Give g_N [m] and its rate [m/s], shape (lanes, n), where contacts open; closed and still at a fresh start.
-
-        Raises
-        ------
-        ParameterError
-            If the internal state is not that of such a lane.
-        """
+        """Give g_N [m] and its rate [m/s], shape (lanes, n), where contacts open; closed and still at a fresh start."""
         lanes = self.positions.shape[0]
         internal_state = np.zeros((lanes, 2 * cells)) if self.internal_state is None else self.internal_state
         if internal_state.shape != (lanes, 2 * cells):
@@ -56,10 +49,7 @@ class State:
 
     @classmethod
     def stack(cls, states: Sequence[Self]) -> Self:
-        """Join batches along their lanes.
-
-        Lanes without internal state among others that have one get zeros: closed contacts among some that may open.
-        """
+        """Join batches along their lanes; those without internal state among others that have one get zeros."""
         widths = {state.internal_state.shape[1] for state in states if state.internal_state is not None}
         joined = [
             np.zeros((state.positions.shape[0], width)) if state.internal_state is None else state.internal_state
@@ -140,12 +130,6 @@ class Trajectory:
     def joined(self, other: Self) -> "Trajectory":
         """Append a run that started at this one's end."""
         gaps = [part.normal_gap for part in (self, other) if part.normal_gap is not None]
-        return Trajectory(
-            np.concatenate([self.time, other.time]),
-            np.concatenate([self.positions, other.positions]),
-            np.concatenate([self.velocities, other.velocities]),
-            np.concatenate([self.friction, other.friction]),
-            np.concatenate([self.normal_force, other.normal_force]),
-            other.internal_state,
-            np.concatenate(gaps) if len(gaps) == 2 else None,
-        )
+        names = ("time", "positions", "velocities", "friction", "normal_force")
+        rows = (np.concatenate([getattr(self, name), getattr(other, name)]) for name in names)
+        return Trajectory(*rows, other.internal_state, np.concatenate(gaps) if len(gaps) == 2 else None)

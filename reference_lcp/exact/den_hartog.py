@@ -21,8 +21,7 @@ from reference_lcp.errors import ParameterError
 from reference_lcp.validation import checked_scalar
 
 TURN_SEARCH_POINTS = 2001
-"""Points between two turns at which the limit of sliding is looked for before the best one is refined; the
-function that is maximised has a few bends there."""
+"""Points between two turns at which the limit of sliding is looked for before the best one is refined."""
 
 
 @dataclass(frozen=True)
@@ -53,11 +52,8 @@ class SlidingMotion:
 
     @property
     def fundamental(self) -> complex:
-        """Complex amplitude of the fundamental harmonic over P0 / k: Re(X exp(iωt)) with t from the turn at +x0.
-
-        Friction is a square wave whose fundamental has the amplitude 4F/π and acts forward after the turn; the
-        rest of the equation of motion is linear.
-        """
+        """Complex amplitude of the fundamental harmonic over P0 / k: Re(X exp(iωt)) with t from the turn at +x0."""
+        # Friction is a square wave whose fundamental has the amplitude 4F/π and acts forward after the turn.
         force = complex(math.cos(self.phase), math.sin(self.phase)) - 4j / math.pi * self.force_ratio
         return force / (1 - self.frequency_ratio**2)
 
@@ -93,7 +89,6 @@ def largest_sliding_force_ratio(frequency_ratio: float) -> float:
 
 
 def _factors(r: float) -> tuple[float, float]:
-    """Give V and U."""
     checked_scalar("frequency_ratio", r, "> 0")
     if math.isclose(1 / r, round(1 / r), rel_tol=1e-9):
         raise ParameterError(f"frequency_ratio = {r:g}; allowed: > 0, but neither 1 nor 1/2, 1/3, …")

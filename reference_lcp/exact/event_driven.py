@@ -9,15 +9,11 @@ mode ends with an event:
 Both are polynomials on each stretch of the series, and `first_roots` proves either that one has no
 root or finds its first: no event hides between samples, because there are no samples.
 
-At every start of a stretch each contact at rest (ġ_T = 0) is given the mode that Coulomb's law allows.
-On the level of accelerations this is an LCP in (g̈_T⁺, λ_TR) like equation (7), with the matrix
-W_Tᵀ M⁻¹ W_T; each contact touches only the two masses of its own cell, so the matrix is diagonal and
-the LCP splits: with λ* the force that would keep the contact at rest, it sticks if |λ*| < μ λ_N, and
-if not it slips against λ*. Where |λ*| = μ λ_N the accelerations of both modes are equal, and the first
-derivative of λ* that differs from zero decides: outwards it slips, inwards it sticks. A derivative of
-order k of λ* depends on the modes of other contacts only through orders below k; deciding the lowest
-order first is therefore consistent (cf. Pfeiffer and Glocker, "Multibody dynamics with unilateral
-contacts", 1996, on the acceleration and jerk levels).
+At every start of a stretch each contact at rest (ġ_T = 0) is given the mode that Coulomb's law allows. With λ* the
+force that would keep the contact at rest, it sticks if |λ*| < μ λ_N, and if not it slips against λ*. Where |λ*| = μ λ_N
+the first derivative of λ* that differs from zero decides: outwards it slips, inwards it sticks. A derivative of order k
+depends on the modes of other contacts only through orders below k; deciding the lowest order first is therefore
+consistent (cf. Pfeiffer and Glocker, "Multibody dynamics with unilateral contacts", 1996).
 """
 
 from collections.abc import Iterator, Sequence
@@ -35,22 +31,13 @@ from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 from reference_lcp.validation import FloatArray
 
 REST_TOLERANCE = 1e-13
-"""Relative velocity, over the largest velocity of the motion, at which a contact counts as at rest.
-
-A thousand times the round-off with which a state is scaled, mixed and read back between two runs.
-"""
+"""Relative velocity, over the largest velocity of the motion, at which a contact counts as at rest."""
 
 FORCE_TOLERANCE = 1e-12
-"""Distance of a sticking force from its bound, over the forces it is made up of, that counts as none.
-
-The force is a difference of larger ones and has some hundred roundings; events leave it within these.
-"""
+"""Distance of a sticking force from its bound, over the forces it is made up of, that counts as none."""
 
 EVENTS_PER_SPAN = 200
-"""Events of one contact within one span of the series beyond which they count as accumulating.
-
-Coulomb friction lets a contact stop or start a few times while the fastest mode turns by one radian.
-"""
+"""Events of one contact within one span of the series beyond which they count as accumulating."""
 
 Modes = NDArray[np.int8]
 
@@ -61,21 +48,19 @@ class EventsAccumulate(RuntimeError):
 
 @dataclass(frozen=True)
 class _Start:
-    """A state with consistent modes, and the series from there.
+    """Consistent modes, and the series from there.
 
-    `stuck_order` (2, n) and `slip_order` (n,) hold the number of leading coefficients that vanish: of the
-    distance of a sticking force from its upper and lower bound, and of a relative velocity.
+    `orders` (2, n) holds the number of leading coefficients that vanish: of the distance of a sticking force from its
+    upper and lower bound, or, in the first row, of a relative velocity.
     """
 
-    z: FloatArray
     modes: Modes
     coefficients: FloatArray
     friction: FloatArray
-    slip_order: NDArray[np.intp]
-    stuck_order: NDArray[np.intp]
+    orders: NDArray[np.intp]
 
 
-class EventDrivenChain:
+class EventDrivenChain(LaneModel):
     """One chain under one harmonic or still drive, advanced from event to event; the time step sets the rows only."""
 
     def __init__(self, lane: Lane):
@@ -86,6 +71,19 @@ class EventDrivenChain:
         self._rubbing = self._bound > 0
         self.outer_share = chain.outer_mass / (chain.outer_mass + chain.inner_mass)
         self._drive_velocity = self.system.angular_frequency * lane.drive.displacement_scale(chain)
+
+    def run(self, state: State, start: int, steps: int) -> Trajectory:
+        """Advance from `state` at step index `start`; λ_T is that of the instant of each row."""
+        n, dt = self.lane.chain.cells, self.lane.time_step
+        times = self.lane.times(start, steps)
+        rows, friction = np.empty((steps, 4 * n)), np.empty((steps, n))
+        segments = list(self.segments(state, start * dt, float(times[-1])))
+        last = [*np.searchsorted(times, [segment.end for segment in segments[:-1]]), steps]
+        for segment, begin, end in zip(segments, [0, *last[:-1]], last, strict=True):
+            elapsed = times[begin:end] - segment.start
+            rows[begin:end], friction[begin:end] = segment.states(elapsed), segment.friction_at(elapsed)
+        normal = np.broadcast_to(self.lane.chain.normal_force, friction.shape)
+        return Trajectory(times, rows[:, : 2 * n], rows[:, 2 * n :], friction, normal)
 
     def segments(self, state: State, start: float, end: float) -> Iterator[Segment]:
         """Segments of the motion from `state`, a batch of one lane, between two times [s]."""
@@ -115,13 +113,13 @@ class EventDrivenChain:
 
     def _consistent(self, z: FloatArray, modes: Modes) -> _Start:
         """Give every contact the mode that Coulomb's law allows; those at rest are decided anew."""
-        z, modes = z.copy(), modes.copy()
-        fastest = self._velocity_scale(z)
+        z, modes, n = z.copy(), modes.copy(), modes.size
+        carried = self.system.rate * np.max(np.abs(z[: 2 * n]))
+        fastest = max(float(np.max(np.abs(z[2 * n : 4 * n]))), float(carried), self._drive_velocity)
         stuck = self._rubbing & ((modes == 0) | (np.abs(self._slip(z)) <= REST_TOLERANCE * fastest))
         self._bring_to_rest(z, stuck)
         modes[stuck] = 0
-        slip_order = np.zeros(modes.size, dtype=np.intp)
-        n = modes.size
+        slip_order = np.zeros(n, dtype=np.intp)
         while True:
             z[4 * n + 2 :] = -modes * self._bound
             coefficients = self.system.series(z, stuck)
@@ -129,18 +127,14 @@ class EventDrivenChain:
             tolerance = FORCE_TOLERANCE * (self._bound + self.system.force_magnitude(coefficients))
             orders, leaves = self._stick_orders(friction, stuck, tolerance)
             if not np.any(leaves):
-                return _Start(z, modes, coefficients, friction, slip_order, orders)
+                slips = self._rubbing & (modes != 0)
+                orders[0, slips] = slip_order[slips]
+                return _Start(modes, coefficients, friction, orders)
             order = np.where(leaves, np.max(orders, axis=0), SERIES_ORDER + 1)
             released = leaves & (order == np.min(order))
             modes[released] = -np.sign(friction[0, released])
             slip_order[released] = order[released] + 1
             stuck &= ~released
-
-    def _velocity_scale(self, z: FloatArray) -> float:
-        """Largest velocity [m/s] that round-off of the state may be compared with."""
-        n = self.lane.chain.cells
-        carried = self.system.rate * np.max(np.abs(z[: 2 * n]))
-        return max(float(np.max(np.abs(z[2 * n : 4 * n]))), float(carried), self._drive_velocity)
 
     def _bring_to_rest(self, z: FloatArray, stuck: BoolArray) -> None:
         """Give both masses of sticking cells their common velocity, in place; momentum is kept."""
@@ -153,11 +147,7 @@ class EventDrivenChain:
     def _stick_orders(
         self, friction: FloatArray, stuck: BoolArray, tolerance: FloatArray
     ) -> tuple[NDArray[np.intp], BoolArray]:
-        """How sticking contacts leave their bounds: orders (2, n), upper and lower, and which have to slip (n,).
-
-        The order is the number of leading coefficients of μ λ_N ∓ λ_T that vanish: zero inside the bounds.
-        A force that rests on its bound has all of them vanish, and sticks.
-        """
+        """Leading coefficients of μ λ_N ∓ λ_T of sticking contacts that vanish (2, n), and which have to slip (n,)."""
         orders = np.zeros((2, stuck.size), dtype=np.intp)
         leaves = np.zeros(stuck.size, dtype=bool)
         near = stuck & (np.abs(friction[0]) >= self._bound - tolerance)
@@ -197,52 +187,21 @@ class EventDrivenChain:
         functions[:, 0, stuck] = -begin.friction[:, stuck]
         functions[:, 1, stuck] = begin.friction[:, stuck]
         functions[0][:, stuck] += self._bound[stuck]
-        orders = begin.stuck_order.copy()
-        orders[0, slips] = begin.slip_order[slips]
-        for side, cell in zip(*np.nonzero(orders), strict=True):
-            functions[:, side, cell] = _without_leading(functions[:, side, cell], int(orders[side, cell]))
+        for side, cell in zip(*np.nonzero(begin.orders), strict=True):
+            rest = functions[begin.orders[side, cell] :, side, cell].copy()
+            functions[:, side, cell] = 0.0
+            functions[: rest.size, side, cell] = rest
+            if not np.any(rest):
+                functions[0, side, cell] = 1.0
         return functions.reshape(SERIES_ORDER + 1, 2 * n) * reach ** np.arange(SERIES_ORDER + 1)[:, None]
 
 
-def _without_leading(coefficients: FloatArray, order: int) -> FloatArray:
-    """Divide s^order out; the constant one if nothing is left."""
-    rest = np.zeros_like(coefficients)
-    rest[: max(coefficients.size - order, 0)] = coefficients[order:]
-    if not np.any(rest):
-        rest[0] = 1.0
-    return rest
-
-
-class _EventDrivenLane(LaneModel):
-    """An `EventDrivenChain` read at the ends of the lane's time steps."""
-
-    def __init__(self, lane: Lane):
-        self.lane = lane
-        self._chain = EventDrivenChain(lane)
-
-    def run(self, state: State, start: int, steps: int) -> Trajectory:
-        """Advance from `state` at step index `start`; λ_T is that of the instant of each row."""
-        n, dt = self.lane.chain.cells, self.lane.time_step
-        times = self.lane.times(start, steps)
-        rows, friction = np.empty((steps, 4 * n)), np.empty((steps, n))
-        segments = list(self._chain.segments(state, start * dt, float(times[-1])))
-        last = [*np.searchsorted(times, [segment.end for segment in segments[:-1]]), steps]
-        for segment, begin, end in zip(segments, [0, *last[:-1]], last, strict=True):
-            elapsed = times[begin:end] - segment.start
-            rows[begin:end], friction[begin:end] = segment.states(elapsed), segment.friction_at(elapsed)
-        normal = np.broadcast_to(self.lane.chain.normal_force, friction.shape)
-        return Trajectory(times, rows[:, : 2 * n], rows[:, 2 * n :], friction, normal)
-
-
 class EventDrivenSimulation(SequentialSimulation):
-    """The motion between events in closed form, and every event; a `Simulation` without a time-step error.
-
-    Drives are harmonic, or still; the time steps set the rows only.
-    """
+    """The motion between events in closed form, and every event; a `Simulation` without a time-step error."""
 
     def __init__(self, lanes: Sequence[Lane]):
         common_cells(lanes)
         check_one_coefficient(lanes, "the event-driven chain")
         if any(lane.preload is not None for lane in lanes):
             raise ParameterError("the event-driven solver cannot represent a modulated normal force; allowed: constant")
-        super().__init__([_EventDrivenLane(lane) for lane in lanes])
+        super().__init__([EventDrivenChain(lane) for lane in lanes])

@@ -11,12 +11,10 @@ is linear, and solved by its power series over at most one span. A stretch ends 
 - the friction that holds a contact at rest reaches μ_s N(t);
 - a given force or normal force switches.
 
-The first two are roots of polynomials, of which `first_roots` misses none. At every start of a stretch the modes of
-contacts at rest are decided anew. Those that slide at once are found on the level of accelerations, by the LCP of a
-step of unit time from rest (`reference_lcp.lcp.time_step`). Of the others, one whose friction is on its bound and
-about to pass slides too: the lowest order in time first and of these the largest excess, and the others are decided
-again. What slides must then move against its friction, or the motion is ambiguous and refused; with static above
-kinetic friction such states exist.
+At every start of a stretch the modes of contacts at rest are decided anew. Those that slide at once are found on the
+level of accelerations, by the LCP of a step of unit time from rest (`reference_lcp.lcp.time_step`). Of the others, one
+whose friction is on its bound and about to pass slides too: the lowest order in time first and of these the largest
+excess. What slides must then move against its friction, or the motion is ambiguous and refused.
 """
 
 import math
@@ -31,7 +29,7 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State, Trajectory
 from reference_lcp.errors import ParameterError
 from reference_lcp.exact.event_driven import EVENTS_PER_SPAN, FORCE_TOLERANCE, EventsAccumulate
-from reference_lcp.exact.mode_dynamics import SERIES_ORDER, harmonic_load
+from reference_lcp.exact.mode_dynamics import SERIES_ORDER, Stretch, harmonic_load
 from reference_lcp.exact.polynomial_roots import first_roots
 from reference_lcp.lcp.systems import FrictionContact, Harmonic, MassSpringSystem, Signal, Spring, SystemTrajectory
 from reference_lcp.lcp.time_step import REST_TOLERANCE, FrictionalStep, solve_step
@@ -49,15 +47,9 @@ class AmbiguousModes(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Stretch:
-    """A stretch of motion in which no contact changes its mode; series are in powers of s = (t − start) / span."""
+class SystemStretch(Stretch):
+    """A stretch of the motion of a system."""
 
-    start: float
-    """[s]"""
-    duration: float
-    """[s]"""
-    span: float
-    """[s]"""
     motion: FloatArray
     """u and u̇, shape (SERIES_ORDER + 1, 2f)."""
     normal_force: FloatArray
@@ -69,15 +61,9 @@ class Stretch:
     modes: Modes
     """−1 and 1 for slip, 0 for rest, shape (c,); of a contact without normal force, the direction of its slip."""
 
-    @property
-    def end(self) -> float:
-        """End [s]."""
-        return self.start + self.duration
-
     def values(self, series: FloatArray, times: ArrayLike) -> FloatArray:
         """Give one of the series at times [s], shape (times,), as rows."""
-        elapsed = (np.atleast_1d(np.asarray(times, dtype=np.float64)) - self.start) / self.span
-        return np.vander(elapsed, SERIES_ORDER + 1, increasing=True) @ series
+        return self.powers(np.atleast_1d(np.asarray(times, dtype=np.float64)) - self.start) @ series
 
     def sliding_distance(self, start: float, end: float) -> FloatArray:
         """∫ |ġ_T| dt of every contact over the part of the stretch between two times [m], shape (c,)."""
@@ -90,13 +76,7 @@ class Stretch:
 
 
 class EventDrivenSystem:
-    """A `MassSpringSystem`, advanced from event to event.
-
-    Parameters
-    ----------
-    system
-        What moves.
-    """
+    """A `MassSpringSystem`, advanced from event to event."""
 
     def __init__(self, system: MassSpringSystem):
         self.system = system
@@ -105,9 +85,8 @@ class EventDrivenSystem:
         self._frequencies = sorted({piece.angular_frequency for piece in pieces if piece.amplitude})
         self._switches = sorted({time for signal in signals for time in signal.switches})
         scales = 1 / np.sqrt(system.masses)
-        stiffness, damping = (
-            scales[:, None] * matrix * scales for matrix in (system.stiffness_matrix, system.damping_matrix)
-        )
+        matrices = system.stiffness_matrix, system.damping_matrix
+        stiffness, damping = (scales[:, None] * matrix * scales for matrix in matrices)
         own = np.sqrt(np.linalg.norm(stiffness, 2)) + np.linalg.norm(damping, 2)
         self._rate = float(max([own, *self._frequencies]))
         self.inverse_mass = 1 / system.masses
@@ -138,19 +117,11 @@ class EventDrivenSystem:
             parts = [stretches[k].values(getattr(stretches[k], name), t) for k, t in zip(which, rows, strict=True)]
             return np.concatenate(parts)
 
-        motion, f = read("motion"), self.system.freedoms
-        friction = read("friction")
-        return SystemTrajectory(
-            rows,
-            motion[:, :f],
-            motion[:, f:],
-            read("normal_force"),
-            friction,
-            np.full(friction.shape, np.nan),
-            read("slip"),
-        )
+        motion, f, friction = read("motion"), self.system.freedoms, read("friction")
+        normal, gap = read("normal_force"), np.full(friction.shape, np.nan)
+        return SystemTrajectory(rows, motion[:, :f], motion[:, f:], normal, friction, gap, read("slip"))
 
-    def stretches(self, *, position: ArrayLike, velocity: ArrayLike, end: float) -> Iterator[Stretch]:
+    def stretches(self, *, position: ArrayLike, velocity: ArrayLike, end: float) -> Iterator[SystemStretch]:
         """Give the stretches of the motion from t = 0 to `end` [s]; arguments and errors as of `motion`."""
         f, limit = self.system.freedoms, checked_scalar("end", end, "> 0")
         state = [checked_array("position", position, shape=(f,)), checked_array("velocity", velocity, shape=(f,))]
@@ -226,7 +197,7 @@ class _Start:
         self._bring_to_rest()
         self._release()
 
-    def stretch(self, until: float) -> Stretch:
+    def stretch(self, until: float) -> SystemStretch:
         """Follow the series to the first event, or to its end, or to `until` [s]."""
         reach = min(1.0, (until - self._time) / self._span)
         roots = first_roots(self._event_functions() * reach ** np.arange(SERIES_ORDER + 1)[:, None])
@@ -234,17 +205,18 @@ class _Start:
         f = self._W.shape[0]
         motion, slip = self._series[:, : 2 * f], self._slip()
         slip[:, self._modes == 0] = 0.0
-        result = Stretch(
-            self._time,
-            part * self._span,
-            self._span,
-            motion,
-            self._series @ self._normal.T,
-            self._friction,
-            slip,
-            self._modes,
+        normal = self._series @ self._normal.T
+        result = SystemStretch(
+            self._time, part * self._span, self._span, motion, normal, self._friction, slip, self._modes
         )
-        self._check_normal_force(result)
+        ends = result.values(normal, [result.start, result.end])
+        negative = np.argwhere(ends < -FORCE_TOLERANCE * np.max(np.abs(normal), axis=0, initial=0.0))
+        if negative.size:
+            row, contact = negative[0].tolist()
+            raise ParameterError(
+                f"normal force of contact {contact} = {ends[row, contact]:g} N at {result.start:g} s to "
+                f"{result.end:g} s; allowed: >= 0"
+            )
         return result
 
     @property
@@ -286,18 +258,14 @@ class _Start:
     def _accelerate(self) -> None:
         """Let those contacts slide that begin to with an acceleration: a step of unit time from rest."""
         rest = self._modes == 0
-        W, none = self._W[:, rest], np.zeros((self._W.shape[0], np.count_nonzero(rest)))
-        still, normal = np.zeros(none.shape[1]), np.maximum(self._normal @ self._z, 0.0)
+        normal = np.maximum(self._normal @ self._z, 0.0)
         force = self._forces @ self._z - self._W[:, ~rest] @ (self._modes * self._kinetic * normal)[~rest]
-        step = FrictionalStep(
+        step = FrictionalStep.under_normal_force(
+            self._W[:, rest],
+            np.zeros(force.size),
             mass_matrix=self._mass_matrix,
             force=force,
-            velocity=np.zeros(none.shape[0]),
             time_step=1.0,
-            normal_directions=none,
-            tangential_directions=W,
-            normal_gap=still,
-            relative_velocity=still,
             friction_coefficient=self._kinetic[rest],
             static_friction_coefficient=self._static[rest],
             # Where a contact is at its bound, round-off would decide; there its series does.
@@ -333,9 +301,7 @@ class _Start:
         """By how much the friction of every contact passes its bound, over its size, and in which order of time."""
         beyond = -self._distance_from_bound(np.where(self._friction[0] < 0, -1.0, 1.0))
         tolerance = FORCE_TOLERANCE * self._size
-        order = np.array(
-            [self._leading(column, limit) for column, limit in zip(beyond.T, tolerance, strict=True)], dtype=np.intp
-        )
+        order = np.argmax(np.abs(beyond) > tolerance, axis=0)
         value = beyond[order, np.arange(order.size)]
         significant = np.abs(value) > tolerance
         return order, np.where(significant, value / np.where(self._size > 0, self._size, 1.0), 0.0)
@@ -370,16 +336,6 @@ class _Start:
             return LEADING_ONE
         return np.concatenate([column[order:], np.zeros(order)])
 
-    def _check_normal_force(self, stretch: Stretch) -> None:
-        ends = stretch.values(stretch.normal_force, [stretch.start, stretch.end])
-        negative = np.argwhere(ends < -FORCE_TOLERANCE * np.max(np.abs(stretch.normal_force), axis=0, initial=0.0))
-        if negative.size:
-            row, contact = negative[0].tolist()
-            raise ParameterError(
-                f"normal force of contact {contact} = {ends[row, contact]:g} N at {stretch.start:g} s to "
-                f"{stretch.end:g} s; allowed: >= 0"
-            )
-
 
 class StickSlipLane(LaneModel):
     """A lane with a harmonic or still drive, advanced from event to event and read at the ends of its time steps."""
@@ -400,9 +356,8 @@ class StickSlipLane(LaneModel):
         motion = EventDrivenSystem(system).motion(
             position=state.positions[0], velocity=state.velocities[0], times=lane.times(0, steps)
         )
-        return Trajectory(
-            lane.times(start, steps), motion.positions, motion.velocities, motion.friction, motion.normal_force
-        )
+        record = motion.positions, motion.velocities, motion.friction, motion.normal_force
+        return Trajectory(lane.times(start, steps), *record)
 
 
 def system_of(chain: Chain, load: Signal, static_ratio: float = 1.0) -> MassSpringSystem:

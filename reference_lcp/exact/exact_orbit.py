@@ -3,11 +3,10 @@
 It begins at the Euler scheme's steady state. Where that does not lead to one, Anderson acceleration leads from rest to
 where Newton's method takes over.
 
-The Jacobian (monodromy matrix) of a piecewise smooth flow is the product of the propagators of its
-segments and, at each event, of a saltation matrix S = I + (f⁺ − f⁻) hᵀ / (hᵀ f⁻), with h the gradient
-of the event function and f the rate of the state before and after (Leine and Nijmeijer, "Dynamics and
-bifurcations of non-smooth mechanical systems", 2004, chapter 7). Where a sticking contact starts to slip
-the rate is continuous and S = I; where a slipping one stops or turns round, h is its relative velocity.
+The Jacobian (monodromy matrix) of a piecewise smooth flow is the product of the propagators of its segments and, at
+each event, of a saltation matrix S = I + (f⁺ − f⁻) hᵀ / (hᵀ f⁻), with h the gradient of the event function and f the
+rate of the state before and after (Leine and Nijmeijer 2004, chapter 7). Where a sticking contact starts to slip S = I;
+where a slipping one stops or turns round, h is its relative velocity.
 """
 
 import dataclasses
@@ -37,26 +36,15 @@ SHORTEST_SEGMENT = 1e-12
 """Segments shorter than this part of the period are none: events that coincide but for round-off."""
 
 SHAKEDOWN_SLIP = 1e-6
-"""Slip to one side only, over the displacement scale, that counts as none.
-
-What slips forward in a steady state must slip back. A contact that creeps to one side is on its way to
-where it sticks throughout (shakedown), which it reaches in the limit only; the slip left over is of the
-size of the periodicity residual.
-"""
-
+"""Slip to one side only, over the displacement scale, that counts as none: the contact is on its way to where it sticks
+throughout (shakedown), which it reaches in the limit only."""
 
 NEWTON_STEPS = 12
-"""Most steps of Newton's method; from a residual of 1e-8 one or two reach round-off.
-
-Where a contact creeps towards a place in which its force just reaches the bound, the fixed point is a
-double one: each step then lowers the residual by four only, and twelve lower it by 10^7.
-"""
+"""Most steps of Newton's method; one or two reach round-off, but where a contact creeps towards a place in which its
+force just reaches the bound each step lowers the residual by four only."""
 
 NULL_DIRECTION = 1e-12
-"""Singular values of I − J, over the largest, that belong to offsets of cells that stay stuck.
-
-These are zero but for round-off; the least damped motion of a chain with ζ = 1e-6 is far above.
-"""
+"""Singular values of I − J, over the largest, that belong to offsets of cells that stay stuck."""
 
 SCHEME_STEPS = 800
 """Steps a period of the Euler scheme's steady state: within some 1e-3 of the exact one, where Newton's method works."""
@@ -74,12 +62,8 @@ class ExactPeriod:
 
     @classmethod
     def following(cls, orbit: PeriodicOrbit, period: float) -> "ExactPeriod":
-        """Go through the period [s] that follows the recorded one of an orbit, which is the same but for its residual.
-
-        The end of the recorded period has sticking contacts at rest, which the mixed start of it need not have.
-        """
-        segments = EventDrivenChain(orbit.lane).segments(orbit.trajectory.end, 0.0, period)
-        return cls(orbit.lane, list(segments))
+        """Go through the period [s] that follows the recorded one, at whose end sticking contacts are at rest."""
+        return cls(orbit.lane, list(EventDrivenChain(orbit.lane).segments(orbit.trajectory.end, 0.0, period)))
 
     @property
     def period(self) -> float:
@@ -117,9 +101,20 @@ class ExactPeriod:
 
     def harmonic(self, order: int = 1) -> NDArray[np.complex128]:
         """Complex amplitudes A exp(iφ) [m] of the displacements A sin(kωt + φ), shape (2n,), outer masses first."""
-        phases = np.exp(-2j * np.pi * order / self.period * self._times)
-        positions = self._states[:, : 2 * self.lane.chain.cells]
-        return 2j / self.period * ((self._weights * phases) @ positions)
+        times, weights, states = self.quadrature
+        phases = np.exp(-2j * np.pi * order / self.period * times)
+        return 2j / self.period * ((weights * phases) @ states[:, : 2 * self.lane.chain.cells])
+
+    @cached_property
+    def quadrature(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Gauss points of all segments [s], their weights [s], and the states (u, v, u̇, v̇) there."""
+        points, weights = np.polynomial.legendre.leggauss(QUADRATURE_POINTS)
+        places = [s.duration * ((points + 1) / 2) for s in self.segments]
+        return (
+            np.concatenate([s.start + elapsed for s, elapsed in zip(self.segments, places, strict=True)]),
+            np.concatenate([s.duration * (weights / 2) for s in self.segments]),
+            np.concatenate([s.states(elapsed) for s, elapsed in zip(self.segments, places, strict=True)]),
+        )
 
     @property
     def complex_transmittance(self) -> complex:
@@ -129,25 +124,8 @@ class ExactPeriod:
 
     @property
     def transmittance(self) -> float:
-        """Amplitude of the fundamental harmonic of the last outer mass over the displacement scale."""
+        """Its size."""
         return abs(self.complex_transmittance)
-
-    @property
-    def friction_heat(self) -> FloatArray:
-        """Energy that each contact turns into heat [J], shape (n,): the bound times the distance slipped."""
-        return self.lane.chain.friction_bound * np.sum(np.abs(self._slips), axis=0)
-
-    @property
-    def dashpot_heat(self) -> float:
-        """∫ qᵀ C q dt [J]; with the load of a moving base, what its dashpot takes is in both."""
-        velocities = self._states[:, 2 * self.lane.chain.cells :]
-        return float(self._weights @ np.einsum("ti,ij,tj->t", velocities, self.lane.chain.damping_matrix, velocities))
-
-    @property
-    def work_of_load(self) -> float:
-        """Work that the drive's load does on the outer mass of cell 1 [J]."""
-        velocity = self._states[:, 2 * self.lane.chain.cells]
-        return float(self._weights @ (self.lane.drive.load(self.lane.chain, self._times) * velocity))
 
     @cached_property
     def _lasting(self) -> NDArray[np.intp]:
@@ -181,24 +159,6 @@ class ExactPeriod:
         modes[:, one_sided & (distance < SHAKEDOWN_SLIP) & (self.lane.chain.friction_bound > 0)] = 0
         return modes
 
-    @cached_property
-    def _nodes(self) -> tuple[FloatArray, FloatArray]:
-        """Gauss points and weights on [0, 1]."""
-        points, weights = np.polynomial.legendre.leggauss(QUADRATURE_POINTS)
-        return (points + 1) / 2, weights / 2
-
-    @cached_property
-    def _times(self) -> FloatArray:
-        return np.concatenate([s.start + s.duration * self._nodes[0] for s in self.segments])
-
-    @cached_property
-    def _weights(self) -> FloatArray:
-        return np.concatenate([s.duration * self._nodes[1] for s in self.segments])
-
-    @cached_property
-    def _states(self) -> FloatArray:
-        return np.concatenate([s.states(s.duration * self._nodes[0]) for s in self.segments])
-
 
 def monodromy_matrix(chain: EventDrivenChain, segments: list[Segment]) -> FloatArray:
     """Jacobian of the end of a row of segments to its start, in (u, v, u̇, v̇), shape (4n, 4n).
@@ -206,12 +166,11 @@ def monodromy_matrix(chain: EventDrivenChain, segments: list[Segment]) -> FloatA
     Contacts that stick at the start have one velocity for both masses; a change of it that parts them
     counts for its common part.
     """
-    n = chain.lane.chain.cells
-    outer, inner = 2 * n + np.flatnonzero(segments[0].modes == 0), 3 * n + np.flatnonzero(segments[0].modes == 0)
-    total = np.eye(4 * n)
-    share = chain.outer_share[segments[0].modes == 0, None]
+    n, stuck = chain.lane.chain.cells, segments[0].modes == 0
+    outer, inner = 2 * n + np.flatnonzero(stuck), 3 * n + np.flatnonzero(stuck)
+    total, share = np.eye(4 * n), chain.outer_share[stuck, None]
     total[outer] = total[inner] = share * total[outer] + (1 - share) * total[inner]
-    total = chain.system.propagator(segments[0].modes == 0, segments[0].duration) @ total
+    total = chain.system.propagator(stuck, segments[0].duration) @ total
     for before, after in pairwise(segments):
         total = _saltation(chain.system, before, after) @ total
         total = chain.system.propagator(after.modes == 0, after.duration) @ total
@@ -237,11 +196,7 @@ def _saltation(system: PiecewiseLinearChain, before: Segment, after: Segment) ->
 
 
 def polished(orbit: PeriodicOrbit, steps_per_period: int, tolerance: float) -> PeriodicOrbit:
-    """Improve an orbit by Newton's method while its residual falls; `tolerance` decides the status.
-
-    Each step is certified by plain periods, as every orbit is. Where modes change from one iterate to the
-    next a step may not help; the better orbit is then kept.
-    """
+    """Improve an orbit by Newton's method while its residual falls; `tolerance` decides the status."""
     if orbit.status is OrbitStatus.DIVERGED:
         return orbit
     simulation = EventDrivenSimulation([orbit.lane])
@@ -283,22 +238,16 @@ def exact_orbit(
     """Find the periodic orbit, and its segments between events; arguments are those of `exact_steady_state`."""
     simulation = EventDrivenSimulation([Lane.periodic(chain, drive, steps_per_period)])
     search = partial(periodic_orbits, simulation, steps_per_period, longest_multiple=1)
-    state = _scheme_state(chain, drive)
-    if state is not None:
-        orbit = polished(search(start=state, tolerance=tolerance, max_periods=1)[0], steps_per_period, tolerance)
-        if orbit.converged:
-            return orbit, ExactPeriod.following(orbit, drive.period)
+    steps = steps_per_period_for(chain, drive, SCHEME_STEPS)
+    if steps <= MOST_SCHEME_STEPS:
+        scheme = periodic_orbits(CompiledSimulation([Lane.periodic(chain, drive, steps)]), steps, longest_multiple=1)[0]
+        if scheme.converged:
+            near = search(start=scheme.trajectory.end, tolerance=tolerance, max_periods=1)[0]
+            orbit = polished(near, steps_per_period, tolerance)
+            if orbit.converged:
+                return orbit, ExactPeriod.following(orbit, drive.period)
     orbit = polished(search(tolerance=DEFAULT_RESIDUAL, max_periods=max_periods)[0], steps_per_period, tolerance)
     if not orbit.converged and orbit.periods < max_periods:
         again = search(start=orbit.trajectory.end, tolerance=tolerance, max_periods=max_periods - orbit.periods)[0]
         orbit = dataclasses.replace(again, periods=orbit.periods + again.periods)
     return orbit, ExactPeriod.following(orbit, drive.period)
-
-
-def _scheme_state(chain: Chain, drive: PeriodicDrive) -> State | None:
-    """Give where a period of the Euler scheme's steady state begins; ``None`` where it finds none, or is slow."""
-    steps = steps_per_period_for(chain, drive, SCHEME_STEPS)
-    if steps > MOST_SCHEME_STEPS:
-        return None
-    orbit = periodic_orbits(CompiledSimulation([Lane.periodic(chain, drive, steps)]), steps, longest_multiple=1)[0]
-    return orbit.trajectory.end if orbit.converged else None

@@ -7,10 +7,8 @@ an A that depends on which contacts stick and not on the direction in which the 
 - a slipping contact: m_o ü = p_o − λ_T, m_i v̈ = p_i + λ_T, with λ_T an entry of z, constant;
 - a sticking one: ü = v̈ = (p_o + p_i) / (m_o + m_i), and λ_T = m_i v̈ − p_i.
 
-The solution exp(A τ) z is taken as its power series over at most one `span` (below). The series needs
-no eigenvectors, so that it is exact to round-off also where A is defective (critical damping, a force
-at an undamped resonance), and it gives motion and friction force as polynomials, whose first root can
-be found with certainty.
+The solution exp(A τ) z is taken as its power series over at most one `span`: exact to round-off also where A is
+defective, and with motion and friction force as polynomials, whose first root can be found with certainty.
 """
 
 import dataclasses
@@ -49,11 +47,7 @@ class _Matrices:
 
 @numba.njit(cache=True, error_model="numpy")
 def _series(entries: Any, columns: Any, starts: Any, z: Any) -> Any:
-    """Coefficients of exp(A s) z in powers of s, A in compressed rows; as `PiecewiseLinearChain.series`.
-
-    Written out, here and below: BLAS uses several threads for products as small as those of a chain of thirty cells,
-    and on a busy machine takes ten times as long for them.
-    """
+    """Coefficients of exp(A s) z in powers of s, A in compressed rows; written out, since BLAS uses threads for it."""
     coefficients = np.empty((SERIES_ORDER + 1, z.size))
     coefficients[0] = z
     for k in range(1, SERIES_ORDER + 1):
@@ -81,8 +75,7 @@ def _exponential(entries: Any, columns: Any, starts: Any, size: int) -> Any:
 class PiecewiseLinearChain:
     """A chain under a harmonic or still drive, as one linear system for each pattern of sticking contacts.
 
-    The vector z has d = 5n + 2 entries: u, v, u̇, v̇ (n each), sin ωt, cos ωt, and λ_T of the contacts that slip (n;
-    the entries of sticking contacts have no effect).
+    The vector z has d = 5n + 2 entries: u, v, u̇, v̇ (n each), sin ωt, cos ωt, and λ_T of the contacts that slip (n).
     """
 
     def __init__(self, chain: Chain, drive: Drive):
@@ -97,11 +90,7 @@ class PiecewiseLinearChain:
 
     @cached_property
     def rate(self) -> float:
-        """Bound on the speed of any motion [1/s]: the norm of A, and the frequency of the drive.
-
-        In the coordinates (√K x, √M q) the first-order matrix has a norm of at most ω_max + ‖M^-½ C M^-½‖.
-        Sticking contacts are constraints, and constraints raise neither (Rayleigh).
-        """
+        """Bound on the speed of any motion [1/s]: ω_max + ‖M^-½ C M^-½‖, which no constraint raises, and ω."""
         weights = 1 / np.sqrt(np.diag(self.chain.mass_matrix))
         damping = np.linalg.norm(weights[:, None] * self.chain.damping_matrix * weights, 2)
         return max(self.chain.highest_natural_frequency + float(damping), self.angular_frequency)
@@ -125,10 +114,8 @@ class PiecewiseLinearChain:
         return vectors @ self._matrices(stuck).friction.T
 
     def force_magnitude(self, coefficients: FloatArray) -> FloatArray:
-        """Sum of the sizes of all forces on the two masses of each cell [N], shape (n,): what round-off scales with.
-
-        The first two terms of the series count, since forces may all pass zero at one instant.
-        """
+        """Sum of the sizes of all forces on the two masses of each cell [N], shape (n,): what round-off scales with."""
+        # Two terms of the series count, since forces may all pass zero at one instant.
         sizes = np.abs(self._forces_without_friction) @ (np.abs(coefficients[0]) + np.abs(coefficients[1]))
         outer, inner = np.split(sizes, 2)
         return outer + inner
@@ -146,11 +133,8 @@ class PiecewiseLinearChain:
     def _matrices(self, stuck: BoolArray) -> _Matrices:
         """Matrices of one pattern; the motion visits few of the 2ⁿ, and those are kept."""
         key = stuck.tobytes()
-        if key not in self._patterns:
-            self._patterns[key] = self._assembled(stuck)
-        return self._patterns[key]
-
-    def _assembled(self, stuck: BoolArray) -> _Matrices:
+        if key in self._patterns:
+            return self._patterns[key]
         chain, n = self.chain, self.chain.cells
         outer, inner, slipping_force = slice(0, n), slice(n, 2 * n), slice(4 * n + 2, 5 * n + 2)
         forces = self._forces_without_friction
@@ -167,7 +151,8 @@ class PiecewiseLinearChain:
         rates[3 * n : 4 * n] = np.where(stuck[:, None], mean, slip_inner)
         rates[4 * n, 4 * n + 1] = self.angular_frequency
         rates[4 * n + 1, 4 * n] = -self.angular_frequency
-        return _Matrices(rates * self.span, friction)
+        self._patterns[key] = _Matrices(rates * self.span, friction)
+        return self._patterns[key]
 
     @cached_property
     def _forces_without_friction(self) -> FloatArray:
@@ -195,8 +180,8 @@ def harmonic_load(chain: Chain, drive: Drive) -> tuple[float, tuple[float, float
 
 
 @dataclass(frozen=True)
-class Segment:
-    """A stretch of motion, at most one span long, in which no contact changes its mode; s = (t − start) / span."""
+class Stretch:
+    """A stretch of motion in which no contact changes its mode; series are in powers of s = (t − start) / span."""
 
     start: float
     """[s]"""
@@ -204,17 +189,27 @@ class Segment:
     """[s]"""
     span: float
     """[s]"""
+
+    @property
+    def end(self) -> float:
+        """End [s]."""
+        return self.start + self.duration
+
+    def powers(self, elapsed: FloatArray) -> FloatArray:
+        """Powers of s at times after the start [s], shape (times, SERIES_ORDER + 1)."""
+        return np.vander(np.asarray(elapsed) / self.span, SERIES_ORDER + 1, increasing=True)
+
+
+@dataclass(frozen=True)
+class Segment(Stretch):
+    """A stretch of the motion of a chain, at most one span long."""
+
     coefficients: FloatArray = dataclasses.field(repr=False)
     """z in powers of s, shape (SERIES_ORDER + 1, d)."""
     friction: FloatArray = dataclasses.field(repr=False)
     """λ_T in powers of s [N], shape (SERIES_ORDER + 1, n)."""
     modes: NDArray[np.int8]
     """−1 backward slip, 0 stick, +1 forward slip; shape (n,)."""
-
-    @property
-    def end(self) -> float:
-        """End [s]."""
-        return self.start + self.duration
 
     @property
     def cells(self) -> int:
@@ -224,19 +219,16 @@ class Segment:
     @property
     def end_vector(self) -> FloatArray:
         """The vector z at the end, shape (d,)."""
-        return (self._powers(np.array([self.duration])) @ self.coefficients)[0]
+        return (self.powers(np.array([self.duration])) @ self.coefficients)[0]
 
     def states(self, elapsed: FloatArray) -> FloatArray:
         """(u, v, u̇, v̇) at times after the start [s], shape (times,); the result has (times, 4n)."""
         n = self.cells
-        states: FloatArray = self._powers(elapsed) @ self.coefficients[:, : 4 * n]
+        states: FloatArray = self.powers(elapsed) @ self.coefficients[:, : 4 * n]
         stuck = np.flatnonzero(self.modes == 0)
         states[:, 3 * n + stuck] = states[:, 2 * n + stuck]
         return states
 
     def friction_at(self, elapsed: FloatArray) -> FloatArray:
         """λ_T [N] at times after the start [s]; the result has shape (times, n)."""
-        return self._powers(elapsed) @ self.friction
-
-    def _powers(self, elapsed: FloatArray) -> FloatArray:
-        return np.vander(np.asarray(elapsed) / self.span, SERIES_ORDER + 1, increasing=True)
+        return self.powers(elapsed) @ self.friction

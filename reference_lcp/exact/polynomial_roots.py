@@ -1,9 +1,8 @@
 """The first root of a polynomial on [0, 1], none ever missed: Bernstein coefficients and Descartes' rule.
 
-A polynomial on [0, 1] lies in the convex hull of its Bernstein coefficients, and has at most as many
-roots there as they have changes of sign, and exactly one where they have one (Farouki, "The
-Bernstein polynomial basis: a centennial retrospective", 2012). An interval without a root is thus
-proven to have none; every other one is halved, left half first, until one change of sign is left.
+A polynomial on [0, 1] has at most as many roots there as its Bernstein coefficients have changes of sign, and exactly
+one where they have one (Farouki, "The Bernstein polynomial basis: a centennial retrospective", 2012). An interval
+without a root is thus proven to have none; every other one is halved, left half first, until one change is left.
 """
 
 from functools import cache
@@ -15,33 +14,19 @@ from scipy.optimize import brentq
 from reference_lcp.validation import FloatArray
 
 SMALLEST_INTERVAL = 2.0**-48
-"""Width at which an interval that still cannot be proven free of roots counts as one.
-
-A polynomial that passes zero closely ends here, and the caller decides what the touch means. One that
-passes it by less than round-off (1e-16 of its largest coefficient) may be reported or not: it is equal to
-a neighbour that touches, and to one that does not.
-"""
+"""Width at which an interval that still cannot be proven free of roots counts as one: the polynomial nearly touches."""
 
 ROOT_TOLERANCE = 1e-15
 """Accuracy of a root, a few units of round-off of the interval's length one."""
 
 
 @cache
-def bernstein_matrix(degree: int) -> FloatArray:
-    """Matrix from coefficients of 1, s, … s^N to Bernstein coefficients, shape (N + 1, N + 1), entries in [0, 1]."""
-    rows = [[comb(j, k) / comb(degree, k) if k <= j else 0.0 for k in range(degree + 1)] for j in range(degree + 1)]
-    matrix = np.array(rows)
-    matrix.flags.writeable = False
-    return matrix
-
-
-@cache
-def _left_half(degree: int) -> FloatArray:
-    """Matrix from Bernstein coefficients on [0, 1] to those on [0, 1/2] (de Casteljau), shape (N + 1, N + 1)."""
-    rows = [[comb(j, k) / 2.0**j if k <= j else 0.0 for k in range(degree + 1)] for j in range(degree + 1)]
-    matrix = np.array(rows)
-    matrix.flags.writeable = False
-    return matrix
+def _matrices(degree: int) -> tuple[FloatArray, FloatArray]:
+    """Matrices from coefficients of 1, s, … s^N to Bernstein coefficients, and from these to those on [0, 1/2]."""
+    orders = range(degree + 1)
+    bernstein = [[comb(j, k) / comb(degree, k) for k in orders] for j in orders]
+    left_half = [[comb(j, k) / 2.0**j for k in orders] for j in orders]
+    return np.array(bernstein), np.array(left_half)
 
 
 def first_roots(coefficients: FloatArray) -> FloatArray:
@@ -50,7 +35,7 @@ def first_roots(coefficients: FloatArray) -> FloatArray:
     Each polynomial is positive just behind s = 0, where it may itself be zero only after the caller has divided the
     factor s out.
     """
-    bernstein = bernstein_matrix(coefficients.shape[0] - 1) @ coefficients
+    bernstein = _matrices(coefficients.shape[0] - 1)[0] @ coefficients
     roots = np.full(coefficients.shape[1], np.inf)
     for column in np.flatnonzero(np.min(bernstein, axis=0) <= 0):
         roots[column] = _first_root(coefficients[:, column], bernstein[:, column])
@@ -59,7 +44,7 @@ def first_roots(coefficients: FloatArray) -> FloatArray:
 
 def _first_root(coefficients: FloatArray, bernstein: FloatArray) -> float:
     """First root of one polynomial; the stack holds intervals, the leftmost on top."""
-    half = _left_half(bernstein.size - 1)
+    half = _matrices(bernstein.size - 1)[1]
     stack = [(0.0, 1.0, bernstein)]
     while stack:
         start, width, values = stack.pop()
@@ -67,19 +52,14 @@ def _first_root(coefficients: FloatArray, bernstein: FloatArray) -> float:
             continue
         if values[0] <= 0 or width <= SMALLEST_INTERVAL:
             return start
-        if values[-1] < 0 and _sign_changes(values) == 1:
+        negative = values[values != 0] < 0
+        if values[-1] < 0 and np.count_nonzero(negative[1:] != negative[:-1]) == 1:
             root = _single_root(coefficients, start, start + width)
             if root is not None:
                 return root
         stack.append((start + width / 2, width / 2, (half @ values[::-1])[::-1]))
         stack.append((start, width / 2, half @ values))
     return np.inf
-
-
-def _sign_changes(values: FloatArray) -> int:
-    """Changes of sign in a row of numbers, zeros left out."""
-    negative = values[values != 0] < 0
-    return int(np.count_nonzero(negative[1:] != negative[:-1]))
 
 
 def _single_root(coefficients: FloatArray, start: float, end: float) -> float | None:

@@ -97,29 +97,17 @@ def lemke(
         If shapes do not fit, a value is not finite, `covering` is not > 0, `max_pivots` or `paths` is below
         1 or `warm_start` does not have shape (n,).
     """
-    matrix, vector = _checked_problem(M, q)
+    matrix, vector = checked_array("M", M), checked_array("q", q)
     size = vector.size
+    if vector.ndim != 1 or size == 0 or matrix.shape != (size, size):
+        raise ParameterError(f"M and q have shapes {matrix.shape} and {vector.shape}; allowed: (n, n) and (n,), n >= 1")
     # Far beyond the 2 n pivots that are usual.
     limit = 50 * size + 100 if max_pivots is None else checked_count("max_pivots", max_pivots)
     cover = np.zeros(0) if covering is None else checked_array("covering", covering, "> 0", (size,))
-    start = np.zeros(0, dtype=np.bool_) if warm_start is None else _checked_basis(warm_start, size)
+    start = np.asarray(() if warm_start is None else warm_start, dtype=np.bool_)
+    if warm_start is not None and start.shape != (size,):
+        raise ParameterError(f"warm_start has shape {start.shape}; allowed: ({size},)")
     z, w, pivots, code, residual, basic = solve_lcp(
         np.ascontiguousarray(matrix), vector, cover, limit, start, checked_count("paths", paths)
     )
     return LemkeResult(z, w, pivots, STATUSES[code], residual, basic)
-
-
-def _checked_problem(M: ArrayLike, q: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Give M and q as arrays whose shapes fit."""
-    matrix, vector = checked_array("M", M), checked_array("q", q)
-    if vector.ndim != 1 or vector.size == 0 or matrix.shape != (vector.size, vector.size):
-        raise ParameterError(f"M and q have shapes {matrix.shape} and {vector.shape}; allowed: (n, n) and (n,), n >= 1")
-    return matrix, vector
-
-
-def _checked_basis(basic: NDArray[np.bool_], size: int) -> NDArray[np.bool_]:
-    """Give a warm start's basis as an array of truth values."""
-    basis = np.asarray(basic, dtype=np.bool_)
-    if basis.shape != (size,):
-        raise ParameterError(f"warm_start has shape {basis.shape}; allowed: ({size},)")
-    return basis

@@ -2,10 +2,9 @@
 
 Written once: numba compiles it, and with ``NUMBA_DISABLE_JIT=1`` Python runs the same lines.
 
-The path follows the bases B of w − M z − d z0 = q. Every column that a decision needs is solved anew with
-the inverse of B, refined until it solves a system that differs from the given one by round-off, and comes
-with a bound of the error that this leaves: what lies within it is zero, and ratios whose bounds overlap are
-tied. So whether an entry may serve as a pivot, and which rows are tied, follows from the basis at hand.
+The path follows the bases B of w − M z − d z0 = q. Every column that a decision needs is solved anew with B⁻¹, refined,
+and comes with a bound of the error that this leaves: what lies within it is zero, and ratios whose bounds overlap are
+tied. So whether an entry may serve as a pivot follows from the basis at hand.
 """
 
 from typing import Any
@@ -18,18 +17,14 @@ from reference_lcp.lcp.scaling import power_of_two_scaling
 BACKWARD_ERROR = 2.0**-48
 """Relative change of each entry of a system that its computed solution may stand for: 16 units of round-off.
 
-Refinement gets below it in problems of a hundred rows. What a solution x of B x = a is in error by follows from
-it: |B⁻¹| (‖a‖∞ + |B| |x|) times this (Skeel 1979).
+A solution x of B x = a is in error by |B⁻¹| (‖a‖∞ + |B| |x|) times this (Skeel 1979).
 """
 
 MOST_CORRECTIONS = 3
 """Most iterative refinements of a solution; one is enough unless the inverse has drifted, and is then computed anew."""
 
 CLOSE = 2.0**-20
-"""Ratios farther apart than this, relative to their size or to one, are no tie; of closer ones the errors decide.
-
-A bound of errors that wide would come with a basis of condition 1e9.
-"""
+"""Ratios farther apart than this, relative to their size or to one, are no tie; of closer ones the errors decide."""
 
 LARGEST_GROWTH = 1e12
 """Largest scaled z over q of a solution that counts: beyond, q is lost in the round-off of M z."""
@@ -40,8 +35,7 @@ RESIDUAL_TOLERANCE = 1e-10
 VARIABLE_ROUND_OFF = 1e-13
 """Error that each scaled variable may carry, relative to the largest one: round-off in a basis of condition 1,000.
 
-An open contact has Λ_TR = 2 μ Λ_N = 0, of which the solution of its basis leaves round-off; a row made of such
-terms alone is compared with what they may carry, not with itself.
+A row made of terms alone that ought to be zero is compared with what they may carry, not with itself.
 """
 
 GOLDEN_RATIO = (5**0.5 - 1) / 2
@@ -119,8 +113,7 @@ def _follow_path(variables: Any, q: Any, limit: int) -> Any:
     """Pivot until z0 leaves; gives which z are basic, the status code and the number of pivots.
 
     Row k of `columns` is the column of B of the variable `basis[k]`; row j of `inverse` is column j of B⁻¹, and its
-    last row B⁻¹ q. A basis that comes back is found by comparing each with that at the last power of two of pivots
-    (Brent 1980).
+    last row B⁻¹ q. A basis is compared with that at the last power of two of pivots (Brent 1980).
     """
     n, z0 = q.size, 2 * q.size
     basis, columns, inverse = np.arange(n), variables[:n].copy(), np.empty((n + 1, n))
@@ -160,7 +153,6 @@ def _swap(inside: Any, remembered: Any, variable: int) -> int:
 
 @numba.njit(cache=True, error_model="numpy")
 def _write(rows: Any, row: int, values: Any) -> None:
-    """Write one row."""
     for i in range(values.size):
         rows[row, i] = values[i]
 
@@ -261,10 +253,7 @@ def _add(x: Any, inverse: Any, right: Any) -> None:
 
 @numba.njit(cache=True, error_model="numpy")
 def _residual_is_round_off(columns: Any, right: Any, x: Any, rest: Any, size: Any) -> bool:
-    """Write right − B x and the size of its terms; whether the one is within `BACKWARD_ERROR` of the other.
-
-    Each entry of the right-hand side counts as much as the largest: it may be what larger ones have left.
-    """
+    """Write right − B x and the size of its terms; whether the one is within `BACKWARD_ERROR` of the other."""
     n, largest = right.size, 0.0
     for i in range(n):
         largest = max(largest, abs(right[i]))
@@ -334,11 +323,7 @@ def _solution(M: Any, q: Any, basic: Any, rows: Any, columns: Any) -> Any:
 
 @numba.njit(cache=True, error_model="numpy")
 def _residual(M: Any, q: Any, z: Any, w: Any, rows: Any, columns: Any) -> float:
-    """Write M z + q into w; gives its natural residual, each row over the size of its terms.
-
-    So no row can hide behind a larger one. `RESIDUAL_TOLERANCE` of what each term counts for at least is its
-    round-off. Infinite where q is lost in M z.
-    """
+    """Write M z + q into w; gives its natural residual, each row over the size of its terms; inf if q is lost."""
     size, largest = np.max(np.abs(rows * q)), np.max(np.abs(z / columns))
     if largest > LARGEST_GROWTH * size:
         return np.inf
@@ -382,13 +367,11 @@ def _eliminate(A: Any, b: Any) -> bool:
 
 @numba.njit(cache=True, error_model="numpy")
 def _swap_rows(A: Any, first: int, second: int) -> None:
-    """Exchange two rows."""
     for j in range(A.shape[1]):
         A[first, j], A[second, j] = A[second, j], A[first, j]
 
 
 @numba.njit(cache=True, error_model="numpy")
 def _subtract(A: Any, row: int, factor: float, other: int) -> None:
-    """Subtract a multiple of another row."""
     for j in range(A.shape[1]):
         A[row, j] -= factor * A[other, j]

@@ -6,10 +6,9 @@ directions d_1 … d_m in the plane, m even and evenly spaced, friction is a sum
 
     0 <= Λ_N ⟂ g_N / Δt + W_Nᵀ q⁺ >= 0,    0 <= β_j ⟂ σ + d_jᵀ s >= 0,    0 <= σ ⟂ μ Λ_N − Σ β_j >= 0.
 
-Stewart and Trinkle, Int. J. Numer. Methods Eng. 39 (1996) 2673; Anitescu and Potra, Nonlinear Dynamics 14 (1997) 231,
-who show that Lemke's method solves it. The polygon is what it departs from Coulomb's law by: with δ the angle from the
-nearest corner, a contact sticks up to μ λ_N cos(π/m) / cos(π/m − δ), and one that slips has the friction of that
-corner, with the part μ λ_N cos δ against the slip.
+Stewart and Trinkle, Int. J. Numer. Methods Eng. 39 (1996) 2673; Anitescu and Potra, Nonlinear Dynamics 14 (1997) 231.
+With δ the angle from the nearest corner, a contact sticks up to μ λ_N cos(π/m) / cos(π/m − δ), and one that slips has
+the friction of that corner, with the part μ λ_N cos δ against the slip.
 """
 
 from dataclasses import dataclass
@@ -19,8 +18,8 @@ import numpy as np
 
 from reference_lcp.errors import ParameterError
 from reference_lcp.lcp.lemke import lemke
-from reference_lcp.lcp.time_step import PATHS, StepFailed
-from reference_lcp.validation import FloatArray, checked_array, checked_count, checked_scalar
+from reference_lcp.lcp.time_step import PATHS, StepFailed, check_step
+from reference_lcp.validation import FloatArray, checked_count
 
 LEAST_FACETS = 4
 """Facets of a pyramid that bounds friction in every direction, in pairs."""
@@ -50,21 +49,10 @@ class PolyhedralStep:
     """m, even, >= 4; the first corner is on the first tangent."""
 
     def __post_init__(self) -> None:
-        checked_scalar("time_step", self.time_step, "> 0")
         if checked_count("facets", self.facets, LEAST_FACETS) % 2:
             raise ParameterError(f"facets = {self.facets} is odd; allowed: even numbers from {LEAST_FACETS} on")
-        freedoms, contacts = np.shape(self.velocity)[0], np.shape(self.normal_gap)[0]
-        shapes: dict[str, tuple[int, ...]] = {
-            "mass_matrix": (freedoms, freedoms),
-            "force": (freedoms,),
-            "velocity": (freedoms,),
-            "normal_directions": (freedoms, contacts),
-            "tangential_directions": (freedoms, 2 * contacts),
-            "normal_gap": (contacts,),
-        }
-        for name, shape in shapes.items():
-            checked_array(name, getattr(self, name), shape=shape)
-        checked_array("friction_coefficient", self.friction_coefficient, ">= 0", shape=(contacts,))
+        shapes = {"mass_matrix": "ff", "force": "f", "velocity": "f", "normal_directions": "fc"}
+        check_step(self, shapes | {"tangential_directions": "ft", "normal_gap": "c"})
 
     @property
     def contacts(self) -> int:

@@ -9,21 +9,13 @@ SCALING_SWEEPS = 50
 """Most sweeps of row and column scaling; problems in sensible units take two or three."""
 
 SMALLEST_SCALED = 2.0**-26
-"""Part of the largest entry of its row and of its column below which a scaled entry does not count for the scaling.
-
-The root of round-off. An entry that ought to be zero, such as 1e-18 in the G_NT of a contact whose directions are
-perpendicular, would else set the scale of its row and column as much as the entries of order one do.
-"""
+"""Part of the largest entry of its row and of its column below which a scaled entry, which ought to be zero, does not
+count for the scaling: the root of round-off."""
 
 
 @numba.njit(cache=True, error_model="numpy")
 def power_of_two_scaling(M: Any) -> Any:
-    """Positive row and column factors, powers of two, that bring the entries of M near one.
-
-    Geometric means of rows and columns in turn (Curtis and Reid 1972): largest entries alone would
-    leave a small pivot beside a large one. Scaling by positive diagonals leaves complementarity as
-    it is; powers of two leave no round-off.
-    """
+    """Positive row and column factors, powers of two, that bring the entries of M near one."""
     n = M.shape[0]
     counts, exponents = M != 0, np.zeros((n, n))
     for i in range(n):

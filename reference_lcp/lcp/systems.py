@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from reference_lcp.errors import ParameterError
-from reference_lcp.lcp.time_step import FrictionalStep, StepFailed, advanced, solve_step
+from reference_lcp.lcp.time_step import FrictionalStep, solved_steps
 from reference_lcp.validation import FloatArray, checked_array, checked_count, checked_scalar
 
 SAME_TIME = 4 * 2.0**-52
@@ -102,9 +102,8 @@ def _harmonic(piece: Harmonic | float) -> Harmonic:
 class FrictionalSystem(Protocol):
     """Anything with unilateral frictional contacts that gives the data of equation (7).
 
-    M, h, the gaps and the directions may depend on time, position and velocity; all are taken at the
-    start of the step. A gap is given as it is at that position, not as the step before predicted it:
-    so a curved or moving surface leaves no drift. Normal forces are resolved, unless the step gives them.
+    M, h, the gaps and the directions may depend on time, position and velocity, and are those of the start of the
+    step. Normal forces are resolved, unless the step gives them.
     """
 
     @property
@@ -180,16 +179,11 @@ def simulate_system(
     ends = np.arange(first + 1, first + checked_count("steps", steps) + 1, dtype=np.float64)
     motion, contact = (ends.size, system.freedoms), (ends.size, system.contacts)
     record = SystemTrajectory(dt * ends, *(np.empty(shape) for shape in (motion, motion, *[contact] * 4)))
-    basis = None
-    for row, index in enumerate(range(first, first + ends.size)):
-        step = system.step(dt * index, u, q, dt)
-        try:
-            impulses = solve_step(step, warm_start=basis)
-        except StepFailed as failure:
-            raise StepFailed(f"step {index} at t = {index * dt:.6g} s: {failure}") from failure
-        u, q = advanced(step, impulses, u)
-        basis = impulses.basic
-        record.positions[row], record.velocities[row] = u, q
+    steps_of_motion = solved_steps(
+        lambda index, u, q: system.step(dt * index, u, q, dt), range(first, first + ends.size), u, q
+    )
+    for row, (position_at_end, velocity_at_end, impulses) in enumerate(steps_of_motion):
+        record.positions[row], record.velocities[row] = position_at_end, velocity_at_end
         record.normal_force[row], record.friction[row] = impulses.normal / dt, impulses.tangential / dt
         record.normal_gap[row] = np.nan if impulses.normal_gap is None else impulses.normal_gap
         record.relative_velocity[row] = impulses.relative_velocity
@@ -253,7 +247,11 @@ class MassSpringSystem:
             checked_scalar("damping", spring.damping, ">= 0")
         for contact in self.friction:
             self._check_bodies("contact", contact.first, contact.second)
-            _check_coefficients(contact)
+            kinetic = checked_scalar("coefficient", contact.coefficient, ">= 0")
+            if checked_scalar("static_coefficient", _static(contact), ">= 0") < kinetic:
+                raise ParameterError(
+                    f"static_coefficient = {contact.static_coefficient:g}; allowed: >= coefficient, {kinetic:g}"
+                )
         for body in self.forces:
             self._check_bodies("force", body, None)
         if self.contacts and np.linalg.matrix_rank(self.directions) < self.contacts:
@@ -327,16 +325,12 @@ class MassSpringSystem:
 
     def step(self, time: float, position: FloatArray, velocity: FloatArray, time_step: float) -> FrictionalStep:
         """Equation (7)'s data for the step that starts at `time` [s]; N(t) is given, and that of its start."""
-        none, still = np.zeros((self.freedoms, self.contacts)), np.zeros(self.contacts)
-        return FrictionalStep(
+        return FrictionalStep.under_normal_force(
+            self.directions,
+            velocity,
             mass_matrix=self.mass_matrix,
             force=self.force(time, position, velocity),
-            velocity=velocity,
             time_step=time_step,
-            normal_directions=none,
-            tangential_directions=self.directions,
-            normal_gap=still,
-            relative_velocity=self.directions.T @ velocity,
             friction_coefficient=self.friction_coefficient,
             static_friction_coefficient=self.static_friction_coefficient,
             normal_force=np.array([signal.value(time) for signal in self.normal_signals]),
@@ -360,11 +354,3 @@ def _incidence(bodies: int, pairs: Sequence[Spring | FrictionContact]) -> FloatA
 
 def _static(contact: FrictionContact) -> float:
     return contact.coefficient if contact.static_coefficient is None else contact.static_coefficient
-
-
-def _check_coefficients(contact: FrictionContact) -> None:
-    kinetic = checked_scalar("coefficient", contact.coefficient, ">= 0")
-    if checked_scalar("static_coefficient", _static(contact), ">= 0") < kinetic:
-        raise ParameterError(
-            f"static_coefficient = {contact.static_coefficient:g}; allowed: >= coefficient, {kinetic:g}"
-        )

@@ -19,16 +19,16 @@ and a step is a sequence of LCPs, each equation (7) with one coefficient a conta
 2. a contact with μ_s that slips in the solution is released: it has μ_k from then on. One with μ_k whose relative
    velocity has changed its sign passed rest within the step, and has μ_s. The LCP is solved anew.
 
-Each contact changes at most twice, so that at most 2c + 1 LCPs are solved; what the last one gives fulfils the law in
-every contact. With a given normal force each LCP is that of a convex quadratic programme, whose relative velocities are
-unique. The law is not monotone, though, where μ_s > μ_k: other sets of sliding contacts may fulfil it too, and of
-these it is the rule above that chooses: rest before slip, and all that break away in one LCP are released together.
-With μ_s = μ_k there is one LCP, and nothing to choose.
+Each contact changes at most twice, so that at most 2c + 1 LCPs are solved. Where μ_s > μ_k other sets of sliding
+contacts may fulfil the law too; of these the rule above chooses: rest before slip, and all that break away in one LCP
+are released together.
 """
 
 import dataclasses
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,12 +38,7 @@ from reference_lcp.lcp.lemke import LemkeResult, lemke
 from reference_lcp.validation import FloatArray, checked_array, checked_scalar
 
 PATHS = 8
-"""Paths of Lemke's method that a step tries: where the first ends without a solution, another may have one.
-
-Equation (7) is of no class for which one path is enough: where friction lets a pressed contact approach all the more,
-a path may end on a ray beside a solution.
-"""
-
+"""Paths of Lemke's method that a step tries: where the first ends on a ray, another may have a solution."""
 
 REST_TOLERANCE = 1e-12
 """Relative velocity over the largest velocity of the step at which a contact is at rest: roundings of its solution."""
@@ -86,90 +81,62 @@ class FrictionalStep:
     normal_force: FloatArray | None = None
     """λ_N [N] >= 0 where it is given, shape (c,); ``None`` where the step resolves it."""
 
+    @classmethod
+    def under_normal_force(cls, directions: FloatArray, velocity: FloatArray, **given: Any) -> "FrictionalStep":
+        """Give the step of contacts whose given normal force has no part along the motion, so that W_N is zero."""
+        return cls(
+            velocity=velocity,
+            normal_directions=np.zeros(directions.shape),
+            tangential_directions=directions,
+            normal_gap=np.zeros(directions.shape[1]),
+            relative_velocity=directions.T @ velocity,
+            **given,
+        )
+
     def __post_init__(self) -> None:
-        checked_scalar("time_step", self.time_step, "> 0")
-        freedoms, contacts = np.shape(self.velocity)[0], np.shape(self.normal_gap)[0]
-        shapes: dict[str, tuple[int, ...]] = {"mass_matrix": (freedoms, freedoms), "force": (freedoms,)}
-        shapes |= {"velocity": (freedoms,), "normal_directions": (freedoms, contacts)}
-        shapes |= {"tangential_directions": (freedoms, contacts), "normal_gap": (contacts,)}
-        shapes |= {"relative_velocity": (contacts,), "friction_coefficient": (contacts,)}
-        moving: dict[str, tuple[int, ...]] = {"normal_motion": (contacts,), "tangential_motion": (contacts,)}
-        for name, shape in (moving | {"tangential_directions_of_position": (freedoms, contacts)}).items():
+        vectors = ("normal_motion", "tangential_motion")
+        for name in (*vectors, "tangential_directions_of_position"):
             if np.ndim(getattr(self, name)) == 0:
-                object.__setattr__(self, name, np.full(shape, getattr(self, name)))
-            shapes[name] = shape
-        for name, shape in shapes.items():
-            checked_array(name, getattr(self, name), shape=shape)
-        checked_array("friction_coefficient", self.friction_coefficient, ">= 0")
+                like = self.normal_gap if name in vectors else self.tangential_directions
+                object.__setattr__(self, name, np.full(np.shape(like), getattr(self, name)))
+        check_step(self, _SHAPES)
+        contacts = (self.contacts,)
         if self.static_friction_coefficient is not None:
-            static = checked_array("static_friction_coefficient", self.static_friction_coefficient, shape=(contacts,))
+            static = checked_array("static_friction_coefficient", self.static_friction_coefficient, shape=contacts)
             if np.any(static < self.friction_coefficient):
                 raise ParameterError(f"static_friction_coefficient = {static}; allowed: >= {self.friction_coefficient}")
         if self.normal_force is not None:
-            checked_array("normal_force", self.normal_force, ">= 0", shape=(contacts,))
+            checked_array("normal_force", self.normal_force, ">= 0", shape=contacts)
 
     @property
     def contacts(self) -> int:
         """Number of contacts c."""
         return self.normal_gap.shape[0]
 
-    @property
-    def response_to_normal(self) -> FloatArray:
-        """M⁻¹ W_N, shape (f, c)."""
-        return self._responses[:, : self.contacts]
-
-    @property
-    def response_to_tangential(self) -> FloatArray:
-        """M⁻¹ W_T, shape (f, c)."""
-        return self._responses[:, self.contacts : -1]
-
-    @property
-    def free_acceleration(self) -> FloatArray:
-        """M⁻¹ h, the acceleration if no contact acted, shape (f,)."""
-        return self._responses[:, -1]
-
     @cached_property
-    def g_nn(self) -> FloatArray:
-        """G_NN = W_Nᵀ M⁻¹ W_N, shape (c, c)."""
-        return self.normal_directions.T @ self.response_to_normal
-
-    @cached_property
-    def g_nt(self) -> FloatArray:
-        """G_NT = W_Nᵀ M⁻¹ W_T, shape (c, c)."""
-        return self.normal_directions.T @ self.response_to_tangential
-
-    @cached_property
-    def g_tn(self) -> FloatArray:
-        """G_TN = (W_Tᵀ + W̃_Tᵀ Δt) M⁻¹ W_N, shape (c, c)."""
-        return self._tangential_map.T @ self.response_to_normal
-
-    @cached_property
-    def g_tt(self) -> FloatArray:
-        """G_TT = (W_Tᵀ + W̃_Tᵀ Δt) M⁻¹ W_T, shape (c, c)."""
-        return self._tangential_map.T @ self.response_to_tangential
-
-    @cached_property
-    def c_n(self) -> FloatArray:
-        """C_N [m]: the normal gap at the end of the step if no contact acted, shape (c,)."""
-        free = self.velocity + self.free_acceleration * self.time_step
-        return self.normal_directions.T @ free * self.time_step + self.normal_motion * self.time_step + self.normal_gap
-
-    @cached_property
-    def c_t(self) -> FloatArray:
-        """C_T [m/s]: the relative velocity at the end of the step if no contact acted, shape (c,)."""
-        forced = self._tangential_map.T @ self.free_acceleration * self.time_step
-        carried = self.tangential_directions_of_position.T @ self.velocity * self.time_step
-        return forced + carried + self.tangential_motion * self.time_step + self.relative_velocity
-
-    @property
-    def _tangential_map(self) -> FloatArray:
-        return self.tangential_directions + self.tangential_directions_of_position * self.time_step
-
-    @cached_property
-    def _responses(self) -> FloatArray:
-        """M⁻¹ (W_N, W_T, h), shape (f, 2c + 1): the one solution of linear equations with M in a step."""
+    def responses(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """M⁻¹ W_N and M⁻¹ W_T, shape (f, c), and M⁻¹ h, the acceleration if no contact acted, shape (f,)."""
         columns = np.hstack([self.normal_directions, self.tangential_directions, self.force[:, None]])
-        return np.asarray(np.linalg.solve(self.mass_matrix, columns))
+        solved = np.asarray(np.linalg.solve(self.mass_matrix, columns))
+        return solved[:, : self.contacts], solved[:, self.contacts : -1], solved[:, -1]
+
+
+_SHAPES = {
+    "mass_matrix": "ff", "force": "f", "velocity": "f", "normal_directions": "fc", "tangential_directions": "fc",
+    "normal_gap": "c", "relative_velocity": "c", "tangential_directions_of_position": "fc", "normal_motion": "c",
+    "tangential_motion": "c",
+}  # fmt: skip
+"""Freedoms f and contacts c along the axes of each field."""
+
+
+def check_step(step: Any, shapes: Mapping[str, str]) -> None:
+    """Check what every step has; shapes are in freedoms f, contacts c and tangents t, two a contact."""
+    checked_scalar("time_step", step.time_step, "> 0")
+    contacts = np.shape(step.normal_gap)[0]
+    sizes = {"f": np.shape(step.velocity)[0], "c": contacts, "t": 2 * contacts}
+    for name, axes in shapes.items():
+        checked_array(name, getattr(step, name), shape=tuple(sizes[axis] for axis in axes))
+    checked_array("friction_coefficient", step.friction_coefficient, ">= 0", shape=(contacts,))
 
 
 @dataclass(frozen=True)
@@ -197,40 +164,38 @@ def assemble(step: FrictionalStep) -> tuple[FloatArray, FloatArray]:
         ⎢ G_TN − G_TT μ   G_TT   I ⎥ , ⎢ C_T Δt ⎥ .
         ⎣ 2 μ             −I     0 ⎦   ⎣ 0      ⎦
 
-    A given Λ_N moves to the right-hand side; what it does to the motion, by the directions W_N, stays in the equation:
+    with G_NN = W_Nᵀ M⁻¹ W_N and G_NT = W_Nᵀ M⁻¹ W_T, and G_TN and G_TT with W_Tᵀ + W̃_Tᵀ Δt on the left. A given Λ_N
+    moves to the right-hand side; what it does to the motion, by the directions W_N, stays in the equation:
 
         (ġ_T⁺, Λ_TL) = [[G_TT, I], [−I, 0]] (Λ_TR, ġ_T⁻) + (C_T + (G_TN − G_TT μ) Λ_N, 2 μ Λ_N).
     """
+    dt, (to_normal, to_tangential, free) = step.time_step, step.responses
+    tangential = step.tangential_directions + step.tangential_directions_of_position * dt
+    g_tn, g_tt = tangential.T @ to_normal, tangential.T @ to_tangential
+    carried = step.tangential_directions_of_position.T @ step.velocity * dt
+    c_t = tangential.T @ free * dt + carried + step.tangential_motion * dt + step.relative_velocity
     identity, zero = np.eye(step.contacts), np.zeros((step.contacts, step.contacts))
     if step.normal_force is not None:
-        normal = step.normal_force * step.time_step
+        normal = step.normal_force * dt
         bound = step.friction_coefficient * normal
-        matrix = np.block([[step.g_tt, identity], [-identity, zero]])
-        return matrix, np.concatenate([step.c_t + step.g_tn @ normal - step.g_tt @ bound, 2 * bound])
+        matrix = np.block([[g_tt, identity], [-identity, zero]])
+        return matrix, np.concatenate([c_t + g_tn @ normal - g_tt @ bound, 2 * bound])
+    g_nn, g_nt = step.normal_directions.T @ to_normal, step.normal_directions.T @ to_tangential
+    c_n = step.normal_directions.T @ (step.velocity + free * dt) * dt + step.normal_motion * dt + step.normal_gap
     mu = np.diag(step.friction_coefficient)
-    matrix = np.block(
-        [
-            [step.g_nn - step.g_nt @ mu, step.g_nt, zero],
-            [step.g_tn - step.g_tt @ mu, step.g_tt, identity],
-            [2 * mu, -identity, zero],
-        ]
-    )
-    return matrix, np.concatenate([step.c_n, step.c_t * step.time_step, np.zeros(step.contacts)])
+    matrix = np.block([[g_nn - g_nt @ mu, g_nt, zero], [g_tn - g_tt @ mu, g_tt, identity], [2 * mu, -identity, zero]])
+    return matrix, np.concatenate([c_n, c_t * dt, np.zeros(step.contacts)])
 
 
 def solve_step(step: FrictionalStep, *, warm_start: NDArray[np.bool_] | None = None) -> ContactImpulses:
-    """Solve equation (7) by Lemke's method, with μ_s of contacts at rest by the rule of this module.
-
-    `warm_start` is `ContactImpulses.basic` of the step before. A `StepFailed` if no path of Lemke's method ends with a
-    solution.
-    """
+    """Solve equation (7) by Lemke's method, with μ_s of contacts at rest by the rule of this module."""
     if step.contacts == 0:
         none = np.zeros(0)
         return ContactImpulses(none, none, none, none, np.zeros(0, dtype=bool))
     static, kinetic = step.static_friction_coefficient, step.friction_coefficient
     if static is None or np.array_equal(static, kinetic):
         return _impulses(step, lemke(*assemble(step), warm_start=warm_start, paths=PATHS))
-    gained = step.free_acceleration * step.time_step
+    gained = step.responses[2] * step.time_step
     fastest = float(np.max(np.abs(step.velocity), initial=0.0) + np.max(np.abs(gained), initial=0.0))
     rest = REST_TOLERANCE * fastest
     before = np.where(np.abs(step.relative_velocity) > rest, np.sign(step.relative_velocity), 0.0)
@@ -247,7 +212,6 @@ def solve_step(step: FrictionalStep, *, warm_start: NDArray[np.bool_] | None = N
 
 
 def _impulses(step: FrictionalStep, result: LemkeResult) -> ContactImpulses:
-    """Give what the contacts do, from the solution of equation (7)."""
     if not result.solved:
         raise StepFailed(f"the LCP of the step is not solved: {result.status} after {result.pivots} pivots")
     dt, c, z, w = step.time_step, step.contacts, result.z, result.w
@@ -261,6 +225,26 @@ def _impulses(step: FrictionalStep, result: LemkeResult) -> ContactImpulses:
 
 def advanced(step: FrictionalStep, impulses: ContactImpulses, position: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Positions and velocities at the end of the step, equation (5): Δu = (q + Δq) Δt."""
-    contact = step.response_to_normal @ impulses.normal + step.response_to_tangential @ impulses.tangential
-    velocity = step.velocity + step.free_acceleration * step.time_step + contact
+    to_normal, to_tangential, free = step.responses
+    contact = to_normal @ impulses.normal + to_tangential @ impulses.tangential
+    velocity = step.velocity + free * step.time_step + contact
     return position + velocity * step.time_step, velocity
+
+
+def solved_steps(
+    step_from: Callable[[int, FloatArray, FloatArray], FrictionalStep],
+    indices: Iterable[int],
+    position: FloatArray,
+    velocity: FloatArray,
+) -> Iterator[tuple[FloatArray, FloatArray, ContactImpulses]]:
+    """Solve steps, each from where the one before has ended: positions, velocities and impulses of every one."""
+    basis = None
+    for index in indices:
+        step = step_from(index, position, velocity)
+        try:
+            impulses = solve_step(step, warm_start=basis)
+        except StepFailed as failure:
+            raise StepFailed(f"step {index} at t = {index * step.time_step:.6g} s: {failure}") from failure
+        position, velocity = advanced(step, impulses, position)
+        basis = impulses.basic
+        yield position, velocity, impulses

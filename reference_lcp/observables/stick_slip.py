@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,41 +14,30 @@ if TYPE_CHECKING:
     from reference_lcp.chain.simulation import PeriodicOrbit
 
 STICK_MARGIN = 1e-6
-"""A contact sticks while |λ_T| < (1 − STICK_MARGIN) μ λ_N.
-
-Equation (1) has a strict inequality; the margin is far above the round-off with which engines hold
-the force at its bound, and far below any stick that matters. A friction law that only tends to the
-bound, with no velocity at which it is reached, is read with a wider margin.
-"""
+"""A contact sticks while |λ_T| < (1 − STICK_MARGIN) μ λ_N: far above the round-off with which engines hold the force at
+its bound, far below any stick that matters. A law that only tends to the bound is read with a wider margin."""
 
 UNREPEATED_SLIP = 4
-"""A slip travels farther than this many residuals of its orbit; a shorter one is counted as stick.
+"""A slip travels farther than this many residuals of its orbit; a shorter one, which need not come again, is a stick.
 
-Over a period that repeats to the residual r, the two masses of a cell come back to within 2 r of each other: a slip
-of that size, such as the creep of a contact towards the offset at which it sticks for good, need not come again.
+Over a period that repeats to the residual r, the two masses of a cell come back to within 2 r of each other.
 """
-
 
 IMPACT_STEPS = 2
-"""Steps over which a scheme spreads the impact of a landing; they count to what follows them.
-
-In the first, equation (7) lets the gap close just at the end of the step; in the second it takes the rest of the
-velocity. The large normal force of an impact is over in no time, and holds a contact for no time.
-"""
+"""Steps over which a scheme spreads the impact of a landing, which holds a contact for no time: they count to what
+follows. In the first, equation (7) lets the gap close at the end of the step; in the second it takes the velocity."""
 
 OPEN = 1e-9
 """A contact is open while λ_N is at most this part of its mean: far above round-off, far below any preload."""
 
-
 MATCHING_WINDOW = 0.02
 """Largest distance of two matching transitions over the period: eight steps of 400.
 
-Far more than the error of a step or two that the scheme makes, far less than what separates two
-transitions of one contact to the same mode in figure 3.
+Far more than the scheme's error of a step or two, far less than what separates two of one kind in figure 3.
 """
 
 TimedTransition = tuple[int, float, str]
-"""Cell from 1, time in the period [s], new mode: as results hold them."""
+"""A `Transition` as results hold it."""
 
 
 class Mode(StrEnum):
@@ -62,8 +51,7 @@ class Mode(StrEnum):
 MODE_OF_SIGN = {0: Mode.STICK, 1: Mode.FORWARD, -1: Mode.BACKWARD}
 
 
-@dataclass(frozen=True)
-class Transition:
+class Transition(NamedTuple):
     """A change of the mode of one contact."""
 
     cell: int
@@ -73,11 +61,6 @@ class Transition:
     kind: Mode
     """The new mode."""
 
-    @property
-    def timed(self) -> tuple[int, float, str]:
-        """Cell, time [s] and new mode, as they are matched and stored."""
-        return self.cell, self.time, str(self.kind)
-
     def as_dict(self) -> dict[str, Any]:
         """Give the numbers, ready for JSON."""
         return {"cell": self.cell, "time_s": self.time, "kind": str(self.kind)}
@@ -86,10 +69,8 @@ class Transition:
 def contact_modes(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> NDArray[np.int8]:
     """Mode of every contact in every step: −1 backward slip, 0 stick, +1 forward slip; shape (steps, n).
 
-    The force decides (equation 1), so that exact and regularised friction laws are read alike: a stick leaves
-    `stick_margin`, in (0, 1), of the bound at least. A contact without friction never sticks; the sign of its relative
-    velocity gives its direction. So it is with a contact that is open, whose bound is zero: it slips, forward or
-    backward, until it has landed.
+    The force decides (equation 1): a stick leaves `stick_margin`, in (0, 1), of the bound at least. A contact without
+    friction, or an open one, never sticks; the sign of its relative velocity gives its direction.
     """
     from reference_lcp.observables.stick_slip_kernel import read_modes, resolve  # numba is imported on first use
 
@@ -99,7 +80,9 @@ def contact_modes(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) ->
     read_modes(*forces, trajectory.velocities, 1 - stick_margin, rows)
     if orbit.lane.preload is not None:
         for row, opened in zip(rows, _open(orbit).T, strict=True):
-            _pass_impacts(row, opened)
+            for landing in np.flatnonzero(~opened & np.roll(opened, 1)):
+                impact = np.arange(landing, landing + IMPACT_STEPS) % row.size
+                row[impact] = row[(landing + IMPACT_STEPS) % row.size]
     shortest = UNREPEATED_SLIP * orbit.residual * orbit.lane.drive.displacement_scale(chain)
     resolve(rows, trajectory.velocities, orbit.lane.time_step, chain.friction_bound > 0, shortest)
     return rows.T
@@ -111,12 +94,11 @@ def transitions(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> l
     The period is cyclic: a mode that begins with the first step is a transition at time zero if the
     last step had another one. Contacts without friction have none. Parameters as in `contact_modes`.
     """
-    changes = timed_transitions(orbit, contact_modes(orbit, stick_margin))
-    return [Transition(cell, time, Mode(kind)) for cell, time, kind in changes]
+    return transitions_between(contact_modes(orbit, stick_margin), orbit)
 
 
-def timed_transitions(orbit: "PeriodicOrbit", modes: NDArray[np.int8]) -> list[tuple[int, float, str]]:
-    """`Transition.timed` of all changes between the modes of an orbit, see `transitions` and `contact_modes`."""
+def transitions_between(modes: NDArray[np.int8], orbit: "PeriodicOrbit") -> list[Transition]:
+    """Changes between the modes of an orbit, see `transitions` and `contact_modes`."""
     rows = np.ascontiguousarray(modes.T)
     changed = np.empty(rows.shape, dtype=bool)
     np.not_equal(rows[:, 1:], rows[:, :-1], out=changed[:, 1:])
@@ -125,7 +107,7 @@ def timed_transitions(orbit: "PeriodicOrbit", modes: NDArray[np.int8]) -> list[t
     cells, steps = np.divmod(np.flatnonzero(changed), rows.shape[1])
     times, kinds = steps * orbit.lane.time_step, rows[cells, steps]
     changes = zip((cells + 1).tolist(), times.tolist(), kinds.tolist(), strict=True)
-    return [(cell, time, MODE_OF_SIGN[sign].value) for cell, time, sign in changes]
+    return [Transition(cell, time, MODE_OF_SIGN[sign]) for cell, time, sign in changes]
 
 
 def stuck_fraction(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> FloatArray:
@@ -145,10 +127,7 @@ def largest_gap(orbit: "PeriodicOrbit") -> FloatArray:
 
 
 def creep_velocity(orbit: "PeriodicOrbit", stick_margin: float = STICK_MARGIN) -> FloatArray:
-    """Largest |ġ_T| of each contact while it sticks [m/s], shape (n,); zero if it never does.
-
-    Steps next to a slip are left out: in them even an exact contact still comes to rest.
-    """
+    """Largest |ġ_T| of each contact while it sticks [m/s], shape (n,); zero if it never does."""
     stuck = contact_modes(orbit, stick_margin) == 0
     inside = stuck & np.roll(stuck, 1, axis=0) & np.roll(stuck, -1, axis=0)
     return np.max(np.abs(orbit.trajectory.relative_velocity), axis=0, where=inside, initial=0.0)
@@ -164,13 +143,6 @@ def _open(orbit: "PeriodicOrbit") -> NDArray[np.bool_]:
     """Say in which steps which contacts are open, shape (steps, n)."""
     mean = orbit.lane.chain.normal_force
     return (orbit.trajectory.normal_force <= OPEN * mean) & (mean > 0)
-
-
-def _pass_impacts(column: NDArray[np.int8], opened: NDArray[np.bool_]) -> None:
-    """Give the steps of an impact the mode that follows them, in place."""
-    for landing in np.flatnonzero(~opened & np.roll(opened, 1)):
-        impact = np.arange(landing, landing + IMPACT_STEPS) % column.size
-        column[impact] = column[(landing + IMPACT_STEPS) % column.size]
 
 
 @dataclass(frozen=True)
@@ -203,15 +175,22 @@ def match_transitions(
     period: float,
     window: float = MATCHING_WINDOW,
 ) -> TransitionMatch:
-    """Pair transitions of the same cell to the same mode, one to one, the closest in cyclic time first.
-
-    `period` is that of the cycle [s], and `window` the largest distance of a pair over it.
-    """
+    """Pair transitions of the same cell to the same mode, one to one, the closest in cyclic time first."""
     checked_scalar("period", period, "> 0")
     checked_scalar("window", window, "> 0")
+    of_kind: dict[tuple[int, str], list[tuple[float, int]]] = {}
+    for f, (cell, time, kind) in enumerate(observed):
+        of_kind.setdefault((cell, kind), []).append((time, f))
+    near = [
+        (((other_time - time) / period + 0.5) % 1.0 - 0.5, f, e)
+        for e, (cell, time, kind) in enumerate(expected)
+        for other_time, f in of_kind.get((cell, kind), ())
+    ]
     partner: dict[int, tuple[int, float]] = {}
     taken: set[int] = set()
-    for error, f, e in _candidates(observed, expected, period, window):
+    for error, f, e in sorted(near, key=lambda candidate: (abs(candidate[0]), candidate[2], candidate[1])):
+        if abs(error) > window:
+            break
         if e not in partner and f not in taken:
             partner[e] = (f, error)
             taken.add(f)
@@ -222,24 +201,3 @@ def match_transitions(
         spurious=tuple(transition for f, transition in enumerate(observed) if f not in taken),
         time_errors=tuple(partner[e][1] for e in order),
     )
-
-
-def _candidates(
-    observed: Sequence[TimedTransition], expected: Sequence[TimedTransition], period: float, window: float
-) -> list[tuple[float, int, int]]:
-    """Pairs that may match as (time error over the period, index observed, index expected), the closest first."""
-    of_kind: dict[tuple[int, str], list[tuple[float, int]]] = {}
-    for f, (cell, time, kind) in enumerate(observed):
-        of_kind.setdefault((cell, kind), []).append((time, f))
-    near = []
-    for e, (cell, time, kind) in enumerate(expected):
-        for other_time, f in of_kind.get((cell, kind), ()):
-            error = _cyclic((other_time - time) / period)
-            if abs(error) <= window:
-                near.append((error, f, e))
-    return sorted(near, key=lambda candidate: (abs(candidate[0]), candidate[2], candidate[1]))
-
-
-def _cyclic(fraction: float) -> float:
-    """Shift a fraction of a period into [−1/2, 1/2)."""
-    return (fraction + 0.5) % 1.0 - 0.5

@@ -7,12 +7,7 @@ import numpy as np
 from numba import types
 
 SHORTEST_STICK = 2
-"""Steps that a stick lasts at least; one of a single step is a reversal of the slip.
-
-Where the relative velocity changes its sign, the scheme ends the step in between at rest whether or
-not the contact would have stuck: a stick shorter than two steps is not resolved.
-"""
-
+"""Steps that a stick lasts at least: where the slip turns round, the scheme ends the step in between at rest."""
 
 _called = numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
 """Compiled for compiled callers alone."""

@@ -1,9 +1,7 @@
 """Transmittance: the amplitude of a steady state over the base's, and the spectra of motions that are not harmonic.
 
-A harmonic base gives |U_n| / U_0 at one frequency. A base that moves at many frequencies at once gives it as
-the ratio of two spectra: of Fourier transforms for a motion that has a beginning and an end, of averaged power
-spectra for a stationary one (J. S. Bendat and A. G. Piersol, "Random Data", chapters 6 and 9). In a linear
-chain each is the transmittance of the harmonic base. With friction it belongs to the base motion as a whole.
+A base that moves at many frequencies at once gives it as the ratio of two spectra: of Fourier transforms for a motion
+that has a beginning and an end, of averaged power spectra for a stationary one (Bendat and Piersol, "Random Data").
 """
 
 from dataclasses import dataclass
@@ -21,7 +19,7 @@ FEWEST_LINES = 3
 """Lines of a spectrum that a band holds at least."""
 
 FALL = 0.3
-"""Part of a transient in which it is led to zero at its end."""
+"""Part of a transient in which it is led to zero at its end: what has not died out would leak into every line."""
 
 
 def fundamental(signal: FloatArray) -> NDArray[np.complex128]:
@@ -76,17 +74,12 @@ class Transmissibility:
                 f"allowed: at least {FEWEST_LINES}, by a wider band or a longer motion"
             )
         power = self.base_power[inside]
-        return (
-            float(np.sqrt(np.sum(np.abs(self.ratio[inside]) ** 2 * power) / np.sum(power))) if np.any(power) else np.nan
-        )
+        arrived = np.sum(np.abs(self.ratio[inside]) ** 2 * power)
+        return float(np.sqrt(arrived / np.sum(power))) if np.any(power) else np.nan
 
 
 def transient_transmissibility(base: FloatArray, response: FloatArray, time_step: float) -> Transmissibility:
-    """Ratio of the Fourier transforms of two displacements that begin at rest and have died out, every `time_step` [s].
-
-    In the last part of the record, `FALL` of it, both are led to zero by half a cosine: what has not quite died out
-    there would leak into every line, and hide a band in which little arrives.
-    """
+    """Ratio of the Fourier transforms of two displacements that begin at rest and die out, every `time_step` [s]."""
     import scipy.fft  # SciPy is imported once a spectrum is taken
 
     _check_pair(base, response)
@@ -103,10 +96,7 @@ def transient_transmissibility(base: FloatArray, response: FloatArray, time_step
 def stationary_transmissibility(
     base: FloatArray, response: FloatArray, time_step: float, segment: int
 ) -> Transmissibility:
-    """Estimate H1 of a stationary motion: cross spectrum over the base's power spectrum, by Welch's method.
-
-    Displacements are every `time_step` [s]; half overlapping Hann windows have `segment` samples, half of all at most.
-    """
+    """Estimate H1 of a stationary motion: cross spectrum over the base's power spectrum, by Welch's method."""
     from scipy.signal import csd, welch
 
     _check_pair(base, response)

@@ -10,8 +10,8 @@ with ġ_free the relative velocity that the step would end with if the contact w
 normal force changes in time, the normal direction is advanced first: it does not depend on the row's motion.
 """
 
+import copy
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,50 +20,33 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import NormalMotion, normal_motion
 from reference_lcp.chain.simulation import Lane, Simulation, check_one_coefficient, common_cells
 from reference_lcp.chain.trajectory import State, Trajectory
-from reference_lcp.lcp.time_step import FrictionalStep, advanced, solve_step
+from reference_lcp.lcp.time_step import FrictionalStep, solved_steps
 from reference_lcp.schemes.euler_kernel import advance
 from reference_lcp.schemes.inclined import InclinedLane
 from reference_lcp.schemes.sequential import LaneModel, SequentialSimulation
 from reference_lcp.validation import FloatArray, checked_count
 
 
-@dataclass(frozen=True)
-class _Packed:
-    """Parameters of all lanes, shape (lanes, 8, n); time steps, and how the normal force changes, shape (lanes,)."""
+class CompiledSimulation:
+    """The Euler scheme of equation (5) over a batch of lanes, compiled; a `Simulation`."""
 
-    parameters: FloatArray
-    time_step: FloatArray
-    modulated: NDArray[np.bool_]
-    opens: NDArray[np.bool_]
-
-    @classmethod
-    def of(cls, lanes: Sequence[Lane]) -> "_Packed":
-        step = np.array([lane.time_step for lane in lanes])
+    def __init__(self, lanes: Sequence[Lane]):
+        self._cells = common_cells(lanes)
+        check_one_coefficient(lanes, "the compiled scheme")
+        self.lanes = tuple(lanes)
         chains = [lane.chain for lane in lanes]
 
         def of_cells(name: str) -> FloatArray:
             return np.array([getattr(chain, name) for chain in chains])
 
-        outer, inner, dt = of_cells("outer_mass"), of_cells("inner_mass"), step[:, None]
+        self._time_step = np.array([lane.time_step for lane in lanes])
+        outer, inner, dt = of_cells("outer_mass"), of_cells("inner_mass"), self._time_step[:, None]
         springs = [of_cells(f"{place}_{kind}") for place in ("chain", "inner") for kind in ("stiffness", "damping")]
         bound = of_cells("friction_coefficient") * of_cells("normal_force")
         rows = [*springs, dt / outer, dt / inner, 1 / (1 / outer + 1 / inner) / dt, bound]
-        modulated = np.array([lane.preload is not None for lane in lanes])
-        return cls(np.stack(rows, axis=1), step, modulated, np.array([lane.opens for lane in lanes]))
-
-    def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "_Packed":
-        return _Packed(self.parameters[lanes], self.time_step[lanes], self.modulated[lanes], self.opens[lanes])
-
-
-class CompiledSimulation:
-    """The Euler scheme of equation (5) over a batch of lanes, compiled; a `Simulation`."""
-
-    def __init__(self, lanes: Sequence[Lane], packed: _Packed | None = None):
-        self._cells = common_cells(lanes)
-        check_one_coefficient(lanes, "the compiled scheme")
-        self.lanes = tuple(lanes)
-        self._packed = packed if packed is not None else _Packed.of(self.lanes)
-        self._modulated, self._opens = bool(np.any(self._packed.modulated)), bool(np.any(self._packed.opens))
+        self._parameters = np.stack(rows, axis=1)
+        self._modulated = np.array([lane.preload is not None for lane in lanes])
+        self._opens = np.array([lane.opens for lane in lanes])
         self._loads: tuple[tuple[int, int], FloatArray] = ((0, 0), np.empty((len(self.lanes), 0)))
         self._load_rows = np.arange(len(self.lanes))
 
@@ -82,19 +65,22 @@ class CompiledSimulation:
         return State(
             np.ascontiguousarray(x[:, : 2 * self._cells]),
             np.ascontiguousarray(x[:, 2 * self._cells :]),
-            None if normal is None or not self._opens else np.vstack([normal.gap[-1], normal.speed]).T.copy(),
+            None if normal is None or not np.any(self._opens) else np.vstack([normal.gap[-1], normal.speed]).T.copy(),
         )
 
     def subset(self, lanes: Sequence[int] | NDArray[np.intp]) -> "CompiledSimulation":
         """Give the lanes of these indices, each as often as it is listed."""
-        part = CompiledSimulation([self.lanes[lane] for lane in lanes], self._packed.subset(lanes))
-        part._loads, part._load_rows = self._loads, self._load_rows[lanes]
+        part = copy.copy(self)
+        part.lanes = tuple(self.lanes[lane] for lane in lanes)
+        common_cells(part.lanes)
+        for name in ("_time_step", "_parameters", "_modulated", "_opens", "_load_rows"):
+            setattr(part, name, getattr(self, name)[lanes])
         return part
 
     @property
     def nbytes(self) -> int:
         """Bytes of the arrays that it holds: the parameters of all lanes and the last table of loads."""
-        return self._packed.parameters.nbytes + self._packed.time_step.nbytes + self._loads[1].nbytes
+        return self._parameters.nbytes + self._time_step.nbytes + self._loads[1].nbytes
 
     def close(self) -> None:
         """Nothing is held outside Python."""
@@ -109,20 +95,20 @@ class CompiledSimulation:
         if normal is not None:
             bounds = normal.normal_force * np.stack([lane.chain.friction_coefficient for lane in self.lanes], axis=1)
         loads = self._load_table(start, steps)
-        advance(x[:, None], self._packed.parameters, self._packed.time_step, loads, self._load_rows, bounds, record)
+        advance(x[:, None], self._parameters, self._time_step, loads, self._load_rows, bounds, record)
         return x
 
     def _normal_motion(self, state: State, start: int, steps: int) -> NormalMotion | None:
         """Advance the normal direction of all lanes, cells by lanes; nothing is to be done where λ_N is constant."""
-        if not self._modulated:
+        if not np.any(self._modulated):
             return None
         normal_load = np.stack([lane.preloads(start, steps) for lane in self.lanes], axis=2)
-        if not self._opens:
+        if not np.any(self._opens):
             closed = np.zeros(normal_load.shape[1:])
             return NormalMotion(normal_load, np.zeros_like(normal_load), closed)
         mass = np.stack([lane.chain.inner_mass for lane in self.lanes], axis=1)
         gap, speed = (part.T for part in state.normal_state(self._cells))
-        return normal_motion(normal_load, mass, self._packed.time_step, gap, speed)
+        return normal_motion(normal_load, mass, self._time_step, gap, speed)
 
     def _load_table(self, start: int, steps: int) -> FloatArray:
         """Loads (…, steps), see `_load_rows`; the last table is kept, since a period map needs the same again."""
@@ -136,7 +122,7 @@ class CompiledSimulation:
     def _trajectory(self, index: int, rows: FloatArray, start: int, normal: NormalMotion | None) -> Trajectory:
         n, lane, steps = self._cells, self.lanes[index], rows.shape[0]
         force, internal_state, gap = lane.preloads(start, steps), None, None
-        if normal is not None and self._opens:
+        if normal is not None and np.any(self._opens):
             force, gap = normal.normal_force[:, :, index].copy(), normal.gap[:, :, index].copy()
             internal_state = np.concatenate([gap[-1], normal.speed[:, index]])
         return Trajectory(
@@ -175,47 +161,42 @@ class _LemkeLane(LaneModel):
 
     def run(self, state: State, start: int, steps: int) -> Trajectory:
         """Advance from `state` at step index `start`."""
-        chain = self.lane.chain
-        u, q = state.positions[0].copy(), state.velocities[0].copy()
-        positions, velocities = np.empty((steps, u.size)), np.empty((steps, u.size))
-        friction = np.empty((steps, chain.cells))
-        dt, basis = self.lane.time_step, None
+        lane, chain, dt = self.lane, self.lane.chain, self.lane.time_step
         # With faces along the row nothing couples the normal direction to the row's motion.
-        gap, speed = (part[0] for part in state.normal_state(chain.cells)) if self.lane.opens else np.zeros((2, 1))
-        normal = normal_motion(self.lane.preloads(start, steps), chain.inner_mass, dt, gap, speed)
-        for row, load in enumerate(self.lane.loads(start, steps)):
-            step = replace(
-                chain_step(chain, u, q, load, dt),
-                normal_force=normal.normal_force[row],
-                static_friction_coefficient=self.lane.static_ratio * chain.friction_coefficient,
-            )
-            impulses = solve_step(step, warm_start=basis)
-            basis = impulses.basic
-            u, q = advanced(step, impulses, u)
-            positions[row], velocities[row] = u, q
-            friction[row] = impulses.tangential / dt
-        times, internal_state = self.lane.times(start, steps), np.concatenate([normal.gap[-1], normal.speed])
-        own = (internal_state, normal.gap) if self.lane.opens else (None, None)
-        return Trajectory(times, positions, velocities, friction, normal.normal_force, *own)
+        gap, speed = (part[0] for part in state.normal_state(chain.cells)) if lane.opens else np.zeros((2, 1))
+        normal = normal_motion(lane.preloads(start, steps), chain.inner_mass, dt, gap, speed)
+        loads = lane.loads(start, steps)
+
+        def step_from(index: int, u: FloatArray, q: FloatArray) -> FrictionalStep:
+            row = index - start
+            return chain_step(chain, u, q, loads[row], dt, normal.normal_force[row], lane.static_ratio)
+
+        motion = list(solved_steps(step_from, range(start, start + steps), state.positions[0], state.velocities[0]))
+        positions, velocities = np.array([u for u, _, _ in motion]), np.array([q for _, q, _ in motion])
+        friction = np.array([impulses.tangential / dt for _, _, impulses in motion])
+        own = (np.concatenate([normal.gap[-1], normal.speed]), normal.gap) if lane.opens else (None, None)
+        return Trajectory(lane.times(start, steps), positions, velocities, friction, normal.normal_force, *own)
 
 
-def chain_step(chain: Chain, u: FloatArray, q: FloatArray, load: float, time_step: float) -> FrictionalStep:
-    """Equation (7)'s data for one step of the chain: h = f − K u − C q, contact directions W_T.
-
-    The normal force presses inner on outer mass across the row; it has no part along the motion, so W_N is zero and λ_N
-    enters as the friction bound alone.
-    """
+def chain_step(
+    chain: Chain,
+    u: FloatArray,
+    q: FloatArray,
+    load: float,
+    time_step: float,
+    normal_force: FloatArray,
+    static_ratio: float = 1.0,
+) -> FrictionalStep:
+    """Equation (7)'s data for one step of the chain: h = f − K u − C q, contact directions W_T."""
     force = -chain.stiffness_matrix @ u - chain.damping_matrix @ q
     force[0] += load
-    none, still = np.zeros((2 * chain.cells, chain.cells)), np.zeros(chain.cells)
-    return FrictionalStep(
+    return FrictionalStep.under_normal_force(
+        chain.contact_directions,
+        q,
         mass_matrix=chain.mass_matrix,
         force=force,
-        velocity=q,
         time_step=time_step,
-        normal_directions=none,
-        tangential_directions=chain.contact_directions,
-        normal_gap=still,
-        relative_velocity=chain.contact_directions.T @ q,
         friction_coefficient=chain.friction_coefficient,
+        static_friction_coefficient=static_ratio * chain.friction_coefficient,
+        normal_force=normal_force,
     )

@@ -4,10 +4,9 @@ A column is a run of consecutive cells. Eight lanes have a column each; where th
 four or eight segments, so that a single chain advances eight of its cells at once. Every column does the same
 operations in the same order whatever the cut: the answers are the same to the last bit.
 
-A row of the table holds one cell of every column: eight numbers of each field, one field after the other, at distances
-that the compiler knows; it makes one vector operation of each. Row 0 and the last row belong to the neighbours at the
-ends of each column: the base and the free end, or the cells of the segments before and after it. A lane has as many
-rows in each segment as its first one needs; rows beyond its end are cells without springs and masses, which stay still.
+A row of the table holds one cell of every column: eight numbers of each field, one field after the other. Row 0 and the
+last row belong to the neighbours at the ends of each column: the base and the free end, or the cells of the segments
+before and after it. Rows beyond the end of a lane are cells without springs and masses, which stay still.
 """
 
 from typing import Any
@@ -139,7 +138,6 @@ def _copy_out(table: Any, segments: int, rows: int, block: Any, fields: int, cel
 
 @_called
 def _set_bounds(table: Any, segments: int, rows: int, block: Any, step: int, bounds: Any) -> None:
-    """Set the friction bounds of all cells of a block from those of a step."""
     begin, lanes = block
     for cell in range(bounds.shape[1]):
         for lane in range(lanes):

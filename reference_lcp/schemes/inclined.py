@@ -15,13 +15,9 @@ each cycle. Springs, dashpots and the drive are the chain's and act along the ro
 
     M ü = f − K u − C u̇ − W_N N(t) + W_N λ_N + W_T λ_T,     M = diag(m_o, m_i, m_i).
 
-The spring k_i now loads and unloads the contact, and G_NT = W_Nᵀ M⁻¹ W_T = −sin α cos α / m_o couples
-normal and tangential direction. With α = 0 and a = 0 there is no motion across the row: λ_N = N0, and
-along the row the motion is that of the chain with a given normal force.
-
-A contact touches the two masses of its own cell alone, and M is diagonal; so the blocks G_NN, G_NT, G_TN and G_TT of
-equation (7) are diagonal too. Its LCP splits into one of three unknowns for each contact, (Λ_N Δt, Λ_TR Δt, ġ_T⁻ Δt),
-with a matrix that no step changes.
+The spring k_i now loads and unloads the contact, and G_NT = W_Nᵀ M⁻¹ W_T = −sin α cos α / m_o couples normal and
+tangential direction. A contact touches the two masses of its own cell alone, and M is diagonal: equation (7) splits
+into an LCP of three unknowns for each contact, (Λ_N Δt, Λ_TR Δt, ġ_T⁻ Δt), with a matrix that no step changes.
 """
 
 import math
@@ -51,7 +47,6 @@ PIVOT_LIMIT = 50 * UNKNOWNS + 100
 
 NO_COVERING = np.zeros(0)
 """Lemke's own covering vector, of ones."""
-
 
 CONSTANT = Preload(modulation=0.0, angular_frequency=1.0)
 """A preload that does not change."""
@@ -137,7 +132,6 @@ class InclinedLane(LaneModel):
     """One chain whose normal forces depend on its motion; `State.normal_state` holds its gaps along the normals."""
 
     def __init__(self, lane: Lane):
-        """Take a lane; one whose faces are along the row may be without a preload."""
         chain = lane.chain
         self.lane = lane
         self._sine, self._cosine = math.sin(lane.inclination), math.cos(lane.inclination)
@@ -153,9 +147,7 @@ class InclinedLane(LaneModel):
         """Advance from `state`; see `LaneModel.run`."""
         n = self.lane.chain.cells
         gap, speed = state.normal_state(n)
-        x = np.vstack(
-            [self._with_heights(state.positions[0], gap[0]), self._with_heights(state.velocities[0], speed[0])]
-        )
+        x = np.vstack(list(map(self._with_heights, (state.positions[0], state.velocities[0]), (gap[0], speed[0]))))
         record = np.empty((steps, FIELDS, n))
         solved, status = advance_inclined(
             x, self._springs, self._masses, self._matrices, self._scales, self._angle, self.lane.time_step,

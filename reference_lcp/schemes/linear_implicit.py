@@ -83,10 +83,7 @@ class LinearStep:
 
     @classmethod
     def theta(cls, chain: Chain, length: float, end_weight: float) -> "LinearStep":
-        """Give the θ-method for springs, dashpots and load; friction is implicit, as its impulse over the step.
-
-        θ = 1 is the implicit Euler step.
-        """
+        """Give the θ-method for springs, dashpots and load; friction is implicit. θ = 1 is the implicit Euler step."""
         h, theta = length, end_weight
         mass, damping, stiffness = chain.mass_matrix, chain.damping_matrix, chain.stiffness_matrix
         matrix = mass + h * theta * damping + h**2 * theta**2 * stiffness

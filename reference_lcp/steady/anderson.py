@@ -1,13 +1,9 @@
 """Anderson acceleration: fixed points of the map that takes the state of a chain from one period to the next.
 
-Mixing the last iterates (Anderson 1965, in the form of Walker and Ni 2011) finds the fixed point in some
-thirty periods where plain ones need thousands, and needs nothing of an engine but to set and to read
-positions, velocities and the internal state of its friction law.
-
-As long as contacts neither stick anew nor slip anew the map is affine, and mixing is a Krylov method (GMRES): it
-ends once as many differences are kept as the state has dimensions, and may stagnate with fewer. Where they do,
-older differences belong to another map, and what they add to the newer ones is the least trustworthy part
-of them: a difference that lies nearly in the span of newer ones is left out (Pollock and Rebholz 2023).
+Mixing the last iterates (Anderson 1965, in the form of Walker and Ni 2011) needs nothing of an engine but to set and to
+read states. As long as contacts neither stick anew nor slip anew the map is affine, and mixing is a Krylov method
+(GMRES): it ends once as many differences are kept as the state has dimensions. Where they do, older differences belong
+to another map: one that lies nearly in the span of newer ones is left out (Pollock and Rebholz 2023).
 """
 
 from collections.abc import Sequence
@@ -32,13 +28,10 @@ MOST_KEPT = 400
 """Differences kept at most: a usual search is over by then, and a thousand cells take 26 MB a lane."""
 
 WARM_UP_PERIODS = 6
-"""Plain periods before the first mixing: they leave the transient of the start behind."""
+"""Plain periods before the first mixing."""
 
 DEPENDENT = 0.1
-"""A difference is left out whose part outside the span of newer ones is a smaller part of it than this.
-
-With 0.1 the slowest of 372 searches on the grid of figure 3 takes 81 periods, with 1e-6 128.
-"""
+"""A difference is left out whose part outside the span of newer ones is a smaller part of it than this."""
 
 CANCELLED = 0.7
 """A difference of which less is left is made orthogonal once more: about 1/√2, as Daniel et al. advise."""
@@ -46,26 +39,18 @@ CANCELLED = 0.7
 SHORTEST_PATIENCE = 25
 """Periods without a better residual, at least, after which a lane starts again from its best iterate.
 
-Mixing can be caught where contacts change between stick and slip from one iterate to the next. The
-history is then dropped, and plain periods, at every new start half as many again, lead out of the
-place.
+Mixing can be caught where contacts change between stick and slip from one iterate to the next. The history is then
+dropped, and plain periods, at every new start half as many again, lead out of the place.
 """
 
 PATIENCE_PER_CELL = 5
-"""The same for each cell: a Krylov method may stand still until it has as many differences as there are dimensions,
-four a cell, and does so close to the resonances of undamped chains."""
+"""The same for each cell: a Krylov method may stand still until it has as many differences as dimensions, 4 a cell."""
 
 HOPELESS = 4
-"""Times the patience in which a search has to halve its best residual, or it is given up.
-
-Of 13,000 searches of all engines with seven cells that converged, 14 took more than 120 periods.
-"""
+"""Times the patience in which a search has to halve its best residual, or it is given up."""
 
 LARGEST_RISE = 1e3
-"""Residual over the best one beyond which a lane starts again from its best iterate at once.
-
-Differences of iterates that are as close together as an engine resolves are noise, and mixing them leads anywhere.
-"""
+"""Residual over the best one beyond which a lane starts again from its best iterate at once: it has mixed noise."""
 
 VECTORS = 32
 """Numbers that a compiled loop takes at once; vectors that are shorter by a few have zeros at their end."""
@@ -81,11 +66,9 @@ class StateScales:
     """Non-dimensional vectors of states: positions over s, velocities over s ω, internal state over its own size.
 
     The size of internal state is learnt, since only its law knows what it is: |z_0| + Σ |z(t + T) − z(t)| over the
-    periods so far, with z_0 that of the start. So far have periods taken it; the largest value that a search has tried
-    would let a law that drifts for ever repeat, once it has been extrapolated far enough. Values of one kind, one a
-    contact, share the largest of their sizes, so that a contact that hardly moves is not measured by its round-off;
-    what has been zero so far is taken as it is. Gaps and their rates, where contacts open, are lengths and velocities:
-    s and s ω.
+    periods so far. The largest value that a search has tried would let a law that drifts for ever repeat. Values of one
+    kind, one a contact, share the largest of their sizes, so that a contact that hardly moves is not measured by its
+    round-off. Gaps and their rates, where contacts open, are over s and s ω.
     """
 
     def __init__(self, lanes: Sequence[Lane], steps_per_period: int):
@@ -100,10 +83,7 @@ class StateScales:
         self._sizes = np.zeros((len(lanes), 0))
 
     def learn(self, start: State | None, end: State, lanes: Any) -> FloatArray:
-        """Let the sizes of internal state grow by a period's change; gives factors (lanes, 4n + k) of earlier vectors.
-
-        Internal state that the start does not have counts as zero; so does that of no start at all.
-        """
+        """Let sizes of internal state grow by a period's change; gives factors (lanes, 4n + k) of earlier vectors."""
         if end.internal_state is None:
             return np.ones((len(lanes), self._scale.shape[1] + self._sizes.shape[1]))
         if self._sizes.shape[1] == 0:
@@ -118,10 +98,7 @@ class StateScales:
         return before / self._scales(lanes)
 
     def vectors(self, state: State, lanes: Any) -> FloatArray:
-        """Vectors (lanes, 4n + k) of the states of these lanes; k = 0 before internal state has been learnt.
-
-        Lanes without internal state among others with one have zeros, as in `State.stack`.
-        """
+        """Vectors (lanes, 4n + k) of the states of these lanes; k = 0 before internal state has been learnt."""
         internal_state = (
             np.zeros((len(lanes), self._sizes.shape[1])) if state.internal_state is None else state.internal_state
         )
@@ -135,11 +112,7 @@ class StateScales:
         return State(values[:, :half], values[:, half : 2 * half], internal_state)
 
     def residuals(self, starts: FloatArray, changes: FloatArray) -> FloatArray:
-        """Largest change of each vector (lanes, 4n + k), not below what is resolved of internal state: shape (lanes,).
-
-        A law that drifts for ever has no fixed point, and mixing extrapolates it to where a period's change is lost in
-        round-off. That counts as unresolved, by a residual of up to one, and not as repeated.
-        """
+        """Largest change of each vector (lanes, 4n + k), at least what internal state resolves, shape (lanes,)."""
         largest: FloatArray = np.max(np.abs(changes), axis=1)
         internal = starts[:, 4 * self._cells :]
         if internal.shape[1] == 0:
@@ -154,7 +127,6 @@ class StateScales:
         return part
 
     def _scales(self, lanes: Any) -> FloatArray:
-        """What the components of these lanes are divided by."""
         motion, sizes = self._scale[lanes], self._sizes[lanes]
         if sizes.shape[1] == 0:
             return motion
@@ -185,18 +157,13 @@ def _dot(a: Any, b: Any) -> float:
 
 @_called()
 def _subtract(factor: float, a: Any, b: Any) -> None:
-    """Take `factor` times `a` from `b`, in place."""
     for k in range(a.shape[0]):
         b[k] -= factor * a[k]
 
 
 @_called()
 def _orthogonalised(q: Any, used: int, r: Any) -> float:
-    """Take the span of the first rows of `q` from the row after them, in place; gives what is left of its norm.
-
-    `r` receives the scalar products, which do not wait for each other, as those of the modified Gram–Schmidt process
-    would. A second pass follows where the first one cancelled more than `CANCELLED` (Daniel et al. 1976).
-    """
+    """Take the span of the first rows of `q` from the row after them, in place; gives what is left of its norm."""
     direction = q[used]
     left = np.sqrt(_dot(direction, direction))
     overlaps = r[-1]
@@ -227,10 +194,9 @@ def _solve_triangular(r: Any, weights: Any) -> None:
 def _mixed(x: Any, f: Any, newest: int, kept: int, q: Any, g: Any, r: Any, following: Any) -> None:
     """Next iterate from the history of one lane, into `following`.
 
-    `x` and `f` are rings (rows, d) of iterates and of their residuals g(x) − x; `newest` is the row
-    of the last one and `kept` the number of older rows to use. The differences of f are made
-    orthogonal, newest first; dependent ones (cells that stay stuck) drop out. `q`, `g` and `r` are
-    room for the orthogonal differences, those of g(x), and the triangle between the two.
+    `x` and `f` are rings (rows, d) of iterates and of their residuals g(x) − x, of which `kept` before the `newest` are
+    used. The differences of f are made orthogonal, newest first; dependent ones (cells that stay stuck) drop out. `q`,
+    `g` and `r` are room for the orthogonal differences, those of g(x), and the triangle between the two.
     """
     rows, d = x.shape
     used, weights, rest = np.int64(0), np.empty(kept), np.zeros(q.shape[1])
@@ -269,11 +235,6 @@ def _mixed_lanes(x: Any, f: Any, lanes: Any, newest: int, kept: Any) -> Any:
     return following
 
 
-def kept_differences(cells: int) -> int:
-    """Give how many differences are kept for a chain of so many cells."""
-    return min(max(FEWEST_KEPT, KEPT_PER_CELL * cells), MOST_KEPT)
-
-
 def _widened(vectors: FloatArray, factor: FloatArray) -> FloatArray:
     """Vectors (lanes, d) or histories of them (lanes, rows, d), with zeros up to the width of `factor`, times it."""
     missing = factor.shape[1] - vectors.shape[-1]
@@ -303,7 +264,7 @@ class FixedPointSearch:
         self._scales = scales
         cells = simulation.lanes[0].chain.cells
         count, width = len(simulation.lanes), 4 * cells
-        self._most_differences = differences = kept_differences(cells)
+        self._most_differences = differences = min(max(FEWEST_KEPT, KEPT_PER_CELL * cells), MOST_KEPT)
         self._patience = max(SHORTEST_PATIENCE, PATIENCE_PER_CELL * cells)
         self._x = np.zeros((count, differences + 1, width))
         self._f = np.zeros((count, differences + 1, width))
@@ -334,9 +295,12 @@ class FixedPointSearch:
             change = self._scales.vectors(end, self._active) - following
             f = self._step(change)
             self._x[self._active, row], self._f[self._active, row] = following, f
-            self._keep(self._note(following, f, self._scales.residuals(following, change)))
-            if self._active.size == 0:
+            stays = self._note(following, f, self._scales.residuals(following, change))
+            if not np.any(stays):
                 return
+            if not np.all(stays):
+                self._active = self._active[stays]
+                self._part = self._simulation.subset(self._active)
             following = self._following(row)
 
     def _step(self, change: FloatArray) -> FloatArray:
@@ -348,13 +312,10 @@ class FixedPointSearch:
         return np.hstack([motion, change[:, width:]])
 
     def _learn(self, start: State | None, end: State) -> FloatArray:
-        """Take what a period has changed of internal state into its sizes; the history follows, the factors are given.
-
-        The start of a first period without internal state is recorded with zeros, so that such a period, from which
-        it cannot be known whether internal state repeats, has a residual of one.
-        """
+        """Let the sizes of internal state grow, and the history follow; gives the factors of earlier vectors."""
         factor = self._scales.learn(start, end, self._active)
         if factor.shape[1] > self.best.shape[1]:
+            # a start without internal state is recorded with zeros: the residual of such a period is one
             every = np.ones((self.best.shape[0], factor.shape[1]))
             self._x, self._f = _widened(self._x, every), _widened(self._f, every)
             self.best, self._best_change = _widened(self.best, every), _widened(self._best_change, every)
@@ -367,7 +328,9 @@ class FixedPointSearch:
 
     def _following(self, row: int) -> FloatArray:
         """Next iterate of every active lane: mixed, plain, or from the best one again."""
-        caught = self._active[self._is_caught(self._active)]
+        lanes = self._active
+        rise = self._last_residual[lanes] > LARGEST_RISE * self.best_residual[lanes]
+        caught = lanes[(self._stalled[lanes] >= self._patience) | (rise & (self._age[lanes] >= self._plain[lanes]))]
         self._x[caught, row] = self.best[caught]
         self._f[caught, row] = self._best_change[caught]
         self._age[caught], self._stalled[caught] = 0, 0
@@ -376,11 +339,6 @@ class FixedPointSearch:
         kept = np.clip(self._age - self._plain + 1, 0, self._most_differences)
         self._age[self._active] += 1
         return _mixed_lanes(self._x, self._f, self._active, row, kept)
-
-    def _is_caught(self, lanes: Any) -> Any:
-        """Say which lanes have mixed for long without a better residual, or got a much worse one."""
-        rise = self._last_residual[lanes] > LARGEST_RISE * self.best_residual[lanes]
-        return (self._stalled[lanes] >= self._patience) | (rise & (self._age[lanes] >= self._plain[lanes]))
 
     def _note(self, x: FloatArray, f: FloatArray, residual: FloatArray) -> Any:
         """Store the best iterate of each active lane; give which lanes go on."""
@@ -396,14 +354,6 @@ class FixedPointSearch:
         self._halved[halved], self._since_halved[halved] = self.best_residual[halved], 0
         hopeful = self._since_halved[self._active] < HOPELESS * self._patience
         return (residual > self._tolerance) & (residual < LARGEST_RESIDUAL) & hopeful
-
-    def _keep(self, stays: Any) -> None:
-        """Leave the lanes that are done out of what is simulated next."""
-        if np.all(stays):
-            return
-        self._active = self._active[stays]
-        if self._active.size:
-            self._part = self._simulation.subset(self._active)
 
     def starts(self, lanes: Sequence[int] | NDArray[np.intp]) -> State:
         """Best start of a period that was found for each of these lanes."""

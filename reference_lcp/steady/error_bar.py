@@ -22,7 +22,7 @@ from reference_lcp.observables.stick_slip import (
     Transition,
     contact_modes,
     match_transitions,
-    timed_transitions,
+    transitions_between,
 )
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.schemes.euler import CompiledSimulation
@@ -35,8 +35,7 @@ REFINEMENTS = (1, 2, 4)
 """Numbers of steps that are compared, over the fewest of them."""
 
 BATCH = 900
-"""Cells of orbits that are refined together: more save no time, and three recorded periods of each are in memory, and
-while Jacobians are taken a state of the chain for each component of its own."""
+"""Cells of orbits that are refined together: more save no time, and take memory."""
 
 
 @dataclass(frozen=True)
@@ -75,19 +74,6 @@ class ErrorBar:
             "order": _known(self.order),
             "extrapolated_db": _known(self.extrapolated_db),
         }
-
-
-@dataclass(frozen=True)
-class _Reading:
-    """What is read from an orbit, once: where it is not converged, nothing is known."""
-
-    stuck_fraction: FloatArray
-    transitions: list[TimedTransition]
-
-    @classmethod
-    def of(cls, orbit: PeriodicOrbit) -> "_Reading":
-        modes = contact_modes(orbit)
-        return cls(np.mean(modes == 0, axis=0), timed_transitions(orbit, modes))
 
 
 def measured_error_bar(
@@ -132,25 +118,22 @@ def measured_error_bars(
 
 
 def error_bar(orbits: Sequence[PeriodicOrbit], place: int = 0) -> ErrorBar:
-    """Estimate the error of the orbit at `place`, of two or more of one chain by ascending numbers of steps.
-
-    A stuck fraction and the time of a transition have one step of resolution besides, and the transmittance what
-    residual and round-off leave open.
-    """
+    """Estimate the error of the orbit at `place`, of two or more of one chain by ascending numbers of steps."""
     return _error_bars([[orbit] for orbit in orbits], place, PeriodInverse.of([orbits[place]]).amplification)[0]
 
 
 def _error_bars(ladder: Sequence[Sequence[PeriodicOrbit]], place: int, amplification: FloatArray) -> list[ErrorBar]:
     """Estimate the errors of the orbits in one place of a ladder: for each number of steps, one orbit a point."""
     judged, steps = ladder[place], tuple(orbits[0].trajectory.steps for orbits in ladder)
-    readings = [[_Reading.of(orbit) for orbit in orbits] for orbits in ladder]
-    stuck = np.array([[reading.stuck_fraction for reading in row] for row in readings])
+    modes = [[contact_modes(orbit) for orbit in orbits] for orbits in ladder]
+    changes = [list(map(transitions_between, *row)) for row in zip(modes, ladder, strict=True)]
+    stuck = np.array([[np.mean(read == 0, axis=0) for read in row] for row in modes])
     stuck[~np.array([[orbit.converged for orbit in orbits] for orbits in ladder])] = np.nan
-    sticks = np.array([_sticks(reading, stuck.shape[2]) for reading in readings[place]])
+    sticks = np.array([_sticks(row, stuck.shape[2]) for row in changes[place]])
     of_stuck = richardson(steps, stuck, steps[place]).error + sticks / steps[place]
     matched = [
-        _transition_times(orbits, [reading.transitions for reading in row], place)
-        for orbits, row in zip(zip(*ladder, strict=True), zip(*readings, strict=True), strict=True)
+        _transition_times(orbits, row, place)
+        for orbits, row in zip(zip(*ladder, strict=True), zip(*changes, strict=True), strict=True)
     ]
     times = richardson(steps, np.hstack([times for times, _ in matched]), steps[place]).error
     of_times = np.split(times, np.cumsum([part.shape[1] for part, _ in matched])[:-1])
@@ -181,50 +164,31 @@ def _transmittance_bars(
     by_amplitude, by_level = (richardson(steps, values, steps[place]) for values in (amplitudes, levels))
     bars = []
     for k, orbit in enumerate(ladder[place]):
-        unresolved = _unresolved_amplitude(orbit, amplification[k], levels[place, k])
+        simulated, level = orbit.periods * orbit.trajectory.steps, float(levels[place, k])
+        unresolved = unresolved_amplitude(orbit.residual, float(amplification[k]), simulated, level)
+        bar = dict.fromkeys(("transmittance_db", "floor_db", "order", "extrapolated_db"), math.nan)
         if unresolved >= amplitudes[place, k]:
-            bars.append(_floor(amplitudes[place, k] + unresolved + by_amplitude.error[k]))
-            continue
-        bars.append(
-            {
-                "transmittance_db": float(by_level.error[k]) - amplitude_in_db(-unresolved, levels[place, k]),
-                "floor_db": math.nan,
-                "order": float(by_level.order[k]),
-                "extrapolated_db": float(by_level.extrapolated[k]),
-            }
-        )
+            largest = amplitudes[place, k] + unresolved + by_amplitude.error[k]
+            bar |= {"transmittance_db": math.nan if math.isnan(largest) else math.inf, "floor_db": decibel(largest)}
+        else:
+            bar["transmittance_db"] = float(by_level.error[k]) - amplitude_in_db(-unresolved, level)
+            bar |= {"order": float(by_level.order[k]), "extrapolated_db": float(by_level.extrapolated[k])}
+        bars.append(bar)
     return bars
 
 
-def _floor(largest: float) -> dict[str, float]:
-    """Give the fields where the amplitude is not resolved, and may be this large."""
-    distance = math.nan if math.isnan(largest) else math.inf
-    return {
-        "transmittance_db": distance,
-        "floor_db": decibel(largest),
-        "order": math.nan,
-        "extrapolated_db": math.nan,
-    }
-
-
-def _unresolved_amplitude(orbit: PeriodicOrbit, amplification: float, level: float) -> float:
-    """What residual and round-off leave open of the amplitude of an orbit, over the displacement scale."""
-    steps = orbit.periods * orbit.trajectory.steps
-    return unresolved_amplitude(orbit.residual, float(amplification), steps, float(level))
-
-
-def _sticks(reading: _Reading, cells: int) -> FloatArray:
+def _sticks(changes: Sequence[Transition], cells: int) -> FloatArray:
     """Sticks of each contact in a period, at least one, shape (n,): what each of them lasts is off by up to a step."""
-    stuck = [cell - 1 for cell, _, kind in reading.transitions if kind == Mode.STICK]
+    stuck = [change.cell - 1 for change in changes if change.kind == Mode.STICK]
     return np.maximum(1, np.bincount(stuck, minlength=cells)).astype(np.float64)
 
 
 def _transition_times(
-    orbits: Sequence[PeriodicOrbit], observed: Sequence[list[TimedTransition]], place: int
+    orbits: Sequence[PeriodicOrbit], observed: Sequence[list[Transition]], place: int
 ) -> tuple[FloatArray, list[Transition]]:
     """Times [s] of the judged transitions with every step, NaN without a match, shape (orbits, transitions); others."""
     judged = observed[place]
-    index = {change: k for k, change in enumerate(judged)}
+    index: dict[TimedTransition, int] = {change: k for k, change in enumerate(judged)}
     period = orbits[place].lane.time_step * orbits[place].trajectory.steps
     times = np.full((len(orbits), len(judged)), np.nan)
     missing: list[TimedTransition] = []
@@ -232,13 +196,12 @@ def _transition_times(
         if not orbit.converged:
             continue
         if number == place:
-            times[number] = [time for _, time, _ in judged]
+            times[number] = [change.time for change in judged]
             continue
         match = match_transitions(observed[number], judged, period)
         for (_, expected), error in zip(match.pairs, match.time_errors, strict=True):
             times[number, index[expected]] = expected[1] + error * period
-        if match.spurious:
-            missing.extend(match_transitions(match.spurious, missing, period).spurious)
+        missing.extend(match_transitions(match.spurious, missing, period).spurious)
     return times, [Transition(cell, time, Mode(kind)) for cell, time, kind in sorted(missing)]
 
 

@@ -1,9 +1,8 @@
 """Harmonic balance with one harmonic: the approximate response of a chain with Coulomb friction to a periodic drive.
 
 A contact whose masses move past each other by Δ sin ωt dissipates 4 F Δ a cycle, as a dashpot 4 F / (π ω Δ) would
-(Jacobsen 1930; Den Hartog 1931). The chain with such dashpots is linear; they depend on Δ, which is found by
-iteration. A contact that sticks is one whose dashpot grows without end. Higher harmonics are left out: what is found
-is where a search for the steady state begins, and nothing else depends on it.
+(Jacobsen 1930; Den Hartog 1931). The chain with such dashpots is linear; Δ is found by iteration. What is found is
+where a search for the steady state begins, and nothing else depends on it.
 """
 
 from collections.abc import Sequence
@@ -16,7 +15,7 @@ from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
 
 ITERATIONS = 12
-"""Of the equivalent dashpots; more of them save no period in a hundred of the search on figure 3."""
+"""Of the equivalent dashpots."""
 
 LEAST_SLIP = 1e-6
 """Δ, in displacement scales of the drive, below which a dashpot grows no more."""
@@ -29,6 +28,7 @@ LOAD_SAMPLES = 64
 
 LOAD_PHASES = np.arange(LOAD_SAMPLES) / LOAD_SAMPLES
 FIRST_HARMONIC = 2j * np.exp(-2j * np.pi * LOAD_PHASES) / LOAD_SAMPLES
+"""Weights of the complex amplitude P of a load Im(P exp(iωt))."""
 
 
 def harmonic_balance_start(lanes: Sequence[Lane], steps_per_period: int) -> State:
@@ -45,22 +45,13 @@ def _amplitudes(lane: Lane, omega: float, steps_per_period: int) -> Any:
     springs = loss * chain.chain_stiffness + 1j * omega * chain.chain_damping
     inner = loss * chain.inner_stiffness + 1j * omega * chain.inner_damping
     inertia = omega**2 * np.array([chain.outer_mass, chain.inner_mass])
-    load = _first_harmonic(lane, steps_per_period)
+    load = complex(FIRST_HARMONIC @ lane.drive.load(chain, LOAD_PHASES * (lane.time_step * steps_per_period)))
     return _balanced(springs, inner, inertia, 4j / np.pi * chain.friction_bound, load, least)
-
-
-def _first_harmonic(lane: Lane, steps_per_period: int) -> complex:
-    """Complex amplitude P [N] of the load Im(P exp(iωt)) on the outer mass of cell 1."""
-    load = lane.drive.load(lane.chain, LOAD_PHASES * (lane.time_step * steps_per_period))
-    return complex(FIRST_HARMONIC @ load)
 
 
 @numba.njit(cache=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
 def _solve_tridiagonal(diagonal: Any, springs: Any, load: Any, x: Any) -> None:
-    """Solve for x, in place of `diagonal` too: a chain of `springs`, the load on its first mass.
-
-    Without pivots: the imaginary part of the matrix is positive definite, as every spring has a loss.
-    """
+    """Solve for x, without pivots, in place of `diagonal` too: a chain of `springs`, the load on its first mass."""
     n = diagonal.shape[0]
     x[0] = load
     for i in range(1, n):
@@ -76,11 +67,7 @@ def _solve_tridiagonal(diagonal: Any, springs: Any, load: Any, x: Any) -> None:
 
 @numba.njit(cache=True, error_model="numpy")
 def _balanced(springs: Any, inner: Any, inertia: Any, friction: Any, load: Any, least: float) -> Any:
-    """Amplitudes of a chain whose contacts are dashpots, after `ITERATIONS` of these.
-
-    `springs` and `inner` are complex stiffnesses, and `friction` that of a dashpot times its Δ. Inner masses follow
-    outer ones, and are eliminated; what is left for the outer masses is tridiagonal.
-    """
+    """Amplitudes of a chain whose contacts are dashpots, after `ITERATIONS` of these."""
     n = springs.shape[0]
     slip_of, diagonal, amplitudes = np.empty_like(springs), np.empty_like(springs), np.empty(2 * n, springs.dtype)
     outer, slip = amplitudes[:n], amplitudes[n:]

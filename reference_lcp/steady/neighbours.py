@@ -5,13 +5,13 @@ Jacobian of the period map of the Euler scheme there: of the free modes and of t
 as long as they do in a period.
 
 So the steady state of a map that is near to another is found beside that one's: Newton's steps with the Jacobian of the
-known map, mixed, take some ten periods where a search from harmonic balance takes thirty; from a coarser step of the
-same scheme, five. The residual of a plain period certifies what is found, as anywhere.
+known map, mixed, take some ten periods where a search from harmonic balance takes thirty. The residual of a plain
+period certifies what is found, as anywhere.
 """
 
-import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -25,28 +25,20 @@ from reference_lcp.steady.orbits import LONGEST_MULTIPLE, part_of, periodic_orbi
 from reference_lcp.validation import FloatArray
 
 OFFSET = 1e-7
-"""Change of each position and velocity, over their scales, with which the Jacobian is taken.
-
-Between changes of stick and slip the period map is affine, so that the quotient has no error but round-off, 1e-9; ten
-times the residual that certifies an orbit, so that contacts change where they do in it.
-"""
+"""Change of each position and velocity, over their scales, with which the Jacobian is taken: ten times the residual
+that certifies an orbit. The map is affine between changes of mode: the quotient's only error is round-off, 1e-9."""
 
 LASTING = 1e-4
 """Singular values of I − J below this belong to offsets that last, if what they move is at rest.
 
-Those are offsets of cells that stay stuck, of which round-off leaves 1e-6, and of masses so heavy that they stand. They
-change no amplitude, and are no error. Where a cell slips, to and fro, it forgets an offset within a period.
+Those of cells that stay stuck, and of masses so heavy that they stand, change no amplitude, and are no error.
 """
 
 AT_REST = 1e-3
 """Largest part of a direction, of length one, that may be velocities, over their scales, in an offset that lasts."""
 
-
 NEWTON_PERIODS = 40
-"""Periods after which a search beside a known steady state gives up, and begins anew at harmonic balance.
-
-Of laws and engines that were tried, those that are near enough to the Euler scheme for Newton's steps need 8 to 25.
-"""
+"""Periods after which a search beside a known steady state begins anew at harmonic balance; near ones need 8 to 25."""
 
 LONGEST_CHAIN = 100
 """Most cells whose Jacobian is taken: 4n periods, and 64 n³ operations, cost less than what they save."""
@@ -117,28 +109,22 @@ def orbits_beside(
     longest_multiple: int = LONGEST_MULTIPLE,
     anew: bool = True,
 ) -> list[PeriodicOrbit]:
-    """Find the periodic orbit of every lane: beside a known one, where `known`, and anew where that fails.
+    """Find the periodic orbit of every lane: beside a known one, where `known`, and from harmonic balance where not.
 
     `newton` holds Newton's steps of the known map, see `FixedPointSearch`; `anew`, whether a lane that is not found
-    beside its known orbit is searched from harmonic balance. The rest is as for `periodic_orbits`.
+    beside its known orbit is searched from balance too.
     """
     near = np.flatnonzero(known).tolist()
     orbits: dict[int, PeriodicOrbit] = {}
     if near:
-        periods = min(max_periods, NEWTON_PERIODS)
-        multiple = 1 if anew else longest_multiple
+        periods, multiple = min(max_periods, NEWTON_PERIODS), 1 if anew else longest_multiple
         part = part_of(simulation, near)
         searches = searched(part, start.subset(near), steps, tolerance, periods, multiple, newton[near])
         orbits = {lane: orbit for lane, orbit in zip(near, searches, strict=True) if orbit.converged or not anew}
     late = [lane for lane in range(len(simulation.lanes)) if lane not in orbits]
     if late:
-        balanced = periodic_orbits(
-            part_of(simulation, late),
-            steps,
-            tolerance=tolerance,
-            max_periods=max_periods,
-            longest_multiple=longest_multiple,
-        )
+        search = partial(periodic_orbits, max_periods=max_periods, longest_multiple=longest_multiple)
+        balanced = search(part_of(simulation, late), steps, tolerance=tolerance)
         orbits |= dict(zip(late, balanced, strict=True))
     return [orbits[lane] for lane in range(len(simulation.lanes))]
 
@@ -170,11 +156,7 @@ def orbits_beside_euler(
 
 
 def orbits_from_balance(simulation: Simulation, steps: int, *, tolerance: float) -> list[PeriodicOrbit]:
-    """Find the periodic orbit of every lane from harmonic balance, whatever steady state is known nearby.
-
-    Plain periods decide to which orbit the motion goes; Newton's steps beside the Euler scheme then take ten periods
-    where others take thirty.
-    """
+    """Find the periodic orbit of every lane from harmonic balance: plain periods decide to which the motion goes."""
     balanced = harmonic_balance_start(simulation.lanes, steps)
     start = simulation.advance(balanced, 0, WARM_UP_PERIODS * steps)
     orbits = orbits_beside_euler(simulation, steps, tolerance=tolerance, start=start)
@@ -189,17 +171,12 @@ def refined_orbits(
     tolerance: float,
     max_periods: int,
 ) -> list[list[PeriodicOrbit]]:
-    """Find the steady states of the Euler scheme with several times as many steps a period: for each factor one a lane.
-
-    Factors ascend; `inverse` is that of the period maps of `orbits`, whose chains have one length and one number of
-    steps.
-    """
+    """Find the Euler scheme's steady states with several times as many steps a period: for each factor one a lane."""
     ladder = [list(orbits)]
     for factor in factors:
-        lanes = [dataclasses.replace(orbit.lane, time_step=orbit.lane.time_step / factor) for orbit in orbits]
+        lanes = [replace(orbit.lane, time_step=orbit.lane.time_step / factor) for orbit in orbits]
         simulation, steps = CompiledSimulation(lanes), orbits[0].trajectory.steps * factor
-        known = [orbit.converged for orbit in ladder[-1]]
-        start = _extrapolated(ladder, steps)
+        known, start = [orbit.converged for orbit in ladder[-1]], _extrapolated(ladder, steps)
         ladder.append(
             orbits_beside(simulation, start, known, inverse.newton, steps, tolerance=tolerance, max_periods=max_periods)
         )

@@ -1,16 +1,13 @@
 """Periodic orbits: the fixed point of the period map, found by Anderson acceleration.
 
-A lightly damped chain needs thousands of periods to settle. The map x(t) → x(t + T) has the steady state as its fixed
-point, which the acceleration finds in some thirty periods, starting from harmonic balance. The residual of one plain
-period certifies what was found. Where there is no such point, the attractor may
-be a cycle of m points of the map: a subharmonic response, which repeats after m periods of the drive; or it may be
-quasi-periodic, and repeat never.
+The map x(t) → x(t + T) has the steady state as its fixed point, which the acceleration finds in some thirty periods,
+starting from harmonic balance. The residual of one plain period certifies what was found. Where there is no such point,
+the attractor may be a cycle of m points of the map, a subharmonic response, or quasi-periodic, and repeat never.
 """
 
 import dataclasses
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -90,22 +87,14 @@ def periodic_orbits(
         balanced = harmonic_balance_start(simulation.lanes, steps_per_period)
         return searched(simulation, balanced, steps_per_period, tolerance, max_periods, longest_multiple)
     orbits = _first_periods(simulation, start, steps_per_period, tolerance)
-    if max_periods > 1:
-        _search_on(orbits, simulation, steps_per_period, tolerance, max_periods - 1, longest_multiple)
-    return orbits
-
-
-def _search_on(
-    orbits: list[PeriodicOrbit], simulation: Simulation, steps: int, tolerance: float, max_periods: int, longest: int
-) -> None:
-    """Search the orbits that have not converged after their first period from its end on, in place."""
     late = [lane for lane, orbit in enumerate(orbits) if not orbit.converged]
-    if not late:
-        return
-    ends = State.stack([orbits[lane].trajectory.end for lane in late])
-    later = searched(part_of(simulation, late), ends, steps, tolerance, max_periods, longest)
-    for number, orbit in zip(late, later, strict=True):
-        orbits[number] = dataclasses.replace(orbit, periods=orbit.periods + 1)
+    if late and max_periods > 1:
+        ends = State.stack([orbits[lane].trajectory.end for lane in late])
+        part = part_of(simulation, late)
+        later = searched(part, ends, steps_per_period, tolerance, max_periods - 1, longest_multiple)
+        for number, orbit in zip(late, later, strict=True):
+            orbits[number] = dataclasses.replace(orbit, periods=orbit.periods + 1)
+    return orbits
 
 
 def part_of(simulation: Simulation, lanes: Sequence[int]) -> Simulation:
@@ -125,7 +114,11 @@ def searched(
     """Search every lane from a start; arguments as for `periodic_orbits`, `newton` as for `FixedPointSearch`."""
     search = FixedPointSearch(simulation, StateScales(simulation.lanes, steps), steps, tolerance, newton)
     search.run(start, max_periods)
-    orbits = _certified(simulation, search, steps, tolerance)
+    starts = search.starts(np.arange(len(simulation.lanes)))
+    trajectories = simulation.run(starts, 0, steps)
+    residuals = search.residuals(starts, State.stack([trajectory.end for trajectory in trajectories])).tolist()
+    found = zip(simulation.lanes, trajectories, residuals, (search.periods + 1).tolist(), strict=True)
+    orbits = [PeriodicOrbit(*one, _status(one[2], tolerance)) for one in found]
     if longest_multiple > 1:
         _search_repetitions(orbits, simulation, search, steps, tolerance, longest_multiple)
     return orbits
@@ -146,23 +139,7 @@ def _first_periods(simulation: Simulation, start: State, steps: int, tolerance: 
     return orbits
 
 
-def _certified(
-    simulation: Simulation, search: FixedPointSearch, steps_per_period: int, tolerance: float
-) -> list[PeriodicOrbit]:
-    """Record one plain period from the best start of each lane, and take its residual."""
-    starts = search.starts(np.arange(len(simulation.lanes)))
-    trajectories = simulation.run(starts, 0, steps_per_period)
-    residuals = search.residuals(starts, State.stack([trajectory.end for trajectory in trajectories])).tolist()
-    return [
-        PeriodicOrbit(lane, trajectory, residual, periods + 1, _status(residual, tolerance))
-        for lane, trajectory, residual, periods in zip(
-            simulation.lanes, trajectories, residuals, search.periods.tolist(), strict=True
-        )
-    ]
-
-
 def _status(residual: float, tolerance: float) -> OrbitStatus:
-    """What a residual means."""
     if residual <= tolerance:
         return OrbitStatus.CONVERGED
     return OrbitStatus.PERIOD_LIMIT if residual < LARGEST_RESIDUAL else OrbitStatus.DIVERGED
@@ -181,17 +158,16 @@ def _search_repetitions(
     if not late:
         return
     part = simulation.subset(late)
-    repeated = repetitions(part, search.starts(late), steps_per_period, tolerance, longest)
+    multiples, states, distances = repetitions(part, search.starts(late), steps_per_period, tolerance, longest)
     for k, lane in enumerate(late):
-        orbits[lane] = dataclasses.replace(orbits[lane], multiple=repeated.multiples[k])
-        if repeated.multiples[k] == 1:
-            period = part.subset([k]).run(repeated.states.subset([k]), 0, steps_per_period)[0]
-            periods, residual = orbits[lane].periods + repeated.periods + 1, float(repeated.distances[k, 0])
+        orbits[lane] = dataclasses.replace(orbits[lane], multiple=multiples[k])
+        if multiples[k] == 1:
+            period = part.subset([k]).run(states.subset([k]), 0, steps_per_period)[0]
+            periods, residual = orbits[lane].periods + SETTLING_PERIODS + longest + 1, float(distances[k, 0])
             orbits[lane] = PeriodicOrbit(orbits[lane].lane, period, residual, periods, OrbitStatus.CONVERGED)
 
 
 def _check_period(lane: Lane, steps_per_period: int) -> None:
-    """Refuse a lane whose steps do not make up a period of its drive."""
     checked_count("steps_per_period", steps_per_period, FEWEST_STEPS_PER_PERIOD)
     period = getattr(lane.drive, "period", None)
     if period is None:
@@ -205,47 +181,30 @@ def _check_period(lane: Lane, steps_per_period: int) -> None:
             raise ParameterError(f"the preload has {multiple:g} times the drive's frequency; allowed: whole multiples")
 
 
-@dataclass(frozen=True)
-class Repetitions:
-    """After how many periods of the drive the motions of a batch repeat."""
-
-    multiples: list[int]
-    """For each lane the smallest m in 1…longest; 0 where there is none."""
-    states: State
-    """Where the plain motion of each lane has settled."""
-    distances: FloatArray
-    """|x(t + mT) − x(t)| from there, shape (lanes, longest)."""
-    periods: int
-    """Plain periods that were followed."""
-
-
 def repetitions(
     simulation: Simulation, start: State, steps_per_period: int, tolerance: float, longest: int = LONGEST_MULTIPLE
-) -> Repetitions:
+) -> tuple[list[int], State, FloatArray]:
     """Find after how many periods of the drive, `longest` at most, each lane's motion repeats to `tolerance`.
 
     The plain motion is followed for `SETTLING_PERIODS`, and x(t + mT) compared with x(t). The m that comes closest to a
-    repetition is tried on its own: a fixed point of the m-fold map is searched for with Anderson acceleration. It costs
-    `SETTLING_PERIODS` + `longest` periods a lane, and at most `SEARCHED` · m where an m is tried.
+    repetition is tried on its own, by a search of the m-fold map. Gives the smallest m of each lane, 0 where there is
+    none; where its motion has settled; and |x(t + mT) − x(t)| from there, shape (lanes, longest).
     """
-    scales = StateScales(simulation.lanes, steps_per_period)
-    end = _advanced(simulation, start, steps_per_period, SETTLING_PERIODS)
+    scales, end = StateScales(simulation.lanes, steps_per_period), start
+    for _ in range(SETTLING_PERIODS):
+        end = simulation.advance(end, 0, steps_per_period)
     distances = _distances(simulation, scales, end, steps_per_period, longest)
     multiples = [_smallest(row <= tolerance) for row in distances]
     for lane in [lane for lane, m in enumerate(multiples) if m == 0]:
         m = int(np.argmin(distances[lane])) + 1
         if distances[lane, m - 1] < HINT * distances[lane, 0]:
-            alone, own, state = simulation.subset([lane]), scales.subset([lane]), end.subset([lane])
-            repeated = _searched(alone, own, state, steps_per_period, m, tolerance)
-            multiples[lane] = repeated if repeated > 1 else 0
-    return Repetitions(multiples, end, distances, SETTLING_PERIODS + longest)
-
-
-def _advanced(simulation: Simulation, state: State, steps_per_period: int, periods: int) -> State:
-    """State after so many plain periods."""
-    for _ in range(periods):
-        state = simulation.advance(state, 0, steps_per_period)
-    return state
+            alone, own = simulation.subset([lane]), scales.subset([lane])
+            search = FixedPointSearch(alone, own, m * steps_per_period, tolerance)
+            search.run(end.subset([lane]), SEARCHED)
+            if search.best_residual[0] <= tolerance:
+                repeated = _smallest(_distances(alone, own, search.starts([0]), steps_per_period, m)[0] <= tolerance)
+                multiples[lane] = repeated if repeated > 1 else 0
+    return multiples, end, distances
 
 
 def _distances(
@@ -261,17 +220,6 @@ def _distances(
         scales.learn(before, after, lanes)
     first, *others = (scales.vectors(state, lanes) for state in states)
     return np.stack([np.max(np.abs(other - first), axis=1) for other in others], axis=1)
-
-
-def _searched(
-    simulation: Simulation, scales: StateScales, start: State, steps_per_period: int, m: int, tolerance: float
-) -> int:
-    """Search a lane's fixed point of the m-fold map; gives the smallest repetition of what is found, or 0."""
-    search = FixedPointSearch(simulation, scales, m * steps_per_period, tolerance)
-    search.run(start, SEARCHED)
-    if not search.best_residual[0] <= tolerance:
-        return 0
-    return _smallest(_distances(simulation, scales, search.starts([0]), steps_per_period, m)[0] <= tolerance)
 
 
 def _smallest(repeats: Any) -> int:

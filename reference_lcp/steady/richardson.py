@@ -9,8 +9,7 @@ the largest counts, times `SAFETY`:
 - of the finest of three or more, the sum of the parts of the last two pairs: nothing finer stands beside it, and where
   contacts stick and slip between the steps, c depends on where.
 
-One difference may vanish by chance where the error does not. For 1, 1/2 and 1/4 of a step, the error of the first is
-2 |v1 − v2| or 4 |v2 − v4|, and that of the last |v1 − v2| / 2 + |v2 − v4| or |5 (v4 − v2) − (v2 − v1)| / 3.
+One difference may vanish by chance where the error does not.
 """
 
 import math
@@ -28,20 +27,13 @@ from reference_lcp.validation import FloatArray
 SAFETY = 1.25
 """Factor on the error that the differences of steps show.
 
-Of 500 random chains (cells 1…10, ratios over a decade each) with three step sizes, bars 1.25 times smaller cover the
-true error of the transmittance of the coarsest, the middle and the finest step in 99, 97 and 97 %, these in 99.6, 98.7
-and 98.7 %; in the median they are 1.5, 1.8 and 3.1 times the true error. Two step sizes alone cover that of the finer
-one in 82 and 87 %: hence the part of the reference's scheme, from three, in every verdict. What is left are contacts
-that turn round between the steps, where c depends on where. ``multibody-xval reference coverage`` measures it again.
+Of 500 random chains with three step sizes, bars 1.25 times smaller cover the true error of the transmittance of the
+coarsest, the middle and the finest step in 99, 97 and 97 %, these in 99.6, 98.7 and 98.7 %; two step sizes alone cover
+that of the finer one in 82 and 87 %. ``multibody-xval reference coverage`` measures it again.
 """
-
 
 ROUND_OFF = 1e-12
-"""Round-off of positions over the displacement scale after forty periods of 400 steps, in double precision.
-
-Motions do not drift apart, so that it grows as the root of the number of steps only. Engines that share the scheme
-agree to it.
-"""
+"""Round-off of positions over the displacement scale after `ROUND_OFF_STEPS`; it grows as the root of their number."""
 
 ROUND_OFF_STEPS = 40 * 400
 """Steps for which a round-off is stated."""
@@ -55,10 +47,7 @@ class Estimate:
     error: FloatArray
     """Estimated largest |value − limit|, >= 0."""
     order: FloatArray
-    """Of the last three values; NaN unless their steps grow by one factor and the differences are not zero.
-
-    Far from one, the steps are too coarse for the motion, or a grazing contact changes its mode between them.
-    """
+    """Of the last three values; NaN unless their steps grow by one factor and the differences are not zero."""
     extrapolated: FloatArray
     """Limit of the first-order part, from the two finest steps."""
 
@@ -92,7 +81,6 @@ def richardson_error(steps: tuple[int, ...], values: tuple[float, ...], at: int 
 
 
 def _checked_place(steps: Sequence[int], count: int, at: int | None) -> int:
-    """Give the place of the value that is judged."""
     if len(steps) < 2 or any(a >= b for a, b in pairwise(steps)) or steps[0] <= 0 or len(steps) != count:
         raise ParameterError(
             f"steps = {list(steps)} with {count} values; allowed: two at least, ascending, a value for each"
@@ -104,18 +92,12 @@ def _checked_place(steps: Sequence[int], count: int, at: int | None) -> int:
 
 def _errors(sizes: Sequence[float], values: Any, place: int) -> list[Any]:
     """Give all estimates of the error at a place, of numbers or of arrays."""
-    pairs = [
+    errors = [
         abs(later - earlier) / (a - b) * sizes[place]
         for (a, b), (earlier, later) in zip(pairwise(sizes), pairwise(values), strict=True)
     ]
     if place == len(sizes) - 1:
-        pairs.append(sum(pairs[-2:]))
-    return [*pairs, *_second_order(sizes, values, place)]
-
-
-def _second_order(sizes: Sequence[float], values: Any, place: int) -> list[Any]:
-    """Give the errors at a place by both parts, from every three neighbours that it is one of."""
-    errors = []
+        errors.append(sum(errors[-2:]))
     for first in range(max(place - 2, 0), min(place, len(sizes) - 3) + 1):
         a, b, c = sizes[first : first + 3]
         at_zero = (
@@ -128,7 +110,6 @@ def _second_order(sizes: Sequence[float], values: Any, place: int) -> list[Any]:
 
 
 def _order(counts: FloatArray, values: FloatArray) -> FloatArray:
-    """Order that the last three values show."""
     unknown = np.full(values.shape[1:], np.nan)
     if counts.size < 3 or not math.isclose(counts[-2] ** 2, counts[-1] * counts[-3]):
         return unknown
@@ -142,9 +123,8 @@ def unresolved_amplitude(
 ) -> float:
     """How far, over the displacement scale, an amplitude may be from that of the steady state of its own scheme.
 
-    A motion that repeats to its residual is up to `amplification` times that from its steady state. Round-off adds up:
-    in proportion to the motion, at least as large as the base's, and to the root of the number of steps that were
-    simulated.
+    A motion that repeats to its residual is up to `amplification` times that from its steady state. Round-off grows
+    with the motion, at least as large as the base's, and with the root of the number of steps that were simulated.
     """
     motion = max(1.0, 10 ** (transmittance_db / 20))
     return residual * amplification + round_off * math.sqrt(steps / ROUND_OFF_STEPS) * motion

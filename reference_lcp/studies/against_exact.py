@@ -1,6 +1,5 @@
 """The scheme and its error bars against the exact motion: how errors fall with the step, and which bars cover them."""
 
-import dataclasses
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.simulation import PeriodicOrbit, steps_per_period_for
 from reference_lcp.exact.event_driven import EventsAccumulate
 from reference_lcp.exact.exact_orbit import ExactPeriod, exact_orbit
-from reference_lcp.observables.stick_slip import match_transitions, stuck_fraction, transitions
+from reference_lcp.observables.stick_slip import TimedTransition, match_transitions, stuck_fraction, transitions
 from reference_lcp.observables.transmittance import decibel, transmittance
 from reference_lcp.output import replacing
 from reference_lcp.steady.error_bar import REFINEMENTS, ErrorBar, error_bar, euler_orbit
@@ -25,7 +24,6 @@ HALVINGS = 6
 
 STICK_SLIP_POINTS = ((0.1, 0.6), (0.3, 0.6), (0.3, 0.9), (0.6, 0.9), (0.6, 1.3), (1.0, 0.9))
 """Friction and frequency ratios at which contacts of the canonical chain stick and slip."""
-
 
 MOST_RANDOM_CHAINS = 100_000
 """Most chains of a study: some seven hours."""
@@ -41,8 +39,7 @@ QUANTITIES = (
     "stuck fraction",
     "transition time",
 )
-"""What has a bar. A floor stands where the transmittance is below what can be resolved; the two steps are the judged
-one and one twice as large."""
+"""What has a bar; a floor stands where the transmittance is not resolved, the two steps are its own and its double."""
 
 
 @dataclass(frozen=True)
@@ -61,12 +58,12 @@ class Convergence:
     @property
     def transmittance_order(self) -> float:
         """Order of the transmittance: slope of a straight line through all steps, both axes logarithmic."""
-        return self._order(self.transmittance_error_db)
+        return -float(np.polyfit(np.log(self.steps_per_period), np.log(self.transmittance_error_db), 1)[0])
 
     @property
     def transition_order(self) -> float:
         """Order of the transition times, fitted alike."""
-        return self._order(self.transition_error)
+        return -float(np.polyfit(np.log(self.steps_per_period), np.log(self.transition_error), 1)[0])
 
     def as_dict(self) -> dict[str, Any]:
         """Give the numbers, ready for JSON; errors of transition times are ``None`` where nothing matches."""
@@ -79,10 +76,6 @@ class Convergence:
             "transition_order": self.transition_order,
         }
 
-    def _order(self, errors: FloatArray) -> float:
-        slope = np.polyfit(np.log(self.steps_per_period), np.log(errors), 1)[0]
-        return float(-slope)
-
 
 def convergence(chain: Chain, drive: PeriodicDrive, *, coarsest: int = 400, halvings: int = HALVINGS) -> Convergence:
     """Halve the time step `halvings` times, at least twice, and compare each steady state with the exact one."""
@@ -91,10 +84,7 @@ def convergence(chain: Chain, drive: PeriodicDrive, *, coarsest: int = 400, halv
     )
     exact = exact_orbit(chain, drive)[1]
     orbits = [euler_orbit(chain, drive, steps_per_period_for(chain, drive, count)) for count in steps]
-    expected = [change.timed for change in exact.transitions]
-    matches = [
-        match_transitions([change.timed for change in transitions(orbit)], expected, drive.period) for orbit in orbits
-    ]
+    matches = [match_transitions(transitions(orbit), exact.transitions, drive.period) for orbit in orbits]
     errors_db = [decibel(transmittance(orbit)) - decibel(exact.transmittance) for orbit in orbits]
     return Convergence(
         steps,
@@ -190,11 +180,7 @@ def coverage(chains: int, seed: int, track: Any = iter) -> CoverageStudy:
 
 
 def random_setting(seed: int, number: int) -> tuple[Chain, HarmonicBase]:
-    """Give one random chain and its drive: 1…10 cells, ratios over a decade each, the range of figure 3.
-
-    Mass and stiffness ratios lie in 0.3…3, damping ratios in 0.003…0.03 and friction ratios in 0.01…5, uniform on a
-    logarithmic scale; frequency ratios in 0.1…3, uniform.
-    """
+    """Give one random chain and its drive: 1…10 cells, ratios over a decade each, the range of figure 3."""
     rng = np.random.default_rng([seed, number])
 
     def between(low: float, high: float) -> float:
@@ -224,28 +210,22 @@ def compared_with_exact(chain: Chain, drive: HarmonicBase) -> list[Coverage] | N
 
 
 def _compared(orbits: Sequence[PeriodicOrbit], place: int, exact: ExactPeriod) -> list[Coverage]:
-    """Hold the bars of one of several orbits against the exact motion."""
     orbit, refinement = orbits[place], REFINEMENTS[place]
     bar = error_bar(orbits, place)
-    level = _transmittance_margin(orbit, bar, exact)
-    deep = decibel(exact.transmittance) < DEEP_DB
-    two_steps = () if place == 0 or not bar.resolved else (_by_two_steps(orbits[place - 1 : place + 1], exact),)
+    level = (_transmittance_margin(orbit, bar, exact),)
+    two_steps: tuple[float, ...] = ()
+    if place > 0 and bar.resolved:
+        two_steps = (_transmittance_margin(orbit, error_bar(orbits[place - 1 : place + 1], 1), exact),)
     times, undecided = _transition_margins(orbit, bar, exact)
     margins = (
-        (level,) if bar.resolved else (),
+        level if bar.resolved else (),
         two_steps,
-        (level,) if deep else (),
-        () if bar.resolved else (level,),
+        level if decibel(exact.transmittance) < DEEP_DB else (),
+        () if bar.resolved else level,
         _stuck_margins(orbit, bar, exact),
-        times,
     )
-    rows = [Coverage(name, refinement, values) for name, values in zip(QUANTITIES, margins, strict=True)]
-    return [*rows[:-1], dataclasses.replace(rows[-1], undecided=undecided)]
-
-
-def _by_two_steps(orbits: Sequence[PeriodicOrbit], exact: ExactPeriod) -> float:
-    """Of the finer of two orbits, with a bar from these two alone."""
-    return _transmittance_margin(orbits[1], error_bar(orbits, 1), exact)
+    rows = [Coverage(name, refinement, values) for name, values in zip(QUANTITIES, margins, strict=False)]
+    return [*rows, Coverage(QUANTITIES[-1], refinement, times, undecided)]
 
 
 def _transmittance_margin(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPeriod) -> float:
@@ -263,17 +243,16 @@ def _stuck_margins(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPeriod) -> t
 
 def _transition_margins(orbit: PeriodicOrbit, bar: ErrorBar, exact: ExactPeriod) -> tuple[tuple[float, ...], int]:
     """Of the transitions that are not flagged as undecided, and how many are."""
-    period, expected = exact.period, [change.timed for change in exact.transitions]
-    observed = [change.timed for change in transitions(orbit)]
-    bars = dict(zip(observed, bar.transition_time, strict=True))
-    match = match_transitions(observed, expected, period)
+    period, observed = exact.period, transitions(orbit)
+    bars: dict[TimedTransition, float] = dict(zip(observed, bar.transition_time, strict=True))
+    match = match_transitions(observed, exact.transitions, period)
     margins = [
         _ratio(bars[pair[0]], abs(error) * period)
         for pair, error in zip(match.pairs, match.time_errors, strict=True)
         if not math.isnan(bars[pair[0]])
     ]
     spurious = [transition for transition in match.spurious if not math.isnan(bars[transition])]
-    missed = match_transitions([change.timed for change in bar.missing_transitions], match.missed, period).missed
+    missed = match_transitions(bar.missing_transitions, match.missed, period).missed
     undecided = int(np.sum(np.isnan(bar.transition_time))) + len(bar.missing_transitions)
     return (*margins, *(0.0 for _ in (*spurious, *missed))), undecided
 
@@ -283,7 +262,6 @@ def _ratio(bar: float, error: float) -> float:
 
 
 def _rows(chains: Sequence[Sequence[Coverage]]) -> Iterable[Coverage]:
-    """Join what came of all chains, by quantity and number of steps."""
     for quantity in QUANTITIES:
         for refinement in REFINEMENTS:
             parts = [row for rows in chains for row in rows if (row.quantity, row.refinement) == (quantity, refinement)]

@@ -1,15 +1,14 @@
 """Speed: of the compiled scheme, of Lemke's method, of the paper's figure 3 and of long chains; what a point costs.
 
-A peer to compare a point with is harmonic balance with several harmonics, as it is usually written: the slip of every
-contact is a sum of odd harmonics of the drive. Friction is taken in time, from the slip velocity at equidistant phases,
-and brought back (T. M. Cameron and J. H. Griffin, J. Appl. Mech. 56, 1989). Coulomb's law is smoothed,
-λ = −μ λ_N ẇ / √(ẇ² + ε²), and Newton's method follows the solution while ε falls.
+A peer of a point is harmonic balance as it is usually written: the slip of every contact is a sum of odd harmonics of
+the drive; friction is taken in time, and brought back (T. M. Cameron and J. H. Griffin, J. Appl. Mech. 56, 1989).
+Coulomb's law is smoothed, λ = −μ λ_N ẇ / √(ẇ² + ε²), and Newton's method follows the solution while ε falls.
 """
 
-import dataclasses
 import timeit
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,9 +16,9 @@ import numpy as np
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.linear_response import frictionless_response, frictionless_transmittance
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.chain.simulation import Lane, PeriodicOrbit
+from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
-from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
+from reference_lcp.defaults import CELLS, MINIMUM_STEPS_PER_PERIOD
 from reference_lcp.exact.exact_orbit import exact_orbit
 from reference_lcp.lcp.lemke import lemke
 from reference_lcp.lcp.time_step import assemble
@@ -38,104 +37,68 @@ CHAIN_LENGTHS = (7, 100, 1_000, 10_000, 100_000)
 CELL_STEPS_OF_A_SAMPLE = 10_000_000
 LCPS_OF_A_SAMPLE = 1_000
 
-
 FRICTION_RATIOS = (0.1, 0.3, 1.0)
-
 FREQUENCY_RATIOS = (0.5, 0.7, 0.9, 1.1, 1.4)
 
-
-HARMONICS = 8
-"""Odd harmonics, 1 to 15."""
-
-BALANCE_SAMPLES = 128
-"""Phases of a period at which friction is taken."""
-
-SMOOTHING = 1e-4
-"""ε over ω times the displacement scale; it begins at one."""
-
-FACTOR = 3.0
-"""By which ε falls from stage to stage; its square root from the first stage on in which Newton's method fails."""
-
-LEAST_FACTOR = 1.05
-"""Factor at which the point is given up."""
-
-MOST_ITERATIONS = 40
-"""Newton steps of a stage."""
-
-BALANCED = 1e-8
-"""Largest residual of the slip, over the displacement scale, that ends a stage."""
-
-SHORTEST_STEP = 1e-3
-"""Part of a Newton step below which a stage is given up."""
+HARMONICS = 8  # odd ones, 1 to 15
+BALANCE_SAMPLES = 128  # phases of a period at which friction is taken
+SMOOTHING = 1e-4  # ε over ω times the displacement scale; it begins at one
+FACTOR = 3.0  # by which ε falls from stage to stage; its root where Newton's method has failed
+LEAST_FACTOR = 1.05  # at which the point is given up
+MOST_ITERATIONS = 40  # Newton steps of a stage
+BALANCED = 1e-8  # largest residual of the slip, over the displacement scale, that ends a stage
+SHORTEST_STEP = 1e-3  # part of a Newton step below which a stage is given up
 
 
-def canonical_lane(friction_ratio: float, frequency_ratio: float) -> Lane:
+def canonical_lane(friction_ratio: float, frequency_ratio: float, cells: int = CELLS) -> Lane:
     """One point of figure 3 at the coarsest time step allowed."""
-    chain = Chain.from_ratios(friction_ratio=friction_ratio)
+    chain = Chain.from_ratios(cells=cells, friction_ratio=friction_ratio)
     return Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency_ratio), MINIMUM_STEPS_PER_PERIOD)
 
 
 def bench() -> dict[str, Any]:
-    """Measure on one core: 64 lanes of 7 cells, the 1,314 points of figure 3, and 7 cells by Lemke's method.
-
-    Numbers are the best of several samples, in seconds, with compilation and its cache left out.
-    """
+    """Measure on one core, in seconds: 64 lanes of 7 cells, the points of figure 3, and 7 cells by Lemke's method."""
     _compile()
     seconds, worst, points = _figure3()
+    step_seconds, lcp_seconds = _lemke()
     return {
         "cell_steps_per_second": _cell_steps_per_second(),
         "figure3_seconds": seconds,
         "figure3_worst_residual": worst,
         "figure3_points": points,
-        "lemke_step_seconds": lemke_step_seconds(),
-        "lemke_seconds": lemke_seconds(),
+        "lemke_step_seconds": step_seconds,
+        "lemke_seconds": lcp_seconds,
     }
 
 
-def lemke_step_seconds() -> float:
-    """Seconds for one step of the canonical chain with Lemke's method, over one period."""
-    lane = canonical_lane(0.3, 0.9)
-    simulation, state = LemkeSimulation([lane]), _moving_state(lane)
-    return _best(lambda: simulation.advance(state, 0, MINIMUM_STEPS_PER_PERIOD)) / MINIMUM_STEPS_PER_PERIOD
-
-
-def lemke_seconds() -> float:
-    """Seconds for one LCP of the canonical chain's friction, without warm start."""
-    lane = canonical_lane(0.3, 0.9)
-    state = _moving_state(lane)
-    step = chain_step(lane.chain, state.positions[0], state.velocities[0], 0.0, lane.time_step)
-    matrix, vector = assemble(dataclasses.replace(step, normal_force=lane.chain.normal_force))
-    lemke(matrix, vector)
-    return _best(lambda: [lemke(matrix, vector) for _ in range(LCPS_OF_A_SAMPLE)]) / LCPS_OF_A_SAMPLE
+def _lemke() -> tuple[float, float]:
+    """Seconds for one step of the canonical chain with Lemke's method, and for one of its LCPs without warm start."""
+    lane, steps = canonical_lane(0.3, 0.9), MINIMUM_STEPS_PER_PERIOD
+    # After one period from rest some contacts stick and some slip.
+    state = CompiledSimulation([lane]).advance(State.at_rest(1, lane.chain.cells), 0, steps)
+    simulation = LemkeSimulation([lane])
+    start = state.positions[0], state.velocities[0]
+    problem = assemble(chain_step(lane.chain, *start, 0.0, lane.time_step, lane.chain.normal_force))
+    lemke(*problem)
+    return (
+        _best(lambda: simulation.advance(state, 0, steps)) / steps,
+        _best(lambda: [lemke(*problem) for _ in range(LCPS_OF_A_SAMPLE)]) / LCPS_OF_A_SAMPLE,
+    )
 
 
 def bench_cells(lengths: Sequence[int] = CHAIN_LENGTHS) -> list[dict[str, float]]:
-    """Measure what chains of several lengths cost, one lane each, on one core.
-
-    Bytes are those of the state and of the parameters; the table of loads, one number a step, is left out.
-    """
+    """Measure what chains of several lengths cost, one lane each, on one core; bytes leave out the table of loads."""
     _compile()
-    return [_cost_of_length(cells) for cells in lengths]
-
-
-def _cost_of_length(cells: int) -> dict[str, float]:
-    chain = Chain.from_ratios(cells=cells, friction_ratio=0.3)
-    lane = Lane.periodic(chain, HarmonicBase.from_ratio(chain, 0.9), MINIMUM_STEPS_PER_PERIOD)
-    simulation, state = CompiledSimulation([lane]), State.at_rest(1, cells)
-    steps = max(100, CELL_STEPS_OF_A_SAMPLE // cells)
-    state = simulation.advance(state, 0, 100)
-    seconds = _best(lambda: simulation.advance(state, 0, steps))
-    return {
-        "cells": cells,
-        "seconds_per_cell_step": seconds / (cells * steps),
-        "bytes": simulation.nbytes - 8 * steps + state.positions.nbytes + state.velocities.nbytes,
-        "highest_natural_frequency": chain.highest_natural_frequency,
-    }
-
-
-def _moving_state(lane: Lane) -> State:
-    """State after one period from rest, with contacts that stick and contacts that slip."""
-    return CompiledSimulation([lane]).advance(State.at_rest(1, lane.chain.cells), 0, MINIMUM_STEPS_PER_PERIOD)
+    rows: list[dict[str, float]] = []
+    for cells in lengths:
+        lane = canonical_lane(0.3, 0.9, cells)
+        simulation, steps = CompiledSimulation([lane]), max(100, CELL_STEPS_OF_A_SAMPLE // cells)
+        state = simulation.advance(State.at_rest(1, cells), 0, 100)
+        seconds = _best(partial(simulation.advance, state, 0, steps))
+        size = simulation.nbytes - 8 * steps + state.positions.nbytes + state.velocities.nbytes
+        row = {"cells": cells, "seconds_per_cell_step": seconds / (cells * steps), "bytes": size}
+        rows.append(row | {"highest_natural_frequency": lane.chain.highest_natural_frequency})
+    return rows
 
 
 def _best(work: Callable[[], object]) -> float:
@@ -144,7 +107,6 @@ def _best(work: Callable[[], object]) -> float:
 
 
 def _compile() -> None:
-    """Have everything compiled that is timed later."""
     periodic_orbits(CompiledSimulation([canonical_lane(0.3, 0.9)]), MINIMUM_STEPS_PER_PERIOD, max_periods=10)
 
 
@@ -165,11 +127,11 @@ def _cell_steps_per_second() -> float:
 def _figure3() -> tuple[float, float, int]:
     """Seconds, worst residual and number of points of the whole figure."""
     begin = timeit.default_timer()
-    chains = [Chain.from_ratios(friction_ratio=friction) for friction in FIGURE3_FRICTION_RATIOS if friction > 0]
     with_friction = [
-        Lane.periodic(chain, HarmonicBase.from_ratio(chain, frequency), MINIMUM_STEPS_PER_PERIOD)
-        for chain in chains
+        canonical_lane(friction, frequency)
+        for friction in FIGURE3_FRICTION_RATIOS
         for frequency in FIGURE3_FREQUENCY_RATIOS
+        if friction > 0
     ]
     orbits = periodic_orbits(CompiledSimulation(with_friction), MINIMUM_STEPS_PER_PERIOD)
     curve = [decibel(transmittance(orbit)) for orbit in orbits]
@@ -190,19 +152,26 @@ def bench_points(
     begin = timeit.default_timer()
     exact = np.array([decibel(transmittance(exact_orbit(lane.chain, lane.drive)[0])) for lane in lanes])  # type: ignore[arg-type]
     seconds = (timeit.default_timer() - begin) / len(lanes)
+    steps = MINIMUM_STEPS_PER_PERIOD
+
+    def scheme(*, with_bars: bool) -> list[list[float]]:
+        orbits = periodic_orbits(CompiledSimulation(lanes), steps)
+        bars = [[bar.transmittance_db for bar in measured_error_bars(orbits)]] if with_bars else []
+        return [[decibel(transmittance(orbit)) for orbit in orbits], *bars]
+
+    def balance() -> list[list[float]]:
+        return [[decibel(balanced_transmittance(lane, steps)) for lane in lanes]]
+
+    def measured(method: str, work: Callable[[], list[list[float]]]) -> dict[str, Any]:
+        levels, *bars = np.array(work())
+        return _row(method, _best(work) / len(lanes), np.abs(levels - exact), bars[0] if bars else None)
+
     return [
-        _measured(f"scheme, {MINIMUM_STEPS_PER_PERIOD} steps", lambda: _levels(lanes), exact),
-        _measured("scheme with error bar", lambda: _levels_and_bars(lanes), exact),
-        _measured("harmonic balance", lambda: _balanced_levels(lanes), exact),
+        measured(f"scheme, {steps} steps", partial(scheme, with_bars=False)),
+        measured("scheme with error bar", partial(scheme, with_bars=True)),
+        measured("harmonic balance", balance),
         _row("exact", seconds, np.zeros(len(lanes)), None),
     ]
-
-
-def _measured(method: str, work: Callable[[], FloatArray], exact: FloatArray) -> dict[str, Any]:
-    """Time a method that gives the level [dB] of every point, and where it has bars, those as a second row."""
-    levels, *bars = np.atleast_2d(work())
-    seconds = min(timeit.repeat(work, number=1, repeat=SAMPLES)) / len(exact)
-    return _row(method, seconds, np.abs(levels - exact), bars[0] if bars else None)
 
 
 def _row(method: str, seconds: float, errors: FloatArray, bars: FloatArray | None) -> dict[str, Any]:
@@ -215,25 +184,6 @@ def _row(method: str, seconds: float, errors: FloatArray, bars: FloatArray | Non
         "median_bar_db": None if bars is None else float(np.median(bars)),
         "covered": None if bars is None else float(np.mean(errors <= bars)),
     }
-
-
-def _orbits(lanes: Sequence[Lane]) -> list[PeriodicOrbit]:
-    """Certified orbits of all lanes at once."""
-    return periodic_orbits(CompiledSimulation(lanes), MINIMUM_STEPS_PER_PERIOD)
-
-
-def _levels(lanes: Sequence[Lane]) -> FloatArray:
-    return np.array([decibel(transmittance(orbit)) for orbit in _orbits(lanes)])
-
-
-def _levels_and_bars(lanes: Sequence[Lane]) -> FloatArray:
-    orbits = _orbits(lanes)
-    bars = [bar.transmittance_db for bar in measured_error_bars(orbits)]
-    return np.array([[decibel(transmittance(orbit)) for orbit in orbits], bars])
-
-
-def _balanced_levels(lanes: Sequence[Lane]) -> FloatArray:
-    return np.array([decibel(balanced_transmittance(lane, MINIMUM_STEPS_PER_PERIOD)) for lane in lanes])
 
 
 @dataclass(frozen=True)
@@ -272,21 +222,19 @@ class _Balance:
         rates = np.hstack([-sine, -cosine]) * np.tile(orders * omega, 2)
         return cls(free, influence, np.hstack([cosine, -sine]), rates, chain.friction_bound)
 
-    def friction(self, slip: FloatArray, smoothing: float) -> tuple[FloatArray, FloatArray]:
-        """Coefficients of friction, shape (2H, n), and its slope against the slip velocity, shape (samples, n)."""
+    def friction(self, slip: FloatArray, smoothing: float) -> FloatArray:
+        """Coefficients of friction, shape (2H, n)."""
         velocity = self.rates @ slip
-        size = np.sqrt(velocity**2 + smoothing**2)
-        force = self.basis.T @ (-self.bound * velocity / size) * (2 / BALANCE_SAMPLES)
-        return force, -self.bound * smoothing**2 / size**3
+        force = -self.bound * velocity / np.sqrt(velocity**2 + smoothing**2)
+        return self.basis.T @ force * (2 / BALANCE_SAMPLES)
 
     def residual(self, slip: FloatArray, smoothing: float) -> FloatArray:
         """W − a − G λ(w), shape (2H, n)."""
-        force, _ = self.friction(slip, smoothing)
-        return slip - self.free - np.tensordot(self.influence, force)
+        return slip - self.free - np.tensordot(self.influence, self.friction(slip, smoothing))
 
     def newton_step(self, slip: FloatArray, residual: FloatArray, smoothing: float) -> FloatArray:
         """Change of w that solves the linearised equation."""
-        _, slope = self.friction(slip, smoothing)
+        slope = -self.bound * smoothing**2 / np.sqrt((self.rates @ slip) ** 2 + smoothing**2) ** 3
         jacobian = np.zeros(self.influence.shape)
         for cell, column in enumerate(slope.T):
             own = self.basis.T @ (column[:, None] * self.rates) * (2 / BALANCE_SAMPLES)
@@ -331,7 +279,7 @@ def balanced_transmittance(lane: Lane, steps_per_period: int) -> float:
     slip = balance.followed(omega * scale, BALANCED * scale)
     if slip is None:
         return float("nan")
-    force, _ = balance.friction(slip, SMOOTHING * omega * scale)
+    force = balance.friction(slip, SMOOTHING * omega * scale)
     chain = lane.chain
     dynamic = chain.stiffness_matrix + 1j * omega * chain.damping_matrix - omega**2 * chain.mass_matrix
     first = chain.contact_directions @ (force[0] + 1j * force[HARMONICS])

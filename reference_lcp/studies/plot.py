@@ -53,17 +53,8 @@ def plot_period(orbit: PeriodicOrbit, file: Path) -> None:
 
 
 def _draw(axis: Any, phase: FloatArray, stuck: Any, curves: dict[str, FloatArray]) -> None:
-    """Draw curves over one period, with the stuck steps shaded."""
-    axis.fill_between(
-        phase,
-        0,
-        1,
-        where=stuck,
-        transform=axis.get_xaxis_transform(),
-        color="0.85",
-        linewidth=0,
-        label="contact sticks",
-    )
+    whole = axis.get_xaxis_transform()
+    axis.fill_between(phase, 0, 1, where=stuck, transform=whole, color="0.85", linewidth=0, label="contact sticks")
     for (label, curve), style in zip(curves.items(), ("-", "--"), strict=False):
         axis.plot(phase, curve, style, label=label, linewidth=1.2)
     axis.set_xlim(0, 1)

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from reference_lcp.console import run_command
+from reference_lcp.process import run_command
 
 COMMANDS = {
     "engines": ("engines", "List engines, their versions and presets, and why an engine is missing."),

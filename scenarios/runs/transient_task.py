@@ -11,9 +11,9 @@ from engines.interface.presets import Formulation, NormalForce
 from reference_lcp.chain.drives import HarmonicBase, HarmonicForce, MovingBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
 from reference_lcp.chain.preload import Preload
-from reference_lcp.chain.record import RecordedBase
 from reference_lcp.chain.simulation import Lane
 from reference_lcp.chain.trajectory import State
+from reference_lcp.chain.transient import RecordedBase
 from reference_lcp.defaults import FRICTION_COEFFICIENT, LARGEST_PHASE_STEP
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray, checked_count, checked_scalar

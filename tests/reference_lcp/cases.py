@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference_lcp import Chain, HarmonicBase
+from reference_lcp import Chain, HarmonicBase, simulate_system
 
 EXACT_DB = {
     (0.1, 0.6): 7.865,
@@ -37,6 +37,13 @@ def random_chain(rng: np.random.Generator, cells: int) -> Chain:
         normal_force=rng.uniform(0, 10, cells),
         friction_coefficient=rng.uniform(0, 1, cells),
     )
+
+
+def moved(system, time_step, steps, position=None, velocity=None):
+    """The motion of a frictional system over so many steps, from rest at zero unless said otherwise."""
+    still = np.zeros(system.freedoms)
+    start = {"position": still if position is None else position, "velocity": still if velocity is None else velocity}
+    return simulate_system(system, **start, time_step=time_step, steps=steps)
 
 
 def natural_residual(M, q, z) -> float:

@@ -86,7 +86,7 @@ SWALLOWED = """
 import sys, time, typer
 from reference_lcp.process import heed_interrupts
 heed_interrupts()
-from reference_lcp.console import run_command
+from reference_lcp.process import run_command
 app = typer.Typer()
 @app.command()
 def command():

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reference_lcp.console import run_command
 from reference_lcp.errors import ExitCode, ParameterError
+from reference_lcp.process import run_command
 from reports.cli.report import app
 from reports.data.collect import collect_dataset
 from reports.data.points import point_table

@@ -4,7 +4,7 @@ import math
 from functools import cached_property
 from pathlib import Path
 
-from reference_lcp.chain.record import RecordedBase
+from reference_lcp.chain.transient import RecordedBase
 from reference_lcp.defaults import BASE_AMPLITUDE
 from scenarios.catalogue.transient.base import (
     BANDS,

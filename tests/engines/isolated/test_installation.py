@@ -19,8 +19,8 @@ from engines.isolated.environment import Environment, edited_fault
 from engines.isolated.installation import Plan, install
 from engines.isolated.versioned_engine import Requirement
 from engines.mujoco import MuJoCo
-from reference_lcp.console import run_command
 from reference_lcp.errors import ParameterError
+from reference_lcp.process import run_command
 from reports.cli.engines import app
 
 NAME = "mujoco@3.98.0"

@@ -28,15 +28,19 @@ def test_free_decay_loses_four_bounds_over_stiffness_a_cycle_and_rests_in_the_de
     assert abs(turns[-1]) <= friction / stiffness
 
 
-@pytest.mark.parametrize(("frequency_ratio", "force_ratio"), [(0.8, 0.3), (0.8, 0.6), (1.3, 0.4), (0.6, 0.2)])
-def test_sliding_friction_oscillator_moves_as_den_hartog_found(frequency_ratio, force_ratio) -> None:
-    """The outer mass slides on an inner one that stands still; it turns at x0 in Den Hartog's phase."""
-    stiffness, load = 100.0, 10.0
-    chain = Chain(
+def oscillator(force_ratio: float) -> Chain:
+    """An outer mass that slides on an inner one that stands still: k = 100 N/m, and friction over a force of 10 N."""
+    return Chain(
         cells=1, outer_mass=np.asarray(1.0), inner_mass=STANDING, chain_stiffness=np.asarray(60.0),
-        inner_stiffness=np.asarray(40.0), normal_force=np.asarray(force_ratio * load),
+        inner_stiffness=np.asarray(40.0), normal_force=np.asarray(force_ratio * 10.0),
         friction_coefficient=np.asarray(1.0),
     )  # fmt: skip
+
+
+@pytest.mark.parametrize(("frequency_ratio", "force_ratio"), [(0.8, 0.3), (0.8, 0.6), (1.3, 0.4), (0.6, 0.2)])
+def test_sliding_friction_oscillator_moves_as_den_hartog_found(frequency_ratio, force_ratio) -> None:
+    """It turns at x0 in Den Hartog's phase."""
+    stiffness, load, chain = 100.0, 10.0, oscillator(force_ratio)
     drive = HarmonicForce(load, frequency_ratio * np.sqrt(stiffness))
     sliding = SlidingMotion.of(frequency_ratio, force_ratio)
     amplitude, turn = sliding.amplitude, sliding.turn * drive.period
@@ -53,12 +57,8 @@ def test_sliding_friction_oscillator_moves_as_den_hartog_found(frequency_ratio, 
 
 def modes_over_a_period(frequency_ratio, force_ratio, **how) -> list[Mode]:
     """Modes that a friction oscillator driven by P0 sin ωt runs through in its steady state."""
-    chain = Chain(
-        cells=1, outer_mass=np.asarray(1.0), inner_mass=STANDING, chain_stiffness=np.asarray(60.0),
-        inner_stiffness=np.asarray(40.0), normal_force=np.asarray(force_ratio * 10.0),
-        friction_coefficient=np.asarray(1.0),
-    )  # fmt: skip
-    steady = steady_state(chain, HarmonicForce(10.0, frequency_ratio * 10.0), with_error_bar=False, **how)
+    drive = HarmonicForce(10.0, frequency_ratio * 10.0)
+    steady = steady_state(oscillator(force_ratio), drive, with_error_bar=False, **how)
     return [change.kind for change in steady.transitions]
 
 
@@ -89,12 +89,7 @@ def test_stops_of_the_oscillator_come_in_pairs_and_more_of_them_at_low_frequency
 
 @pytest.mark.parametrize(("frequency_ratio", "force_ratio"), [(0.8, 0.3), (1.3, 0.4), (0.6, 0.2), (0.35, 0.03)])
 def test_fundamental_of_the_sliding_motion_is_that_of_the_event_driven_one(frequency_ratio, force_ratio) -> None:
-    chain = Chain(
-        cells=1, outer_mass=np.asarray(1.0), inner_mass=STANDING, chain_stiffness=np.asarray(60.0),
-        inner_stiffness=np.asarray(40.0), normal_force=np.asarray(force_ratio * 10.0),
-        friction_coefficient=np.asarray(1.0),
-    )  # fmt: skip
-    steady = steady_state(chain, HarmonicForce(10.0, frequency_ratio * 10.0), solver="exact")
+    steady = steady_state(oscillator(force_ratio), HarmonicForce(10.0, frequency_ratio * 10.0), solver="exact")
     # displacements are over P0 / k_c here and over P0 / (k_c + k_i) in Den Hartog's formula
     expected = 0.6 * SlidingMotion.of(frequency_ratio, force_ratio).response
     assert cmath.rect(10 ** (steady.transmittance_db / 20), steady.phase) == pytest.approx(expected, rel=1e-9)

@@ -14,9 +14,8 @@ from reference_lcp import (
     Preload,
     State,
     StillBase,
-    simulate_system,
 )
-from tests.reference_lcp.cases import driven
+from tests.reference_lcp.cases import driven, moved
 from tests.reference_lcp.resolved_lane import ResolvedLane
 
 AMPLITUDE = 0.01
@@ -37,10 +36,7 @@ def test_flat_contacts_under_constant_preload_move_as_the_chain_with_given_norma
     chain, drive = flat_chain()
     lane, steps = Lane.periodic(chain, drive, 400), 3 * 400
     fast = CompiledSimulation([lane]).run(State.at_rest(1, 7), 0, steps)[0]
-    full = simulate_system(
-        ResolvedLane(lane),
-        position=np.zeros(21), velocity=np.zeros(21), time_step=lane.time_step, steps=steps,
-    )  # fmt: skip
+    full = moved(ResolvedLane(lane), lane.time_step, steps)
     velocity_scale = AMPLITUDE * drive.angular_frequency
     assert np.max(np.abs(full.positions[:, :14] - fast.positions)) <= ROUND_OFF * AMPLITUDE
     assert np.max(np.abs(full.velocities[:, :14] - fast.velocities)) <= ROUND_OFF * velocity_scale
@@ -183,10 +179,7 @@ def positions_of(pieces, time):
 
 
 def run_inclined(cell, steps_per_period):
-    return simulate_system(
-        ResolvedLane(cell), position=np.zeros(3), velocity=np.zeros(3), time_step=cell.drive.period / steps_per_period,
-        steps=PERIODS * steps_per_period,
-    )  # fmt: skip
+    return moved(ResolvedLane(cell), cell.drive.period / steps_per_period, PERIODS * steps_per_period)
 
 
 @pytest.mark.parametrize("parameters", [(0.2, 0.3, 0.8, 1.3, 2), (0.4, 0.3, 0.8, 2.0, 2)], ids=str)
@@ -219,9 +212,7 @@ def test_cell_that_lifts_off_lands_sticks_and_slips_agrees_with_its_events_at_fi
 def test_seven_inclined_cells_share_their_loads_and_keep_every_contact_law() -> None:
     chain, drive = flat_chain(friction_ratio=0.6, frequency_ratio=0.8)
     row = Lane.periodic(chain, drive, 800, Preload.at_multiple(drive, 1.5, 2), 0.3)
-    motion = simulate_system(
-        ResolvedLane(row), position=np.zeros(21), velocity=np.zeros(21), time_step=drive.period / 800, steps=1600
-    )
+    motion = moved(ResolvedLane(row), drive.period / 800, 1600)
     normal, bound = motion.normal_force, 0.5 * motion.normal_force
     scale = chain.normal_force[0]
     assert np.min(normal) == 0
@@ -239,6 +230,6 @@ def test_preload_alone_leaves_the_chain_at_rest() -> None:
     """The actuator presses along the normal: no force along the face, whatever its inclination."""
     chain, _ = flat_chain(cells=2)
     still = Lane(chain, StillBase(), 1e-3, Preload(modulation=0.0, angular_frequency=1.0), inclination=-0.6)
-    motion = simulate_system(ResolvedLane(still), position=np.zeros(6), velocity=np.zeros(6), time_step=1e-3, steps=50)
+    motion = moved(ResolvedLane(still), 1e-3, 50)
     assert np.max(np.abs(motion.positions)) <= ROUND_OFF * AMPLITUDE
     assert np.allclose(motion.normal_force, chain.normal_force)

@@ -19,6 +19,7 @@ from reference_lcp import (
     simulate_system,
 )
 from reference_lcp.lcp.time_step import StepFailed, advanced, solve_step
+from tests.reference_lcp.cases import moved
 
 GRAVITY = 9.81
 ROUND_OFF = 1e-10
@@ -82,10 +83,7 @@ def push_of(mu, factor, *, width=1.0, push_height=1.2, mass=2.0):
 def test_pushed_box_slides_where_mu_is_below_half_its_width_over_the_height_of_the_push(ratio, slides) -> None:
     """Two contacts coupled through M: beyond μ = b/(2 h) the box tips about its front foot instead."""
     mu = ratio * 1.0 / (2 * 1.2)
-    motion = simulate_system(
-        pushed_box(mu=mu, push=push_of(mu, 1.01)), position=np.zeros(3), velocity=np.zeros(3),
-        time_step=1e-3, steps=300,
-    )  # fmt: skip
+    motion = moved(pushed_box(mu=mu, push=push_of(mu, 1.01)), 1e-3, 300)
     if slides:
         assert np.max(np.abs(motion.normal_gap)) < ROUND_OFF
         assert motion.velocities[-1, 0] == pytest.approx(0.01 * mu * GRAVITY * 0.3, rel=1e-6)
@@ -98,9 +96,7 @@ def test_pushed_box_slides_where_mu_is_below_half_its_width_over_the_height_of_t
 def test_box_below_both_thresholds_stands_and_its_feet_carry_what_statics_says() -> None:
     mu, mass = 0.4, 2.0
     push = push_of(mu, 0.9)
-    motion = simulate_system(
-        pushed_box(mu=mu, push=push), position=np.zeros(3), velocity=np.zeros(3), time_step=1e-3, steps=50
-    )
+    motion = moved(pushed_box(mu=mu, push=push), 1e-3, 50)
     assert np.max(np.abs(motion.positions)) < ROUND_OFF
     rear, front = mass * GRAVITY / 2 - push * 1.2, mass * GRAVITY / 2 + push * 1.2
     assert np.allclose(motion.normal_force, [rear, front], rtol=1e-8)
@@ -111,9 +107,7 @@ def test_sliding_box_leans_on_its_front_foot_by_the_moments_of_push_and_friction
     """(λ_front − λ_rear) b/2 = P (h − s) + μ m g s, with s the height of the centre of mass."""
     mu, mass, centre, height = 0.2, 2.0, 0.8, 1.2
     push = 1.3 * mu * mass * GRAVITY
-    motion = simulate_system(
-        pushed_box(mu=mu, push=push), position=np.zeros(3), velocity=np.zeros(3), time_step=1e-3, steps=100
-    )
+    motion = moved(pushed_box(mu=mu, push=push), 1e-3, 100)
     difference = 2 * (push * (height - centre) + mu * mass * GRAVITY * centre)
     assert np.allclose(motion.normal_force[:, 1] - motion.normal_force[:, 0], difference, rtol=1e-8)
     assert np.allclose(motion.friction, -mu * motion.normal_force, rtol=1e-8)
@@ -140,7 +134,7 @@ def test_normal_force_of_a_sliding_rod_is_painleves(mu, direction) -> None:
     """λ_N (1/m + l²/(4 J) cos θ (cos θ ∓ μ sin θ)) = g for a rod at rest but for its sliding, below the paradox."""
     rod, position = sliding_rod(mu)
     c, s = math.cos(position[2]), math.sin(position[2])
-    motion = simulate_system(rod, position=position, velocity=np.array([direction, 0.0, 0.0]), time_step=1e-6, steps=3)
+    motion = moved(rod, 1e-6, 3, position, np.array([direction, 0.0, 0.0]))
     expected = GRAVITY / (1 + 3 * c * (c + direction * mu * s))
     assert motion.normal_force[0, 0] == pytest.approx(expected, rel=1e-5)
     assert motion.friction[0, 0] == pytest.approx(-direction * mu * expected, rel=1e-5)
@@ -164,9 +158,7 @@ def test_block_leaves_a_shaken_table_only_where_its_acceleration_exceeds_gravity
     omega = 20.0
     amplitude = ratio * GRAVITY / omega**2
     dt = 2 * math.pi / omega / 2000
-    motion = simulate_system(
-        block_on_a_table(amplitude, omega), position=[0.0], velocity=[amplitude * omega], time_step=dt, steps=2000
-    )
+    motion = moved(block_on_a_table(amplitude, omega), dt, 2000, velocity=[amplitude * omega])
     assert np.any(motion.normal_force[1:] == 0) == lifts
     assert np.min(motion.positions[:, 0] - amplitude * np.sin(omega * motion.time)) > -2 * amplitude * (omega * dt) ** 2
 
@@ -184,10 +176,7 @@ def test_block_lifts_off_and_lands_when_the_closed_form_says() -> None:
     errors = []
     for steps in (500, 1000, 2000, 4000, 8000):
         dt = 2 * math.pi / omega / steps
-        motion = simulate_system(
-            block_on_a_table(amplitude, omega), position=[0.0], velocity=[amplitude * omega],
-            time_step=dt, steps=int(0.95 * steps),
-        )  # fmt: skip
+        motion = moved(block_on_a_table(amplitude, omega), dt, int(0.95 * steps), velocity=[amplitude * omega])
         flying = motion.normal_force[:, 0] == 0
         assert abs(motion.time[np.argmax(flying)] - off) <= 2 * dt
         flight = motion.time - off
@@ -216,9 +205,7 @@ def block_on_a_belt(mu, belt, belt_rate):
 @pytest.mark.parametrize(("ratio", "sticks"), [(0.99, True), (1.01, False)])
 def test_belt_carries_the_block_until_its_acceleration_exceeds_mu_g(ratio, sticks) -> None:
     mu, a = 0.3, ratio * 0.3 * GRAVITY
-    motion = simulate_system(
-        block_on_a_belt(mu, lambda t: a * t, lambda _: a), position=[0, 0], velocity=[0, 0], time_step=1e-3, steps=500
-    )
+    motion = moved(block_on_a_belt(mu, lambda t: a * t, lambda _: a), 1e-3, 500)
     slip = np.abs(motion.relative_velocity[:, 0])
     assert np.max(slip) == pytest.approx(0.0 if sticks else (a - mu * GRAVITY) * 0.5, abs=ROUND_OFF)
     assert motion.velocities[-1, 0] == pytest.approx(min(a, mu * GRAVITY) * 0.5, rel=ROUND_OFF)
@@ -232,10 +219,11 @@ def test_block_on_a_fast_oscillating_belt_moves_in_the_known_triangle_wave() -> 
     """
     mu, omega, belt = 0.1, 40.0, 1.0
     dt = 2 * math.pi / omega / 1000
-    motion = simulate_system(
+    motion = moved(
         block_on_a_belt(mu, lambda t: belt * math.cos(omega * t), lambda t: -belt * omega * math.sin(omega * t)),
-        position=[0, 0], velocity=[0, 0], time_step=dt, steps=12_000,
-    )  # fmt: skip
+        dt,
+        12_000,
+    )
     last = motion.velocities[-1000:, 0]
     assert (last.max() - last.min()) / 2 == pytest.approx(mu * GRAVITY * math.pi / (2 * omega), rel=5e-3)
     assert np.all(np.isclose(np.abs(motion.friction), mu * 2 * GRAVITY) | (np.abs(motion.friction) < mu * 2 * GRAVITY))
@@ -262,10 +250,7 @@ def test_bead_pushed_by_a_rotating_arm_slides_out_as_the_closed_form_says(mu) ->
     exact = first * math.exp(roots[0] * end) + second * math.exp(roots[1] * end)
     errors = []
     for steps in (250, 500, 1000, 2000, 4000):
-        motion = simulate_system(
-            System(2, 1, step), position=[radius, 0.0], velocity=[0.0, omega * radius],
-            time_step=end / steps, steps=steps,
-        )  # fmt: skip
+        motion = moved(System(2, 1, step), end / steps, steps, [radius, 0.0], [0.0, omega * radius])
         errors.append(abs(np.linalg.norm(motion.positions[-1]) / exact - 1))
     assert fitted_order(errors) == pytest.approx(2.0, abs=0.1)
     assert errors[-1] < 1e-6
@@ -294,10 +279,7 @@ def test_bead_in_a_rough_ring_slows_as_one_over_time() -> None:
     mu, radius, speed, end = 0.4, 0.5, 2.0, 1.0
     errors = []
     for steps in (250, 500, 1000, 2000, 4000):
-        motion = simulate_system(
-            bead_inside_a_rough_ring(mu, radius), position=[radius, 0.0], velocity=[0.0, speed],
-            time_step=end / steps, steps=steps,
-        )  # fmt: skip
+        motion = moved(bead_inside_a_rough_ring(mu, radius), end / steps, steps, [radius, 0.0], [0.0, speed])
         exact = speed / (1 + mu * speed * motion.time / radius)
         errors.append(np.max(np.abs(motion.relative_velocity[:, 0] - exact)) / speed)
         assert np.max(np.abs(np.hypot(*motion.positions.T) - radius)) < radius * (speed * end / steps / radius) ** 2
@@ -308,10 +290,7 @@ def test_bead_in_a_rough_ring_slows_as_one_over_time() -> None:
 def test_turning_ring_catches_the_bead_at_the_speed_of_its_rim() -> None:
     mu, radius, speed, rim = 0.4, 0.5, 2.0, 1.0
     caught = radius / mu * (1 / rim - 1 / speed)
-    motion = simulate_system(
-        bead_inside_a_rough_ring(mu, radius, rim), position=[radius, 0.0], velocity=[0.0, speed],
-        time_step=1e-3, steps=1500,
-    )  # fmt: skip
+    motion = moved(bead_inside_a_rough_ring(mu, radius, rim), 1e-3, 1500, [radius, 0.0], [0.0, speed])
     stuck = np.abs(motion.relative_velocity[:, 0]) < ROUND_OFF
     assert motion.time[np.argmax(stuck)] == pytest.approx(caught, abs=5e-3)
     assert np.all(stuck[motion.time > caught + 5e-3])
@@ -328,9 +307,7 @@ def test_block_stuck_to_a_stretching_belt_follows_it_to_the_end_of_each_step() -
             [velocity[0] - stretch * position[0]], 0.8, w_tilde=[[-stretch, 0]],
         )  # fmt: skip
 
-    motion = simulate_system(
-        System(2, 1, step), position=[1.0, 0.0], velocity=[stretch, 0.0], time_step=dt, steps=steps
-    )
+    motion = moved(System(2, 1, step), dt, steps, [1.0, 0.0], [stretch, 0.0])
     assert motion.positions[-1, 0] == pytest.approx((1 - stretch * dt) ** -steps, rel=ROUND_OFF)
     assert motion.positions[-1, 0] == pytest.approx(math.exp(stretch * dt * steps), rel=stretch * dt)
 
@@ -338,8 +315,8 @@ def test_block_stuck_to_a_stretching_belt_follows_it_to_the_end_of_each_step() -
 def test_two_runs_equal_one() -> None:
     """Nothing is carried over but the state: the warm start changes the path to a solution, not the solution."""
     system = block_on_a_table(2 * GRAVITY / 400, 20.0)
-    whole = simulate_system(system, position=[0.0], velocity=[0.98], time_step=1e-3, steps=400)
-    first = simulate_system(system, position=[0.0], velocity=[0.98], time_step=1e-3, steps=150)
+    whole = moved(system, 1e-3, 400, velocity=[0.98])
+    first = moved(system, 1e-3, 150, velocity=[0.98])
     second = simulate_system(
         system, position=first.positions[-1], velocity=first.velocities[-1], time_step=1e-3, steps=250, start=150
     )
@@ -358,7 +335,7 @@ def test_failed_step_is_named_with_its_time() -> None:
         )  # fmt: skip
 
     with pytest.raises(StepFailed, match=r"step 10 at t = 0\.01 s: .*ray termination"):
-        simulate_system(System(1, 2, step), position=[0], velocity=[0], time_step=1e-3, steps=50)
+        moved(System(1, 2, step), 1e-3, 50)
 
 
 @pytest.mark.parametrize(
@@ -386,7 +363,7 @@ def held_block(**contact) -> MassSpringSystem:
 def pulled(force: float, velocity: float = 0.0, **contact) -> float:
     """Velocity of the block after a step."""
     system = dataclasses.replace(held_block(**contact), forces={0: force})
-    motion = simulate_system(system, position=[0.0], velocity=[velocity], time_step=DT, steps=1)
+    motion = moved(system, DT, 1, velocity=[velocity])
     return float(motion.velocities[0, 0])
 
 
@@ -448,7 +425,7 @@ def test_a_static_coefficient_also_holds_where_the_normal_force_is_resolved() ->
 
 def test_masses_without_contacts_move_freely() -> None:
     free = MassSpringSystem(masses=np.array([2.0]), forces={0: 4.0})
-    motion = simulate_system(free, position=[0.0], velocity=[0.0], time_step=DT, steps=10)
+    motion = moved(free, DT, 10)
     assert motion.velocities[-1, 0] == pytest.approx(20 * DT)
 
 
@@ -485,7 +462,7 @@ def test_pieces_that_do_not_rise_are_refused() -> None:
 def test_a_normal_force_that_pulls_is_refused_when_it_does() -> None:
     opens = held_block(normal_force=Piecewise({0.0: 1.0, 0.5: -1.0}))
     with pytest.raises(ParameterError, match="normal_force = -1 is outside"):
-        simulate_system(opens, position=[0.0], velocity=[1.0], time_step=0.1, steps=10)
+        moved(opens, 0.1, 10, velocity=[1.0])
 
 
 def test_static_friction_below_kinetic_is_refused_in_a_step() -> None:

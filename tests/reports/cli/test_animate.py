@@ -8,8 +8,8 @@ from matplotlib.colors import to_hex
 from PIL import Image
 
 from engines.interface.variant import Variant
-from reference_lcp.console import run_command
 from reference_lcp.observables.stick_slip import Mode
+from reference_lcp.process import run_command
 from reports.cli import shown as module
 from reports.cli.console_script import app
 from reports.figures.animation import ChainDrawing, write_animation

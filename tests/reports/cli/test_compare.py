@@ -16,9 +16,9 @@ from engines.interface.presets import Capabilities, Formulation, FrictionLaw, Op
 from engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase, StillBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.console import run_command
 from reference_lcp.errors import ExitCode
 from reference_lcp.one_call import exact_steady_state
+from reference_lcp.process import run_command
 from reports.cli.console_script import app
 from reports.export.changes import Regression, changes_markdown
 from scenarios.runs import task

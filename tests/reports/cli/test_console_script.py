@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from reference_lcp.console import run_command
+from reference_lcp.process import run_command
 from reports.cli.console_script import COMMANDS, app, loaded
 
 

@@ -8,7 +8,7 @@ import pytest
 from engines.interface.registry import engine_names
 from engines.mujoco import MuJoCo
 from engines.pybullet import PyBullet
-from reference_lcp.console import run_command
+from reference_lcp.process import run_command
 from reports.cli.engines import app
 
 

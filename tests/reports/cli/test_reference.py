@@ -6,8 +6,8 @@ from functools import partial
 
 import pytest
 
-from reference_lcp.console import run_command
 from reference_lcp.errors import ExitCode
+from reference_lcp.process import run_command
 from reference_lcp.studies.bench import bench_points
 from reports.cli.reference import app
 from tests.reference_lcp.cases import EXACT_DB

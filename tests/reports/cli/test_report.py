@@ -13,8 +13,8 @@ import pytest
 
 from engines.interface.registry import default_engine_names
 from engines.interface.variant import Variant, variants_of
-from reference_lcp.console import run_command
 from reference_lcp.errors import ExitCode
+from reference_lcp.process import run_command
 from reports import plan
 from reports.cli.report import app
 from reports.data import collect

@@ -10,7 +10,7 @@ from types import MappingProxyType
 import pytest
 
 from engines.interface.variant import Variant
-from reference_lcp.console import run_command
+from reference_lcp.process import run_command
 from reports.cli.console_script import app
 from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import Scenario

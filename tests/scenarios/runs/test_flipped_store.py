@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from reference_lcp import ParameterError
-from reference_lcp.console import run_command
 from reference_lcp.errors import ExitCode
+from reference_lcp.process import run_command
 from reports.cli.console_script import app
 from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from reference_lcp.console import run_command
 from reference_lcp.errors import ExitCode, RunError
+from reference_lcp.process import run_command
 from reports.cli.console_script import app
 from scenarios.runs import store as module
 from scenarios.runs.result import Result

@@ -11,8 +11,8 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp import ParameterError
-from reference_lcp.console import run_command
 from reference_lcp.errors import ExitCode
+from reference_lcp.process import run_command
 from reports.cli.console_script import app
 from scenarios import sweep
 from scenarios.runs import store as store_file

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from engines.interface.variant import Variant
-from reference_lcp.console import run_command
 from reference_lcp.errors import ParameterError
+from reference_lcp.process import run_command
 from reports import report
 from reports.cli.console_script import app
 from scenarios.functions import check, sweep

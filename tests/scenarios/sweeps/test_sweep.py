@@ -17,9 +17,9 @@ import xarray as xr
 from engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase
 from reference_lcp.chain.mass_in_mass import Chain
-from reference_lcp.console import run_command
 from reference_lcp.errors import ParameterError
 from reference_lcp.one_call import steady_state
+from reference_lcp.process import run_command
 from reports.cli.console_script import app
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.local_processes import LocalExecutor

@@ -10,9 +10,9 @@ from scipy.interpolate import PchipInterpolator
 
 from engines.interface.variant import Variant
 from reference_lcp.chain.linear_response import frictionless_transmittance
-from reference_lcp.console import run_command
 from reference_lcp.errors import ParameterError
 from reference_lcp.observables.transmittance import decibel
+from reference_lcp.process import run_command
 from reports.cli.console_script import app
 from scenarios import functions
 from scenarios.runs import dask_cluster
