@@ -9,8 +9,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from tests.reference_lcp.published.anchors import ANCHORS
-from tests.reference_lcp.published.values import exact_values
+from tests.reference_lcp.published.anchors import ANCHORS, exact_values
 
 
 def write(path: Path) -> None:

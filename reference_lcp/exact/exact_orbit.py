@@ -124,7 +124,7 @@ class ExactPeriod:
 
     @property
     def transmittance(self) -> float:
-        """Its size."""
+        """Size of `complex_transmittance`."""
         return abs(self.complex_transmittance)
 
     @cached_property

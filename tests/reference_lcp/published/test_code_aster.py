@@ -6,8 +6,15 @@ import numpy as np
 import pytest
 
 from reference_lcp import EventDrivenSystem, simulate_system
-from tests.reference_lcp.published.anchors import ANCHORS, sdnd100, sdnd104, sdnd106
-from tests.reference_lcp.published.values import half_turns, sdnd106_motion, wear_power
+from tests.reference_lcp.published.anchors import (
+    ANCHORS,
+    half_turns,
+    sdnd100,
+    sdnd104,
+    sdnd106,
+    sdnd106_motion,
+    wear_power,
+)
 
 
 def test_sdnd100_with_a_hundredth_more_friction_turns_elsewhere() -> None:

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from reference_lcp import EventDrivenSystem, simulate_system
-from tests.reference_lcp.published.anchors import ANCHORS, brake, coupled_clutches, rows
-from tests.reference_lcp.published.values import stopped
+from tests.reference_lcp.published.anchors import ANCHORS, brake, coupled_clutches, rows, stopped
 
 CLUTCH_UNCERTAINTY = 1e-4
 """Of angles [rad] and velocities [rad/s] of about ten, from an integration with a relative tolerance of 1e-6."""

@@ -4,8 +4,7 @@ import csv
 
 import pytest
 
-from tests.reference_lcp.published.anchors import ANCHORS, ROOT
-from tests.reference_lcp.published.values import exact_values
+from tests.reference_lcp.published.anchors import ANCHORS, ROOT, exact_values
 
 
 @pytest.fixture(scope="module")

@@ -14,9 +14,10 @@ from reference_lcp.chain.simulation import PeriodicOrbit
 from reference_lcp.observables.stick_slip import largest_gap, open_fraction
 from reference_lcp.one_call import SteadyState
 from reference_lcp.schemes.euler import euler_simulation
+from reference_lcp.steady.anderson import StateScales
+from reference_lcp.steady.neighbours import OFFSET
 from reference_lcp.steady.orbits import periodic_orbits
 from tests.reference_lcp.cases import driven
-from tests.reference_lcp.steady.multipliers import largest_multiplier
 
 AMPLITUDE, STEPS, CELLS = 0.01, 400, 7
 INCLINATION = math.radians(12)
@@ -25,6 +26,44 @@ LINEAR_RESIDUAL = 1e-11
 """Residual to which linear motions are searched; times the amplification of 300, and the few units of the response."""
 
 LINEAR_ERROR = 1e-8
+
+OPEN_GAP = 1e-9
+"""Scaled gap, or its rate, above which a contact is open, or moves: far above round-off, far below a flight."""
+
+
+def largest_multiplier(orbit: PeriodicOrbit) -> float:
+    """Largest factor by which a small distance from an orbit of the Euler scheme grows in a period.
+
+    Below one it attracts; above, it repels. One is that of offsets that last, of contacts that stay stuck.
+    """
+    return float(np.max(np.abs(np.linalg.eigvals(_jacobian(orbit)))))
+
+
+def _jacobian(orbit: PeriodicOrbit) -> np.ndarray:
+    """Jacobian of the period map at the end of an orbit, of the scaled state's free components."""
+    end, steps = orbit.trajectory.end, orbit.trajectory.steps
+    scales = StateScales([orbit.lane], steps)
+    scales.learn(None, end, [0])
+    x = scales.vectors(end, [0])[0]
+    free = _free_components(x, orbit.lane.chain.cells)
+    offsets = np.zeros((free.size + 1, x.size))
+    offsets[np.arange(1, free.size + 1), free] = OFFSET
+    every = np.zeros(free.size + 1, dtype=np.intp)
+    starts = scales.state(x + offsets, every)
+    ends = euler_simulation([orbit.lane]).subset(every).advance(starts, 0, steps)
+    after = scales.vectors(ends, every)[:, free]
+    return (after[1:] - after[0]).T / OFFSET
+
+
+def _free_components(x: np.ndarray, cells: int) -> np.ndarray:
+    """Give which components of a scaled state may change alone.
+
+    The gap of a closed contact may not, nor its rate, unless it has landed in the last step.
+    """
+    motion = 4 * cells
+    gaps, rates = x[motion:].reshape(2, cells)
+    opened, moving = gaps > OPEN_GAP, (gaps > OPEN_GAP) | (np.abs(rates) > OPEN_GAP)
+    return np.flatnonzero(np.concatenate([np.ones(motion, dtype=bool), opened, moving]))
 
 
 @functools.cache
