@@ -131,5 +131,6 @@ class Trajectory:
         """Append a run that started at this one's end."""
         gaps = [part.normal_gap for part in (self, other) if part.normal_gap is not None]
         names = ("time", "positions", "velocities", "friction", "normal_force")
-        rows = (np.concatenate([getattr(self, name), getattr(other, name)]) for name in names)
-        return Trajectory(*rows, other.internal_state, np.concatenate(gaps) if len(gaps) == 2 else None)
+        rows = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in names}
+        gap = np.concatenate(gaps) if len(gaps) == 2 else None
+        return Trajectory(**rows, internal_state=other.internal_state, normal_gap=gap)
