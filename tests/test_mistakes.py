@@ -9,7 +9,7 @@ import pytest
 from reference_lcp.errors import ExitCode
 from reference_lcp.process import run_command
 from reports.cli.console_script import app
-from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.registry import CATALOGUE
 
 COMMAND_LINES = [
     ("reference --friction-ratio -0.1", r"friction_ratio = -0.1.*>= 0"),

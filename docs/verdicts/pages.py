@@ -11,7 +11,7 @@ import pandas as pd
 
 from engines.interface import registry
 from reports.data.catalogue import Outcome, cell_of
-from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.tables import markdown_lines
 
 ENGINES = Path(__file__).parents[1] / "engines"

@@ -8,7 +8,7 @@ from engines.interface.registry import engine
 from engines.interface.variant import Variant, check_installed
 from reports.reproducers.questions import QUESTIONS, Number
 from reports.reproducers.script import Reproduction, checked, has_reproducer, script
-from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.steady.figure3 import lower_edges
 from scenarios.runs.evaluator import Evaluator
 from scenarios.studies.accuracy import SIX_POINTS, accuracies

@@ -127,8 +127,8 @@ def _judge(name: str, engines: Engines, verdicts: Verdicts, work: Work, record: 
     """Run scenarios, of which the only one may follow a record, and end with the exit code of their verdicts."""
     work.check(run=verdicts.run)
     outs = check_outs(verdicts.out, ENDINGS, verdicts.store, record)
-    from scenarios.catalogue import CATALOGUE
     from scenarios.catalogue.base import run_with_predictions
+    from scenarios.catalogue.registry import CATALOGUE
     from scenarios.catalogue.transient.record import Record
     from scenarios.catalogue.verdict_table import VERDICT_FORMATS
     from scenarios.verdicts.finding import failures

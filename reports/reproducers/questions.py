@@ -10,13 +10,13 @@ import numpy as np
 
 from engines.interface.variant import Variant
 from reference_lcp.chain.drives import HarmonicBase
-from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.block.base import Throw
 from scenarios.catalogue.block.breakaway import FRACTION, LEAST_SPEED, Pull, slip_time
 from scenarios.catalogue.block.static_hold import CREEP, HOLD_TIME
 from scenarios.catalogue.block.stopping_distance import DISTANCE
 from scenarios.catalogue.descriptions import REFERENCE_REFINEMENT
 from scenarios.catalogue.motion import MotionCase, MotionScenario
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.steady.figure3 import Figure3Points
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.result import Result

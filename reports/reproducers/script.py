@@ -21,7 +21,7 @@ from reference_lcp.chain.trajectory import State
 from reference_lcp.errors import ParameterError, checked_choice
 from reference_lcp.validation import FloatArray
 from reports.reproducers.questions import QUESTIONS, Number, Question
-from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.runs.evaluator import Evaluator
 
 MOST_LINES = 60

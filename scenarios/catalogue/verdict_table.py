@@ -5,6 +5,7 @@ import platform
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import pandas as pd
 
@@ -77,13 +78,9 @@ class VariantRow:
         return f"agrees {total}"
 
 
-def _count(verdict: Verdict) -> Column[VariantRow]:
-    return Column(str(verdict), lambda row: row.count(verdict))
-
-
 VERDICT_COLUMNS: tuple[Column[VariantRow], ...] = (
     Column("variant", lambda row: str(row.variant), "engine:formulation:preset"),
-    *(_count(verdict) for verdict in Verdict),
+    *(Column(str(verdict), partial(VariantRow.count, verdict=verdict)) for verdict in Verdict),
     Column(
         "worst", lambda row: None if row.worst is None else f"{row.worst.comparison.excess:.2g}".replace("inf", "∞")
     ),
@@ -120,20 +117,25 @@ def matrix(results: Results) -> pd.DataFrame:
 def details(findings: Sequence[Finding]) -> Iterator[tuple[Variant, list[str]]]:
     """Give the variants that do not agree throughout, each with a line for every metric and verdict but agreement."""
     for row in rows_of(findings):
-        wrong = [finding for finding in row.findings if finding.comparison.verdict is not Verdict.AGREE]
-        if wrong:
-            order: dict[tuple[Metric, Verdict], list[Finding]] = {}
-            for finding in wrong:
-                order.setdefault((finding.metric, finding.comparison.verdict), []).append(finding)
-            yield row.variant, [_detail(group) for group in order.values()]
+        groups: dict[tuple[Metric, Verdict], list[Finding]] = {}
+        for finding in row.findings:
+            if finding.comparison.verdict is not Verdict.AGREE:
+                groups.setdefault((finding.metric, finding.comparison.verdict), []).append(finding)
+        if groups:
+            yield row.variant, [_detail(group) for group in groups.values()]
 
 
 def _detail(group: Sequence[Finding]) -> str:
     """One line for findings of one metric and verdict: the worst of them, and how many there are."""
     worst = max(group, key=lambda own: own.excess)
     more = f" (and {len(group) - 1} more)" if len(group) > 1 else ""
-    law = "" if worst.prediction is None else f"; {worst.prediction}"
-    return f"{worst.comparison.verdict}, {worst.metric.name}, {worst.case}: {worst.comparison.reason}{law}{more}"
+    reason = f"{worst.comparison.reason}{_law(worst, '; ')}{more}"
+    return f"{worst.comparison.verdict}, {worst.metric.name}, {worst.case}: {reason}"
+
+
+def _law(finding: Finding, before: str) -> str:
+    """Give what the law says, after what comes `before` it; nothing where it says nothing."""
+    return "" if finding.prediction is None else f"{before}{finding.prediction}"
 
 
 def law_in_words(variant: Variant) -> str:
@@ -223,7 +225,6 @@ def _verdicts(findings: Sequence[Finding]) -> list[str]:
 
 
 def _predicted(name: str) -> Column[_Row]:
-    """Give a number of the prediction; NaN where there is none."""
     return Column(f"law {name}".replace("_", " "), lambda row: getattr(row[1].prediction, name, math.nan))
 
 
@@ -268,25 +269,22 @@ def _content(results: Results, command: str) -> dict[str, object]:
 
 
 def _junit(results: Results) -> str:
+    """Give each number as a case; one about which nothing is known is skipped."""
     cases = []
     for scenario, own in results.items():
         fails = {id(finding) for finding in failing(own)}
-        cases += [_junit_case(scenario, finding, fails=id(finding) in fails) for finding in own]
+        for finding in own:
+            verdict = finding.comparison.verdict
+            reason = f"{verdict}: {finding.comparison.reason}"
+            case = JUnitCase(
+                suite=f"{scenario.name}, {finding.variant}",
+                name=f"{finding.metric.name}, {finding.case}",
+                failure=reason if id(finding) in fails else "",
+                skipped=reason if verdict in (Verdict.BLOCKED, Verdict.INCONCLUSIVE) else "",
+                output=reason + _law(finding, "\n"),
+            )
+            cases.append(case)
     return junit_text("multibody-xval run", cases)
-
-
-def _junit_case(scenario: Scenario, finding: Finding, *, fails: bool) -> JUnitCase:
-    """Give a number as a case; one about which nothing is known is skipped."""
-    comparison = finding.comparison
-    law = "" if finding.prediction is None else f"\n{finding.prediction}"
-    unknown = comparison.verdict in (Verdict.BLOCKED, Verdict.INCONCLUSIVE)
-    return JUnitCase(
-        suite=f"{scenario.name}, {finding.variant}",
-        name=f"{finding.metric.name}, {finding.case}",
-        failure=f"{comparison.verdict}: {comparison.reason}" if fails else "",
-        skipped=f"{comparison.verdict}: {comparison.reason}" if unknown else "",
-        output=f"{comparison.verdict}: {comparison.reason}{law}",
-    )
 
 
 VERDICT_FORMATS: dict[str, Callable[[Results, str], str]] = {

@@ -12,8 +12,8 @@ from xml.etree import ElementTree
 
 from engines.interface.variant import Variant
 from reference_lcp.errors import ParameterError
-from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import run_with_predictions
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.runs.evaluator import Evaluator
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.compared import compare_sweep

@@ -6,13 +6,21 @@ from collections.abc import Mapping
 from engines.interface.variant import Variant
 from reference_lcp import Chain, CompiledSimulation
 from reference_lcp.schemes.euler import euler_simulation
+from scenarios.catalogue.base import Scenario, run_with_predictions
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.executor import InProcessExecutor
+from scenarios.runs.store import opened_store
 from scenarios.verdicts.finding import Finding, Verdict
 
 
 def evaluator(store) -> Evaluator:
     return Evaluator(store, InProcessExecutor())
+
+
+def findings(scenario: Scenario, *variants: Variant, laws: bool = False) -> list[Finding]:
+    """Run a scenario in memory, where asked with what laws predict of it."""
+    with opened_store(None) as store, evaluator(store) as running:
+        return run_with_predictions(scenario, variants, running) if laws else scenario.run(variants, running)
 
 
 def rub_harder(monkeypatch, factor: float) -> None:

@@ -2,7 +2,7 @@
 
 import cmath
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
@@ -76,12 +76,13 @@ class SteadyScenario(Scenario):
         if cls.with_stick_slip:
             cls.metrics = (TRANSMITTANCE, PHASE, SAME_STEP, *STICK_SLIP_METRICS)
 
-    def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
-        """Give what the result of a case should be: the exact motion, unless overridden.
+    def expected_by(self, case: SteadyCase) -> list[SteadyStateTask]:
+        """Give the tasks from which `expected` is read: the exact motion, unless overridden."""
+        return [case.task(EXACT)]
 
-        `results` holds those of `baseline`.
-        """
-        return exact_expected(results[case.task(EXACT)])
+    def expected(self, case: SteadyCase, results: Sequence[Result]) -> Expected:
+        """Give what the result of a case should be, from the results of `expected_by`."""
+        return exact_expected(results[0])
 
     def stages(self) -> list[tuple[SteadyCase, ...]]:
         """Give the cases in the order in which they are run; a variant that is too slow in one stage skips the next."""
@@ -90,15 +91,6 @@ class SteadyScenario(Scenario):
     def growth(self, case: SteadyCase) -> float:
         """Give by how much longer a case takes than the slowest of the stage before."""
         return 1.0
-
-    def baseline(self) -> list[SteadyStateTask]:
-        """Give the tasks of the reference to which others are compared: its scheme, and the motion that is expected."""
-        scheme = [task for case in self.cases for task in case_tasks(REFERENCE, case)]
-        return [*scheme, *(task for case in self.cases for task in self.expected_by(case))]
-
-    def expected_by(self, case: SteadyCase) -> list[SteadyStateTask]:
-        """Give the tasks from which `expected` is read: the exact motion, unless overridden."""
-        return [case.task(EXACT)]
 
     def period_tasks(self, variant: Variant) -> Mapping[str, SteadyStateTask]:
         """Compare a period in every case, with the steps that are judged."""
@@ -109,7 +101,9 @@ class SteadyScenario(Scenario):
         results, skipped = self._simulated(variants, evaluator)
 
         def judged() -> list[Finding]:
-            expected = {case: self.expected(case, results) for case in self.cases}
+            expected = {
+                case: self.expected(case, [results[task] for task in self.expected_by(case)]) for case in self.cases
+            }
             by_variant = (
                 {
                     case: collect_evidence(variant, case, right, results, skipped.get((variant, case)))
@@ -129,7 +123,9 @@ class SteadyScenario(Scenario):
 
     def _simulated(self, variants: Sequence[Variant], evaluator: Evaluator) -> tuple[_Results, _Skipped]:
         """Run every case, stage after stage; gives the results, and why cases are skipped."""
-        results = results_of(self.baseline(), evaluator)
+        scheme = [task for case in self.cases for task in case_tasks(REFERENCE, case)]
+        expected_by = [task for case in self.cases for task in self.expected_by(case)]
+        results = results_of([*scheme, *expected_by], evaluator)
         skipped: _Skipped = {}
         before: tuple[SteadyCase, ...] = ()
         for cases in self.stages():
@@ -149,7 +145,7 @@ class SteadyScenario(Scenario):
 
     def findings(self, evidence: Evidence) -> list[Finding]:
         """Judge one variant in one case."""
-        findings = [transmittance_finding(evidence), *phase_findings(evidence), *same_step_findings(evidence)]
+        findings = [*response_findings(evidence), *same_step_findings(evidence)]
         if self.with_stick_slip:
             findings += stick_slip_findings(evidence)
         return findings if evidence.certified else [finding.uncertified() for finding in findings]
@@ -208,45 +204,34 @@ def skip_reason(
     return Comparison(Verdict.INCONCLUSIVE, f"{reason}, allowed {LONGEST_SECONDS:g} s")
 
 
-def transmittance_finding(evidence: Evidence) -> Finding:
-    """Compare the transmittance with what is expected."""
-    expected = evidence.expected.transmittance_db
-    if evidence.missing is not None:
-        return Finding(evidence.variant, evidence.case.label, TRANSMITTANCE, math.nan, expected, evidence.missing)
-    comparison = judge(
-        TRANSMITTANCE,
-        evidence.steps(lambda result: result.transmittance_db),
-        expected,
-        bar=evidence.expected.bar_db,
-        scheme=evidence.scheme_steps(lambda result: result.transmittance_db, expected),
-        resolution=evidence.resolution_db(expected),
-        effect=evidence.effect.transmittance_db,
-    )
-    return Finding(
-        evidence.variant, evidence.case.label, TRANSMITTANCE, evidence.fine.transmittance_db, expected, comparison
-    )
+def response_findings(evidence: Evidence) -> list[Finding]:
+    """Compare transmittance and phase with what is expected; no phase where none is."""
+    expected = evidence.expected
+    level = expected.transmittance_db
+    findings = [_response_finding(evidence, TRANSMITTANCE, lambda result: result.transmittance_db, level)]
+    if not math.isnan(expected.phase):
+        read, degrees = phase_reader(expected.phase, level), math.degrees(expected.phase)
+        findings.append(_response_finding(evidence, PHASE, read, degrees))
+    return findings
 
 
-def phase_findings(evidence: Evidence) -> list[Finding]:
-    """Compare the phase with what is expected; nothing where no phase is."""
-    right, level = evidence.expected.phase, evidence.expected.transmittance_db
-    if math.isnan(right):
-        return []
-    expected = math.degrees(right)
+def _response_finding(evidence: Evidence, metric: Metric, read: Callable[[Result], float], expected: float) -> Finding:
+    """Compare the transmittance, or its phase."""
     if evidence.missing is not None:
-        return [Finding(evidence.variant, evidence.case.label, PHASE, math.nan, expected, evidence.missing)]
-    read = phase_reader(right, level)
+        return Finding(evidence.variant, evidence.case.label, metric, math.nan, expected, evidence.missing)
+    level, is_phase = evidence.expected.transmittance_db, metric is PHASE
     comparison = judge(
-        PHASE,
+        metric,
         evidence.steps(read),
         expected,
-        bar=evidence.expected.phase_bar,
+        bar=evidence.expected.phase_bar if is_phase else evidence.expected.bar_db,
         scheme=evidence.scheme_steps(read, expected),
-        resolution=amplitude_in_degrees(evidence.resolution(level), level),
-        effect=evidence.effect.phase,
+        resolution=(amplitude_in_degrees if is_phase else amplitude_in_db)(evidence.resolution(level), level),
+        effect=evidence.effect.phase if is_phase else evidence.effect.transmittance_db,
     )
-    comparison = replace(comparison, per_amplitude=amplitude_in_degrees(1.0, level))
-    return [Finding(evidence.variant, evidence.case.label, PHASE, read(evidence.fine), expected, comparison)]
+    if is_phase:
+        comparison = replace(comparison, per_amplitude=amplitude_in_degrees(1.0, level))
+    return Finding(evidence.variant, evidence.case.label, metric, read(evidence.fine), expected, comparison)
 
 
 def same_step_findings(evidence: Evidence) -> list[Finding]:

@@ -2,14 +2,13 @@
 
 import cmath
 import math
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 from reference_lcp.exact.den_hartog import SlidingMotion
 from reference_lcp.observables.stick_slip import Mode
 from scenarios.catalogue.steady.base import ClosedForm
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import Result
-from scenarios.runs.task import SteadyStateTask
 from scenarios.verdicts.steady_case import Expected, SteadyCase
 
 STANDING_RATIO = 1e6
@@ -48,7 +47,7 @@ class DenHartog(ClosedForm):
     cases = tuple(_case(*point) for point in POINTS)
     with_stick_slip = True
 
-    def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
+    def expected(self, case: SteadyCase, results: Sequence[Result]) -> Expected:
         """Give the closed form."""
         return expected_motion(*POINTS[self.cases.index(case)])
 

@@ -1,11 +1,11 @@
 """Steady states of seven cells whose contacts are inclined to the row, so that normal forces depend on the motion."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import ClassVar
 
 from reference_lcp.chain.linear_response import stuck_response
-from scenarios.catalogue.steady.base import SteadyScenario, phase_findings, transmittance_finding
+from scenarios.catalogue.steady.base import SteadyScenario, response_findings
 from scenarios.catalogue.steady.linear_limits import linear_expected
 from scenarios.catalogue.steady.long_chain import expected_of
 from scenarios.runs.parameters import Modulation
@@ -63,13 +63,11 @@ class InclinedSteadyState(SteadyScenario):
         """Give the tasks of the reference with finer steps; none where the chain is linear."""
         return [] if case is STUCK else [case.task(REFERENCE, refinement) for refinement in BASELINE]
 
-    def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
+    def expected(self, case: SteadyCase, results: Sequence[Result]) -> Expected:
         """Give the reference with finer steps and its error bar; the closed form where the chain is linear."""
-        if case is STUCK:
-            return linear_expected(case, stuck_response)
-        return expected_of([results[task] for task in self.expected_by(case)])
+        return linear_expected(case, stuck_response) if case is STUCK else expected_of(results)
 
     def findings(self, evidence: Evidence) -> list[Finding]:
         """Judge transmittance and phase; a step of an engine is nowhere that of equation (7) to round-off."""
-        findings = [transmittance_finding(evidence), *phase_findings(evidence)]
+        findings = response_findings(evidence)
         return findings if evidence.certified else [finding.uncertified() for finding in findings]

@@ -1,7 +1,7 @@
 """The two limits that linear theory knows: contacts that slide freely, and contacts that never slide."""
 
 import cmath
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,6 @@ from reference_lcp.observables.transmittance import decibel
 from scenarios.catalogue.steady.base import ClosedForm, cases_over
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import Result
-from scenarios.runs.task import SteadyStateTask
 from scenarios.verdicts.steady_case import Expected, SteadyCase
 
 THREE_CELLS = ChainRatios(cells=3)
@@ -31,7 +30,7 @@ class FrictionlessLimit(ClosedForm):
     source = "linear theory: (K + iωC − ω²M) x = f"
     cases = cases_over((0.9, 0.5), 0.0, THREE_CELLS)
 
-    def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
+    def expected(self, case: SteadyCase, results: Sequence[Result]) -> Expected:
         """Solve the linear chain."""
         return linear_expected(case, frictionless_response)
 
@@ -43,7 +42,7 @@ class LockedLimit(ClosedForm):
     source = "linear theory with v = u + const in every cell"
     cases = cases_over((1.1, 0.7), LOCKING_FRICTION, THREE_CELLS)
 
-    def expected(self, case: SteadyCase, results: Mapping[SteadyStateTask, Result]) -> Expected:
+    def expected(self, case: SteadyCase, results: Sequence[Result]) -> Expected:
         """Solve the linear chain of locked cells."""
         return linear_expected(case, stuck_response)
 

@@ -12,8 +12,8 @@ import pytest
 from engines.interface.variant import Variant
 from reference_lcp.process import run_command
 from reports.cli.console_script import app
-from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import Scenario
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.verdict_table import (
     FINDING_COLUMNS,
     VERDICT_FORMATS,

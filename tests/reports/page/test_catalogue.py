@@ -11,8 +11,8 @@ from reports.data.report import Report
 from reports.export.tables import catalogue_table
 from reports.page.render import page, sections
 from reports.page.sections import Catalogue
-from scenarios.catalogue import CATALOGUE
 from scenarios.catalogue.base import run_with_predictions
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.executor import InProcessExecutor
 from scenarios.runs.store import ResultStore

@@ -1,7 +1,6 @@
 """Short questions about one block: exact answers in closed form, and engines that get them wrong."""
 
 import dataclasses
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,36 +9,22 @@ import pytest
 from engines.interface.variant import Variant
 from reference_lcp.defaults import FRICTION_COEFFICIENT
 from reference_lcp.errors import ParameterError
-from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.block import breakaway, static_hold
 from scenarios.catalogue.block.base import STANDARD_GRAVITY
 from scenarios.catalogue.block.breakaway import Breakaway
 from scenarios.catalogue.block.published import VALUE, Published, targets
 from scenarios.catalogue.block.static_hold import CREEP, StaticHold
 from scenarios.catalogue.block.stopping_distance import DISTANCE, TIME, StoppingDistance
-from scenarios.catalogue.motion import MotionScenario
-from scenarios.runs.store import opened_store
 from scenarios.runs.transient import run_transients
 from scenarios.runs.transient_task import Block
-from scenarios.verdicts.finding import Finding, Verdict
+from scenarios.verdicts.finding import Verdict
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
-from tests.scenarios.in_process import evaluator, misread_the_chain, press_harder, rub_harder
+from tests.scenarios.in_process import departing, findings, misread_the_chain, press_harder, rub_harder
 
 MUJOCO, SOFT = Variant("mujoco"), Variant("mujoco", "joint", "default")
 GRAM, KILOGRAM = "1 g", "1 kg"
 
-SCENARIOS = (StaticHold(), Breakaway(), StoppingDistance(), Published())
-
 needs_mujoco = pytest.mark.needs("mujoco")
-
-
-def findings(scenario: MotionScenario, *variants: Variant) -> list[Finding]:
-    with opened_store(None) as store, evaluator(store) as running:
-        return run_with_predictions(scenario, variants, running)
-
-
-def wrong(judged: Sequence[Finding]) -> list[Finding]:
-    return [finding for finding in judged if finding.comparison.verdict is not Verdict.AGREE]
 
 
 @pytest.fixture
@@ -110,12 +95,12 @@ def test_exact_block_on_a_free_carrier_gives_the_published_number(case) -> None:
     "scenario", [StaticHold(), Breakaway(), StoppingDistance(), Published()], ids=lambda each: each.name
 )
 def test_engines_that_take_the_scheme_answer_as_it_does(scenario, one_scale) -> None:
-    assert not wrong(findings(scenario, MUJOCO, REFERENCE))
+    assert not departing(findings(scenario, MUJOCO, REFERENCE))
 
 
 @needs_mujoco
 def test_the_soft_friction_of_mujoco_creeps_as_its_law_predicts_whatever_the_mass(one_scale) -> None:
-    creep = [finding for finding in findings(StaticHold(), SOFT) if finding.metric is CREEP]
+    creep = [finding for finding in findings(StaticHold(), SOFT, laws=True) if finding.metric is CREEP]
     assert all(finding.comparison.verdict is Verdict.DISAGREE and finding.as_predicted for finding in creep)
     half = next(finding for finding in creep if finding.case == f"{KILOGRAM}, load 0.5")
     # μ g / 2 over the rate 2 / (d_max τ) of the constraint, softened by (1 − d_0) / d_0: 2.72 mm/s, and the spring
@@ -132,16 +117,16 @@ def test_friction_that_is_a_hundredth_off_breaks_away_elsewhere_and_stops_elsewh
     factor, one_scale, monkeypatch
 ) -> None:
     rub_harder(monkeypatch, factor)
-    early = [finding for finding in wrong(findings(Breakaway(), MUJOCO)) if "0.5 ms" in finding.case]
+    early = [finding for finding in departing(findings(Breakaway(), MUJOCO)) if "0.5 ms" in finding.case]
     assert [np.sign(finding.comparison.difference) for finding in early] == [np.sign(factor - 1)]
-    short = [finding for finding in wrong(findings(StoppingDistance(), MUJOCO)) if finding.metric is DISTANCE]
+    short = [finding for finding in departing(findings(StoppingDistance(), MUJOCO)) if finding.metric is DISTANCE]
     assert [np.sign(finding.comparison.difference) for finding in short] == 2 * [np.sign(1 - factor)]
 
 
 @needs_mujoco
 def test_a_bound_that_is_two_hundredths_too_small_does_not_hold_the_largest_load(one_scale, monkeypatch) -> None:
     rub_harder(monkeypatch, 0.98)
-    assert {finding.case for finding in wrong(findings(StaticHold(), MUJOCO))} == {
+    assert {finding.case for finding in departing(findings(StaticHold(), MUJOCO))} == {
         f"{KILOGRAM}, load 0.99",
         f"{KILOGRAM}, load 0.99, shaken",
     }
@@ -158,19 +143,20 @@ def test_friction_that_is_off_gives_other_numbers_than_those_published(factor, m
     rub_harder(monkeypatch, factor)
     # three hundredths less, and the block slips on the table that was not to move it
     held = set() if factor < 0.99 else {"sdnd104-0.99"}
-    assert {finding.case for finding in wrong(findings(Published(), MUJOCO))} == set(map(str, Published.cases)) - held
+    seen = {finding.case for finding in departing(findings(Published(), MUJOCO))}
+    assert seen == set(map(str, Published.cases)) - held
 
 
 @needs_mujoco
 def test_a_block_that_is_heavier_than_it_should_be_goes_too_far(one_scale, monkeypatch) -> None:
     misread_the_chain(monkeypatch, inner_mass=1.01)
-    assert {finding.metric for finding in wrong(findings(StoppingDistance(), MUJOCO))} >= {DISTANCE}
+    assert {finding.metric for finding in departing(findings(StoppingDistance(), MUJOCO))} >= {DISTANCE}
 
 
 @needs_mujoco
 def test_a_law_excuses_no_block_that_it_does_not_predict(one_scale, monkeypatch) -> None:
     press_harder(monkeypatch, SOFT, 1.05)
-    stopped = [finding for finding in findings(StoppingDistance(), SOFT) if finding.metric is DISTANCE]
+    stopped = [finding for finding in findings(StoppingDistance(), SOFT, laws=True) if finding.metric is DISTANCE]
     assert stopped
     assert not any(finding.as_predicted for finding in stopped)
 

@@ -8,7 +8,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp import HarmonicBase, ParameterError, RecordedBase, decibel, frictionless_transmittance
-from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.transient.base import (
     BAND_METRICS,
     BANDS,
@@ -25,15 +25,15 @@ from scenarios.catalogue.transient.swept_sine import SweptSineScenario
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.executor import InProcessExecutor
 from scenarios.runs.parameters import ChainRatios
-from scenarios.runs.store import ResultStore
+from scenarios.runs.store import opened_store
 from scenarios.runs.transient import run_transients
 from scenarios.sweeps.attenuation_band import BandDefinition, Edge, edge_brackets
 from scenarios.verdicts.finding import Verdict
 from tests.scenarios.catalogue.example_record import PEAK as EXAMPLE_PEAK
 from tests.scenarios.catalogue.example_record import example_samples, write_example
-from tests.scenarios.in_process import evaluator, rub_harder
+from tests.scenarios.in_process import departing, evaluator, findings, rub_harder
 
-REFERENCE = Variant("reference")
+REFERENCE, MUJOCO = Variant("reference"), Variant("mujoco")
 BELOW, WITHIN, ABOVE = (BAND_METRICS[name] for name in ("0.65–0.82", "0.9–1.35", "1.5–2"))
 
 
@@ -82,7 +82,7 @@ def test_noise_of_little_amplitude_finds_the_cells_locked() -> None:
     assert locked[WITHIN] > -15
 
 
-def test_response_is_in_proportion_to_the_base_where_friction_is_too(tmp_path) -> None:
+def test_response_is_in_proportion_to_the_base_where_friction_is_too() -> None:
     """Coulomb friction has no scale of its own: twice the base, twice the bound, twice the motion."""
     case = RickerPulseScenario().case(0.05)
     task = dataclasses.replace(case, periods=30).task(REFERENCE)
@@ -99,21 +99,19 @@ def test_transients_have_died_out_at_their_end() -> None:
         assert np.max(np.abs(case.base_rows()[-ROWS_PER_PERIOD * 90 :])) < 1e-9, name
 
 
-def test_reference_and_mujoco_agree_with_the_finer_reference(tmp_path) -> None:
-    with ResultStore(tmp_path / "store.sqlite") as store:
-        findings = ShortPulse().run([REFERENCE, Variant("mujoco")], evaluator(store))
-    assert [finding.metric for finding in findings] == 2 * list(RickerPulseScenario.metrics)
-    assert {finding.comparison.verdict for finding in findings} == {Verdict.AGREE}, findings
-    series = {finding.variant.engine: finding for finding in findings if finding.metric is DIFFERENCE}
+def test_reference_and_mujoco_agree_with_the_finer_reference() -> None:
+    judged = findings(ShortPulse(), REFERENCE, MUJOCO)
+    assert [finding.metric for finding in judged] == 2 * list(RickerPulseScenario.metrics)
+    assert not departing(judged)
+    series = {finding.variant.engine: finding for finding in judged if finding.metric is DIFFERENCE}
     assert 0 < series["mujoco"].value < 0.002
     assert series["mujoco"].value == pytest.approx(series["reference"].value, rel=1e-6)
 
 
-def test_friction_that_is_too_large_by_a_twentieth_shows_in_the_series(tmp_path, monkeypatch) -> None:
+def test_friction_that_is_too_large_by_a_twentieth_shows_in_the_series(monkeypatch) -> None:
     rub_harder(monkeypatch, 1.05)
-    with ResultStore(tmp_path / "store.sqlite") as store:
-        findings = ShortPulse().run([Variant("mujoco")], evaluator(store))
-    verdicts = {finding.metric: finding.comparison.verdict for finding in findings}
+    judged = findings(ShortPulse(), MUJOCO)
+    verdicts = {finding.metric: finding.comparison.verdict for finding in judged}
     assert verdicts[DIFFERENCE] is Verdict.DISAGREE
     assert verdicts[PEAK] is Verdict.DISAGREE
 
@@ -145,15 +143,15 @@ class OffBy(InProcessExecutor):
     ],
     ids=["falls with the step at last", "stays"],
 )
-def test_error_that_three_steps_do_not_show_is_looked_at_with_finer_ones(tmp_path, error, verdict) -> None:
-    with ResultStore(tmp_path / "store.sqlite") as store:
-        findings = ShortPulse().run([Variant("mujoco")], Evaluator(store, OffBy(error)))
-    (series,) = [finding.comparison for finding in findings if finding.metric is DIFFERENCE]
+def test_error_that_three_steps_do_not_show_is_looked_at_with_finer_ones(error, verdict) -> None:
+    with opened_store(None) as store:
+        judged = ShortPulse().run([MUJOCO], Evaluator(store, OffBy(error)))
+    (series,) = [finding.comparison for finding in judged if finding.metric is DIFFERENCE]
     assert series.verdict is verdict
     assert series.reason.endswith("with 2 times the default steps")
 
 
-def test_engine_that_fails_is_blocked_with_its_reason(tmp_path, monkeypatch) -> None:
+def test_engine_that_fails_is_blocked_with_its_reason(monkeypatch) -> None:
     build = Variant.build
 
     def failing(self, lanes):
@@ -162,16 +160,15 @@ def test_engine_that_fails_is_blocked_with_its_reason(tmp_path, monkeypatch) -> 
         return build(self, lanes)
 
     monkeypatch.setattr(Variant, "build", failing)
-    with ResultStore(tmp_path / "store.sqlite") as store:
-        findings = ShortPulse().run([Variant("mujoco")], evaluator(store))
-    assert {finding.comparison.verdict for finding in findings} == {Verdict.BLOCKED}
-    assert findings[0].comparison.reason == "RuntimeError: no convergence"
+    judged = findings(ShortPulse(), MUJOCO)
+    assert {finding.comparison.verdict for finding in judged} == {Verdict.BLOCKED}
+    assert judged[0].comparison.reason == "RuntimeError: no convergence"
 
 
-def test_everything_that_is_asked_is_known_beforehand(tmp_path) -> None:
+def test_everything_that_is_asked_is_known_beforehand() -> None:
     """Progress bars count it; nothing is asked twice."""
     scenario, told = ShortPulse(), []
-    with ResultStore(tmp_path / "store.sqlite") as store, evaluator(store) as counting:
+    with opened_store(None) as store, evaluator(store) as counting:
         counting.progress.advance = lambda tasks: told.append(len(tasks))
         scenario.run([REFERENCE], counting)
     assert sum(told) == len(set(scenario.tasks([REFERENCE]))) == 6

@@ -10,7 +10,7 @@ from engines.interface.variant import Variant
 from reference_lcp import Chain, HarmonicForce, steady_state
 from reference_lcp.chain.linear_response import stuck_response
 from reference_lcp.defaults import CHAIN_STIFFNESS
-from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.steady.base import LONGEST_SECONDS, SAME_STEP, SteadyScenario
 from scenarios.catalogue.steady.den_hartog import POINTS, expected_motion
 from scenarios.catalogue.steady.figure3 import LOWER_EDGES
@@ -19,9 +19,10 @@ from scenarios.catalogue.steady.unequal_cells import DISORDER_SEED
 from scenarios.runs.result import Result
 from scenarios.sweeps.edges import BAND_EDGE
 from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
+from scenarios.verdicts.judge import missing
 from tests.reference_lcp.cases import STANDING
 
-REFERENCE = Variant("reference")
+REFERENCE, FINISHED = Variant("reference"), Result(status="finished")
 
 QUICK = ("unit-cell", "den-hartog", "frictionless-limit", "locked-limit")
 LONG = tuple(name for name, scenario in CATALOGUE.items() if isinstance(scenario, SteadyScenario) and name not in QUICK)
@@ -54,18 +55,12 @@ def test_every_scenario_says_what_it_asks_and_is_found_under_its_name() -> None:
         assert scenario.metrics
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", [*QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in LONG)])
 def test_reference_and_who_takes_its_step_agree(verdicts, name) -> None:
     for variant in (REFERENCE, Variant("mujoco")):
         findings = verdicts(CATALOGUE[name], variant=variant)
         assert {finding.comparison.verdict for finding in findings} == {Verdict.AGREE}
         assert {finding.variant for finding in findings} == {variant}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", LONG)
-def test_reference_and_who_takes_its_step_agree_on_long_chains_too(verdicts, name) -> None:
-    test_reference_and_who_takes_its_step_agree(verdicts, name)
 
 
 def test_friction_that_is_a_twentieth_too_strong_disagrees(verdicts) -> None:
@@ -152,7 +147,7 @@ def test_numbers_of_the_disordered_chain_are_printed_cell_by_cell() -> None:
 class Answering:
     """Gives every question to `WRONG` the same answer, and those of the reference by the reference."""
 
-    def __init__(self, verdicts, answer):
+    def __init__(self, answer):
         self.answer = answer
         self.asked = []
 
@@ -162,9 +157,9 @@ class Answering:
         return [certified if task.variant.engine == "reference" else self.answer for task in tasks]
 
 
-def test_a_slow_engine_is_asked_the_first_case_only(verdicts) -> None:
+def test_a_slow_engine_is_asked_the_first_case_only() -> None:
     slow = Result(status="converged", transmittance_db=0.0, residual=1e-9, seconds=0.6 * LONGEST_SECONDS)
-    evaluator = Answering(verdicts, slow)
+    evaluator = Answering(slow)
     scenario = CATALOGUE["frictionless-limit"]
     findings = scenario.run([Variant("mujoco")], evaluator)
     assert {task.frequency_ratio for task in evaluator.asked} == {scenario.cases[0].frequency_ratio}
@@ -173,9 +168,9 @@ def test_a_slow_engine_is_asked_the_first_case_only(verdicts) -> None:
     assert later[0].comparison.reason == "skipped: η_r 0.9 took 180 s, this would take some 180 s, allowed 150 s"
 
 
-def test_a_longer_chain_is_not_asked_where_the_shorter_one_says_that_it_takes_too_long(verdicts) -> None:
+def test_a_longer_chain_is_not_asked_where_the_shorter_one_says_that_it_takes_too_long() -> None:
     slow = Result(status="converged", transmittance_db=0.0, residual=1e-9, seconds=LONGEST_SECONDS / 6)
-    findings = CATALOGUE["long-chain"].run([Variant("mujoco")], Answering(verdicts, slow))
+    findings = CATALOGUE["long-chain"].run([Variant("mujoco")], Answering(slow))
     reasons = {finding.case: finding.comparison.reason for finding in findings if finding.metric == TRANSMITTANCE}
     assert reasons["15 cells"].startswith("skipped: 7 cells took 50 s, this would take some 230 s")
     assert reasons["30 cells"] == "skipped, as 15 cells was"
@@ -192,7 +187,21 @@ def test_a_longer_chain_is_not_asked_where_the_shorter_one_says_that_it_takes_to
         ),
     ],
 )
-def test_failures_are_verdicts_with_their_reasons(verdicts, answer, verdict, reason) -> None:
-    findings = CATALOGUE["frictionless-limit"].run([Variant("mujoco")], Answering(verdicts, answer))
+def test_failures_are_verdicts_with_their_reasons(answer, verdict, reason) -> None:
+    findings = CATALOGUE["frictionless-limit"].run([Variant("mujoco")], Answering(answer))
     assert {finding.comparison.verdict for finding in findings} == {verdict}
     assert findings[0].comparison.reason == reason
+
+
+@pytest.mark.parametrize(
+    ("unfinished", "expected"),
+    [
+        (Result.missing(), (Verdict.INCONCLUSIVE, "not evaluated so far")),
+        (Result.blocked("crashed"), (Verdict.BLOCKED, "crashed")),
+        (FINISHED, None),
+    ],
+    ids=["that nobody has asked for is no failure", "that failed is blocked", "that is there is compared"],
+)
+def test_a_motion(unfinished, expected) -> None:
+    gap = missing("", [FINISHED, unfinished])
+    assert (gap and (gap.verdict, gap.reason)) == expected

@@ -10,23 +10,16 @@ from engines.interface.variant import Variant
 from engines.shared.claims import tangents_of_the_world
 from reference_lcp import Chain, CompiledSimulation, Lane, StillBase
 from reference_lcp.errors import ParameterError
-from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.block.direction import NO_DIRECTION, PART, Direction
-from scenarios.runs.store import opened_store
 from scenarios.runs.transient import run_transients
 from scenarios.verdicts.finding import Finding, Verdict
 from scenarios.verdicts.steady_case import EXACT, REFERENCE
 from tests.installed import each_engine
-from tests.scenarios.in_process import evaluator, press_harder
+from tests.scenarios.in_process import departing, findings, press_harder
 
 MUJOCO = Variant("mujoco", "contact")
 
 needs_mujoco = pytest.mark.needs("mujoco")
-
-
-def findings(*variants: Variant) -> list[Finding]:
-    with opened_store(None) as store, evaluator(store) as running:
-        return run_with_predictions(Direction(), variants, running)
 
 
 def turn_into_pyramid(monkeypatch, bound) -> None:
@@ -64,14 +57,14 @@ def test_exact_slide_loses_its_part_of_the_velocity_to_friction(slide) -> None:
 
 @needs_mujoco
 def test_round_cones_have_no_direction(slow_kilogram) -> None:
-    judged = findings(MUJOCO, REFERENCE)
+    judged = findings(Direction(), MUJOCO, REFERENCE, laws=True)
     assert {finding.comparison.verdict for finding in judged} == {Verdict.AGREE}
     assert np.array([finding.value for finding in judged]) == pytest.approx(1, abs=1e-4)
 
 
 @pytest.mark.parametrize("name", each_engine(["ode", "dart"]))
 def test_a_bound_a_tangent_lets_friction_grow_to_the_root_of_two_as_stated(name, slow_kilogram) -> None:
-    judged = findings(Variant(name, "contact"))
+    judged = findings(Direction(), Variant(name, "contact"), laws=True)
     for angle in (15, 45, 75):
         (finding,) = of_angle(judged, angle)
         assert finding.comparison.verdict is Verdict.DISAGREE
@@ -85,7 +78,7 @@ def test_a_bound_a_tangent_lets_friction_grow_to_the_root_of_two_as_stated(name,
 def test_a_statement_excuses_no_bound_that_is_another(slow_kilogram, monkeypatch) -> None:
     ode = Variant("ode", "contact")
     press_harder(monkeypatch, ode, 1.001)
-    judged = findings(ode)
+    judged = findings(Direction(), ode, laws=True)
     assert {finding.comparison.verdict for finding in judged} == {Verdict.DISAGREE}
     assert not any(finding.as_predicted for finding in judged)
 
@@ -96,21 +89,21 @@ def test_a_statement_excuses_no_bound_that_is_another(slow_kilogram, monkeypatch
 )
 def test_a_pyramid_where_a_cone_is_claimed_is_wrong_between_its_tangents(bound, slow_kilogram, monkeypatch) -> None:
     turn_into_pyramid(monkeypatch, bound)
-    judged = findings(MUJOCO)
-    wrong = [finding for finding in judged if finding.comparison.verdict is not Verdict.AGREE]
+    judged = findings(Direction(), MUJOCO, laws=True)
+    wrong = departing(judged)
     assert [finding.case.split()[-1] for finding in wrong] == ["15°", "30°", "45°", "60°", "75°"]
     assert not any(finding.as_predicted for finding in wrong)
 
 
 def test_joints_have_no_direction(slow_kilogram) -> None:
-    judged = findings(Variant("mujoco"))
+    judged = findings(Direction(), Variant("mujoco"), laws=True)
     assert {finding.comparison.reason for finding in judged} == {NO_DIRECTION}
     assert {finding.comparison.verdict for finding in judged} == {Verdict.BLOCKED}
 
 
 @pytest.mark.needs("pymunk")
 def test_engines_of_a_plane_say_that_they_cannot_turn_the_row(slow_kilogram) -> None:
-    judged = findings(Variant("pymunk", "contact"))
+    judged = findings(Direction(), Variant("pymunk", "contact"), laws=True)
     assert all("cannot turn its row" in finding.comparison.reason for finding in of_angle(judged, 45))
     assert of_angle(judged, 0)[0].comparison.verdict is Verdict.AGREE
 

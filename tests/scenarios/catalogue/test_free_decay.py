@@ -6,18 +6,14 @@ import pytest
 from engines.interface.variant import Variant
 from scenarios.catalogue.transient.free_decay import OSCILLATOR_DECAY, FreeDecay, loss_a_cycle
 from scenarios.runs.executor import run_batch
-from scenarios.runs.store import ResultStore
 from scenarios.verdicts.finding import Verdict
-from tests.scenarios.in_process import evaluator, rub_harder
+from tests.scenarios.in_process import departing, findings, rub_harder
+
+MUJOCO = Variant("mujoco")
 
 
 def exact_series(decay):
     return run_batch(FreeDecay().baseline(decay))[0].series
-
-
-def findings(tmp_path, *names):
-    with ResultStore(tmp_path / "store.sqlite") as store:
-        return FreeDecay().run([Variant(name) for name in names], evaluator(store))
 
 
 def test_oscillator_of_the_scenario_decays_by_the_closed_form() -> None:
@@ -45,20 +41,18 @@ def test_dashpots_alone_never_bring_an_oscillation_to_rest() -> None:
     assert loss_a_cycle(swing) == pytest.approx((1 - np.exp(-0.01 * 8 * np.pi)) / 4, rel=0.05)
 
 
-def test_reference_and_mujoco_decay_as_the_exact_motion_does(tmp_path) -> None:
-    judged = findings(tmp_path, "reference", "mujoco")
+def test_reference_and_mujoco_decay_as_the_exact_motion_does() -> None:
+    judged = findings(FreeDecay(), Variant("reference"), MUJOCO)
     assert len(judged) == 2 * (8 + 7 + 7)
-    assert {finding.comparison.verdict for finding in judged} == {Verdict.AGREE}, [
-        finding for finding in judged if finding.comparison.verdict is not Verdict.AGREE
-    ]
+    assert not departing(judged)
 
 
-def test_friction_that_is_too_large_by_a_twentieth_is_found(tmp_path, monkeypatch) -> None:
+def test_friction_that_is_too_large_by_a_twentieth_is_found(monkeypatch) -> None:
     """It stops earlier and elsewhere, and loses more in a cycle."""
     rub_harder(monkeypatch, 1.05)
     wrong = {
         (finding.case, finding.metric.name): finding
-        for finding in findings(tmp_path, "mujoco")
+        for finding in findings(FreeDecay(), MUJOCO)
         if finding.comparison.verdict is Verdict.DISAGREE
     }
     loss = wrong["friction oscillator", "loss a cycle"]
@@ -66,10 +60,10 @@ def test_friction_that_is_too_large_by_a_twentieth_is_found(tmp_path, monkeypatc
     assert ("inner masses let go", "offsets") in wrong
 
 
-def test_variant_that_is_not_installed_is_blocked_in_every_metric(tmp_path, monkeypatch) -> None:
+def test_variant_that_is_not_installed_is_blocked_in_every_metric(monkeypatch) -> None:
     from engines.mujoco import MuJoCo
 
     monkeypatch.setattr(MuJoCo, "unavailable_reason", lambda _self: "no wheel")
-    judged = findings(tmp_path, "mujoco")
+    judged = findings(FreeDecay(), MUJOCO)
     assert {finding.comparison.verdict for finding in judged} == {Verdict.BLOCKED}
     assert "no wheel" in judged[0].comparison.reason

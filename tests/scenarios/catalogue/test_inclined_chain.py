@@ -5,18 +5,16 @@ import dataclasses
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.catalogue.base import run_with_predictions
 from scenarios.catalogue.transient import inclined_chain
 from scenarios.catalogue.transient.inclined_chain import RESPONSE, SLIPS, STEPS_PER_PERIOD, InclinedChainScenario
-from scenarios.runs.store import opened_store
 from scenarios.runs.transient import run_transients
-from scenarios.verdicts.finding import Finding, Verdict
+from scenarios.verdicts.finding import Verdict
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.installed import each_engine
-from tests.scenarios.in_process import departing, evaluator, incline_otherwise, press_harder
+from tests.scenarios.in_process import departing, findings, incline_otherwise, press_harder
 
 ALL_CASES, THREE_PERIODS = InclinedChainScenario.cases, 3 * STEPS_PER_PERIOD
-MUJOCO = Variant("mujoco", "contact")
+SCENARIO, MUJOCO = InclinedChainScenario(), Variant("mujoco", "contact")
 
 
 @pytest.fixture(autouse=True)
@@ -27,19 +25,14 @@ def short_slide(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(inclined_chain, "INCLINED_REFINEMENT", 2)
 
 
-def findings(*variants: Variant) -> list[Finding]:
-    with opened_store(None) as store, evaluator(store) as running:
-        return run_with_predictions(InclinedChainScenario(), variants, running)
-
-
 @pytest.mark.parametrize("name", each_engine(["mujoco", "dart"]))
 def test_engines_that_solve_normal_and_tangential_direction_together_agree(name) -> None:
-    assert not departing(findings(Variant(name, "contact"), REFERENCE))
+    assert not departing(findings(SCENARIO, Variant(name, "contact"), REFERENCE))
 
 
 @pytest.mark.needs("ode")
 def test_ode_bounds_friction_by_a_normal_force_that_knows_no_friction() -> None:
-    judged = departing(findings(Variant("ode", "contact")))
+    judged = departing(findings(SCENARIO, Variant("ode", "contact"), laws=True))
     assert {finding.metric for finding in judged} == {RESPONSE, SLIPS}
     assert all(finding.as_predicted for finding in judged)
 
@@ -47,7 +40,7 @@ def test_ode_bounds_friction_by_a_normal_force_that_knows_no_friction() -> None:
 @pytest.mark.needs("ode")
 def test_ode_pressed_a_hundredth_harder_is_not_as_its_law_predicts(monkeypatch) -> None:
     press_harder(monkeypatch, Variant("ode", "contact"), 1.01)
-    judged = departing(findings(Variant("ode", "contact")))
+    judged = departing(findings(SCENARIO, Variant("ode", "contact"), laws=True))
     assert judged
     assert not any(finding.as_predicted for finding in judged)
 
@@ -55,7 +48,7 @@ def test_ode_pressed_a_hundredth_harder_is_not_as_its_law_predicts(monkeypatch) 
 @pytest.mark.parametrize("factor", [-1.0, 0.0, 0.9], ids=["wrong sign", "none", "a tenth too small"])
 def test_another_inclination_moves_otherwise(factor, monkeypatch) -> None:
     incline_otherwise(monkeypatch, factor)
-    assert {finding.metric for finding in departing(findings(MUJOCO))} >= {SLIPS}
+    assert {finding.metric for finding in departing(findings(SCENARIO, MUJOCO))} >= {SLIPS}
 
 
 @pytest.mark.parametrize(
@@ -77,6 +70,6 @@ def test_every_case_is_of_the_contacts_that_it_is_named_after(title, stuck, open
 
 
 def test_engines_that_cannot_incline_their_contacts_say_so() -> None:
-    judged = findings(Variant("pybullet", "contact"), Variant("mujoco"))
+    judged = findings(SCENARIO, Variant("pybullet", "contact"), Variant("mujoco"))
     assert {finding.comparison.verdict for finding in judged} == {Verdict.BLOCKED}
     assert all("cannot incline its contacts" in finding.comparison.reason for finding in judged)

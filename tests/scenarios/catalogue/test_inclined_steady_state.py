@@ -5,13 +5,12 @@ import pytest
 from engines.interface.variant import Variant
 from scenarios.catalogue.steady import inclined_steady_state
 from scenarios.catalogue.steady.inclined_steady_state import STUCK, InclinedSteadyState
-from scenarios.runs.store import opened_store
-from scenarios.verdicts.finding import TRANSMITTANCE, Finding, Verdict
+from scenarios.verdicts.finding import TRANSMITTANCE, Verdict
 from scenarios.verdicts.steady_case import REFERENCE
 from tests.installed import each_variant
-from tests.scenarios.in_process import departing, evaluator, incline_otherwise
+from tests.scenarios.in_process import departing, findings, incline_otherwise
 
-SLIDING = InclinedSteadyState.cases[0]
+SCENARIO, SLIDING = InclinedSteadyState(), InclinedSteadyState.cases[0]
 MUJOCO, ODE = Variant("mujoco", "contact"), Variant("ode", "contact")
 
 
@@ -22,19 +21,14 @@ def few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(inclined_steady_state, "BASELINE", (1, 2, 4))
 
 
-def findings(*variants: Variant) -> list[Finding]:
-    with opened_store(None) as store, evaluator(store) as running:
-        return InclinedSteadyState().run(variants, running)
-
-
 @pytest.mark.parametrize("variant", each_variant([MUJOCO, Variant("dart", "contact", "sphere")]))
 def test_engines_that_solve_normal_and_tangential_direction_together_agree(variant) -> None:
-    assert not departing(findings(variant, REFERENCE))
+    assert not departing(findings(SCENARIO, variant, REFERENCE))
 
 
 @pytest.mark.needs("ode")
 def test_ode_slides_under_a_normal_force_that_knows_no_friction() -> None:
-    judged = findings(ODE)
+    judged = findings(SCENARIO, ODE)
     (transmittance,) = (finding for finding in departing(judged) if finding.metric is TRANSMITTANCE)
     assert -0.3 < transmittance.comparison.difference < -0.1
 
@@ -43,18 +37,18 @@ def test_ode_slides_under_a_normal_force_that_knows_no_friction() -> None:
 def test_another_inclination_has_another_transmittance(factor, monkeypatch) -> None:
     """But for that of the other sign: the mirrored motion has the same."""
     incline_otherwise(monkeypatch, factor)
-    assert TRANSMITTANCE in {finding.metric for finding in departing(findings(MUJOCO))}
+    assert TRANSMITTANCE in {finding.metric for finding in departing(findings(SCENARIO, MUJOCO))}
 
 
 @pytest.mark.needs("ode")
 def test_stuck_chain_is_the_linear_one(monkeypatch) -> None:
     monkeypatch.setattr(InclinedSteadyState, "cases", (STUCK,))
-    judged = findings(REFERENCE, ODE)
+    judged = findings(SCENARIO, REFERENCE, ODE)
     assert not departing(judged)
     assert {abs(finding.expected + 0.503) < 1e-3 for finding in judged if finding.metric is TRANSMITTANCE} == {True}
 
 
 def test_engines_that_cannot_incline_their_contacts_say_so() -> None:
-    judged = findings(Variant("pybullet", "contact"), Variant("mujoco"))
+    judged = findings(SCENARIO, Variant("pybullet", "contact"), Variant("mujoco"))
     assert {finding.comparison.verdict for finding in judged} == {Verdict.BLOCKED}
     assert all("cannot incline its contacts" in finding.comparison.reason for finding in judged)

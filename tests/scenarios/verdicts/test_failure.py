@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from engines.interface.variant import Variant
-from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.runs.result import Result
 from scenarios.verdicts.finding import (
     TRANSMITTANCE,

@@ -7,7 +7,7 @@ import pytest
 
 from engines.interface.variant import Variant
 from reference_lcp.chain.linear_response import frictionless_response
-from scenarios.catalogue import CATALOGUE
+from scenarios.catalogue.registry import CATALOGUE
 from scenarios.catalogue.steady.base import SAME_STEP
 from scenarios.runs.result import Result
 from scenarios.verdicts.finding import (
