@@ -16,7 +16,6 @@ from reports.data.report import Report
 from reports.drawing.printing import DrawnFigures
 from reports.export.files import FILES, NETCDF, PAGE, cards_beside, files_of, write_all
 from reports.page.render import FIGURES
-from scenarios.runs import TIME_LIMIT
 from scenarios.runs.dask_cluster import executor_for
 from scenarios.runs.evaluator import Evaluator, StoredResults
 from scenarios.runs.executor import Executor
@@ -80,7 +79,7 @@ def write_sweep_report(
 ) -> Written:
     """Write the report of a sweep, in which the reference takes part."""
     chosen = scope or Scope()
-    executor = executor or executor_for(None, TIME_LIMIT, None)
+    executor = executor or executor_for()
     file = store or folder / STORE
     check_folder("folder", folder, [file])
     with ExitStack() as stack:

@@ -1,6 +1,7 @@
 """Workers of a dask cluster that runs already, on this machine or on many."""
 
 import logging
+import sys
 import threading
 import time
 from collections.abc import Collection
@@ -9,9 +10,9 @@ from typing import Any
 
 from reference_lcp.errors import ParameterError, shown
 from scenarios.runs import TIME_LIMIT
-from scenarios.runs.executor import Batch, Executor, Run, WorkerDied, WorkerExecutor
+from scenarios.runs.executor import Batch, Executor, InProcessExecutor, Run, WorkerDied, WorkerExecutor
 from scenarios.runs.failures import ExecutorError, text_of
-from scenarios.runs.local_processes import LocalExecutor, executor_here
+from scenarios.runs.local_processes import LocalExecutor, unavailable_reason
 from scenarios.runs.result import Result
 from scenarios.runs.worker import identity_of
 
@@ -44,10 +45,20 @@ CLOSE_SECONDS = 1
 """How long disconnecting may take, from a scheduler that does not reply either."""
 
 
-def executor_for(workers: int | None, time_limit: float, scheduler: str | None) -> Executor:
-    """Give the workers of a scheduler where one is named, or else those of this machine; both are refused."""
+def executor_for(workers: int | None = None, time_limit: float = TIME_LIMIT, scheduler: str | None = None) -> Executor:
+    """Give the workers of a scheduler where one is named, or those of this machine, or this process where it has none.
+
+    Without processes there is one worker, and nothing is stopped at the limit; more workers are refused.
+    """
     if scheduler is None:
-        return executor_here(workers, time_limit)
+        executor = LocalExecutor(workers, time_limit)  # it starts nothing so far
+        reason = unavailable_reason()
+        if reason is None:
+            return executor
+        if workers not in (None, 1):
+            raise ParameterError(f"workers = {workers}; allowed here: 1, since {reason}")
+        print(f"{reason}: one that crashes or hangs ends the command; what is stored stays", file=sys.stderr)
+        return InProcessExecutor()
     if not isinstance(scheduler, str):
         raise ParameterError(f"scheduler = {shown(scheduler)}; allowed: an address such as 'tcp://node1:8786'")
     if workers is not None:

@@ -14,10 +14,9 @@ from threading import Thread, Timer
 
 from engines.interface import registry
 from engines.isolated.process import FATAL, place_of_crash
-from reference_lcp.errors import ParameterError
 from reference_lcp.terminal import say_in_terminal
 from scenarios.runs import TIME_LIMIT
-from scenarios.runs.executor import KILLED, Batch, Executor, InProcessExecutor, Run, WorkerDied, WorkerExecutor
+from scenarios.runs.executor import KILLED, Batch, Run, WorkerDied, WorkerExecutor
 from scenarios.runs.failures import ExecutorError
 from scenarios.runs.result import Result
 from scenarios.runs.worker import Begun, identity_of
@@ -144,21 +143,6 @@ class LocalWorker:
         if begun.preparation:
             return WorkerDied(f"{begun.preparation}: {reason}", preparing=True)
         return WorkerDied(reason, by_engine=True)
-
-
-def executor_here(workers: int | None = None, time_limit: float = TIME_LIMIT) -> Executor:
-    """Give what runs batches on this machine: worker processes, or this process where the system has none.
-
-    Without processes there is one worker, and nothing is stopped at the limit; more workers are refused.
-    """
-    executor = LocalExecutor(workers, time_limit)  # it starts nothing so far
-    reason = unavailable_reason()
-    if reason is None:
-        return executor
-    if workers not in (None, 1):
-        raise ParameterError(f"workers = {workers}; allowed here: 1, since {reason}")
-    print(f"{reason}: one that crashes or hangs ends the command; what is stored stays", file=sys.stderr)
-    return InProcessExecutor()
 
 
 def unavailable_reason() -> str | None:

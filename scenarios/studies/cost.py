@@ -10,8 +10,8 @@ import numpy as np
 from engines.interface.variant import Variant
 from engines.shared.step_cost import StepCost, step_cost
 from reference_lcp.defaults import MINIMUM_STEPS_PER_PERIOD
+from scenarios.runs.dask_cluster import executor_for
 from scenarios.runs.executor import Batch
-from scenarios.runs.local_processes import executor_here
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import Result
 from scenarios.runs.task import SteadyStateTask
@@ -90,7 +90,7 @@ def _batches(variant: Variant, point: float, seconds: float) -> list[Batch]:
 
 def _timed(batches: Sequence[Batch], workers: int) -> tuple[float, list[Result]]:
     """Run batches in so many workers; gives the seconds, and the results."""
-    with executor_here(workers) as executor:
+    with executor_for(workers) as executor:
         for _ in executor.run([batches[0][:1]] * workers):  # starts the processes, and imports the engine in each
             pass
         begin = time.perf_counter()

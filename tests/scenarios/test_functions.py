@@ -10,7 +10,6 @@ import xarray as xr
 
 from reference_lcp import Chain, HarmonicBase, HarmonicForce, ParameterError, steady_state
 from scenarios import check, functions, sweep
-from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.executor import InProcessExecutor
 
 MASSES = [1.0, 0.8, 1.2]
@@ -106,11 +105,9 @@ def test_every_point_has_a_verdict_where_the_reference_takes_part() -> None:
 def test_second_call_takes_everything_from_the_store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     given = {"friction_ratio": [0.1, 0.3], "frequency_ratio": 0.9, "chain": {"cells": 2}, "store": tmp_path / "s.db"}
     first = sweep("reference", **given)
-
-    def refuse(*_arguments):
-        raise AssertionError("a task is run whose result is known")
-
-    monkeypatch.setattr(Evaluator, "_run", lambda _self, tasks: refuse() if list(tasks) else iter(()))
+    monkeypatch.setattr(
+        "scenarios.runs.executor.run_batch", lambda _: pytest.fail("a task is run whose result is known")
+    )
     second = sweep("reference", **given)
     xr.testing.assert_identical(first, second)
 
@@ -144,7 +141,7 @@ def test_check_gives_a_row_a_number() -> None:
 def test_mistake_is_named_before_any_work(
     arguments: dict[str, object], message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Evaluator, "_run", lambda *_: pytest.fail("something was computed"))
+    monkeypatch.setattr("scenarios.runs.evaluator.Evaluator.complete", lambda *_: pytest.fail("computed"))
     whole = {"engines": "reference", "friction_ratio": 0.3, "frequency_ratio": 0.9, **arguments}
     with pytest.raises(ParameterError, match=message.replace("(", "\\(")):
         sweep(**whole)

@@ -1,12 +1,14 @@
 """Tasks that tests of runs ask for, and the processes that they look at."""
 
+import contextlib
+import resource
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from engines.interface.variant import Variant
 from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import Executor
+from scenarios.runs.executor import Executor, InProcessExecutor
 from scenarios.runs.parameters import ChainRatios
 from scenarios.runs.result import Result
 from scenarios.runs.store import opened_store
@@ -22,6 +24,18 @@ def steady(
     return SteadyStateTask(variant=variant, frequency_ratio=frequency_ratio, **(usual | more))
 
 
+class Invented(InProcessExecutor):
+    """Gives results without a computation, and notes what it has run."""
+
+    def __init__(self, result: Callable[[SteadyStateTask], Result]):
+        self.result, self.ran = result, []
+
+    def run(self, batches):
+        for batch in batches:
+            self.ran += batch
+            yield batch, [self.result(task) for task in batch]
+
+
 def running(process: int) -> bool:
     """Whether a process is there, other than as an entry that nobody has read."""
     try:
@@ -30,12 +44,17 @@ def running(process: int) -> bool:
         return False
 
 
+def eventually(condition: Callable[[], bool], within: float) -> bool:
+    """Whether something comes true within so many seconds."""
+    until = time.monotonic() + within
+    while not (true := condition()) and time.monotonic() < until:
+        time.sleep(0.01)
+    return true
+
+
 def ended(processes: Iterable[int], within: float) -> bool:
     """Whether all of these end within so many seconds."""
-    left, until = list(processes), time.monotonic() + within
-    while any(map(running, left)) and time.monotonic() < until:
-        time.sleep(0.01)
-    return not any(map(running, left))
+    return eventually(lambda: not any(map(running, processes)), within)
 
 
 def evaluated(
@@ -56,3 +75,14 @@ def numbers(engines: Iterable[str], ratios: Iterable[float], executor: Executor)
     """Evaluate tasks, see `evaluated`; gives what must not depend on who runs them, bit for bit."""
     results = evaluated(engines, ratios, executor).values()
     return [(result.transmittance_db, result.residual, result.transitions) for result in results]
+
+
+@contextlib.contextmanager
+def files_up_to(size: int) -> Iterator[None]:
+    """Let no file become larger than this [bytes]: it stands for a disk that is full."""
+    old = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, old[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, old)

@@ -1,6 +1,5 @@
 """Damage of a store: no traceback, no wrong number believed, nothing overwritten, good rows saved."""
 
-import resource
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -15,7 +14,7 @@ from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore
 from scenarios.runs.store_check import check_store, salvage
 from scenarios.verdicts.stored import read_all
-from tests.scenarios.runs.builders import steady
+from tests.scenarios.runs.builders import files_up_to, steady
 
 TASKS = [steady(0.5 + k / 10) for k in range(12)]
 RESULTS = [
@@ -86,14 +85,9 @@ def test_an_intact_store_has_no_damage_and_a_salvage_overwrites_nothing(file, ca
 
 
 def test_a_salvage_that_finds_no_room_leaves_nothing(file, tmp_path) -> None:
-    """A limit on the size of files stands for the disk."""
     good = check_store(file)
     before = set(tmp_path.iterdir())
-    old = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (file.stat().st_size - 4096, old[1]))
-    try:
-        with pytest.raises(RunError, match=r"good\.sqlite cannot be written: .*; it is not there"):
-            salvage(good, tmp_path / "good.sqlite")
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, old)
+    refused = pytest.raises(RunError, match=r"good\.sqlite cannot be written: .*; it is not there")
+    with files_up_to(file.stat().st_size - 4096), refused:
+        salvage(good, tmp_path / "good.sqlite")
     assert set(tmp_path.iterdir()) == before

@@ -14,7 +14,7 @@ from scenarios.runs import local_processes
 from scenarios.runs.local_processes import LocalExecutor, LocalWorker
 from scenarios.runs.result import LONGEST_REASON, Result
 from scenarios.runs.worker_template import PRINTED_BYTES, START_SECONDS
-from tests.scenarios.runs.builders import ended, evaluated, running, statuses
+from tests.scenarios.runs.builders import ended, evaluated, eventually, running, statuses
 
 LIMIT = 8.0
 """Seconds that a batch may take: importing an engine and its compiled code takes some on a machine that is busy."""
@@ -148,13 +148,9 @@ evaluated(["faulty-sound"], [0.4 + 1e-3 * k for k in range(400)], LocalExecutor(
 def test_workers_end_with_their_client(signalled) -> None:
     """kill −9 leaves no time to say goodbye, Ctrl-C must not wait for a batch; nothing may compute for nobody."""
     client = subprocess.Popen([sys.executable, "-c", CLIENT], stderr=subprocess.DEVNULL)
-    processes: set[int] = set()
-    give_up = time.monotonic() + 60
-    while len(processes) < PROCESSES and time.monotonic() < give_up:
-        time.sleep(0.1)
-        processes = descendants_of(client.pid)
-    assert len(processes) == PROCESSES
+    assert eventually(lambda: len(descendants_of(client.pid)) == PROCESSES, within=60)
     time.sleep(3)
+    processes = descendants_of(client.pid)
     os.kill(client.pid, signalled)
     client.wait(10)
     assert ended(processes, START_SECONDS)

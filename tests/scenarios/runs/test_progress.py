@@ -4,14 +4,13 @@ import pytest
 
 from engines.interface.variant import Variant
 from scenarios.runs.evaluator import Evaluator
-from scenarios.runs.executor import InProcessExecutor
 from scenarios.runs.progress import ProgressBars
 from scenarios.runs.result import Result
 from scenarios.studies.figure3 import figure3
 from scenarios.sweeps.point import tasks_of
 from scenarios.sweeps.sweep import Case
 from scenarios.verdicts.steady_case import CONVERGED, REFERENCE
-from tests.scenarios.runs.builders import steady
+from tests.scenarios.runs.builders import Invented, steady
 
 
 def counts(bars: ProgressBars) -> dict[str, tuple[int, int]]:
@@ -23,12 +22,8 @@ def counts(bars: ProgressBars) -> dict[str, tuple[int, int]]:
     }
 
 
-class Invented(InProcessExecutor):
-    """Results without a computation."""
-
-    def run(self, batches):
-        for batch in batches:
-            yield batch, [Result(status="converged", transmittance_db=task.frequency_ratio) for task in batch]
+def invented() -> Invented:
+    return Invented(lambda task: Result(status="converged", transmittance_db=task.frequency_ratio))
 
 
 def test_the_grid_is_expected_from_the_start_and_a_task_counts_once(store) -> None:
@@ -37,7 +32,7 @@ def test_the_grid_is_expected_from_the_start_and_a_task_counts_once(store) -> No
     bars = ProgressBars((), tasks_of(asked, list(asked.grid_points())))
     assert counts(bars) == {CONVERGED.title: (0, 4), REFERENCE.title: (0, 12)}
     on_grid, added = asked.task(REFERENCE, case, 0.5), asked.task(REFERENCE, case, 0.6)
-    with Evaluator(store, Invented(), bars) as evaluator:
+    with Evaluator(store, invented(), bars) as evaluator:
         answers = evaluator.evaluate([on_grid, added, on_grid])
         evaluator.evaluate([added])
     assert [answer.transmittance_db for answer in answers] == [0.5, 0.6, 0.5]
@@ -48,7 +43,7 @@ def test_what_is_looked_up_again_counts_once(store) -> None:
     """A sweep completes its points, and reads them again to judge them."""
     tasks = tasks_of(asked := figure3((), (0.3,), (0.5, 0.7)), list(asked.grid_points()))
     bars = ProgressBars((), tasks)
-    with Evaluator(store, Invented(), bars) as evaluator:
+    with Evaluator(store, invented(), bars) as evaluator:
         evaluator.complete(tasks)
         evaluator.evaluate(tasks)
     assert counts(bars) == {CONVERGED.title: (2, 2), REFERENCE.title: (6, 6)}

@@ -18,7 +18,7 @@ from scenarios.runs.local_processes import LocalExecutor
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.store import ResultStore, digest_of
 from scenarios.runs.task import Recorded, SteadyStateTask
-from tests.scenarios.runs.builders import numbers, steady
+from tests.scenarios.runs.builders import Invented, numbers, steady
 
 
 def test_kept_answer_is_found_by_an_equal_question_only(store) -> None:
@@ -26,19 +26,6 @@ def test_kept_answer_is_found_by_an_equal_question_only(store) -> None:
     assert store.find(steady()).transmittance_db == 1.0
     for other in (steady(friction_ratio=0.4), steady(0.91), steady(steps_per_period=800), steady(variant="mujoco")):
         assert store.find(other) is None
-
-
-class Recording(InProcessExecutor):
-    """Gives results by frequency ratio, and records what it has run."""
-
-    def __init__(self, results: dict[float, Result]):
-        self.results = results
-        self.ran = []
-
-    def run(self, batches):
-        for batch in batches:
-            self.ran += [task.frequency_ratio for task in batch]
-            yield batch, [self.results[task.frequency_ratio] for task in batch]
 
 
 CRASHED = Result.blocked("crashed", by_engine=True)
@@ -56,10 +43,12 @@ def test_what_an_engine_blocked_is_recalled_and_run_again_on_request_other_block
         return {each: ends[each] for each in tasks}
 
     def run(results: list[Result], **options: bool) -> tuple[list[str], list[float]]:
-        executor = Recording(dict(zip((0.5, 0.7, 0.9), results, strict=True)))
+        executor = Invented(dict(zip(tasks, results, strict=True)).__getitem__)
         with Evaluator(store, executor, **options) as evaluator:
             ends = completed(evaluator) if release else dict(zip(tasks, evaluator.evaluate(tasks), strict=True))
-        return [f"{ends[task].status} {ends[task].reason}".strip() for task in tasks], executor.ran
+        return [f"{ends[task].status} {ends[task].reason}".strip() for task in tasks], [
+            task.frequency_ratio for task in executor.ran
+        ]
 
     blocked = ["blocked crashed", "blocked the worker process was killed", "converged"]
     assert run([CRASHED, KILLED, GOOD]) == (blocked, [0.5, 0.7, 0.9])
@@ -134,11 +123,7 @@ def test_complete_takes_tasks_a_part_at_a_time_as_their_results_come(store, monk
     taken, tasks = [], [steady(0.5 + 0.1 * k) for k in range(7)]
     store.keep([(tasks[4], Result(status=ResultStatus.PERIOD_LIMIT, periods=400))])
 
-    class Invented(InProcessExecutor):
-        def run(self, batches):
-            return ((batch, [Result(status="converged", periods=9)]) for batch in batches)
-
-    evaluator = Evaluator(store, Invented())
+    evaluator = Evaluator(store, Invented(lambda _task: Result(status="converged", periods=9)))
     ends, in_memory = {}, []
 
     def note(task, end) -> None:

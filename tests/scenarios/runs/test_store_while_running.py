@@ -1,7 +1,6 @@
 """A store that is locked, full, gone or read-only while a command runs: it waits, or ends with what it has."""
 
 import contextlib
-import resource
 import subprocess
 import sys
 import threading
@@ -15,7 +14,7 @@ from reports.cli.console_script import app
 from scenarios.runs import store as module
 from scenarios.runs.result import Result
 from scenarios.runs.store import ResultStore
-from tests.scenarios.runs.builders import steady
+from tests.scenarios.runs.builders import files_up_to, steady
 
 LOCK = """
 import sqlite3, sys
@@ -176,15 +175,10 @@ ROOM = 300_000
 def test_a_sweep_that_runs_out_of_room_ends_with_exit_code_3_and_goes_on_from_there(
     tmp_path, monkeypatch, capsys
 ) -> None:
-    """A limit on the size of files stands for the disk."""
     monkeypatch.chdir(tmp_path)
     Path("sweep.toml").write_text(SWEEP)
-    old = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (ROOM, old[1]))
-    try:
+    with files_up_to(ROOM):
         assert run_command(app, ["sweep", "sweep.toml", "--workers", "1"]) == ExitCode.RUN_FAILED
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, old)
     errors = [line for line in capsys.readouterr().err.splitlines() if line.startswith("error: ")]
     assert len(errors) == 1
     assert "store sweep.sqlite cannot be used any more: disk I/O error; what it holds stays" in errors[0]

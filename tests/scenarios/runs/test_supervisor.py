@@ -4,14 +4,13 @@ import contextlib
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from scenarios.runs.worker_template import PRINTED_BYTES
-from tests.scenarios.runs.builders import ended, running
+from tests.scenarios.runs.builders import ended, eventually, running
 
 END_SECONDS = 5.0
 """Within which all have to end, on a machine that is busy."""
@@ -55,10 +54,7 @@ def started(folder: Path, worker: str, program: str = PROGRAM) -> Iterator[tuple
     supervisor = subprocess.Popen(command, pass_fds=[released], start_new_session=True)
     os.close(released)
     try:
-        until = time.monotonic() + 60
-        while not note.exists():
-            assert time.monotonic() < until
-            time.sleep(0.01)
+        assert eventually(note.exists, within=60)
         yield supervisor, lifeline, int(note.read_text())
     finally:
         with contextlib.suppress(OSError):

@@ -46,7 +46,7 @@ transmittance_db = 0.01
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(dask_cluster, "executor_here", lambda *_: InProcessExecutor())
+    monkeypatch.setattr(dask_cluster, "executor_for", lambda *_: InProcessExecutor())
     return written(tmp_path, CONTENT)
 
 
