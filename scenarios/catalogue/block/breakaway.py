@@ -72,16 +72,13 @@ class Pull(NamedTuple):
         return f"{self.scale.title}, {1e3 * self.time_step:g} ms"
 
 
-PULLS = tuple(Pull(scale, step) for scale in SCALES for step in TIME_STEPS)
-
-
 class Breakaway(BlockScenario[Pull]):
     """Dry friction holds up to its bound and not beyond; a regularised one slips from the first load on."""
 
     name = "breakaway"
     source = "Coulomb's law: a contact slips where the load passes μ λ_N; a tilting table's angle is arctan μ."
     metrics = (FRACTION,)
-    cases = PULLS
+    cases = tuple(Pull(scale, step) for scale in SCALES for step in TIME_STEPS)
 
     def parameters(self) -> list[str]:
         """Give the load, and what counts as a slip; see `Scenario.parameters`."""

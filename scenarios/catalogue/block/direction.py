@@ -66,16 +66,13 @@ class Slide(Throw):
         return f"{self.scale.title}, {self.velocity:.3g} m/s, {self.angle}°"
 
 
-SLIDES = tuple(Slide(scale, time, angle) for scale in SCALES for time in STOPPING_TIMES for angle in ANGLES)
-
-
 class Direction(BlockScenario[Slide]):
     """Coulomb's cone is round; pyramids have edges, by which friction is too large, or faces, by which too small."""
 
     name = "direction"
     source = "Coulomb's law: |λ_T| = μ λ_N against the slip. As users ask it: RobotLocomotion/drake, issue 18932."
     metrics = (BOUND,)
-    cases = SLIDES
+    cases = tuple(Slide(scale, time, angle) for scale in SCALES for time in STOPPING_TIMES for angle in ANGLES)
 
     def parameters(self) -> list[str]:
         """Give the steps; see `Scenario.parameters`."""

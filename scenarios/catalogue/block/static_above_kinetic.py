@@ -115,16 +115,13 @@ class Release(NamedTuple):
         return f"{self.scale.title}, {self.static_ratio:g}"
 
 
-RELEASES = tuple(Release(scale, ratio) for scale in SCALES for ratio in STATIC_RATIOS)
-
-
 class StaticAboveKinetic(BlockScenario[Release]):
     """What is held by one coefficient of friction, and slides with another, sticks and slips in jumps."""
 
     name = "static-above-kinetic"
     source = "Coulomb's law with μ_s > μ_k: at rest up to μ_s λ_N, then m_r s̈ + k s = F − μ_k λ_N until it rests."
     metrics = (BREAKAWAY, JUMP)
-    cases = RELEASES
+    cases = tuple(Release(scale, ratio) for scale in SCALES for ratio in STATIC_RATIOS)
 
     def parameters(self) -> list[str]:
         """Give the ratios, the load and the steps; see `Scenario.parameters`."""

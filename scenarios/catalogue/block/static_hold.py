@@ -74,16 +74,13 @@ class Hold(NamedTuple):
         return f"{self.scale.title}, load {self.load:g}{shaken}"
 
 
-HOLDS = tuple(Hold(scale, load, shaken) for scale in SCALES for shaken in (False, True) for load in LOADS)
-
-
 class StaticHold(BlockScenario[Hold]):
     """Coulomb friction holds a load below its bound without any motion; regularised friction lets it creep."""
 
     name = "static-hold"
     source = "Coulomb's law: |λ_T| < μ λ_N means no slip. As users ask it: google-deepmind/mujoco, issue 3328."
     metrics = (CREEP, GROWTH, SAG)
-    cases = HOLDS
+    cases = tuple(Hold(scale, load, shaken) for scale in SCALES for shaken in (False, True) for load in LOADS)
 
     def parameters(self) -> list[str]:
         """Give load, vibration and steps; see `Scenario.parameters`."""

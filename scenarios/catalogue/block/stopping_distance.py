@@ -40,16 +40,13 @@ class Stop(Throw):
         return f"{self.scale.title}, {self.velocity:.3g} m/s"
 
 
-THROWS = tuple(Stop(scale, time) for scale in SCALES for time in STOPPING_TIMES)
-
-
 class StoppingDistance(BlockScenario[Stop]):
     """Sliding friction takes the velocity away at μ λ_N / m, and friction at rest keeps the block where it stops."""
 
     name = "stopping-distance"
     source = "Motion under a constant force, v² / (2 μ g) of a block under its own weight: any textbook of mechanics."
     metrics = (DISTANCE, TIME, DRIFT)
-    cases = THROWS
+    cases = tuple(Stop(scale, time) for scale in SCALES for time in STOPPING_TIMES)
 
     def parameters(self) -> list[str]:
         """Give the steps; see `Scenario.parameters`."""
