@@ -32,14 +32,11 @@ def no_computation(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "period_of", refuse)
 
 
-def test_a_gif_has_as_many_frames_as_asked(tmp_path: Path) -> None:
-    write_animation(QUESTION, motion(), 8, tmp_path / "chain.gif")
+def test_a_file_has_as_many_frames_as_asked_and_a_page_holds_every_one_itself(tmp_path: Path) -> None:
+    for name in ("chain.gif", "chain.html"):
+        write_animation(QUESTION, motion(), 8, tmp_path / name)
     with Image.open(tmp_path / "chain.gif") as picture:
         assert picture.n_frames == 8
-
-
-def test_a_page_holds_every_frame_itself(tmp_path: Path) -> None:
-    write_animation(QUESTION, motion(), 8, tmp_path / "chain.html")
     assert (tmp_path / "chain.html").read_text().count("data:image/png;base64") == 8
 
 

@@ -72,8 +72,3 @@ def test_a_shell_completes_commands_scenarios_and_engines(words: str, expected: 
 def test_version_is_that_of_the_distribution(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_command(app, ["--version"]) == 0
     assert capsys.readouterr().out == f"multibody-xval {metadata.version('multibody-xval')}\n"
-
-
-def test_command_that_is_not_there_is_wrong_input(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_command(app, ["repot"]) == 2
-    assert "No such command 'repot'" in capsys.readouterr().err

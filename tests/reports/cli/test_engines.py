@@ -12,9 +12,14 @@ from reference_lcp.process import run_command
 from reports.cli.engines import app
 
 
+def printed_by(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    """Give what a command prints, in one line."""
+    assert run_command(app, list(arguments)) == 0
+    return " ".join(capsys.readouterr().out.split())
+
+
 def test_json_describes_every_registered_engine(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_command(app, ["--json"]) == 0
-    rows = json.loads(capsys.readouterr().out)
+    rows = json.loads(printed_by(capsys, "--json"))
     assert [row["engine"] for row in rows] == engine_names()
     for row in rows:
         assert (row["version"] is None) == (row["missing"] is not None)
@@ -30,8 +35,7 @@ def test_missing_engine_is_listed_with_its_reason(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(PyBullet, "unavailable_reason", lambda _self: "no wheel for this Python")
-    assert run_command(app, []) == 0
-    printed = capsys.readouterr().out
+    printed = printed_by(capsys)
     assert "missing" in printed
     assert "pybullet: no wheel for this Python" in printed
 
@@ -53,8 +57,7 @@ def test_unknown_option_is_one_line_and_exit_code_2(capsys: pytest.CaptureFixtur
 
 
 def test_law_is_printed_with_its_constants_and_how_near_the_engine_is(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_command(app, ["law", "mujoco:joint:default"]) == 0
-    printed = " ".join(capsys.readouterr().out.split())
+    printed = printed_by(capsys, "law", "mujoco:joint:default")
     assert "mujoco:joint:default: forces at the start of the step" in printed
     assert "d_max 0.95" in printed
     assert re.search(r"at 18 points: at most \S+ U0 from its law, 0\.1\d U0 from the reference", printed)
@@ -70,39 +73,32 @@ def test_law_is_printed_with_its_constants_and_how_near_the_engine_is(capsys: py
 def test_preset_without_a_model_says_what_it_is_instead(
     capsys: pytest.CaptureFixture[str], name: str, said: str
 ) -> None:
-    assert run_command(app, ["law", name]) == 0
-    assert re.search(said, " ".join(capsys.readouterr().out.split()))
+    assert re.search(said, printed_by(capsys, "law", name))
 
 
 def test_law_that_holds_at_no_point_is_not_measured(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_command(app, ["law", "exudyn-regularised:joint:default:frictionProportionalZone=1e-9"]) == 0
-    printed = " ".join(capsys.readouterr().out.split())
+    printed = printed_by(capsys, "law", "exudyn-regularised:joint:default:frictionProportionalZone=1e-9")
     assert "not measured: it does not claim to hold at any of 18 points: the kick F h / m_red of a step is" in printed
 
 
 @pytest.mark.parametrize(
     ("setting", "said"),
     [
-        (
-            "normal time constant=0.0",
-            "not measured: engine or law fails with ZeroDivisionError: float division",
-        ),
+        ("normal time constant=0.0", "not measured: engine or law fails with ZeroDivisionError: float division"),
         ("normal time constant=1e-9", "the engine's positions are not finite"),
     ],
 )
 def test_law_of_an_engine_that_fails_is_not_measured(
     capsys: pytest.CaptureFixture[str], setting: str, said: str
 ) -> None:
-    assert run_command(app, ["law", f"mujoco:contact:default:{setting}"]) == 0
-    assert said in " ".join(capsys.readouterr().out.split())
+    assert said in printed_by(capsys, "law", f"mujoco:contact:default:{setting}")
 
 
 def test_law_of_an_engine_that_is_missing_is_not_measured(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(PyBullet, "unavailable_reason", lambda _self: "no wheel for this Python")
-    assert run_command(app, ["law", "pybullet:joint:default"]) == 0
-    assert "not measured here, no wheel for this Python" in " ".join(capsys.readouterr().out.split())
+    assert "not measured here, no wheel for this Python" in printed_by(capsys, "law", "pybullet:joint:default")
 
 
 def test_texts_of_a_plugin_neither_colour_nor_move_the_table(

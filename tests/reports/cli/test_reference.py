@@ -19,10 +19,15 @@ def run(capsys, *arguments):
     return code, captured.out, captured.err
 
 
-def test_json_has_the_promised_keys_and_the_steady_state(capsys) -> None:
-    code, out, _ = run(capsys, "--friction-ratio", "0.3", "--frequency-ratio", "0.9", "--json")
-    answer = json.loads(out)
+def answered(capsys, *arguments):
+    """Give what a command prints as JSON."""
+    code, out, _ = run(capsys, *arguments, "--json")
     assert code == 0
+    return json.loads(out)
+
+
+def test_json_has_the_promised_keys_and_the_steady_state(capsys) -> None:
+    answer = answered(capsys, "--friction-ratio", "0.3", "--frequency-ratio", "0.9")
     assert answer["transmittance_db"] == pytest.approx(-9.561, abs=0.02)
     assert answer["residual"] <= 1e-8
     assert len(answer["stuck_fraction"]) == 7
@@ -31,22 +36,18 @@ def test_json_has_the_promised_keys_and_the_steady_state(capsys) -> None:
 
 
 def test_every_parameter_of_the_chain_is_understood(capsys) -> None:
-    code, out, _ = run(
+    answer = answered(
         capsys, "--mass-ratio", "0.3", "--stiffness-ratio", "0.075", "--damping-ratio", "0.02",
         "--inner-damping-ratio", "0.01", "--cells", "2", "--steps-per-period", "800", "--solver", "compiled",
-        "--base-amplitude", "0.02", "--tolerance", "1e-7", "--max-periods", "300", "--json",
+        "--base-amplitude", "0.02", "--tolerance", "1e-7", "--max-periods", "300",
     )  # fmt: skip
-    answer = json.loads(out)
-    assert code == 0
     assert len(answer["stuck_fraction"]) == 2
     assert answer["status"] == "converged"
 
 
 def test_units_of_the_base_motion_do_not_change_the_transmittance(capsys) -> None:
-    answers = [
-        json.loads(run(capsys, "--base-amplitude", amplitude, "--json")[1])["transmittance_db"]
-        for amplitude in ("1e-6", "0.01", "100")
-    ]
+    amplitudes = ("1e-6", "0.01", "100")
+    answers = [answered(capsys, "--base-amplitude", amplitude)["transmittance_db"] for amplitude in amplitudes]
     assert answers == pytest.approx([answers[0]] * 3, abs=1e-6)
 
 
@@ -58,19 +59,14 @@ def test_text_shows_every_cell(capsys) -> None:
 
 
 def test_lemke_prints_the_same_transmittance_to_1e_9_db(capsys) -> None:
-    arguments = ("--cells", "1", "--friction-ratio", "0.3", "--frequency-ratio", "0.8", "--json")
-    lemke, compiled = (
-        json.loads(run(capsys, *arguments, "--solver", solver)[1])["transmittance_db"]
-        for solver in ("lemke", "compiled")
-    )
+    arguments = ("--cells", "1", "--friction-ratio", "0.3", "--frequency-ratio", "0.8", "--solver")
+    lemke, compiled = (answered(capsys, *arguments, solver)["transmittance_db"] for solver in ("lemke", "compiled"))
     assert lemke == pytest.approx(compiled, abs=1e-9)
 
 
 def test_more_steps_than_requested_come_with_the_reason(capsys) -> None:
     """ω_max of the canonical chain is 2.25 ω_r: a period at 0.9 ω_r needs 2π (2.25 / 0.9) / 0.4 = 39.3 steps."""
-    code, out, _ = run(capsys, "--steps-per-period", "16", "--json")
-    answer = json.loads(out)
-    assert code == 0
+    answer = answered(capsys, "--steps-per-period", "16")
     assert (answer["steps_per_period_requested"], answer["steps_per_period"]) == (16, 40)
     assert "dt ω_max <= 0.4" in answer["why_more_steps"]
     _, text, _ = run(capsys, "--steps-per-period", "16")
@@ -78,7 +74,7 @@ def test_more_steps_than_requested_come_with_the_reason(capsys) -> None:
 
 
 def test_as_many_steps_as_requested_need_no_reason(capsys) -> None:
-    answer = json.loads(run(capsys, "--steps-per-period", "500", "--json")[1])
+    answer = answered(capsys, "--steps-per-period", "500")
     assert (answer["steps_per_period_requested"], answer["steps_per_period"]) == (500, 500)
     assert answer["why_more_steps"] is None
     assert "asked" not in run(capsys, "--steps-per-period", "500")[1]
@@ -134,9 +130,7 @@ def test_wrong_input_is_one_clear_line_and_exit_code_2(capsys, arguments, words)
 
 
 def test_bench_prints_its_numbers(capsys) -> None:
-    code, out, _ = run(capsys, "bench", "--json")
-    numbers = json.loads(out)
-    assert code == 0
+    numbers = answered(capsys, "bench")
     assert numbers["figure3_points"] == 1314
     assert numbers["figure3_worst_residual"] <= 1e-8
     assert numbers["cell_steps_per_second"] > 0
@@ -147,9 +141,7 @@ def test_bench_prints_its_numbers(capsys) -> None:
 
 def test_long_chains_cost_as_much_a_cell_as_short_ones(capsys) -> None:
     """Bytes grow with the cells; what they cost is measured, and not tested here."""
-    code, out, _ = run(capsys, "bench", "--cells", "--json")
-    rows = json.loads(out)
-    assert code == 0
+    rows = answered(capsys, "bench", "--cells")
     assert [row["cells"] for row in rows] == [7, 100, 1_000, 10_000, 100_000]
     per_cell = [row["bytes"] / row["cells"] for row in rows]
     assert max(per_cell) <= 1.05 * min(per_cell)
@@ -170,13 +162,11 @@ def test_cost_of_a_point_is_a_table_of_methods(capsys, monkeypatch) -> None:
     code, out, _ = run(capsys, "bench", "--points")
     assert code == 0
     assert "harmonic" in out
-    code, out, _ = run(capsys, "bench", "--points", "--json")
-    assert [row["failed"] for row in json.loads(out)] == [0, 0, 0, 0]
+    assert [row["failed"] for row in answered(capsys, "bench", "--points")] == [0, 0, 0, 0]
 
 
 def test_error_bar_and_exact_value_are_printed(capsys) -> None:
-    _, out, _ = run(capsys, "--error-bar", "--exact-value", "--json")
-    answer = json.loads(out)
+    answer = answered(capsys, "--error-bar", "--exact-value")
     error = abs(answer["transmittance_db"] - answer["exact_db"])
     assert error <= answer["error_bar_db"] <= 10 * error
     assert answer["order"] == pytest.approx(1.0, abs=0.3)
@@ -187,8 +177,7 @@ def test_error_bar_and_exact_value_are_printed(capsys) -> None:
 
 def test_what_cannot_be_resolved_is_said_to_be(capsys) -> None:
     deep = ["--cells", "10", "--mass-ratio", "3", "--stiffness-ratio", "3", "--frequency-ratio", "2.5", "--error-bar"]
-    _, out, _ = run(capsys, *deep, "--exact-value", "--json")
-    answer = json.loads(out)
+    answer = answered(capsys, *deep, "--exact-value")
     assert answer["error_bar_db"] is None
     assert answer["exact_db"] < answer["floor_db"] < -140
     _, text, _ = run(capsys, *deep)
@@ -197,9 +186,8 @@ def test_what_cannot_be_resolved_is_said_to_be(capsys) -> None:
 
 
 def test_coverage_of_error_bars_is_printed(capsys) -> None:
-    code, out, _ = run(capsys, "coverage", "--chains", "2", "--json")
-    study = json.loads(out)
-    assert (code, study["chains"], study["uncertified"]) == (0, 2, 0)
+    study = answered(capsys, "coverage", "--chains", "2")
+    assert (study["chains"], study["uncertified"]) == (2, 0)
     assert [row["refinement"] for row in study["rows"] if row["quantity"] == "transmittance"] == [1, 2, 4]
     code, out, _ = run(capsys, "coverage", "--chains", "2")
     assert code == 0
@@ -209,18 +197,15 @@ def test_coverage_of_error_bars_is_printed(capsys) -> None:
 
 @pytest.mark.parametrize("place", EXACT_DB)
 def test_exact_solver_prints_the_same_keys(capsys, place) -> None:
-    arguments = ("--friction-ratio", str(place[0]), "--frequency-ratio", str(place[1]), "--json")
-    _, exact, _ = run(capsys, *arguments, "--solver", "exact")
-    _, scheme, _ = run(capsys, *arguments)
-    assert json.loads(exact).keys() == json.loads(scheme).keys()
-    assert json.loads(exact)["transmittance_db"] == pytest.approx(EXACT_DB[place], abs=1e-3)
+    arguments = ("--friction-ratio", str(place[0]), "--frequency-ratio", str(place[1]))
+    exact = answered(capsys, *arguments, "--solver", "exact")
+    assert exact.keys() == answered(capsys, *arguments).keys()
+    assert exact["transmittance_db"] == pytest.approx(EXACT_DB[place], abs=1e-3)
 
 
 def test_convergence_prints_orders_and_draws_them(capsys, tmp_path) -> None:
     file = tmp_path / "convergence.png"
-    code, out, _ = run(capsys, "convergence", "--json", "--plot", str(file))
-    studies = json.loads(out)
-    assert code == 0
+    studies = answered(capsys, "convergence", "--plot", str(file))
     assert len(studies) == 6
     assert all(abs(study["transmittance_order"] - 1) < 0.15 for study in studies.values())
     assert file.stat().st_size > 20_000

@@ -37,11 +37,12 @@ from tests.scenarios.in_process import evaluator, rub_harder
 SMALL = {"friction_ratios": (0.3,), "frequency_ratios": (0.3, 0.6, 0.63, 0.65, 0.7, 0.8, 0.9, 1.1)}
 
 
+def refuse(*_arguments: object) -> None:
+    raise AssertionError("something was computed")
+
+
 @pytest.fixture
 def no_computation(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_arguments: object) -> None:
-        raise AssertionError("something was computed")
-
     monkeypatch.setattr(Evaluator, "evaluate", refuse)
 
 
@@ -86,17 +87,12 @@ def one_line(capsys: pytest.CaptureFixture[str]) -> str:
 
 
 @pytest.mark.usefixtures("no_computation")
-def test_an_unknown_engine_is_refused_and_leaves_no_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_command(app, ["--engine", "mujocco", "--out", str(tmp_path / "report")]) == 2
-    assert "mujocco" in one_line(capsys)
-    assert not (tmp_path / "report").exists()
-
-
-@pytest.mark.usefixtures("no_computation")
-def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_that_cannot_hold_the_page_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "file").write_text("")
-    assert run_command(app, ["--quick", "--out", str(tmp_path / "file" / "report")]) == 2
-    assert "--out" in one_line(capsys)
+    (tmp_path / "index.html").mkdir()
+    for out, named in ((tmp_path / "file" / "report", "--out"), (tmp_path, "index.html")):
+        assert run_command(app, ["--quick", "--out", str(out)]) == 2
+        assert named in one_line(capsys)
 
 
 @pytest.mark.usefixtures("no_computation")
@@ -109,13 +105,6 @@ def test_a_folder_that_cannot_be_written_is_refused(
     monkeypatch.setattr(tempfile, "TemporaryFile", full)
     assert run_command(app, ["--quick", "--out", str(tmp_path)]) == 2
     assert "No space left on device" in one_line(capsys)
-
-
-@pytest.mark.usefixtures("no_computation")
-def test_a_page_that_is_a_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "index.html").mkdir()
-    assert run_command(app, ["--quick", "--out", str(tmp_path)]) == 2
-    assert "index.html" in one_line(capsys)
 
 
 @pytest.mark.usefixtures("no_computation")
@@ -132,14 +121,6 @@ def test_a_store_of_another_program_is_refused_and_left_alone(
     assert foreign.read_bytes() == before
 
 
-@pytest.mark.usefixtures("no_computation")
-@pytest.mark.parametrize("workers", ["0", "two"])
-def test_a_wrong_number_of_workers_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str], workers: str) -> None:
-    assert run_command(app, ["--workers", workers, "--out", str(tmp_path / "report")]) == 2
-    assert "workers" in one_line(capsys)
-    assert not (tmp_path / "report").exists()
-
-
 @pytest.mark.usefixtures("small_grid")
 def test_a_second_run_answers_from_the_store(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -153,9 +134,6 @@ def test_a_second_run_answers_from_the_store(
     assert {file.name for file in tmp_path.iterdir()} == {*FILES, "figures", "results.sqlite"}
     figures = {file.name for file in (tmp_path / "figures").iterdir()}
     assert figures >= {"figure3.svg", "figure3.pdf", "hysteresis-0.3-0.9.svg", "stick-slip-0.3-0.9.pdf"}
-
-    def refuse(*_arguments: object) -> None:
-        raise AssertionError("something was computed again")
 
     monkeypatch.setattr(LocalWorker, "run", refuse)
     assert run_command(app, arguments) == 0
@@ -194,22 +172,13 @@ def stopped(tmp_path: Path) -> list[str]:
     with ResultStore(tmp_path / "sweep.sqlite") as store:
         tasks = [asked.task(Variant("mujoco"), Case.of(friction_ratio=0.3), eta) for eta in (0.6, 0.9)]
         store.keep((task, Result(status="converged", transmittance_db=-1.0)) for task in tasks)
-    return [
-        "--sweep",
-        str(tmp_path / "sweep.toml"),
-        "--store",
-        str(tmp_path / "sweep.sqlite"),
-        "--out",
-        str(tmp_path / "out"),
-    ]
+    files = {"--sweep": "sweep.toml", "--store": "sweep.sqlite", "--out": "out"}
+    return [word for option, name in files.items() for word in (option, str(tmp_path / name))]
 
 
 def test_a_sweep_that_was_stopped_is_shown_as_far_as_it_went(
     stopped: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(*_arguments: object) -> None:
-        raise AssertionError("something was computed")
-
     monkeypatch.setattr(LocalWorker, "run", refuse)
     before = (tmp_path / "sweep.sqlite").read_bytes()
     assert run_command(app, [*stopped, "--no-run"]) == 0
@@ -343,16 +312,20 @@ def test_the_step_study_of_a_report_is_about_the_drive_of_its_sweep(tmp_path: Pa
         (["--data", "{sweep}", "--quick"], "neither --sweep, --engine nor --quick"),
         (["--data", "{sweep}"], "allowed: .nc, .toml or .sqlite"),
         (["--sweep", "nowhere.toml"], "nowhere.toml"),
+        (["--engine", "mujocco"], "mujocco"),
+        (["--workers", "0"], "workers"),
+        (["--workers", "two"], "workers"),
     ],
 )
-def test_wrong_ways_to_say_what_is_shown_are_refused(
+def test_wrong_input_is_refused_and_leaves_no_folder(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], named: str
 ) -> None:
-    files = {"sweep": tmp_path / "sweep.toml"}
-    files["sweep"].write_text(SWEEP)
-    asked = [argument.format(**files) for argument in arguments]
+    file = tmp_path / "sweep.toml"
+    file.write_text(SWEEP)
+    asked = [argument.format(sweep=file) for argument in arguments]
     assert run_command(app, [*asked, "--out", str(tmp_path / "out")]) == 2
     assert named in one_line(capsys)
+    assert not (tmp_path / "out").exists()
 
 
 def test_an_unexplained_disagreement_is_code_1_after_the_page_is_written(

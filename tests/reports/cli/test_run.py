@@ -1,4 +1,4 @@
-"""``multibody-xval run NAME``: verdicts, files, exit codes."""
+"""``multibody-xval run NAME``: verdicts, measurements, files, exit codes."""
 
 import csv
 import json
@@ -24,7 +24,9 @@ from scenarios.catalogue.verdict_table import (
     verdict_document,
     verdict_table,
 )
+from scenarios.runs.executor import InProcessExecutor
 from scenarios.runs.task import Recorded, SteadyStateTask
+from scenarios.studies import cost as cost_study
 from scenarios.verdicts.finding import Comparison, Finding, Metric, Prediction, Verdict
 from tests.junit import checked_junit
 
@@ -130,6 +132,13 @@ def test_an_interrupted_run_says_what_is_kept(run, capsys, tmp_path, monkeypatch
         (["run", "unit-cell", "--workers", "0"], "workers = 0"),
         (["run", "unit-cell", "--no-run"], "--store is missing; allowed where nothing is run: a store"),
         (["run", "all", "--time-limit", "-1"], "time_limit = -1"),
+        (["run", "accuracy", "--engine", "mujocko"], "engine = 'mujocko' is unknown"),
+        (["run", "accuracy", "--engine", "mujoco:glue"], "formulation of mujoco = 'glue' is unknown"),
+        (["run", "accuracy", "--out", "table.txt"], "--out = table.txt has the ending '.txt'; allowed: .md or .csv"),
+        (["run", "accuracy", "--out", "missing/table.md"], "the folder missing does not exist"),
+        (["run", "accuracy", "--workers", "0"], "workers = 0"),
+        (["run", "accuracy", "--time-limit", "-1"], "time_limit = -1"),
+        (["repot"], "No such command 'repot'"),
     ],
 )
 def test_wrong_input_is_refused_before_any_work(capsys, monkeypatch, arguments, message) -> None:
@@ -234,6 +243,37 @@ def test_mujoco_agrees_in_the_limits_and_writes_its_verdicts(tmp_path: Path, cap
     assert {row["reason"] for row in again if row["formulation"] == "contact"} == {"engine: not evaluated so far"}
 
 
+def test_cost_of_a_step_is_shared_by_the_lanes_of_a_batch(tmp_path: Path) -> None:
+    out = tmp_path / "batches.csv"
+    lanes = [f"--lanes={count}" for count in (1, 16)]
+    assert run_command(app, ["run", "cost", "--engine", "reference:joint:tuned", *lanes, "--out", str(out)]) == 0
+    with out.open() as file:
+        alone, shared = csv.DictReader(file)
+    assert (alone["lanes"], shared["lanes"]) == ("1", "16")
+    # Without a kernel of its own for many chains, each would cost what one costs: here it is a tenth.
+    assert 0 < float(shared["advance [µs]"]) < float(alone["advance [µs]"])
+
+
+def test_cost_is_that_of_steps_and_of_steady_states_beside_the_reference(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cost_study, "executor_here", lambda _workers: InProcessExecutor())
+    out = tmp_path / "cost.csv"
+    assert run_command(app, ["run", "cost", "--engine", "mujoco:joint", "--seconds", "0.1", "--out", str(out)]) == 0
+    row = {
+        name: value for name, value in next(csv.DictReader(out.read_text().splitlines())).items() if name != "variant"
+    }
+    cost = {name: float(value) for name, value in row.items()}
+    assert min(cost.values()) > 0
+    assert cost["advance / bare"] == pytest.approx(cost["advance [µs]"] / cost["bare [µs]"])
+    assert cost["cell-step [ns]"] == pytest.approx(1000 * cost["advance [µs]"] / 7)
+    assert cost["speed-up"] == pytest.approx(cost["point [ms]"] / cost["two workers [ms]"])
+    assert cost["certified"] == cost["points"] >= 4
+    # a point takes its periods' steps, and no engine's step is as cheap as the reference's in SIMD lanes
+    assert cost["point [ms]"] > 0.5e-3 * cost["periods"] * 400 * cost["advance [µs]"]
+    assert cost["step / reference"] > 1
+
+
 @pytest.mark.slow
 def test_an_engine_whose_friction_is_a_twentieth_too_strong_is_found_out(install, tmp_path: Path) -> None:
     out = tmp_path / "verdicts.json"
@@ -245,3 +285,15 @@ def test_an_engine_whose_friction_is_a_twentieth_too_strong_is_found_out(install
     assert {one["case"] for one in found if one["metric"] == "transmittance" and one["verdict"] == "disagree"} == {
         case.label for case in CATALOGUE["unit-cell"].cases
     }
+
+
+@pytest.mark.slow
+def test_accuracy_of_the_reference_is_that_of_its_scheme(tmp_path: Path) -> None:
+    """First order; below 0.01 dB at the six points, an error that the converged preset does not have."""
+    out = tmp_path / "accuracy.csv"
+    assert run_command(app, ["run", "accuracy", "--engine", "reference:all:all", "--out", str(out), "--no-cost"]) == 0
+    tuned, converged = csv.DictReader(out.read_text().splitlines())
+    assert float(tuned["points_400_db"]) < 0.01
+    assert 0.8 < float(tuned["order"]) < 1.3
+    assert int(tuned["missed"]) == int(converged["missed"]) == int(converged["spurious"]) == 0
+    assert float(converged["map_db"]) < 0.01 < float(tuned["map_db"])
