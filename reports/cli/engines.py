@@ -39,8 +39,17 @@ def engines(
     rows = [described(name) for name in registered_names()]
     if as_json:
         print(json.dumps(rows, indent=2))
-    else:
-        _print(rows)
+        return
+    lines = []
+    for row in rows:
+        arithmetic = row.get("precision", "") + ("" if row.get("deterministic", True) else ", varies")
+        law = f"{row.get('friction_law', '')}\n{arithmetic}"
+        presets = "\n".join(f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items())
+        lines.append((row["engine"], row["version"] or "missing", row["python"] or "", law, presets))
+    print_table(("engine", "version", "Python", "friction law, precision", "formulation: presets"), lines)
+    for row in rows:
+        if row["missing"] is not None:
+            print(visible(f"{row['engine']}: {row['missing']}"))
 
 
 @app.command()
@@ -269,17 +278,3 @@ def described(name: str) -> dict[str, Any]:
         "missing": missing,
         "notes": abilities.notes,
     }
-
-
-def _print(rows: list[dict[str, Any]]) -> None:
-    """Print the engines as a table, then the reasons of those that are missing."""
-    lines = []
-    for row in rows:
-        arithmetic = row.get("precision", "") + ("" if row.get("deterministic", True) else ", varies")
-        law = f"{row.get('friction_law', '')}\n{arithmetic}"
-        presets = "\n".join(f"{formulation}: {', '.join(names)}" for formulation, names in row["presets"].items())
-        lines.append((row["engine"], row["version"] or "missing", row["python"] or "", law, presets))
-    print_table(("engine", "version", "Python", "friction law, precision", "formulation: presets"), lines)
-    for row in rows:
-        if row["missing"] is not None:
-            print(visible(f"{row['engine']}: {row['missing']}"))

@@ -15,7 +15,7 @@ from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.parameters import Excitation, OperatingPoint
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.task import DEFAULT_EXCITATION, SteadyStateTask, versions_of
-from scenarios.tables import Column, csv_text, full_table, markdown_lines, text_table
+from scenarios.tables import Column, markdown_lines, text_table
 from scenarios.verdicts.finding import TRANSMITTANCE
 from scenarios.verdicts.judge import metric_difference
 from scenarios.verdicts.steady_case import EXACT
@@ -245,11 +245,6 @@ def accuracy_document(rows: Sequence[AccuracyRow], command: str) -> str:
         "",
     ]
     return "\n".join(lines)
-
-
-def csv_table(rows: Sequence[AccuracyRow]) -> str:
-    """Give the table as CSV, with full precision."""
-    return csv_text(full_table(ACCURACY_COLUMNS, rows))
 
 
 def remark(accuracy: Accuracy) -> str:

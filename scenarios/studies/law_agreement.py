@@ -14,7 +14,7 @@ from reference_lcp.validation import FloatArray
 from scenarios.runs.evaluator import Evaluator
 from scenarios.runs.result import Result, ResultStatus
 from scenarios.runs.task import Recorded, SteadyStateTask, versions_of
-from scenarios.tables import Column, csv_text, full_table, markdown_lines, text_table
+from scenarios.tables import Column, markdown_lines, text_table
 from scenarios.verdicts.steady_case import REFERENCE
 
 POINTS = tuple((friction, frequency) for friction in FRICTION_RATIOS for frequency in FREQUENCY_RATIOS)
@@ -144,8 +144,3 @@ def law_document(rows: Sequence[LawAgreement], command: str) -> str:
     lines += markdown_lines(text_table(LAW_COLUMNS, rows))
     versions = versions_of(row.variant.engine for row in rows)
     return "\n".join([*lines, "", f"Versions: {versions}; Python {platform.python_version()}.", ""])
-
-
-def law_csv(rows: Sequence[LawAgreement]) -> str:
-    """Give the table as CSV, with full precision."""
-    return csv_text(full_table(LAW_COLUMNS, rows))

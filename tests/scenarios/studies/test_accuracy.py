@@ -16,10 +16,10 @@ from scenarios.studies.accuracy import (
     accuracy_document,
     accuracy_of,
     accuracy_tasks,
-    csv_table,
     remark,
     transmittance_error_db,
 )
+from scenarios.tables import csv_text, full_table
 
 VARIANT = Variant("mujoco")
 EXACT = Result(
@@ -97,6 +97,6 @@ def test_tables_hold_every_column_and_name_the_command_and_the_versions() -> Non
     assert "| mujoco | joint | tuned | 0.250 | 0.250 | 0.250 |" in document
     assert "`multibody-xval run accuracy`" in document
     assert "Versions: mujoco" in document
-    read = list(csv.DictReader(io.StringIO(csv_table(rows))))
+    read = list(csv.DictReader(io.StringIO(csv_text(full_table(ACCURACY_COLUMNS, rows)))))
     assert float(read[0]["map_db"]) == pytest.approx(0.25)
     assert list(read[0]) == [column.key for column in ACCURACY_COLUMNS]

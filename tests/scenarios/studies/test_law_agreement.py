@@ -8,7 +8,14 @@ from engines.interface.variant import Variant
 from scenarios.runs.result import Result
 from scenarios.runs.store import opened_store
 from scenarios.runs.task import Recorded
-from scenarios.studies.law_agreement import LawAgreement, beside_the_reference, law_agreements, law_csv, law_document
+from scenarios.studies.law_agreement import (
+    LAW_COLUMNS,
+    LawAgreement,
+    beside_the_reference,
+    law_agreements,
+    law_document,
+)
+from scenarios.tables import csv_text, full_table
 from tests.scenarios.in_process import evaluator
 
 SOFT, UNMODELLED = Variant("mujoco", "joint", "default"), Variant("exudyn-bristle", "joint", "default")
@@ -64,7 +71,7 @@ def test_document_and_csv_hold_every_row() -> None:
     text = law_document(rows(), "multibody-xval run laws")
     assert "| mujoco:joint:default | a law | 3 | 2.5e-01 | 0.25 | 1.5e+00 |" in text
     assert "round-off decides" in text
-    assert len(law_csv(rows()).splitlines()) == 3
+    assert len(csv_text(full_table(LAW_COLUMNS, rows())).splitlines()) == 3
 
 
 @pytest.mark.slow
